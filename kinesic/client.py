@@ -14,7 +14,7 @@ import json
 import re
 import socket
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from selectors import EVENT_READ, DefaultSelector
 from types import TracebackType
 from typing import Self
@@ -165,7 +165,7 @@ class StopLine:
         self._owed = 0  # answers to stops
         try:
             self._client.do("stop_line")
-            self._await("stop_line", timeout)
+            _expect("stop_line", self._answer(timeout))
         except BaseException:
             self._client.close()
             raise
@@ -177,22 +177,25 @@ class StopLine:
             timeout: [s] to wait.
 
         Raises:
-            OSError: the server is gone, or does not answer in time: use the switch that cuts the power.
+            OSError: the server is gone, cannot stop, or does not answer in time: use the switch that cuts the power.
         """
         self._client.do("stop")
         self._owed += 1
         while self._owed:  # the answer to an earlier stop, which came too late, is none to this one
-            self._await("stopped", timeout)
+            answer = self._answer(timeout)
             self._owed -= 1
+        _expect("stopped", answer)
 
     def close(self) -> None:
         """Closes the connection."""
         self._client.close()
 
-    def _await(self, told: str, timeout: float) -> None:
-        answer = json.loads(self._client.receive(timeout) or "{}")
-        if answer.get("told") != told:
-            raise ConnectionError(answer.get("why", f"no answer came in {timeout:g} s"))
+    def _answer(self, timeout: float) -> dict[str, str]:
+        message = self._client.receive(timeout)
+        if message is None:
+            raise ConnectionError(f"no answer came in {timeout:g} s")
+        answer: dict[str, str] = json.loads(message)
+        return answer
 
     def __enter__(self) -> Self:
         return self
@@ -201,6 +204,11 @@ class StopLine:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+
+def _expect(told: str, answer: Mapping[str, str]) -> None:
+    if answer.get("told") != told:
+        raise ConnectionError(answer.get("why", f"the server answers {answer}"))
 
 
 def _refuses(message: str, name: str) -> bool:

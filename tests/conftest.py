@@ -22,7 +22,7 @@ from xdist.remote import Producer
 
 from .machine import Watch
 from .nudge import nudge_random_inputs
-from .scheduling import ClockBesideCalculation, rank, step_back
+from .scheduling import ClockBesideCalculation, begin_elsewhere, rank, step_back
 
 if "KINESIC_NUDGE" in os.environ:
     nudge_random_inputs(int(os.environ["KINESIC_NUDGE"]))  # before test modules and rooms draw
@@ -61,6 +61,17 @@ def pytest_collection() -> Generator[None, object, object]:
 
 
 atexit.register(gc.unfreeze)  # so that nothing seems to leak when the interpreter ends
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report(
+    collector: pytest.Collector,
+) -> Generator[None, pytest.CollectReport, pytest.CollectReport]:
+    report = yield
+    worker = getattr(collector.config, "workerinput", None)
+    if worker and collector.path == Path(__file__).parent:
+        report.result = begin_elsewhere(report.result, worker["workerid"], worker["workercount"])
+    return report
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:

@@ -4,6 +4,9 @@
 waiting, so they get a process of their own while there are any; the others calculate, and step back where both want a
 processor. They do not where others calculate too when the tests begin: they would step back behind these as well, and a
 run would hardly go on. Large files come first, so that all processes end together.
+
+Every process reads all tests. After a change each would compile the same file at the same moment: so each begins
+elsewhere, and finds compiled what the others have read.
 """
 
 import os
@@ -20,10 +23,16 @@ STEP_BACK = 5  # of niceness
 CROWD = 3  # processes for each processor that want to calculate, from which on nobody steps back
 
 
-def rank(file: Path, root: Path) -> tuple[int, int]:
+def rank(file: Path, root: Path) -> tuple[int, int, str]:
     """Ranks files of tests, the one to begin first lowest: the longest by their times, the others by their sizes."""
     name = file.relative_to(root).as_posix()
-    return (LONGEST.index(name) if name in LONGEST else len(LONGEST)), -file.stat().st_size
+    return (LONGEST.index(name) if name in LONGEST else len(LONGEST)), -file.stat().st_size, name
+
+
+def begin_elsewhere(nodes: list, worker: str, count: int) -> list:
+    """Turns what is to be read round, for each of so many processes by another share."""
+    first = len(nodes) * int(worker.removeprefix("gw")) // count
+    return nodes[first:] + nodes[:first]
 
 
 @cache

@@ -38,9 +38,10 @@ the stroke. The robot has no fingers: they are drawn to show the shape that a ha
 ![Every gesture at its stroke](gestures.png)
 
 `kinesic gestures list --json` prints the same as a vocabulary for a planner or a language model: a list of
-`{{id, category, says, meanings, hands, shapes, stroke_s, whole_s, synonyms, tempo}}`; `id` is what BML's `lexeme` says,
-`meanings` are words that speak of the gesture, `synonyms` names that find it too ([all of them](synonyms.md)), the
-times are natural ones in neutral manner. Keys may be added, never renamed.
+`{{id, category, says, meanings, hands, shapes, stroke_s, whole_s, synonyms, tempo, body}}`; `id` is what BML's
+`lexeme` says, `meanings` are words that speak of the gesture, `synonyms` names that find it too ([all of
+them](synonyms.md)), the times are natural ones in neutral manner, `body` is what head, trunk, shoulders, eyes and face
+do beside the hands. Keys may be added, never renamed.
 
 [At the end](#how-naturally-they-move) the gestures are measured beside those of people.
 """

@@ -18,7 +18,7 @@ from kinesic.bml.block import (
     refusal,
 )
 from kinesic.bml.reading.references import LONGEST
-from kinesic.bml.timing.constraints import Tie, own_ties, point_of
+from kinesic.bml.timing.constraints import Tie, own_ties, point_of, relaxing_ties
 from kinesic.bml.timing.negative_cycles import Edge, contradictions
 from kinesic.bml.timing.network import SHORTEST, Elsewhere, Network, ReferenceResolver
 from kinesic.bml.timing.points import natural_spans
@@ -86,8 +86,10 @@ class _Cast:
         return cls(block, {b.id: b for b in block.behaviours}, list(block.constraints), [], list(block.notices))
 
     def ties(self) -> list[Tie]:
-        """Equalities of attributes."""
-        return [tie for behaviour in self.behaviours.values() for tie in own_ties(behaviour, self.block.id)]
+        """Equalities of attributes, and what they imply."""
+        named = {point_of(ref) for constraint in self.constraints for ref in _refs(constraint)}
+        every, block = self.behaviours.values(), self.block.id
+        return [tie for each in every for tie in (*own_ties(each, block), *relaxing_ties(each, block, named))]
 
     def note(self, kind: NoticeType, text: str, behaviour: str | None = None) -> None:
         self.notices.append(Notice(kind, ":".join(filter(None, (self.block.id, behaviour))), text))

@@ -19,6 +19,7 @@ OTHER_SIDE: Mapping[Side, Side] = {"l": "r", "r": "l"}
 SIDE_NAMES: Mapping[Side, str] = {"l": "left", "r": "right"}
 PartName = Literal["torso", "head", "l_hand", "r_hand"]  # what a behaviour moves
 CHAINS: Mapping[PartName, str] = {"torso": "torso", "l_hand": "l_arm", "r_hand": "r_arm", "head": "neck"}
+LIFTING = "sternoclavicular_abduct"  # how the name of a hinge ends that raises a shoulder
 SPEED_SHARE = 0.8  # of the no-load speed that a plan may use
 
 
@@ -32,13 +33,16 @@ class RobotArm:
     elbow: int  # index of the forearm's segment
     wrist: int  # index of the hand's segment
     palm: Site
+    lifting: tuple[int, ...]  # its hinges that raise the shoulder
 
     @classmethod
     def of(cls, robot: Description, side: Side) -> "RobotArm":
         """The arm of one side."""
         skeleton, segments = robot.skeleton, robot.chains[f"{side}_arm"]
         shoulder, elbow, wrist = (skeleton.segment(name) for name in segments[-3:])
-        return cls(segments, skeleton.joints_of(segments), shoulder, elbow, wrist, robot.sites[f"{side}_palm"])
+        joints = skeleton.joints_of(segments)
+        lifting = tuple(k for k in joints if skeleton.names[k].endswith(LIFTING))
+        return cls(segments, joints, shoulder, elbow, wrist, robot.sites[f"{side}_palm"], lifting)
 
 
 @dataclass(frozen=True, eq=False)

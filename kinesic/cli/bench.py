@@ -13,14 +13,21 @@ from rich.table import Table
 from kinesic.bench import PARTS
 from kinesic.bench.figure import Figure
 from kinesic.body.config import names_of
+from kinesic.cli.progress import Stage, show_stages, untold
 from kinesic.cli.terminal import console
 from kinesic.files.held_folder import name_failures
 from kinesic.files.output_file import new_file
 
+RATE = 1.0  # [Hz] of pictures of the progress bar, which must not be measured along
 
-def measure(part: str) -> list[Figure]:
-    """Measures a part; only its own modules are imported."""
-    return [figure for module in PARTS[part] for figure in import_module(f"kinesic.bench.{module}").bench()]
+
+def measure(part: str, stage: Stage = untold) -> list[Figure]:
+    """Measures a part, and names what it is at; only its own modules are imported."""
+    figures: list[Figure] = []
+    for module in PARTS[part]:
+        stage(f"measuring {module}")
+        figures += import_module(f"kinesic.bench.{module}").bench()
+    return figures
 
 
 def print_figures(
@@ -41,12 +48,15 @@ def print_figures(
         with name_failures(plots):
             plots.mkdir(parents=True, exist_ok=True)
     names = list(PARTS) if part == "all" else [part]
-    if styles or capture:
-        figures = _measure_naturalness(styles, capture)
-    else:
-        figures = [figure for name in names for figure in measure(name)]
-    if plots is not None:
-        _draw(figures, names, plots, styles=styles or (() if capture else names_of("style")), force=force)
+    with show_stages(rate=RATE) as stage:
+        if styles or capture:
+            stage("measuring naturalness")
+            figures = _measure_naturalness(styles, capture)
+        else:
+            figures = [figure for name in names for figure in measure(name, stage)]
+        if plots is not None:
+            stage("drawing")
+            _draw(figures, names, plots, styles=styles or (() if capture else names_of("style")), force=force)
     if as_json:
         click.echo(json.dumps([asdict(figure) | {"ok": figure.ok} for figure in figures], indent=1))
         return 0
@@ -74,7 +84,10 @@ def _print_matrix(*, as_json: bool) -> int:
     from kinesic.bench.bus import faults  # noqa: PLC0415 - no other part needs the drivers of others
 
     if as_json:
-        click.echo(json.dumps([fared.record() for fared in faults.compare_drivers()], indent=1))
+        with show_stages(rate=RATE) as stage:
+            stage("comparing drivers")
+            rows = [fared.record() for fared in faults.compare_drivers()]
+        click.echo(json.dumps(rows, indent=1))
         return 0
     for fared in faults.compare_drivers():
         click.echo(fared)

@@ -14,6 +14,7 @@ from kinesic.cli.plain_words import printable
 from kinesic.cli.progress import share_of, show_stages
 from kinesic.cli.terminal import console, quote_text
 from kinesic.controller.perform import set_up
+from kinesic.expressivity.lexicon.body_form import NO_BODY
 from kinesic.expressivity.lexicon.form import Match
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.files.output_file import check_file, new_file
@@ -35,10 +36,18 @@ def list_gestures(lexicon: Path | None, robot: str, category: str | None, as_jso
     if as_json:
         click.echo(json.dumps([asdict(entry) for entry in entries], indent=1))
         return 0
-    table = Table("gesture", "category", "hands", "tempo", "stroke s", "what is done", box=None)
+    table = Table("gesture", "category", "hands", "tempo", "stroke s", "body", "what is done", box=None)
     for entry in entries:
         tempo = "" if entry.tempo == "neutral" else entry.tempo
-        cells = (entry.id, entry.category, " ".join(entry.hands), tempo, f"{entry.stroke_s:.1f}", entry.says)
+        cells = (
+            entry.id,
+            entry.category,
+            " ".join(entry.hands),
+            tempo,
+            f"{entry.stroke_s:.1f}",
+            entry.body,
+            entry.says,
+        )
         table.add_row(*map(quote_text, cells))
     console().print(table)
     return 0
@@ -58,6 +67,7 @@ def show_gesture(lexeme: str, lexicon: Path | None) -> int:
     click.echo(printable(f"meanings: {', '.join(sense.words)}"))
     if names := known.names_of(form.id):
         click.echo(printable(f"synonyms: {', '.join(names)}"))
+    click.echo(f"body: {form.body if form.body != NO_BODY else 'the hands alone'}")
     headings = ("key", "hand", "forward", "outward", "up", "palm", "pointing", "shape", "openness", "touches", "path")
     table = Table(*headings, box=None)
     for number, key in enumerate(form.keys, start=1):

@@ -1,5 +1,6 @@
 """`kinesic plan`: one document as a motion in a file, or as a timeline on the screen; nothing moves."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import click
@@ -12,6 +13,7 @@ from kinesic.cli.options import Planning, read_input
 from kinesic.cli.progress import show_stages
 from kinesic.cli.summary import print_notices
 from kinesic.cli.terminal import console, error_console, quote_text
+from kinesic.controller.synchrony import StrokeLag, median_lag, planned_lags
 from kinesic.files.output_file import check_file
 from kinesic.planning.bap import SUFFIX, read_bap
 from kinesic.planning.imported_motion import plan_imported
@@ -34,11 +36,15 @@ def plan_file(file: str, planning: Planning, out: Path | None, force: bool) -> i
         stage("planning")
         known = planning.set_up()
         planned = plan_motion(file, known) if is_motion(file) else plan_block(parse_document(file, known), known)
+    lags = planned_lags(planned)
     if out is None:
-        print_timeline(planned, console())
+        print_timeline(planned, lags, console())
     else:
         save_motion(planned.trajectory, known.robot, out, force=force)
     print_notices(planned, error_console())
+    middle = median_lag(lags)
+    if middle is not None:
+        click.echo(f"hands are fastest {middle:.2f} s from their words (median, strokes: {len(lags)})")
     click.echo(f"{planned.trajectory.duration:.2f} s, {len(planned.postures.postures)} keys")
     click.echo("nothing is written: --out motion.npz (.csv, .bap) would be" if out is None else f"motion: {out}")
     return 0
@@ -72,28 +78,37 @@ def plan_motion(file: str, known: Setup) -> Plan:
     return plan_imported(read_bap(Path(file), known.robot), known, source=file)
 
 
-def print_timeline(planned: Plan, screen: Console) -> None:
-    """Prints a row for each behaviour that is performed, in time order, with all its sync points in block time [s]."""
+def print_timeline(planned: Plan, lags: Sequence[StrokeLag], screen: Console) -> None:
+    """Prints a row for each behaviour that is performed, in time order, with all its sync points in block time [s].
+
+    Args:
+        planned: what is performed.
+        lags: of its strokes that are tied to words.
+        screen: to print on.
+    """
     table = Table(box=None, header_style="bold")
     for name in ("from", "to"):
         table.add_column(name, justify="right", no_wrap=True)
     for name in ("behaviour", "does", "sync points"):
         table.add_column(name)
     known = {behaviour.id: behaviour for behaviour in planned.timeline.block.behaviours}
+    tied = {(each.behaviour, each.sync): each for each in lags}
     rows: dict[str, list[SyncTime]] = {}
     for sync in planned.syncs:
         rows.setdefault(sync.behaviour, []).append(sync)
     for name, syncs in rows.items():
-        between = ", ".join(_point(sync) for sync in syncs if sync.sync not in ENDS or _is_moved(sync))
+        shown = [sync for sync in syncs if sync.sync not in ENDS or _is_moved(sync)]
+        between = ", ".join(_point(sync, tied.get((name, sync.sync))) for sync in shown)
         times = (f"{syncs[0].planned:.2f}", f"{syncs[-1].planned:.2f}")
         table.add_row(*times, *map(quote_text, (name, _does(known[name]), between)))
     if rows:
         screen.print(table)
 
 
-def _point(sync: SyncTime) -> str:
+def _point(sync: SyncTime, lag: StrokeLag | None) -> str:
     asked = f" (asked {sync.asked:.2f})" if _is_moved(sync) else ""
-    return f"{sync.sync} {sync.planned:.2f}{asked}"
+    fastest = "" if lag is None else f" (hand fastest at {lag.fastest:.2f})"
+    return f"{sync.sync} {sync.planned:.2f}{asked}{fastest}"
 
 
 def _is_moved(sync: SyncTime) -> bool:

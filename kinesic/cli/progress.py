@@ -13,22 +13,26 @@ class Stage(Protocol):
         """Names the stage, and the share of it that is done, 0..1; None: nobody knows."""
 
 
-def _untold(name: str, share: float | None = None, /) -> None:
+def untold(name: str, share: float | None = None, /) -> None:
     """Nobody looks."""
 
 
 @contextmanager
-def show_stages() -> Iterator[Stage]:
-    """Opens a bar on the terminal that standard error is, which goes again at the end; without one, yields nothing."""
+def show_stages(*, rate: float = 10.0) -> Iterator[Stage]:
+    """Opens a bar on the terminal that standard error is, which goes again at the end; without one, yields nothing.
+
+    Args:
+        rate: of its pictures [Hz]; the fewer, the less they disturb what is measured meanwhile.
+    """
     if not sys.stderr.isatty():
-        yield _untold
+        yield untold
         return
     from rich.console import Console  # noqa: PLC0415 - slow to import, and pipes need it not
     from rich.markup import escape  # noqa: PLC0415 - as above
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn  # noqa: PLC0415 - as above
 
     columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+    with Progress(*columns, console=Console(stderr=True), transient=True, refresh_per_second=rate) as bar:
         task = bar.add_task("", total=None)
 
         def tell(name: str, share: float | None = None, /) -> None:

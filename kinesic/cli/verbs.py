@@ -36,6 +36,12 @@ RULE_HELP = (
     f"A limit for clients: {', '.join(f'{each.name}={getattr(USUAL, each.name):g}' for each in fields(Quotas))}."
 )
 FORCE_HELP = "Replaces a folder that kinesic has made."
+COMPARED = ("whole_body=0", "fluidity=-1", "power=-1")
+COMPARE_HELP = (
+    "A setting, as for --set, or idle=calm: gestures are compared with and without it; repeat it "
+    f"(default: {', '.join(COMPARED)})."
+)
+TEXT_HELP = "BML that is compared as gestures are, with its words as captions; repeat it."
 FREE_HELP = "Figures that may differ from the data sheets; repeat it. mass only without stall."
 
 lexicon_option = click.option("--lexicon", type=click.Path(path_type=Path), help="TOML, or Greta's gestuary XML.")
@@ -208,7 +214,7 @@ def _serve() -> None:
 
 @kinesic.group()
 def study() -> None:
-    """Asks people what they see in the face, with and without wrinkles."""
+    """Asks people what they see in the face, and in gestures."""
 
 
 @study.command("make")
@@ -217,17 +223,32 @@ def study() -> None:
 @click.option("--size", type=click.IntRange(64, 1024), default=384, show_default=True, help="Pixels along a side.")
 @click.option("--preset", type=click.Choice(list(PRESETS)), default="normal", show_default=True)
 @click.option("--post-to", default="", metavar="URL", help="Where answers are sent too, as CSV.")
-@done_by("study:make_study")
+@done_by("study.face:make_study")
 def _make_study() -> None:
     """Draws all 128 faces and writes the page that shows them and asks."""
+
+
+@study.command("make-gestures")
+@click.option("--out", type=click.Path(path_type=Path), help="Folder of the study (default: out/gesture-study-TIME).")
+@click.option("--force", is_flag=True, help=FORCE_HELP)
+@click.option("--gesture", "gestures", multiple=True, metavar="ID", help="One of the study, by its id; repeat it.")
+@click.option("--count", type=click.IntRange(6), default=48, show_default=True, help="Gestures that are drawn instead.")
+@click.option("--compare", "conditions", multiple=True, metavar="NAME=VALUE", default=COMPARED, help=COMPARE_HELP)
+@click.option("--pairs", type=click.IntRange(0), default=12, show_default=True, help="Gestures compared for each.")
+@click.option("--text", "documents", multiple=True, type=click.Path(path_type=Path), metavar="FILE", help=TEXT_HELP)
+@click.option("--post-to", default="", metavar="URL", help="Where answers are sent too, as CSV.")
+@planning
+@done_by("study.gestures:make_gesture_study")
+def _make_gesture_study() -> None:
+    """Plans gestures and writes the page that plays them and asks: which of six meanings, and which is more natural."""
 
 
 @study.command("analyse")
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--json", "as_json", is_flag=True, help="Prints the tables as JSON.")
-@done_by("study:analyse_study")
+@done_by("study.analyse:analyse_study")
 def _analyse_study() -> None:
-    """Compares the conditions in FILES, the answers (CSV) of all participants."""
+    """Says what is in FILES, the answers (CSV) of all participants in a study of the face or of gestures."""
 
 
 @kinesic.command("sweep")

@@ -16,6 +16,7 @@ from kinesic.controller.arrival import Arrival, arrivals, lags, part_paths
 from kinesic.controller.clearance_watch import LOOK, foresee
 from kinesic.controller.play import command_times
 from kinesic.controller.smoothness import dimensionless_jerk
+from kinesic.controller.synchrony import StrokeLag, measure_lags
 from kinesic.controller.tracking_delay import tracking_delay
 from kinesic.motion.limit_check import Peaks, check_limits
 from kinesic.planning.plan import Plan
@@ -173,6 +174,11 @@ class Performance:
         """How much later than planned each sync point was met in the twin [s]; None: never."""
         performed = part_paths(self.measured.angles, self.plan.setup.robot, self.measured.hands)
         return lags(self.reference.arrivals, self.measured.times, performed)
+
+    @cached_property
+    def stroke_lags(self) -> tuple[StrokeLag, ...]:
+        """When the twin's wrists are fastest in the strokes that are tied to words."""
+        return measure_lags(self.plan, self.measured.times, self.measured.hands)
 
     @cached_property
     def errors(self) -> Floats:

@@ -1,7 +1,7 @@
 """Turns each behaviour into moves: rotations of head and torso, strokes of the hands, and what becomes of it."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import zip_longest
 
 from kinesic.bml.block import (
@@ -9,6 +9,7 @@ from kinesic.bml.block import (
     Gesture,
     Head,
     HeadDirectionShift,
+    Modality,
     NoticeType,
     Pointing,
     Posture,
@@ -23,11 +24,15 @@ from kinesic.expressivity.hands.poses import REST, Poses, pointing_poses, poses
 from kinesic.expressivity.hands.strokes import Stroke
 from kinesic.expressivity.head import head_form, head_layer
 from kinesic.expressivity.keyframes import Outcome
+from kinesic.expressivity.lexicon.body_form import NO_BODY, BodyForm
 from kinesic.expressivity.lexicon.form import PLAIN_SHAPES, GestureForm, Match
 from kinesic.expressivity.lexicon.lexicon import mirror_form
 from kinesic.expressivity.turns import UPRIGHT, Layer, exclusive, pass_layer
 
 REALISED = Outcome("realised")
+DEICTIC = "deictic"  # category of gestures that point
+WIDEST = 0.5  # more of the body's part at a spatial extent of 1, and less at -1
+WEIGHED: tuple[Modality, Modality, Modality] = ("head", "torso", "gesture")
 COUNTING = "count"  # gestures whose names begin with it count on one hand
 
 
@@ -72,6 +77,7 @@ def gesture_move(timed: TimedBehaviour, action: Gesture, context: BlockContext) 
     if action.target is not None and not unmet:
         return pointing_move(timed, Pointing(action.target, action.mode), context)
     manner = context.manner(timed.behaviour)
+    form = replace(form, body=_weigh_body(form.body, timed, context))
     options = [form]
     whole = context.lexicon.forms_by_id[form.id]  # whose one hand may be turned round, while that of `left` is `right`
     if action.mode == "unspecified" and len(form.sides) == len(whole.sides) == 1 and not form.rest:
@@ -104,7 +110,7 @@ def _unmet(action: Gesture, form: GestureForm, context: BlockContext) -> tuple[B
         return ()
     if context.find_target(action.target) is None:
         return (BehaviourWarning(NoticeType.NO_SUCH_TARGET, context.unknown_target(action.target)),)
-    if form.category != "deictic":
+    if form.category != DEICTIC:
         text = f"gesture {form.id} is no deictic one and leaves its target out"
         return (BehaviourWarning(NoticeType.CANNOT_CREATE_BEHAVIOR, text),)
     return ()
@@ -115,14 +121,25 @@ def pointing_move(timed: TimedBehaviour, action: Pointing, context: BlockContext
     place = context.find_target(action.target)
     if place is None:
         return drop_behaviour(context.unknown_target(action.target), NoticeType.NO_SUCH_TARGET)
-    work: dict[Side, Poses] = {side: pointing_poses(place, side, context.robot) for side in SIDES}
-    both = Poses({side: work[side].hands[side] for side in SIDES}, work["l"].stroke)
+    usual = _weigh_body(context.lexicon.bodies.get(DEICTIC, NO_BODY), timed, context)
+    bodies: Mapping[Side, BodyForm] = {"l": usual.mirrored, "r": usual}
+    work = {side: replace(pointing_poses(place, side, context.robot), body=bodies[side]) for side in SIDES}
+    both = Poses({side: work[side].hands[side] for side in SIDES}, work["l"].stroke, body=usual.symmetric)
     nearer = (work["l"], work["r"]) if place[1] > 0 else (work["r"], work["l"])
     options = {"left": (work["l"],), "right": (work["r"],), "both": (both,), "unspecified": nearer}
     manner = context.manner(timed.behaviour, "gesture")
     importance = 2 if timed.behaviour.required else 1
     stroke = Stroke(timed.behaviour.id, timed.times, options[action.mode], manner=manner, importance=importance)
     return Move(strokes=(stroke,))
+
+
+def _weigh_body(body: BodyForm, timed: TimedBehaviour, context: BlockContext) -> BodyForm:
+    """Makes the body's part in a gesture as large as its style has it, and each part's spatial extent."""
+    weight = context.styles[timed.behaviour.id].whole_body
+    head, trunk, arms = (
+        weight * (1.0 + WIDEST * context.manner(timed.behaviour, modality).spatial) for modality in WEIGHED
+    )
+    return body.weighed(head=head, trunk=trunk, shoulders=arms, face=weight)
 
 
 def head_move(timed: TimedBehaviour, action: Head, context: BlockContext) -> Move:

@@ -80,7 +80,7 @@ def aim(action: Gaze | HeadDirectionShift, context: BlockContext, base: Aim = ST
         place, missing = context.targets.get(AUDIENCE), context.unknown_target(action.target)
     if place is None:
         return None
-    turn = add_turns(_towards(place, robot), offset)
+    turn = add_turns(towards(place, robot), offset)
     return _share_turn(turn, influence=influence, robot=robot, base=base, missing=missing)
 
 
@@ -103,19 +103,20 @@ def look_time(look: Aim, pace: Pace, temporal: float = 0.0) -> float:
     return max(_LEAST_LOOK, head, trunk)
 
 
-def _usual_time(turn: Turn, speed: float) -> float:
-    """What people take to look somewhere [s]: wide turns are faster, with Greta's peak speed of 4/3 a + `speed`."""
-    angle = max(map(abs, axes(turn)))
-    return _PEAK * angle / (4 / 3 * angle + speed)
-
-
-def _towards(place: Floats, robot: Robot) -> Turn:
+def towards(place: Floats, robot: Robot) -> Turn:
+    """Finds the rotation of a gaze from upright to a place (3,) [m] in the world."""
     frames = robot.skeleton.resting
     k = robot.skeleton.segment(robot.chains["neck"][-1])
     eyes = robot.sites.get("eyes")
     inside = np.zeros(3) if eyes is None else eyes.position
     x, y, z = place - (frames.origins[k] + frames.rotations[k] @ inside)
     return Turn(torsion=atan2(y, x), tilt=atan2(-z, hypot(x, y)))
+
+
+def _usual_time(turn: Turn, speed: float) -> float:
+    """What people take to look somewhere [s]: wide turns are faster, with Greta's peak speed of 4/3 a + `speed`."""
+    angle = max(map(abs, axes(turn)))
+    return _PEAK * angle / (4 / 3 * angle + speed)
 
 
 def _offset(gaze: Gaze, block: Block) -> Turn:

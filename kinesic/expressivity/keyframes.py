@@ -30,6 +30,25 @@ class Turn:
     roll: float = 0.0  # [rad] + to the right
 
 
+@dataclass(frozen=True)
+class BodyMove:
+    """What the rest of the body does in one gesture, where nothing else is asked of it."""
+
+    head: Turn = Turn()  # at the stroke
+    nod: float = 0.0  # [rad] down at each stroke, beyond where the head is
+    shake: float = 0.0  # [rad] of the head to either side, first to the left; below 0 to the right
+    trunk: Turn = Turn()
+    shoulders: float = 0.0  # [rad] that they rise above the hands that take part
+    eyes: Turn | None = None  # where they look, in the world; None: wherever they did
+    face: tuple[tuple[str, float], ...] = ()  # lexemes of expressions, and their amounts
+    gave_way: tuple[str, ...] = ()  # parts that something else of the document needs meanwhile
+
+    @property
+    def still(self) -> bool:
+        """Whether only the hands move."""
+        return self.head == self.trunk == Turn() and self.nod == self.shake == self.shoulders == 0.0
+
+
 @dataclass(frozen=True, eq=False)
 class Hand:
     """Where one hand is."""
@@ -40,6 +59,7 @@ class Hand:
     openness: float = 0.0  # 0 the elbow hangs as the hand lets it .. 1 it stands far out
     effort: float = 0.0  # 0 the shoulder stays .. 1 the arm pulls it along
     passing: bool = False  # on a path: the elbow comes along as it is
+    lift: float = 0.0  # [rad] that the shoulder rises, wherever the hand is
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,3 +90,4 @@ class KeyFrames:
     outcomes: Mapping[str, Outcome]  # behaviour id -> what became of it, dropped ones included
     uses: Mapping[str, frozenset[PartName]] = field(default_factory=dict)  # behaviour id -> the parts it moves
     notices: tuple[Notice, ...] = ()  # those of the timeline included
+    bodies: Mapping[str, BodyMove] = field(default_factory=dict)  # id of a gesture -> what the body does beside it

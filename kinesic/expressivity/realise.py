@@ -49,6 +49,7 @@ from kinesic.expressivity.idle import add_idle_motion
 from kinesic.expressivity.keyframes import KeyFrames, Outcome
 from kinesic.expressivity.posture import posture_moves
 from kinesic.expressivity.trunk import turn_trunk_along
+from kinesic.expressivity.whole_body import Accompanied, Asked, WholeBody, accompany, axes_used
 
 ALL: Mapping[str, str] = MappingProxyType({})  # nothing is left out
 
@@ -90,13 +91,38 @@ def keyframes(
         for id, move in moves.items()
         for warned in move.warnings
     ]
-    sequences = _sequences(timeline, context, moves, hands)
+    beside = _whole_body(timeline, context, moves, hands)
+    sequences = _sequences(timeline, context, moves, hands, beside)
     frames = gather_frames(sequences, syncs, context.robot, PRIORITIES[context.shared.gathering])
-    return KeyFrames(timeline, frames, outcomes, uses, (*timeline.notices, *notices))
+    return KeyFrames(timeline, frames, outcomes, uses, (*timeline.notices, *notices), beside.moves)
 
 
-def _sequences(timeline: Timeline, context: BlockContext, moves: Mapping[str, Move], hands: Arranged) -> Sequences:
-    """Joins all moves part by part, with the trunk's share in gestures, and idle motion in the pauses."""
+def _whole_body(timeline: Timeline, context: BlockContext, moves: Mapping[str, Move], hands: Arranged) -> WholeBody:
+    """What goes along with the hands of gestures, and gives way to other behaviours."""
+    behaviours = {timed.behaviour.id: timed.behaviour for timed in timeline.timed}
+    gestures = [
+        Accompanied(work, context.manner(behaviour, "head"), context.manner(behaviour, "torso"))
+        for work in hands.works
+        if isinstance((behaviour := behaviours[work.id]).action, Gesture | Pointing)
+    ]
+    performed = [timed for timed in timeline.timed if moves[timed.behaviour.id].outcome.kind != "dropped"]
+    asked = Asked(
+        head=axes_used(layer for move in moves.values() for layer in move.head),
+        torso=axes_used(layer for move in moves.values() for layer in move.torso),
+        eyes=[_span(timed) for timed in performed if isinstance(timed.behaviour.action, Gaze | HeadDirectionShift)],
+        face=[_span(timed) for timed in performed if isinstance(timed.behaviour.action, Face)],
+    )
+    return accompany(gestures, asked, context.pace)
+
+
+def _span(timed: TimedBehaviour) -> tuple[float, float]:
+    return min(timed.times.values()), max(timed.times.values())
+
+
+def _sequences(
+    timeline: Timeline, context: BlockContext, moves: Mapping[str, Move], hands: Arranged, beside: WholeBody
+) -> Sequences:
+    """Joins all moves part by part, with the body's share in gestures, and idle motion in the pauses."""
     trunk = [
         turn_trunk_along(work, context.manner(timed.behaviour, "torso"), context.pace)
         for timed in timeline.timed
@@ -105,8 +131,8 @@ def _sequences(timeline: Timeline, context: BlockContext, moves: Mapping[str, Mo
         if work.id == timed.behaviour.id
     ]
     sequences = Sequences(
-        torso=(*(layer for move in moves.values() for layer in move.torso), *filter(None, trunk)),
-        head=tuple(layer for move in moves.values() for layer in move.head),
+        torso=(*(layer for move in moves.values() for layer in move.torso), *filter(None, (*trunk, beside.torso))),
+        head=(*(layer for move in moves.values() for layer in move.head), *filter(None, (beside.head,))),
         hands=hands.hands,
     )
     return add_idle_motion(sequences, (timeline.start, timeline.end), context.shared.idling, context.robot)

@@ -120,7 +120,9 @@ def turn_trunk_along(work: HandStroke, manner: Expressivity, pace: Pace) -> Laye
         if float(np.linalg.norm(way)) > STILL:
             swayed = _sway(way, power)
         if moment - keys[-1].time >= MERGE:
-            keys.append(TurnKey(moment, _manageable(keys[-1], add_turns(swayed, recline), moment, pace)))
+            before, desired = keys[-1], add_turns(swayed, recline)
+            turn = pace.manageable_turn("torso", before.turn, desired, moment - before.time, HASTE)
+            keys.append(TurnKey(moment, turn))
     return (*keys, *_return(keys[-1], times, pace))
 
 
@@ -138,14 +140,6 @@ def _sway(way: Floats, power: float) -> Turn:
     """Equation 8.7.1 for a way of the hands, x forward, y left, z up [arm lengths]."""
     gain = SWAY * power / (float(np.linalg.norm(way)) + 1.0)
     return Turn(torsion=gain * float(way[1]), tilt=-gain * float(way[2]))
-
-
-def _manageable(key: TurnKey, desired: Turn, moment: float, pace: Pace) -> Turn:
-    """The part of the way to a rotation that the trunk manages by a moment [s]."""
-    change = add_turns(desired, scale_turn(key.turn, -1.0))
-    share = min(1.0, HASTE * (moment - key.time) / max(pace.least_turn_time("torso", change), MERGE))
-    eased = share**3  # least times shrink no slower than the cube root of the way
-    return add_turns(key.turn, scale_turn(change, eased))
 
 
 def _return(key: TurnKey, times: Mapping[str, float], pace: Pace) -> tuple[TurnKey, ...]:

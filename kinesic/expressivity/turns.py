@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import pairwise
 from math import degrees
 
@@ -73,6 +74,7 @@ def axes(turn: Turn) -> tuple[float, float, float]:
     return turn.torsion, turn.tilt, turn.roll
 
 
+@lru_cache(maxsize=16)
 def room(robot: Robot, chain: str) -> tuple[Turn, Turn]:
     """Finds the least and greatest rotation of a chain's hinges; zero where it has no hinge for an axis."""
     skeleton = robot.skeleton

@@ -14,6 +14,7 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.bspline import grid
+from kinesic.motion.budget import ENDLESS, Budget
 from kinesic.motion.desired import DesiredMotion, join_keys
 from kinesic.motion.key_times import Bottleneck, Search
 from kinesic.motion.keys import Bond, KeyPosture, Keys, Pair
@@ -46,6 +47,7 @@ def condition(
     lead_in: float = LEAD_IN,
     ease: float = 1.0,
     make_desired: MakeDesired = join_keys,
+    budget: Budget = ENDLESS,
 ) -> Conditioned:
     """Conditions key postures into the nearest motion within the limits.
 
@@ -56,13 +58,14 @@ def condition(
         lead_in: [s] by which the first key may come earlier.
         ease: share of the limits for key times; below 1 there is time to stay nearer to the desired motion.
         make_desired: the desired motion, of which only the angles are used.
+        budget: for the search of key times; hinges rest at their keys where it is spent.
 
     Raises:
         ArithmeticError: a hinge cannot move within its limits, however slowly.
     """
     keys = Keys.of(postures, limits, bonds)
     eased = limits.times(ease)
-    search = Search(keys, eased, lead_in)
+    search = Search(keys, eased, lead_in, budget)
     found = _nearest(search.times, keys, eased, make_desired)
     while isinstance(found, SplineSegment):
         search.avoid(found)

@@ -18,6 +18,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.body.limits import Limits
+from kinesic.motion.budget import ENDLESS, Budget
 from kinesic.motion.double_s import least_rest_times
 from kinesic.motion.infeasibility import Infeasibility, Quantity, guess_share, measure_shortage
 from kinesic.motion.key_time_lp import CuttingPlane, KeyTimeProblem, relax_key_times, strain
@@ -33,6 +34,7 @@ RESERVE = 1.02  # on durations from rest to rest
 GRID = 0.04  # [s] that the grid may cost
 PLANES = 40  # of a way before its times are stretched
 LOOKS = 45_000  # pieces of segments that are measured before what is short rests; a count, the same on every host
+KEYS = 400  # in whose linear program there is the work of as many pieces; it grows with their square
 REPEATS = 2  # strokes once more, from which on times are stretched before any plane is tried
 STRETCHES = 6  # of a way before its hinge rests
 MARGIN = 0.002  # of the time, kept so that a motion is found quickly
@@ -77,15 +79,16 @@ class Bottleneck:
 class Search:
     """A search for feasible key times, which goes on with each segment that turns out to be infeasible."""
 
-    def __init__(self, keys: Keys, limits: Limits, lead_in: float) -> None:
+    def __init__(self, keys: Keys, limits: Limits, lead_in: float, budget: Budget = ENDLESS) -> None:
         """Begins with the asked times, or the nearest with which full speeds would do.
 
         Args:
             keys: what was asked.
             limits: of all hinges.
             lead_in: [s] by which the first key may come earlier.
+            budget: for the pieces that are measured; where it is spent, what is short rests.
         """
-        self._keys, self._limits, self._lead_in = keys, limits, lead_in
+        self._keys, self._limits, self._lead_in, self._budget = keys, limits, lead_in, budget
         self.met: dict[Pair, Bottleneck] = {}  # what was too fast as asked, between which keys
         self._gaps = dict(keys.gaps)
         self._cuts: dict[int, list[CuttingPlane]] = {}  # of each hinge
@@ -105,6 +108,9 @@ class Search:
         Raises:
             ArithmeticError: a hinge cannot even move from rest to rest.
         """
+        if self._budget.spent:
+            self._rest_wherever_short(lost)
+            return
         fresh = () if self._tries else self._segments(self.times)
         pending = [segment for segment in fresh if self._suspect(segment, lost)]
         lacking = [(lost, self._shortage(lost)), *self._lacking(pending)]
@@ -122,6 +128,13 @@ class Search:
             tight = [segment for segment in near if not short.isdisjoint(_ways(segment))]
             lacking = self._lacking(tight) or self._lacking(near)
 
+    def _rest_wherever_short(self, lost: SplineSegment) -> None:
+        """Lets hinges rest in a segment that lacks time, and at once wherever else a smooth way exceeds a limit."""
+        fast = [segment for segment in self._segments(self.times) if guess_share(segment, self._limits) > 1.0]
+        short = set(_ways(lost)) | {way for segment in fast for way in _ways(segment)} - self._rests.keys()
+        self._rest(short)
+        self._relax(short)
+
     def _lacking(self, pending: list[SplineSegment]) -> list[tuple[SplineSegment, Infeasibility | None]]:
         found = [(segment, self._shortage(segment)) for segment in pending]
         return [(segment, lack) for segment, lack in found if lack is None or lack.amount > -MARGIN / 4]
@@ -131,7 +144,7 @@ class Search:
         ways = set(_ways(segment))
         self._tries.update(ways)
         tries = max((self._tries[way] for way in ways), default=0)
-        spent = self._looked > LOOKS or tries > PLANES + STRETCHES
+        spent = self._budget.spent or self._looked > LOOKS or tries > PLANES + STRETCHES
         if found is None or spent or ways & self._rests.keys():
             self._rest(ways)
         elif ways & self._spans.keys() or tries > PLANES or (self._in_rhythm(segment) and not ways & self._stiff):
@@ -144,6 +157,7 @@ class Search:
         """Remembered by keys and places, which determine it: many a segment stays the same when others move."""
         known = (segment.hinge, segment.marks, segment.grid.pieces, segment.places.tobytes())
         if known not in self._shortages:
+            self._budget.spend(segment.grid.pieces)
             self._looked += segment.grid.pieces
             self._shortages[known] = measure_shortage(segment, self._limits)
         return self._shortages[known]
@@ -181,10 +195,11 @@ class Search:
             slopes = self._spread(segment, found.slopes)
             cuts.append(CuttingPlane(slopes, float(slopes @ self.times) - amount))
         else:  # at a kink, where there is no direction: the gaps themselves grow
-            for k, quantity in enumerate(found.binding):
-                slopes = self._spread(segment, np.eye(len(segment.marks))[k] - np.eye(len(segment.marks))[k + 1])
-                if quantity is not None:
-                    cuts.append(CuttingPlane(slopes, float(slopes @ self.times) * float(np.exp(amount))))
+            for k in (k for k, quantity in enumerate(found.binding) if quantity is not None):
+                gap = np.zeros(len(segment.marks))
+                gap[k : k + 2] = 1.0, -1.0
+                slopes = self._spread(segment, gap)
+                cuts.append(CuttingPlane(slopes, float(slopes @ self.times) * float(np.exp(amount))))
 
     def _note(self, segment: SplineSegment, found: Infeasibility | None) -> None:
         """Notes the limits that are met in a segment."""
@@ -266,6 +281,7 @@ class Search:
         every = {way for way in self._all_rests if self._cuts.get(way[0])}
         for resting in (set[Way](), short, every):
             self._rest(resting - self._rests.keys())
+            self._budget.spend(len(self.times) ** 2 / KEYS)
             gaps, cuts = self._lengthened(self._spans), self._all_cuts
             try:
                 self.times = relax_key_times(self._problem(gaps, cuts))

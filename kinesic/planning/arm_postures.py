@@ -54,7 +54,7 @@ def with_arms(
         base, indices = robot.skeleton.segment(chain.base), list(chain.indices)
         in_base = turn_reach(reach, frames.rotations[base].T, frames.origins[base], np.zeros(3))
         start = angles[indices]
-        rest = carry_shoulder(chain, in_base.position, hand.effort)
+        rest = lift_shoulder(robot, side, carry_shoulder(chain, in_base.position, hand.effort), hand.lift)
         if hand.passing:
             began = angles.copy()
             began[indices] = start = before.get(side, start)
@@ -69,6 +69,25 @@ def with_arms(
         solved[indices] = free
         solved = refine_posture(robot, side, structs.replace(reach, swivel=opened.swivel), solved, near=angles)
     return solved
+
+
+def lift_shoulder(robot: Robot, side: Side, rest: Floats, lift: float) -> Floats:
+    """Raises the rest of a collar bone.
+
+    Args:
+        robot: whose arm it is.
+        side: of the arm.
+        rest: (k,) [rad] posture whose collar bone stays where it can.
+        lift: [rad].
+
+    Returns:
+        (k,) [rad] inside the ranges; the same where the arm has no hinge that lifts its shoulder.
+    """
+    if not lift:
+        return rest
+    raised, chain = np.array(rest), robot.arms[side]
+    raised[[joint in robot.arm(side).lifting for joint in chain.indices]] += lift
+    return sealed(np.clip(raised, chain.lower, chain.upper))
 
 
 def turn_reach(reach: Reach, rotation: Floats, pivot: Floats, moved: Floats, scale: float = 1.0) -> Reach:

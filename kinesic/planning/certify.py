@@ -7,6 +7,7 @@ the motion: where inverse dynamics finds a drive above its full duty, its row be
 import numpy as np
 
 from kinesic.body.arrays import Floats, distinct_rows
+from kinesic.motion.budget import ENDLESS, Budget
 from kinesic.motion.condition import LEAD_IN, Conditioned, condition
 from kinesic.motion.keys import Bond, KeyPosture
 from kinesic.motion.trajectory import STEP, Trajectory
@@ -26,6 +27,7 @@ def certify(
     *,
     ease: float = 1.0,
     lead_in: float = LEAD_IN,
+    budget: Budget = ENDLESS,
 ) -> Conditioned:
     """Conditions the motion through keys so that no drive exceeds its full duty, if that can be.
 
@@ -35,8 +37,9 @@ def certify(
         bonds: between sync points of different behaviours.
         ease: share of the limits with which key times are found.
         lead_in: [s] by which the first key may come earlier.
+        budget: for all searches of key times together.
     """
-    motion = condition(keys, setup.limits, bonds=bonds, ease=ease, lead_in=lead_in)
+    motion = condition(keys, setup.limits, bonds=bonds, ease=ease, lead_in=lead_in, budget=budget)
     share = np.ones(len(setup.limits.duty))
     for attempt in range(ATTEMPTS):
         peaks = duties(motion.trajectory, setup)
@@ -46,7 +49,8 @@ def certify(
         share[over] *= TIGHTER / peaks[over]
         if attempt >= ATTEMPTS // 2:  # the pull may come from any hinge
             share *= TIGHTER
-        motion = condition(keys, setup.limits.times(share), bonds=bonds, ease=ease, lead_in=lead_in)
+        tighter = setup.limits.times(share)
+        motion = condition(keys, tighter, bonds=bonds, ease=ease, lead_in=lead_in, budget=budget)
     return motion
 
 

@@ -16,6 +16,7 @@ from kinesic.bml.block import Gesture, Pointing
 from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.robot import SIDES
 from kinesic.expressivity.keyframes import KeyFrames
+from kinesic.motion.budget import Budget
 from kinesic.motion.condition import condition
 from kinesic.motion.double_s import least_rest_times
 from kinesic.motion.key_time_lp import KeyTimeProblem, relax_key_times
@@ -25,6 +26,7 @@ from kinesic.planning.setup import Setup
 
 APART = 0.2  # [s] by which strokes may move apart; more is seen beside a word
 SEARCHES = 12  # of a block; what comes after is judged by the estimate
+WORK = 30_000  # pieces of splines that all searches may measure
 LEAST = 0.02  # [s] of which nobody needs to give way
 
 
@@ -52,11 +54,11 @@ class ClashFinder:
             setup: robot and limits.
         """
         self.clashes: dict[frozenset[str], float] = {}  # two behaviours -> [s] by which they would move apart
-        self._setup = setup
+        self._setup, self._budget = setup, Budget(WORK)
         self._exactly: dict[tuple[tuple[str, str], tuple[int, ...]], float] = {}  # [s], which takes long to search
 
-    def look(self, frames: KeyFrames, postures: Sequence[KeyPosture]) -> bool:
-        """Adds clashes to those that were found before; False: there are no more.
+    def look(self, frames: KeyFrames, postures: Sequence[KeyPosture]) -> frozenset[str]:
+        """Adds clashes to those that were found before, and names their behaviours; none: there are no more.
 
         Of a row of gestures only the worst neighbours count, and those that are farther off: when one of two has given
         way, the others may have time.
@@ -70,15 +72,15 @@ class ClashFinder:
         guesses = self._suspects(coming, postures)
         suspects = [each for each, _ in guesses]
         apart = [self._search(each, guess, postures) for each, guess in guesses]
-        added, near = False, set[str]()
+        added, near = set[str](), set[str]()
         for each, here, whole in sorted(
             zip(suspects, apart, chain_sums(suspects, apart), strict=True), key=_worst_first
         ):
             if here > LEAST and whole > APART and near.isdisjoint(each.behaviours):
                 self.clashes[frozenset(each.behaviours)] = here
                 near |= {id for other in every if {*other.behaviours} & {*each.behaviours} for id in other.behaviours}
-                added = True
-        return added
+                added |= {*each.behaviours}
+        return frozenset(added)
 
     def _suspects(self, coming: Sequence[Neighbours], postures: Sequence[KeyPosture]) -> list[tuple[Neighbours, float]]:
         """Neighbours that may lack so much time, and how much [s], in the order of their strokes."""
@@ -92,10 +94,11 @@ class ClashFinder:
         return [(each, here) for each, here, whole in rows if here > LEAST and whole > APART]
 
     def _search(self, pair: Neighbours, guess: float, postures: Sequence[KeyPosture]) -> float:
-        known = pair.behaviours, pair.hinges
+        known, budget = (pair.behaviours, pair.hinges), self._budget
         if known not in self._exactly:
-            exactly = len(self._exactly) < SEARCHES
-            self._exactly[known] = _search(pair, postures, self._setup) if exactly else guess
+            exactly = len(self._exactly) < SEARCHES and not budget.spent
+            found = _search(pair, postures, self._setup, budget) if exactly else guess
+            self._exactly[known] = guess if budget.spent else found
         return self._exactly[known]
 
 
@@ -167,14 +170,14 @@ def _neighbours(frames: KeyFrames, postures: Sequence[KeyPosture], setup: Setup)
     ]
 
 
-def _search(pair: Neighbours, postures: Sequence[KeyPosture], setup: Setup) -> float:
+def _search(pair: Neighbours, postures: Sequence[KeyPosture], setup: Setup, budget: Budget) -> float:
     """By how much two strokes move apart [s] when nothing but their hands moves, from rest before to rest after."""
     keyed = np.array([any(posture.keyed[hinge] for hinge in pair.hinges) for posture in postures])
     begin, end = _around(pair, postures, keyed)
     rows = sorted({row for row in range(begin, end + 1) if keyed[row]} | {*pair.strokes})  # some strokes move no hand
     hinges = np.array(pair.hinges, dtype=np.intp)
     part = tuple(_part(postures[row], hinges, whole=row in (rows[0], rows[-1])) for row in rows)
-    times = condition(part, setup.limits.part(hinges)).planned
+    times = condition(part, setup.limits.part(hinges), budget=budget).planned
     first, second = (rows.index(row) for row in pair.strokes)
     asked = [posture.time for posture in part]
     return float(times[second] - times[first] - (asked[second] - asked[first]))

@@ -9,6 +9,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.dynamics import Clearance, Distances
 from kinesic.body.robot import SIDES, Robot
 from kinesic.expressivity.keyframes import KeyFrames
+from kinesic.motion.budget import Budget
 from kinesic.motion.condition import Conditioned
 from kinesic.motion.key_time_lp import KeyTimeProblem, relax_key_times
 from kinesic.motion.keys import Bond, KeyPosture, Keys
@@ -24,31 +25,44 @@ class Conditioner(Protocol):
     """Makes a motion through keys one that the servos can follow."""
 
     def __call__(
-        self, keys: tuple[KeyPosture, ...], setup: Setup, bonds: tuple[Bond, ...] = ..., /, *, ease: float = ...
+        self,
+        keys: tuple[KeyPosture, ...],
+        setup: Setup,
+        bonds: tuple[Bond, ...] = ...,
+        /,
+        *,
+        ease: float = ...,
+        budget: Budget = ...,
     ) -> Conditioned:
         """At `ease` below 1 key times leave room, so that the path is nearer to the desired one."""
 
 
 LAG_RESERVE = 0.004  # [m] kept in the plan for what the servos lag behind it
 REPAIRS = 2  # times that a motion is conditioned again because it comes nearer than it should
-EASIER = 0.8  # times the limits, for a motion that strays from a clear desired one
-REPAIR = 0.002  # [m] over what it then lacks
+REPAIR = 0.002  # [m] that a second detour keeps over what the first one lacked
+EASIER = 0.8  # times the limits, where no detour helps a motion that strays from the desired one
 TOGETHER = 2.0  # [s] within which one behaviour may be what brings segments too near at all times
 
 
 def keep_clear(
-    solved: Postures, setup: Setup, bonds: tuple[Bond, ...] = (), *, conditioned: Conditioner = certify
+    solved: Postures,
+    setup: Setup,
+    bonds: tuple[Bond, ...] = (),
+    *,
+    conditioned: Conditioner = certify,
+    repairs: int = REPAIRS,
 ) -> tuple[Postures, Conditioned, Floats, Clearance]:
     """Conditions the postures, and leads the motion around the body where it comes too near.
 
     Detours are looked for in the desired motion, which costs little; only where the conditioned one comes nearer,
-    it is conditioned again: without swing and accent there, and if that is not enough, with more time and room.
+    detours are looked for there, too, and it is conditioned again; with more time where none helps.
 
     Args:
         solved: postures of a block.
         setup: robot, limits and distances.
         bonds: between sync points of different behaviours.
         conditioned: makes a motion one that the servos can follow.
+        repairs: how many times at most it is conditioned again.
 
     Returns:
         The postures with detours, the motion, performance times (m,) [s] and the clearance at them.
@@ -58,45 +72,29 @@ def keep_clear(
         still = Conditioned(stay(rest), np.zeros(0), np.zeros(0), {}, np.zeros(len(rest)))
         return solved, still, *scan_clearance(still.trajectory, setup.distances)
     ease, least = 1.0, setup.robot.least_clearance + LAG_RESERVE
+    wanted = least
     keys = Keys.of(solved.postures, setup.limits)
     planned = keys.asked if keys.spaced else relax_key_times(KeyTimeProblem(keys, keys.gaps, 0.0))
-    wanted, postures = least, _lead_around(solved.postures, planned, setup, least)
+    postures = lead_around(_course(solved.postures, planned, setup), setup.distances, least=least).postures
     motion = conditioned(postures, setup, bonds, ease=ease)
     times, clearance = scan_clearance(motion.trajectory, setup.distances)
-    calm = _calm_down(postures, motion, times[clearance.distances < least], setup)
-    if calm is not postures:
-        postures, motion = calm, conditioned(calm, setup, bonds, ease=ease)
-        times, clearance = scan_clearance(motion.trajectory, setup.distances)
-    for _ in range(REPAIRS):
+    for _ in range(repairs):
         lacking = least - float(clearance.distances[clearance.worst])
         if lacking <= 0.0:
             break
-        around = _lead_around(postures, motion.planned, setup, wanted)
-        if around == postures:  # the desired motion is clear: with more time and more room the other one is, too
-            wanted += min(lacking, LAG_RESERVE) + REPAIR
+        course = _course(postures, motion.planned, setup).straying(motion.trajectory)
+        around = lead_around(course, setup.distances, least=wanted).postures
+        wanted += lacking + REPAIR
+        if around == postures:  # no detour helps: with more time the motion is nearer to the desired one
             ease *= EASIER
-            around = _lead_around(postures, motion.planned, setup, wanted)
         postures = around
         motion = conditioned(postures, setup, bonds, ease=ease)
         times, clearance = scan_clearance(motion.trajectory, setup.distances)
     return Postures(postures, solved.misses), motion, times, clearance
 
 
-def _lead_around(
-    postures: tuple[KeyPosture, ...], planned: Floats, setup: Setup, least: float
-) -> tuple[KeyPosture, ...]:
-    course = PostureCourse(postures, planned, setup.robot, setup.limits)
-    return lead_around(course, setup.distances, least=least).postures
-
-
-def _calm_down(
-    postures: tuple[KeyPosture, ...], motion: Conditioned, close: Floats, setup: Setup
-) -> tuple[KeyPosture, ...]:
-    """Takes swing and accent out of the keys about (m,) performance times [s]; the same postures without any."""
-    course = PostureCourse(postures, motion.planned, setup.robot, setup.limits)
-    for time in close:
-        course = course.calmed(float(time) - motion.trajectory.zero)
-    return course.postures
+def _course(postures: tuple[KeyPosture, ...], planned: Floats, setup: Setup) -> PostureCourse:
+    return PostureCourse(postures, planned, setup.robot, setup.limits)
 
 
 def scan_clearance(trajectory: Trajectory, distances: Distances) -> tuple[Floats, Clearance]:
@@ -130,11 +128,7 @@ def culprits(
 def _culprit(
     pair: tuple[str, str], at: float, spans_of: Mapping[str, tuple[float, float]], frames: KeyFrames, robot: Robot
 ) -> str:
-    """The behaviour of these parts that is nearest in time."""
+    """The behaviour of these parts that is nearest in time; where none is theirs, the nearest of all."""
     parts = {f"{side}_hand" for side in SIDES if set(pair) & set(robot.arm(side).segments)} or {"torso", "head"}
-    near = {
-        name: max(start - at, at - end, 0.0)
-        for name, (start, end) in spans_of.items()
-        if frames.uses.get(name, frozenset()) & parts
-    }
-    return min(near, key=lambda name: near[name]) if near else min(spans_of)
+    away = {name: max(start - at, at - end, 0.0) for name, (start, end) in spans_of.items()}
+    return min(away, key=lambda name: (not frames.uses.get(name, frozenset()) & parts, away[name], name))

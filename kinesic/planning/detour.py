@@ -12,6 +12,7 @@ from kinesic.body.limits import Limits
 from kinesic.body.robot import SIDES, Robot
 from kinesic.motion.desired import DesiredMotion, join_keys
 from kinesic.motion.keys import KeyPosture, Keys, Passage
+from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.collision import Spacing, separate
 
 Arm = tuple[int, ...]  # joints of an arm
@@ -34,6 +35,9 @@ class PostureCourse:
     planned: Floats  # (k,) [s] block time
     robot: Robot
     limits: Limits
+    stray: Floats | None = (
+        None  # (m, n) [rad] at `SCAN_RATE`: how far another motion is off the desired one; None: none
+    )
 
     @cached_property
     def motion(self) -> DesiredMotion:
@@ -43,13 +47,38 @@ class PostureCourse:
     def at(self, time: float) -> Floats:
         """Looks up the angles (n,) [rad] at a block time."""
         angles: Floats = self.motion.angles(np.array([time + self.motion.zero]))[0]
-        return angles
+        return angles if self.stray is None else angles + self.stray[round((time + self.motion.zero) * SCAN_RATE)]
+
+    def samples(self) -> Floats:
+        """Samples the angles (m, n) [rad] at `SCAN_RATE`, from the first key on."""
+        angles = self.motion.angles(np.arange(0.0, self.motion.duration, 1.0 / SCAN_RATE))
+        return angles if self.stray is None else np.asarray(angles + self.stray)
+
+    def straying(self, trajectory: Trajectory) -> "PostureCourse":
+        """Adds to the desired motion how far a trajectory is off it: a detour is then made where the robot will be."""
+        times = np.arange(0.0, self.motion.duration, 1.0 / SCAN_RATE)
+        performed = trajectory.sample(times - self.motion.zero + trajectory.zero)[0]
+        return replace(self, stray=sealed(performed - self.motion.angles(times)))
 
     def near(self, arm: Arm, time: float) -> int | None:
         """Finds the key of an arm that is nearer to a block time than a detour may be; None when there is none."""
         keys = [k for k, posture in enumerate(self.postures) if posture.keyed[arm[0]]]
         nearest = min(keys, key=lambda k: abs(self.planned[k] - time))
         return nearest if abs(self.planned[nearest] - time) < LEAST_STEP else None
+
+    def detours(self, time: float, arms: list[Arm]) -> set[int]:
+        """Finds the keys of some arms next to a block time, on both sides, that an earlier detour has added."""
+        found = set[int]()
+        for arm in arms:
+            keys = [k for k, posture in enumerate(self.postures) if posture.keyed[arm[0]]]
+            after = int(np.searchsorted(self.planned[keys], time))
+            found |= {k for k in keys[max(after - 1, 0) : after + 1] if self._is_detour(k, list(arm))}
+        return found
+
+    def _is_detour(self, key: int, joints: list[int]) -> bool:
+        """Whether no sync point falls on a key, nor on another one in the same posture."""
+        here = self.postures[key].angles[joints]
+        return not any(posture.syncs and np.array_equal(posture.angles[joints], here) for posture in self.postures)
 
     def moved(self, key: int, angles: Floats, arm: Arm) -> "PostureCourse":
         """Moves an arm at a key, and wherever else the arm is in the same posture: holds stay holds."""
@@ -156,12 +185,12 @@ class _Scan:
 
     @classmethod
     def of(cls, course: PostureCourse, distances: Distances, least: float) -> "_Scan":
-        angles = course.motion.angles(np.arange(0.0, course.motion.duration, 1.0 / SCAN_RATE))
+        angles = course.samples()
         return cls(angles, np.maximum(least - distances.clearance(angles).distances, 0.0))
 
     def after(self, change: PostureCourse, distances: Distances, least: float) -> "_Scan":
         """Scans another course of the same length: only where it is another."""
-        angles = change.motion.angles(np.arange(len(self.angles)) / SCAN_RATE)
+        angles = change.samples()
         other = np.flatnonzero((angles != self.angles).any(axis=1))
         lacking = self.lacking.copy()
         lacking[other] = np.maximum(least - distances.clearance(angles[other]).distances, 0.0)
@@ -183,7 +212,7 @@ def _changes(course: PostureCourse, time: float, distances: Distances, least: fl
     free = [arm for arm, key in zip(arms, near, strict=True) if key is None]
     if free:
         yield from _with_a_key(course, time, free, distances, least)
-    for key in sorted({key for key in near if key is not None}):
+    for key in sorted({key for key in near if key is not None} or course.detours(time, arms)):
         yield from _with_a_key_away(course, key, arms, distances, least)
 
 

@@ -10,7 +10,7 @@ from kinesic.bml.timing.constraints import point_of, ties
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import Command
 from kinesic.expressivity.context import BlockContext
-from kinesic.expressivity.face.eyes import Eyes, Habits, headings, looks
+from kinesic.expressivity.face.eyes import Eyes, Habits, gesture_looks, headings, looks
 from kinesic.expressivity.face.tracks import Channels, face_at_ticks, face_track
 from kinesic.planning.plan import Plan
 
@@ -39,8 +39,8 @@ def faces(plan: Plan, times: Floats) -> tuple[Mapping[str, float], ...]:
 def shown_units(plan: Plan, times: Floats) -> Channels:
     """Works out the action units of a performance: expressions, visemes, gaze, blinks.
 
-    Sync points that planning moved take what is tied to them along; eyes look where the head is going, and hold on to
-    it whatever the head does.
+    Sync points that planning moved take what is tied to them along; eyes look where the head is going, or at what a
+    gesture shows, and hold on to it whatever the head does.
 
     Args:
         plan: of the performance.
@@ -48,8 +48,11 @@ def shown_units(plan: Plan, times: Floats) -> Channels:
     """
     timeline = _planned(plan)
     context = BlockContext(timeline.block, plan.setup.context)
-    eyes = Eyes(Habits(plan.setup.idling.seed), looks(timeline, context), heads(plan, times))
-    return face_track(timeline, plan.utterances, times - plan.trajectory.zero, styles=context.styles, eyes=eyes)
+    bodies = plan.keyframes.bodies
+    looked = (*looks(timeline, context), *gesture_looks(timeline, bodies))
+    eyes = Eyes(Habits(plan.setup.idling.seed), looked, heads(plan, times))
+    block_times = times - plan.trajectory.zero
+    return face_track(timeline, plan.utterances, block_times, styles=context.styles, eyes=eyes, bodies=bodies)
 
 
 def heads(plan: Plan, times: Floats) -> Floats:

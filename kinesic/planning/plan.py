@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 
@@ -16,13 +17,14 @@ from kinesic.expressivity.durations import spans
 from kinesic.expressivity.hands.engaged import Engaged
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.expressivity.realise import keyframes
+from kinesic.motion.budget import Budget
 from kinesic.motion.condition import Conditioned
 from kinesic.motion.desired import DesiredMotion, join_keys
 from kinesic.motion.keys import KeyPosture, Keys
 from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.certify import certify
 from kinesic.planning.clashes import ClashFinder
-from kinesic.planning.clearance import Conditioner, culprits, keep_clear
+from kinesic.planning.clearance import REPAIRS, Conditioner, culprits, keep_clear
 from kinesic.planning.motion_files import save_motion
 from kinesic.planning.postures import Postures, postures
 from kinesic.planning.setup import Setup
@@ -37,10 +39,14 @@ from kinesic.planning.speech import (
     synthesise_block,
 )
 from kinesic.planning.syncs import Syncs, SyncTime, find_bonds, path_notices, shift_notices, sync_times
+from kinesic.planning.thinning import thin_out
 
 STILL = 0.1  # [s] of rest, where nothing is asked
 ROUNDS = 3  # of planning, in which pauses are made longer
 ATTEMPTS = 3  # to say it with pauses that are as long as they must be
+WORK = 90_000  # pieces of splines whose shortage is measured for one block, before it is planned by shorter ways
+AGAIN, AGAIN_A_KEY = 100, 40  # of them, that a behaviour and a key frame are worth when they are planned once more
+FEWER = 0.5  # of the behaviours that overlap, when their motion does not keep clear of the body and the work is done
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +118,9 @@ def plan_block(
 
     Where the body would be late for a word and the block allows it, a pause is made before the word, and all is
     planned again. Of two gestures that are too near for their hand one gives way. A behaviour whose motion cannot be
-    kept clear of the body is dropped by name, and the rest is planned again.
+    kept clear of the body is dropped by name, and the rest is planned again. All this takes no more work than a budget
+    of `WORK`: where it is spent, hinges rest at keys for which they are short of time, and wherever behaviours still
+    hinder one another, the newest of those that overlap are dropped by name.
 
     Args:
         block: what was asked.
@@ -126,10 +134,10 @@ def plan_block(
     """
     began = perf_counter()
     context = BlockContext(block, setup.context, engaged)
-    said, waiting = utterances or synthesise_block(block, setup), tuple[SpeechPause, ...]()
+    said, waiting, budget = utterances or synthesise_block(block, setup), tuple[SpeechPause, ...](), Budget(WORK)
     if utterances is None and (most := allowed_pauses(block, setup.pause)):
-        said, waiting = _add_pauses(said, most, context, setup, conditioned)
-    found = _plan_once(context, setup, said, conditioned)
+        said, waiting = _add_pauses(said, most, context, setup, conditioned, budget)
+    found = _plan_once(context, setup, said, conditioned, budget if budget.spent else Budget(WORK))
     notices = (*remarks(block, found.utterances), *pause_notices(block, waiting), *found.notices)
     return replace(found, notices=notices, seconds=perf_counter() - began)
 
@@ -140,22 +148,23 @@ def _add_pauses(
     context: BlockContext,
     setup: Setup,
     conditioned: Conditioner,
+    budget: Budget,
 ) -> tuple[Mapping[str, Utterance], tuple[SpeechPause, ...]]:
     """Speech with pauses before words that the body would miss, as long as they make it better, and the pauses.
 
     Gestures that are too near for their hand do not give way here: their words may wait.
     """
     block = context.block
-    plan = _plan_once(context, setup, utterances, conditioned, weighing=False)
+    plan = _plan_once(context, setup, utterances, conditioned, budget, weighing=False)
     waiting: tuple[SpeechPause, ...] = ()
     for _ in range(ROUNDS):
         more, said = required_pauses(plan.timeline, plan.syncs, most, waiting), plan.utterances
         for _ in range(ATTEMPTS):
             more = lengthen_pauses(more, said)
             said = synthesise_block(block, setup, more)
-        if more == waiting:
+        if more == waiting or budget.spent:
             break
-        better = _plan_once(context, setup, said, conditioned, weighing=False)
+        better = _plan_once(context, setup, said, conditioned, budget, weighing=False)
         if _worst(better) >= _worst(plan):
             break
         plan, waiting = better, more
@@ -172,22 +181,29 @@ def _plan_once(
     setup: Setup,
     utterances: Mapping[str, Utterance],
     conditioned: Conditioner,
+    budget: Budget,
     *,
     weighing: bool = True,
 ) -> Plan:
     timeline = schedule(context.block, utterances, spans(context))
     without: dict[str, str] = {}
-    finder = ClashFinder(setup)
+    finder, bounded = ClashFinder(setup), partial(conditioned, budget=budget)
     while True:
         frames = keyframes(timeline, context, without=without, clashes=finder.clashes)
         asked = postures(frames, setup.robot, setup.distances)
-        if weighing and finder.look(frames, asked.postures):
+        if without or finder.clashes:
+            budget.spend(AGAIN * len(timeline.timed) + AGAIN_A_KEY * len(frames.frames))
+        if weighing and (clashing := finder.look(frames, asked.postures)):
+            without |= thin_out(frames, clashing) if budget.spent else {}
             continue
-        solved, motion, times, clearance = keep_clear(asked, setup, find_bonds(timeline), conditioned=conditioned)
+        repairs = 1 if budget.spent else REPAIRS
+        solved, motion, times, clearance = keep_clear(
+            asked, setup, find_bonds(timeline), conditioned=bounded, repairs=repairs
+        )
         dropped = culprits(frames, motion, times, clearance, setup.robot)
         if not dropped:
             break
-        without |= dropped
+        without |= (thin_out(frames, dropped, FEWER) if budget.spent else {}) | dropped
     syncs = sync_times(frames, motion)
     return Plan(
         setup=setup,

@@ -101,7 +101,9 @@ def _lean(frame: KeyFrame, robot: Robot) -> Floats:
 def _same_hand(hand: Hand, before: Hand) -> bool:
     if hand.reach is None or before.reach is None:
         return hand.reach is before.reach
-    if hand.aim is not before.aim or (hand.openness, hand.effort) != (before.openness, before.effort):
+    if hand.aim is not before.aim:
+        return False
+    if (hand.openness, hand.effort, hand.lift) != (before.openness, before.effort, before.lift):
         return False
     pairs = (
         (hand.reach.position, before.reach.position),

@@ -14,6 +14,7 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
 from kinesic.expressivity.hands.engaged import Engaged
 from kinesic.motion.bspline import grid
+from kinesic.motion.budget import ENDLESS, Budget
 from kinesic.motion.condition import Conditioned
 from kinesic.motion.desired import join_keys
 from kinesic.motion.key_time_lp import KeyTimeProblem, relax_key_times
@@ -43,7 +44,12 @@ def plan_quickly(block: Block, setup: Setup, *, engaged: Sequence[Engaged] = ())
 
 
 def rest_at_keys(
-    postures: tuple[KeyPosture, ...], setup: Setup, bonds: tuple[Bond, ...] = (), *, ease: float = 1.0
+    postures: tuple[KeyPosture, ...],
+    setup: Setup,
+    bonds: tuple[Bond, ...] = (),
+    *,
+    ease: float = 1.0,
+    budget: Budget = ENDLESS,
 ) -> Conditioned:
     """Makes a motion that rests at every key.
 
@@ -52,6 +58,7 @@ def rest_at_keys(
         setup: limits.
         bonds: between sync points of different behaviours.
         ease: share of the limits that is used.
+        budget: of which this takes hardly any.
     """
     limits = setup.limits.times(ease)
     keys = Keys.of(postures, limits, bonds)
@@ -62,6 +69,7 @@ def rest_at_keys(
             gaps[i, j] = max(gaps[i, j], duration(way, limits, hinge))
     motion = None
     while motion is None:
+        budget.spend(len(keys.asked))
         times = relax_key_times(KeyTimeProblem(keys, gaps, lead_in=0.0))
         motion = _stepwise(times, keys, limits)
         gaps = {pair: LONGER * gap for pair, gap in gaps.items()}

@@ -23,16 +23,17 @@ from kinesic.report.plots.score import score
 from kinesic.report.plots.spark import spark
 from kinesic.report.replay import replay_data
 from kinesic.report.report import Json
+from kinesic.report.scene import SCENE_SCRIPTS, TEMPLATES, read_scripts
 from kinesic.report.transcript import transcribe
 
 FILM_TYPES = {".webp": "image/webp", ".png": "image/png", ".gif": "image/gif"}
 SOUND_TYPES = {".wav": "audio/wav"}
 PARTS = {"l_hand": "left hand", "r_hand": "right hand"}
 FIRST_LOADS = 6  # hinges that are shown at once
+SEEN = 0.5  # [deg] from which on a part of the body is told to move
 FIRST_CHAPTERS = 6  # behaviours likewise
 OUTCOMES = {"dropped": 0, "substituted": 1, "partly": 2, "realised": 3}
-HERE = Path(__file__).parent / "templates"
-SCRIPTS = ("shapes.js", "scene.js", "film.js", "replay.js")
+SCRIPTS = (*SCENE_SCRIPTS, "film.js", "replay.js")
 STATUSES: list[str] = list(GRAVITY)  # the gravest first
 TITLES = {
     "meaning": "Meaning",
@@ -78,11 +79,11 @@ def write_page(
         ValueError: a film or the sound is of another type.
     """
     chapters, strained, rows = story(performance), loads(performance), _rows(data, "behaviours")
-    player = "\n".join((HERE / name).read_text(encoding="utf-8") for name in SCRIPTS)
+    player = read_scripts(SCRIPTS)
     text = _template().render(
         data=data,
         verdict=verdict(data),
-        look=Markup((HERE / "page.css").read_text(encoding="utf-8")),
+        look=Markup((TEMPLATES / "page.css").read_text(encoding="utf-8")),
         player=Markup(player),
         policy=content_policy(f"\n{player}\n", img_src="data: blob:", media_src="data:"),
         replay=replay_data(performance),
@@ -119,10 +120,14 @@ def write_page(
 def _template() -> Template:
     """The page, ready to be filled; read once."""
     environment = Environment(
-        loader=FileSystemLoader(HERE), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+        loader=FileSystemLoader(TEMPLATES),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
     )
     environment.filters |= {"number": format_number, "shift": shift, "spark": spark}
-    environment.filters |= {"breakable": breakable, "departure": style_departures}
+    environment.filters |= {"breakable": breakable, "departure": style_departures, "body": body_beside}
     return environment.get_template("page.jinja")
 
 
@@ -162,6 +167,23 @@ def _gravity(row: Mapping[str, Json]) -> int:
 def shift(seconds: float) -> str:
     """Formats a difference of times in whole milliseconds, with its sign."""
     return f"{1000 * seconds:+.0f}\u2009ms".replace("-", "\u2212")
+
+
+def body_beside(row: Mapping[str, Json]) -> str:
+    """Says what the rest of the body does beside the hands of one behaviour; empty when it does nothing.
+
+    Args:
+        row: of the report's behaviours.
+    """
+    body = row["body"]
+    if not isinstance(body, dict):
+        return ""
+    angles = ((part, body[f"{part}_deg"]) for part in ("head", "trunk", "shoulders"))
+    moved = [f"{part} {angle:.0f}°" for part, angle in angles if isinstance(angle, float) and abs(angle) >= SEEN]
+    faces, left = body["face"], body["gave_way"]
+    shown = list(faces) if isinstance(faces, dict) else []
+    gave = [f"{part} left to others" for part in left] if isinstance(left, list) else []
+    return ", ".join([*moved, *shown, *gave])
 
 
 def style_departures(row: Mapping[str, Json], style: Mapping[str, Json]) -> str:

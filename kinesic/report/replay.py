@@ -1,25 +1,18 @@
 """Gives the page's player the motion: the robot's shapes, angles at a steady rate, and what happens when."""
 
-from base64 import b64encode
-
 import numpy as np
 
-from kinesic.body.arrays import Floats
-from kinesic.body.robot import Robot
-from kinesic.body.skeleton import Capsule, Hinge
 from kinesic.controller.performance import Performance
 from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime
 from kinesic.report.labels import label
 from kinesic.report.plots.score import captions
 from kinesic.report.report import Json
-from kinesic.sim.scene_layout import VIEW_FROM, rods, view_of
-from kinesic.sim.scene_style import eyeballs, parts
+from kinesic.report.scene import pack_rows, scene_data
 
 RATE = 50.0  # [Hz]
 MOST_FRAMES = 6000  # of one motion; longer ones have a lower rate
 MOST_MARKS = 300  # on the time line; with more there are only those of strokes
 DUTY_STEP = 0.01  # of a byte
-DIGITS = 4  # of lengths [m]
 
 
 def replay_data(performance: Performance) -> dict[str, Json]:
@@ -46,89 +39,11 @@ def replay_data(performance: Performance) -> dict[str, Json]:
         "step": step,
         "duty_step": DUTY_STEP,
         "hinges": list(robot.skeleton.names),
-        "segments": _segments(robot),
-        "servos": _servos(robot),
-        "details": [*_eyes(robot), *_rods(robot)],
-        "view": _view(robot),
-        "motions": {name: _packed(angles / step, "<i2") for name, angles in motions.items()},
-        "duties": _packed(duties / DUTY_STEP, "u1"),
+        **scene_data(robot),
+        "motions": {name: pack_rows(angles / step, "<i2") for name, angles in motions.items()},
+        "duties": pack_rows(duties / DUTY_STEP, "u1"),
         "marks": _marks(performance),
         "words": [[round(said.begin, 3), round(said.end, 3), said.text] for said in captions(plan)],
-    }
-
-
-def _packed(values: Floats, kind: str) -> str:
-    limits = np.iinfo(kind)
-    return b64encode(np.clip(np.rint(values), limits.min, limits.max).astype(kind).tobytes()).decode()
-
-
-def _rounded(values: Floats) -> list[Json]:
-    return [round(float(value), DIGITS) + 0.0 for value in values]
-
-
-def _segments(robot: Robot) -> list[Json]:
-    skeleton = robot.skeleton
-    painted = parts(robot)
-    return [
-        {
-            "parent": -1 if segment.parent is None else skeleton.segment(segment.parent),
-            "origin": _rounded(segment.origin_in_parent),
-            "hinges": [_hinge(joint, skeleton.hinges[joint]) for joint in skeleton.joints_of((segment.name,))],
-            "capsules": [_capsule(capsule) for capsule in segment.capsules],
-            "colour": painted[segment.name],
-        }
-        for segment in skeleton.segments
-    ]
-
-
-def _hinge(joint: int, hinge: Hinge) -> dict[str, Json]:
-    return {"hinge": joint, "axis": [float(value) for value in hinge.axis], "at": _rounded(hinge.at)}
-
-
-def _capsule(capsule: Capsule) -> list[Json]:
-    return [*_rounded(capsule.start), *_rounded(capsule.end), round(capsule.radius, DIGITS)]
-
-
-def _servos(robot: Robot) -> list[Json]:
-    """Boxes, as their mounts say, one for each hinge."""
-    found: list[Json] = []
-    for joint, mount in enumerate(robot.mounts):
-        width, length, height = mount.drive.servo.size
-        half = np.array([mount.drive.count * width, length, height]) / 2
-        segment = robot.skeleton.segment(mount.segment)
-        found.append({"hinge": joint, "segment": segment, "at": _rounded(mount.position), "half": _rounded(half)})
-    return found
-
-
-def _eyes(robot: Robot) -> list[Json]:
-    """Balls: segment, centre, radius, colour."""
-    return [
-        {
-            "segment": robot.skeleton.segment(robot.sites["eyes"].segment),
-            "capsule": [*_rounded(ball.centre), *_rounded(ball.centre), ball.radius],
-            "colour": "pupil" if ball.dark else "white",
-        }
-        for ball in eyeballs(robot)
-    ]
-
-
-def _rods(robot: Robot) -> list[Json]:
-    """What holds the parts together: segment, capsule, colour."""
-    painted = parts(robot)
-    return [
-        {"segment": robot.skeleton.segment(rod.segment), "capsule": _capsule(rod.shape), "colour": painted[rod.segment]}
-        for rod in rods(robot)
-    ]
-
-
-def _view(robot: Robot) -> dict[str, Json]:
-    """As the film's camera: what is looked at, from where, how much of it, and where the floor is."""
-    view = view_of(robot)
-    return {
-        "middle": _rounded(view.middle),
-        "from": list(VIEW_FROM),
-        "height": round(view.height, DIGITS),
-        "floor": round(view.floor, DIGITS),
     }
 
 

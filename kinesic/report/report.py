@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
+from math import degrees
 from time import perf_counter
 from types import MappingProxyType
 
@@ -9,10 +10,14 @@ import numpy as np
 
 from kinesic.bml.block import Behaviour, Block, modality_of
 from kinesic.bml.feedback import prediction, warning
+from kinesic.body.robot import SIDES
 from kinesic.controller.performance import Performance
 from kinesic.controller.smoothness import dimensionless_jerk, spectral_arc_length
+from kinesic.controller.synchrony import median_lag
+from kinesic.expressivity.keyframes import BodyMove
 from kinesic.expressivity.style.resolve import resolve_numbers
 from kinesic.expressivity.style.style import Style
+from kinesic.expressivity.turns import axes
 from kinesic.ik import KERNEL
 from kinesic.planning.plan import Plan
 from kinesic.planning.syncs import SyncTime
@@ -58,8 +63,10 @@ def report(
         "ok": grade(verdicts) != "fail",
         "checks": [asdict(check) for check in verdicts],
         "behaviours": _behaviours(performance),
+        "whole_body": _whole_body(plan),
         "speech": _speech(plan),
         "sync": _syncs(performance),
+        "synchrony": {"strokes": len(performance.stroke_lags), "median_s": median_lag(performance.stroke_lags)},
         "tracking": _tracking(performance),
         "limits": _limits(performance),
         "conditioning": _conditioning(performance),
@@ -84,7 +91,7 @@ def _style(style: Style, block: Block) -> dict[str, Json]:
         for modality, manner in block.manners.items()
     }
     tables |= {"settings": [str(setting) for setting in style.settings], "block": said}
-    return {"name": style.name, **asdict(style.gesture), **tables}
+    return {"name": style.name, "whole_body": style.whole_body, **asdict(style.gesture), **tables}
 
 
 def _manner(behaviour: Behaviour, plan: Plan) -> dict[str, Json] | None:
@@ -114,9 +121,41 @@ def _behaviours(performance: Performance) -> list[Json]:
                 "outcome": outcome.kind,
                 "why": "; ".join(reasons),
                 "manner": _manner(behaviour, plan),
+                "body": _body(plan.keyframes.bodies.get(behaviour.id)),
             }
         )
     return found
+
+
+def _whole_body(plan: Plan) -> dict[str, Json]:
+    """How much the body takes part in gestures, in how many, and why in none."""
+    robot, moves = plan.setup.robot, plan.keyframes.bodies.values()
+    parts = {
+        "neck": robot.joints("neck"),
+        "trunk": robot.joints("torso"),
+        "collar bones": [joint for side in SIDES for joint in robot.arm(side).lifting],
+    }
+    lacking = " and ".join(f"no {part}" for part, joints in parts.items() if not joints)
+    return {
+        "weight": plan.setup.style.whole_body,
+        "gestures": sum(not move.still for move in moves),
+        "lacking": f"robot {robot.name} has {lacking}" if lacking else "",
+    }
+
+
+def _body(move: BodyMove | None) -> dict[str, Json] | None:
+    """What the rest of the body does beside the hands of a gesture; None where it does nothing."""
+    if move is None:
+        return None
+    head = max(abs(move.head.tilt + move.nod), abs(move.head.torsion) + abs(move.shake), abs(move.head.roll))
+    return {
+        "head_deg": degrees(head),
+        "trunk_deg": degrees(max(map(abs, axes(move.trunk)))),
+        "shoulders_deg": degrees(move.shoulders),
+        "eyes_deg": None if move.eyes is None else [degrees(move.eyes.torsion), -degrees(move.eyes.tilt)],
+        "face": dict(move.face),
+        "gave_way": list(move.gave_way),
+    }
 
 
 def _speech(plan: Plan) -> list[Json]:
@@ -130,8 +169,9 @@ def _speech(plan: Plan) -> list[Json]:
 def _syncs(performance: Performance) -> list[Json]:
     block = performance.plan.timeline.block.id
     found: list[Json] = []
+    tied = {(each.behaviour, each.sync): each for each in performance.stroke_lags}
     for sync in performance.plan.syncs:
-        lag = performance.lags.get(sync, 0.0)
+        lag, force = performance.lags.get(sync, 0.0), tied.get((sync.behaviour, sync.sync))
         found.append(
             {
                 "id": f"{block}:{sync.behaviour}:{sync.sync}",
@@ -139,6 +179,10 @@ def _syncs(performance: Performance) -> list[Json]:
                 "planned_s": sync.planned,
                 "twin_s": None if lag is None else sync.planned + lag,
                 "amplitude": 1.0,
+                "word": None if force is None else force.word,
+                "accent_s": None if force is None else force.accent,
+                "fastest_s": None if force is None else force.fastest,
+                "fastest_lag_s": None if force is None else force.lag,
             }
         )
     return found

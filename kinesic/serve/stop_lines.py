@@ -1,4 +1,8 @@
-"""Stop lines: connections that only stop the robot, read in a thread of their own past all that other clients send."""
+"""Stop lines: connections that only stop the robot, read in a thread of their own past all that other clients send.
+
+Nobody may hold a line that does not stop: where the thread does not begin the server does not open, where it has ended
+a connection ends at once, and a stop that fails is told to whoever sent it and to whoever runs the server.
+"""
 
 import socket
 from asyncio import Event, Task, get_running_loop, run, sleep
@@ -6,7 +10,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 from threading import Event as Flag
-from threading import Thread
+from threading import Lock, Thread
 from typing import Protocol
 
 from kinesic.serve.clients import LATER, NORMAL, POLICY
@@ -43,50 +47,84 @@ class StopLines:
         self._pace = Pace()
         self._tasks: set[Task[None]] = set()
         self._open = 0  # lines; who was refused and reads why is none
-        self._begun = Flag()
-        self._thread = Thread(target=lambda: run(self._serve()), name="stop lines", daemon=True)
+        self._changing = Lock()  # held while a line begins, or all of them end
+        self._taking = False  # whether lines are read
+        self._tried = Flag()  # whether the thread has begun to read, or has failed to
+        self._thread = Thread(target=self._run, name="stop lines", daemon=True)
 
     def open(self) -> None:
-        """Begins to read."""
+        """Begins to read.
+
+        Raises:
+            RuntimeError: the system grants no thread, or it has ended at once.
+        """
         self._thread.start()
-        self._begun.wait()
+        self._tried.wait()
+        if not self._taking:
+            raise RuntimeError("the thread that reads stop lines has ended at once; why is said above")
 
     def close(self) -> None:
         """Ends all lines."""
+        with self._changing:
+            if self._taking:
+                self._taking = False
+                self._loop.call_soon_threadsafe(self._end.set)
         if self._thread.is_alive():
-            self._loop.call_soon_threadsafe(self._end.set)
             self._thread.join()
 
     def take(self, connection: socket.socket, wire: MovableWire) -> None:
-        """Takes over a connection that nobody else reads or closes from now on.
+        """Takes over a connection that nobody else reads or closes from now on; it ends at once where no line is read.
 
         Args:
             connection: to the client; does not block.
             wire: its messages.
         """
-        self._loop.call_soon_threadsafe(self._begin, connection, wire)
+        with self._changing:
+            if self._taking:
+                self._loop.call_soon_threadsafe(self._begin, connection, wire)
+            else:
+                connection.close()
+
+    def _run(self) -> None:
+        try:
+            run(self._serve())
+        finally:
+            self._tried.set()
 
     async def _serve(self) -> None:
         self._loop, self._end = get_running_loop(), Event()
-        self._begun.set()
-        with urgent():
-            await self._end.wait()
+        try:
+            with urgent():
+                self._taking = True
+                self._tried.set()
+                await self._end.wait()
+        finally:
+            with self._changing:
+                self._taking = False
 
     def _begin(self, connection: socket.socket, wire: MovableWire) -> None:
         task = self._loop.create_task(self._attend(connection, wire))
         self._tasks.add(task)
-        task.add_done_callback(self._tasks.discard)
+        task.add_done_callback(partial(self._end_line, connection))
+
+    def _end_line(self, connection: socket.socket, task: Task[None]) -> None:
+        """Closes the connection, also of a client whom nobody had attended to when all ended."""
+        self._tasks.discard(task)
+        connection.close()
+        if not task.cancelled() and (error := task.exception()) is not None:
+            self._report("a stop line failed", error)
+
+    def _report(self, what: str, error: BaseException) -> None:
+        """Tells whoever runs the server, on standard error."""
+        self._loop.call_exception_handler({"message": what, "exception": error})
 
     async def _attend(self, connection: socket.socket, wire: MovableWire) -> None:
         reads = TokenBucket(self._rules.rate, READS)
         line = Transport(connection, self._rules.patience, partial(self._pace.await_turn, reads))
         line.admit()
         wire.move(line)
-        try:
-            with suppress(OSError, HalfError):  # a client may leave in any way
-                await wire.close(*await self._obey(wire))
-        finally:
-            connection.close()
+        with suppress(OSError, HalfError):  # a client may leave in any way
+            await wire.close(*await self._obey(wire))
 
     async def _obey(self, wire: MovableWire) -> tuple[int, str]:
         """Obeys a client until it goes; says why it is sent away, if it is."""
@@ -118,8 +156,15 @@ class StopLines:
             return json_answer("refused", why=str(error))
         match request:
             case Stop():
-                self._halt()
-                return json_answer("stopped")
+                return self._stop()
             case Ping(id):
                 return json_answer("pong", id=id)
         return json_answer("refused", why=REFUSAL)
+
+    def _stop(self) -> str:
+        try:
+            self._halt()
+        except (OSError, EOFError, RuntimeError, ValueError) as error:  # which elsewhere say that a client has gone
+            self._report("an emergency stop failed", error)
+            return json_answer("failed", why=f"the robot may not stop ({error}): use the switch that cuts the power")
+        return json_answer("stopped")

@@ -1,1 +1,1 @@
-"""Experiments that need no real time: gestures played alone, sweeps, and a perception study."""
+"""Experiments that need no real time: gestures played alone, sweeps, and studies of perception."""

@@ -1,4 +1,6 @@
 import json
+from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,7 +13,7 @@ from kinesic.bench.plan import first_command
 from kinesic.cli import bench
 from kinesic.controller.perform import set_up
 
-SMALL = 4  # the seed of a crowded block whose optimum is soon found
+SMALL = 8  # the seed of a crowded block whose optimum is soon found
 
 
 @pytest.fixture
@@ -20,11 +22,13 @@ def brief(monkeypatch):
     monkeypatch.setattr(plan, "REPETITIONS", 1)
     monkeypatch.setattr(plan, "CROWDS", 1)
     monkeypatch.setattr(plan, "RHYTHMS", 1)
-    monkeypatch.setattr(plan, "THRONG", 3)
+    monkeypatch.setattr(plan.hostile, "figures", partial(plan.hostile.figures, ["pile_20"]))
     monkeypatch.setattr(plan, "crowd", lambda seed, lexemes: crowd(SMALL + seed, lexemes))
     monkeypatch.setattr(first_command, "REPETITIONS", 2)
     monkeypatch.setattr(twin, "REPETITIONS", 2)
     monkeypatch.setattr(twin, "BLOCKS", 2)
+    monkeypatch.setattr(twin, "WRONG", twin.WRONG[:1])
+    monkeypatch.setattr(twin, "TOGETHER", twin.TOGETHER[:1])
 
 
 def test_a_figure_knows_whether_its_goal_is_met():
@@ -37,9 +41,11 @@ def test_plan_has_its_figures_and_no_violation(brief):
     figures = {figure.name: figure for figure in plan.bench()}
     assert figures["plan.full_5s_p95"].value > 0
     assert all(figures[f"plan.cpu_{name}"].value > 0 for name in ("asked", "moved", "repeated", "crowded", "hostile"))
+    assert figures["plan.memory_hostile"].value > 10.0
     assert figures["plan.violations"].value == 0
     assert figures["plan.stretch_blocks"].value == 2
     assert figures["plan.stretch"].ok
+    assert figures["plan.stretch_worst"].value <= 1.25
 
 
 def test_twin_measures_speed_and_clearance(brief):
@@ -49,7 +55,7 @@ def test_twin_measures_speed_and_clearance(brief):
 
 
 @pytest.mark.skipif(corpus_folder() is None, reason="no corpus of BML documents (KINESIC_CORPUS)")
-def test_feed_forward_and_correction_each_bring_servos_nearer_to_the_plan():
+def test_feed_forward_and_correction_each_bring_servos_nearer_to_the_plan(brief):
     figures = {figure.name: figure for figure in twin.tracking_figures(set_up(), 3)}
     for twin_name in ("nominal", "pessimistic"):
         helped, alone, without = (
@@ -83,7 +89,17 @@ def test_the_first_command_has_its_figures(brief):
 
 
 def test_json_is_a_list_of_figures(monkeypatch, capsys):
-    monkeypatch.setattr(bench, "measure", lambda part: [Figure(f"{part}.x", 2.0, "ms", 3.0, "lower")])
+    monkeypatch.setattr(bench, "measure", lambda part, stage: [Figure(f"{part}.x", 2.0, "ms", 3.0, "lower")])
     cli.kinesic.main(["bench", "plan", "--json"], standalone_mode=False)
     entries = json.loads(capsys.readouterr().out)
     assert {"name", "value", "unit", "goal", "better", "ok"} <= entries[0].keys()
+
+
+def test_what_is_measured_is_told_meanwhile(monkeypatch):
+    told = []
+    monkeypatch.setattr(bench, "import_module", lambda name: SimpleNamespace(bench=lambda: [name, *told]))
+    found = bench.measure("plan", told.append)
+    assert found == [
+        *("kinesic.bench.plan.first_command", "measuring plan.first_command"),
+        *("kinesic.bench.plan", "measuring plan.first_command", "measuring plan"),
+    ]

@@ -90,3 +90,12 @@ def test_a_constraint_that_a_speech_cannot_meet_is_passed_over(timed: Timing) ->
     )
     with pytest.raises(BmlError, match="required speech 's'"):
         timed(required)
+
+
+@pytest.mark.parametrize("asked", ['start="before(5)" end="bml:end"', 'stroke="before(5)" end="bml:end"'])
+def test_a_block_whose_end_nothing_else_bounds_ends_so_late_that_nothing_begins_before_it(
+    timed: Timing, asked: str
+) -> None:
+    found = timed(gesture("g", asked) + gesture("f", 'start="before(5)" end="bml:end"'))
+    assert min(at(found, "g:start"), at(found, "f:start")) == pytest.approx(0.0, abs=1e-6)
+    assert at(found, "g:end") == pytest.approx(at(found, "f:end"))

@@ -255,6 +255,33 @@ def test_gaze_and_face_of_the_drafts_have_the_points_of_both_versions() -> None:
     assert set(face.times) == {*gaze.times, "attackPeak"}
 
 
+DRAFT_FACE = (
+    '<bml xmlns="http://www.mindmakers.org/projects/BML" id="b"><face id="f" type="facs" au="12" start="1" {}/>{}</bml>'
+)
+
+
+@pytest.mark.parametrize(
+    ("asked", "more", "relax", "end"),
+    [
+        ("", "", 2.1, 2.5),
+        ('stroke_end="2"', "", 2.0, 2.4),
+        ('stroke="1.5" stroke_end="3" end="4"', "", 3.0, 4.0),
+        ('stroke_end="2" relax="2.5"', "", 2.5, 2.9),
+        (
+            'stroke_end="2"',
+            '<gaze id="z" start="3"/><constraint><synchronize ref="z:start"><sync ref="f:relax"/>'
+            "</synchronize></constraint>",
+            3.0,
+            3.4,
+        ),
+    ],
+)
+def test_a_face_relaxes_where_its_stroke_is_to_end(asked: str, more: str, relax: float, end: float) -> None:
+    found = schedule(parse(DRAFT_FACE.format(asked, more)), {}, {})
+    assert not found.dropped
+    assert (at(found, "f:relax"), at(found, "f:end")) == pytest.approx((relax, end))
+
+
 def test_many_broken_behaviours(timed: Timing) -> None:
     found = timed("".join(gesture(f"g{i}", 'start="2" end="1"') for i in range(200)) + gesture("other"))
     assert len(found.dropped) == 200

@@ -12,6 +12,7 @@ FOLDER_VERBS = {
     "validate": ("validate", "nowhere"),
     "sweep": ("sweep", "nowhere", "--parameter", "power"),
     "study": ("study", "make", "--size", "64"),
+    "gesture study": ("study", "make-gestures", "--gesture", "nowhere"),
 }
 FILE_VERBS = {
     "plan.npz": ("plan", "nowhere.bml"),
@@ -79,7 +80,7 @@ def test_pictures_of_figures_are_replaced_only_if_forced(kinesic, tmp_path: Path
         return [folder / "ik-solver.png"]
 
     monkeypatch.setattr("kinesic.bench.ik.draw", draw)
-    monkeypatch.setattr("kinesic.cli.bench.measure", lambda part: [])
+    monkeypatch.setattr("kinesic.cli.bench.measure", lambda part, stage: [])
     assert kinesic("bench", "ik", "--plots", "docs").code == 0
     (tmp_path / "docs" / "ik-solver.png").write_text("dear")
     refused = kinesic("bench", "ik", "--plots", "docs")

@@ -48,3 +48,12 @@ def test_a_motion_that_was_made_elsewhere_has_no_behaviours(kinesic, tmp_path: P
     assert ended.code == 0, ended.err
     assert ended.out.splitlines()[-1].startswith("nothing is written")
     assert "behaviour" not in ended.out
+
+
+def test_a_stroke_on_a_word_says_when_the_hand_is_fastest(kinesic):
+    tied = TALK.replace(b'start="0" stroke="0.25" end="0.6"', b'stroke="s:m + 1"')
+    words = " ".join(kinesic("plan", "-", stdin=tied).out.split())
+    stroke, fastest = map(float, re.search(r"stroke ([\d.]+) \(hand fastest at ([\d.]+)\)", words).groups())
+    median = float(re.search(r"hands are fastest ([\d.]+) s from their words \(median, strokes: 1\)", words)[1])
+    assert abs(abs(stroke - fastest) - median) < 0.011
+    assert "fastest" not in kinesic("plan", "-", stdin=TALK).out

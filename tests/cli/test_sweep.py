@@ -18,7 +18,7 @@ def test_a_sweep_prints_a_table_and_writes_figures(kinesic, tmp_path):
 def test_json_is_one_document_on_standard_output(kinesic):
     ended = kinesic("sweep", "beat", "--parameter", "openness", "--values", "0.5", "--json", "--style", "calm")
     data = json.loads(ended.out)
-    assert (data["gesture"], data["style"], data["stroke_s"]) == ("beat", "calm", 3.0)
+    assert (data["gesture"], data["style"], data["stroke_s"]) == ("beat", "calm", 6.0)
     assert ended.err.splitlines()[0].startswith("json: out/sweep-beat-")
 
 

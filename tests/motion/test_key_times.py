@@ -8,6 +8,7 @@ from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.controller.perform import plan
 from kinesic.motion import key_times
+from kinesic.motion.budget import Budget
 from kinesic.motion.condition import condition
 from kinesic.motion.infeasibility import measure_shortage
 from kinesic.motion.key_time_lp import strain
@@ -137,9 +138,12 @@ def test_what_no_stretch_leads_to_rests(monkeypatch):
     assert all(search.times[j] - search.times[i] >= 0.999 * rest for (_, (i, j)), rest in rests.items())
 
 
-def rhythm(gap: float) -> tuple[KeyPosture, ...]:
-    """Six strokes to and fro, all in the same short time."""
-    turns = [(0.3, "ready"), *(way for k in range(6) for way in ((-0.3, f"strokeStart:{k}"), (0.3, f"stroke:{k + 1}")))]
+def rhythm(gap: float, strokes: int = 6) -> tuple[KeyPosture, ...]:
+    """Strokes to and fro, all in the same short time."""
+    turns = [
+        (0.3, "ready"),
+        *(way for k in range(strokes) for way in ((-0.3, f"strokeStart:{k}"), (0.3, f"stroke:{k + 1}"))),
+    ]
     rows = [(gap * k, turn, sync) for k, (turn, sync) in enumerate(turns, 1)]
     return keys_of((0.0, 0.0, "start"), *rows, (gap * (len(turns) + 1), 0.0, "end"))
 
@@ -171,7 +175,7 @@ def test_repeated_strokes_are_stretched_at_once(gap, monkeypatch):
 
 def test_planes_do_what_a_stretch_cannot(monkeypatch):
     monkeypatch.setattr(key_times, "stretch_until_enough", lambda *given: None)
-    keys = Keys.of(rhythm(0.2), LIMITS)
+    keys = Keys.of(rhythm(0.2, strokes=3), LIMITS)
     monkeypatch.setattr(key_times, "PLANES", 10**6)
     search = Search(keys, LIMITS, 0.6)
     search.avoid(next(segment for segment in segments(search.times, keys, STEP) if not segment.still))
@@ -182,9 +186,9 @@ def test_planes_do_what_a_stretch_cannot(monkeypatch):
 @pytest.mark.parametrize(("seeds", "most"), [((1, 5, 7, 9), 185), ((2,), 10)])
 def test_what_is_short_is_looked_at_before_what_is_near(seeds, most, known, monkeypatch):
     """To measure all that is near in every round, or beside any plane of its hinge, takes a fifth more."""
-    seen = measured(monkeypatch)
+    seen, hands_alone = measured(monkeypatch), replace(known, style=known.style.changed(["whole_body=0"]))
     for seed in seeds:
-        plan(crowd(seed, ["beat", "offer", "large"]), known)
+        plan(crowd(seed, ["beat", "offer", "large"]), hands_alone)
     assert len(seen) <= most
 
 
@@ -199,4 +203,13 @@ def test_what_is_measured_is_counted_and_hinges_rest_when_the_budget_is_spent(mo
     monkeypatch.setattr(key_times, "LOOKS", 100)  # fewer pieces than the first segment has
     planned = condition(postures, SLOW).planned
     assert len(seen) == 1
+    assert all(planned[j] - planned[i] >= 0.999 * rest for (_, (i, j)), rest in rest_to_rest(keys, SLOW).items())
+
+
+def test_with_its_budget_spent_nothing_is_measured_and_hinges_rest_wherever_they_are_short(monkeypatch):
+    seen = measured(monkeypatch)
+    keys = nods(6, 1.9)
+    postures = keys_of(*zip(keys.asked, keys.angles[:, 0], [s[0][1] for s in keys.syncs], strict=True))
+    planned = condition(postures, SLOW, budget=Budget(-1.0)).planned
+    assert seen == []
     assert all(planned[j] - planned[i] >= 0.999 * rest for (_, (i, j)), rest in rest_to_rest(keys, SLOW).items())

@@ -71,3 +71,17 @@ def test_an_arm_points_at_what_is_out_of_reach(place):
     cosine = line @ wanted / np.linalg.norm(line) / np.linalg.norm(wanted)
     assert np.degrees(np.arccos(min(1.0, cosine))) < 1.0
     assert np.linalg.norm(line) > 0.99 * ROBOT.arm_length
+
+
+@pytest.mark.parametrize("side", SIDES)
+@pytest.mark.parametrize("place", PLACES)
+def test_a_lift_raises_the_shoulder_and_leaves_the_hand_where_it_is(place, side):
+    low, high = (solved(place, side=side, lift=lift) for lift in (0.0, 0.2))
+    arm = ROBOT.arm(side)
+    (collar,) = arm.lifting
+    assert high[collar] - low[collar] == pytest.approx(0.2)
+    below, above = (ROBOT.skeleton.frames(angles).origins for angles in (low, high))
+    assert above[arm.shoulder][2] > below[arm.shoulder][2] + 0.01
+    np.testing.assert_allclose(above[arm.wrist], below[arm.wrist], atol=1e-6)
+    most = solved(place, side=side, lift=2.0)
+    assert most[collar] == pytest.approx(ROBOT.skeleton.upper[collar])

@@ -10,6 +10,7 @@ from kinesic.bml.parse import parse
 from kinesic.controller.perform import set_up
 from kinesic.expressivity.lexicon.lexicon import mirror_form
 from kinesic.expressivity.style.style import Expressivity, Style
+from kinesic.motion.budget import ENDLESS
 from kinesic.planning.certify import certify
 from kinesic.planning.clearance import LAG_RESERVE
 from kinesic.planning.plan import plan_block
@@ -113,9 +114,9 @@ def test_behaviours_far_from_one_another_are_dropped_at_once():
     """And the one that is clear stays."""
     conditioned: list[int] = []
 
-    def counted(keys, setup, bonds=(), /, *, ease=1.0):
+    def counted(keys, setup, bonds=(), /, *, ease=1.0, budget=ENDLESS):
         conditioned.append(len(keys))
-        return certify(keys, setup, bonds, ease=ease)
+        return certify(keys, setup, bonds, ease=ease, budget=budget)
 
     body = "".join(f'<gesture id="g{k}" lexeme="offer" start="{10 * k}"/>' for k in range(4))
     tight = replace(SETUP, robot=replace(ROBOT, least_clearance=0.2))
@@ -123,3 +124,13 @@ def test_behaviours_far_from_one_another_are_dropped_at_once():
     assert {outcome.kind for outcome in made.keyframes.outcomes.values()} == {"dropped"}
     rounds = len([keys for before, keys in zip([0, *conditioned], conditioned, strict=False) if keys < before])
     assert rounds <= 1
+
+
+def test_a_detour_that_was_too_narrow_is_made_wider():
+    """Crossed arms in a calm manner stray by 1 mm, and the first detour there helps as good as nothing."""
+    found = plan_block(
+        parse(ROOT.format('<gesture id="g" lexeme="arms_crossed" stroke="2"/>')),
+        replace(SETUP, style=Style.load("calm")),
+    )
+    assert found.keyframes.outcomes["g"].kind == "realised"
+    assert found.clearance.distances.min() >= LEAST

@@ -7,6 +7,7 @@ from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
 from kinesic.motion.keys import KeyPosture, Passage
+from kinesic.motion.trajectory import STEP, Trajectory
 from kinesic.planning.detour import LEAST_STEP, PostureCourse, lead_around
 from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.dynamics import MujocoDynamics
@@ -132,3 +133,42 @@ def test_swing_goes_before_the_path_changes():
     assert swings(led)[3] == 1.0
     plain = course(key(0.0), key(0.5, left=inner), key(6.0))
     assert plain.calmed(0.45) is plain
+
+
+def synced(posture, name):
+    """The same key with a sync point of a behaviour."""
+    return replace(posture, syncs=((name, "stroke"),))
+
+
+def test_keys_of_detours_are_those_that_no_sync_point_falls_on():
+    made = course(
+        key(0.0),
+        synced(key(1.0, right=IN_FRONT), "g"),
+        key(1.5, right=HIGHER),
+        key(2.0, right=IN_FRONT),
+        key(2.5, right=REST[RIGHT]),
+        key(3.0),
+    )
+    assert made.detours(1.7, [tuple(RIGHT)]) == {2}  # the key at 2.0 is a hold of the stroke
+    assert made.detours(1.2, [tuple(RIGHT)]) == {2}
+    assert made.detours(0.0, [tuple(RIGHT)]) <= {0}
+
+
+def between(one, other, share):
+    """A trajectory between the motions of two courses."""
+    times = np.arange(-STEP, one.motion.duration + 1.5 * STEP, STEP)
+    inside = np.clip(times, 0.0, one.motion.duration)
+    angles = (1.0 - share) * one.motion.angles(inside) + share * other.motion.angles(inside)
+    return Trajectory(angles, one.motion.zero)
+
+
+def test_a_trajectory_that_strays_is_led_around_where_it_is():
+    together = course(key(0.0), key(1.0, left=IN_FRONT), key(1.4, right=IN_FRONT), key(1.8, left=HIGHER), key(3.0))
+    clear = lead_around(together, DISTANCES, least=LEAST)
+    trajectory = between(clear, together, 0.5)
+    straying = clear.straying(trajectory)
+    np.testing.assert_allclose(straying.at(1.2), trajectory.at(1.2 + trajectory.zero).angles, atol=1e-3)
+    lacking = LEAST - DISTANCES.clearance(straying.samples()).distances.min()
+    assert lacking > 0.002
+    led = lead_around(straying, DISTANCES, least=LEAST)
+    assert LEAST - DISTANCES.clearance(led.samples()).distances.min() < 0.2 * lacking

@@ -7,9 +7,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from kinesic.bench.plan import violations
 from kinesic.bml.parse import parse
+from kinesic.body.limits import Limits
 from kinesic.expressivity.hands.poses import poses
 from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.motion import key_times
+from kinesic.motion.infeasibility import Infeasibility
+from kinesic.motion.segments import SplineSegment
+from kinesic.planning import clashes
+from kinesic.planning import plan as plan_module
 from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.setup import Setup
 
@@ -112,3 +119,46 @@ def test_gestures_of_both_hands_merge(planned):
     )
     assert {outcome.kind for outcome in made.keyframes.outcomes.values()} == {"realised"}
     assert made.keyframes.uses == {"a": {"r_hand"}, "b": {"l_hand"}}
+
+
+PILE = "".join(
+    f'<gesture id="g{k}" lexeme="{("offer", "large")[k % 2]}" stroke="{1 + 0.11 * k:.2f}"/>' for k in range(24)
+)
+
+
+@pytest.fixture
+def measured(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Pieces of segments, as their shortage is measured."""
+    pieces: list[int] = []
+    measure = key_times.measure_shortage
+
+    def count(segment: SplineSegment, limits: Limits) -> Infeasibility | None:
+        pieces.append(segment.grid.pieces)
+        return measure(segment, limits)
+
+    monkeypatch.setattr(key_times, "measure_shortage", count)
+    return pieces
+
+
+def test_a_pile_is_planned_within_its_budget_and_what_is_left_out_is_named(planned, monkeypatch, measured):
+    monkeypatch.setattr(plan_module, "WORK", 0)
+    monkeypatch.setattr(clashes, "WORK", 0)
+    made, again = planned(PILE), planned(PILE)
+    outcomes = made.keyframes.outcomes
+    kinds = [outcome.kind for outcome in outcomes.values()]
+    assert 0 < kinds.count("dropped") < len(kinds)
+    assert outcomes["g0"].kind != "dropped"
+    assert any("more than can be planned together with the work" in outcome.why for outcome in outcomes.values())
+    assert sum(measured) < 2 * key_times.LOOKS
+    assert {id: one.why for id, one in outcomes.items()} == {
+        id: one.why for id, one in again.keyframes.outcomes.items()
+    }
+    assert violations(made) == 0
+
+
+def test_what_is_within_its_budget_is_planned_as_without(planned, monkeypatch):
+    row = "".join(f'<gesture id="g{k}" lexeme="large" stroke="{1 + 0.5 * k:.2f}"/>' for k in range(3))
+    usual = planned(row)
+    monkeypatch.setattr(plan_module, "WORK", np.inf)
+    monkeypatch.setattr(clashes, "WORK", np.inf)
+    np.testing.assert_array_equal(planned(row).motion.planned, usual.motion.planned)

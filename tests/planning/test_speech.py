@@ -26,6 +26,9 @@ HURRIED = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:kinesi
 MARKS = {"g1": "a", "g2": "b", "g3": "c"}
 
 
+ONE_VOICE = pytest.mark.parametrize("known", ["durations"], indirect=True)  # whatever says it
+
+
 @cache
 def hurried(known: Setup, *, block: str = "", speech: str = "") -> Plan:
     return plan(HURRIED.format(block=block, speech=speech), known)
@@ -75,6 +78,7 @@ def test_the_prediction_has_the_times_with_the_pauses(waiting: Plan):
     assert f'<sync id="c" time="{round(start + said.marks["c"], 6)!r}"' in prediction
 
 
+@ONE_VOICE
 def test_nothing_waits_unless_it_may(known: Setup):
     without = hurried(known)
     assert pauses(without) == []
@@ -122,6 +126,7 @@ def test_a_pause_goes_right_before_its_mark():
     assert found.stops() == (Pause(4, 0.1), Mark("a", 4), Pause(4, 0.2, 1), Mark("b", 4))
 
 
+@ONE_VOICE
 def test_a_recording_does_not_wait(known: Setup, tmp_path: Path):
     text = HURRIED.format(block='kinesic:pause="true"', speech="").replace(
         "</speech>", '<description type="audio/wav" ref="missing.wav"/></speech>'

@@ -129,3 +129,15 @@ def test_a_warning_names_both_times_and_the_limit(plans, name):
     for text in texts:
         assert " asked at " in text
         assert any(hinge in text for hinge in hinges), text
+
+
+def test_the_body_beside_the_hands_is_told_for_each_gesture(known: Setup) -> None:
+    gestures = '<gesture id="g" lexeme="doubt_shrug" stroke="2"/><gesture id="r" lexeme="arms_crossed" start="6"/>'
+    nod = '<head id="h" lexeme="NOD" stroke="3"/>'
+    told = report(perform(ROOT.format(gestures + nod), known), source="x.bml")
+    shrug, crossed, head = told["behaviours"]
+    assert 12 <= shrug["body"]["shoulders_deg"] <= 20
+    assert 5 <= shrug["body"]["head_deg"] <= 8
+    assert shrug["body"]["face"].keys() == {"raise_brows", "lower_mouth_corners"}
+    assert crossed["body"] is head["body"] is None
+    assert told["whole_body"] == {"weight": 1.0, "gestures": 1, "lacking": ""}

@@ -1,16 +1,21 @@
 """Connections that only stop the robot, at a real server whose thread of clients is held up."""
 
+import asyncio
 import json
 import socket
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from time import sleep
 
 import pytest
 from websockets.sync.client import connect
 
 from kinesic.client import StopLine
 from kinesic.serve import stop_lines
+from kinesic.serve.stop_lines import StopLines
+from kinesic.serve.wire.quotas import Quotas
+from kinesic.serve.wire.transport import HalfError
 
 from .conftest import PATIENCE, Running
 
@@ -18,15 +23,15 @@ pytestmark = pytest.mark.realtime
 
 
 @contextmanager
-def held_up(server: Running) -> Iterator[None]:
-    """The thread that reads all other clients stands still meanwhile."""
+def held_up(tasks: asyncio.AbstractEventLoop) -> Iterator[None]:
+    """The thread of a loop stands still meanwhile."""
     stands, go_on = threading.Event(), threading.Event()
 
     def stand() -> None:
         stands.set()
         go_on.wait(PATIENCE)
 
-    server.tasks.call_soon_threadsafe(stand)
+    tasks.call_soon_threadsafe(stand)
     assert stands.wait(PATIENCE)
     try:
         yield
@@ -47,7 +52,7 @@ def resumed(server: Running, becomes) -> Iterator[None]:
 def test_a_stop_passes_whatever_holds_up_the_thread_of_clients(server, becomes):
     loop = server.open.clients.session.loop
     stops = loop.stops
-    with StopLine(port=server.port) as line, held_up(server):
+    with StopLine(port=server.port) as line, held_up(server.tasks):
         line.stop(PATIENCE)
         assert loop.stops == stops + 1
         assert becomes(lambda: loop.halted)
@@ -63,7 +68,7 @@ def test_a_websocket_becomes_one_too_and_a_stop_that_came_along_is_not_lost(serv
         web.socket.sendall(b"".join(_frame(each) for each in ('{"do": "stop_line"}', '{"do": "stop"}')))
         assert [json.loads(web.recv(PATIENCE))["told"] for _ in range(2)] == ["stop_line", "stopped"]
         assert loop.stops == stops + 1
-        with held_up(server):
+        with held_up(server.tasks):
             web.send('{"do": "stop"}')
             assert json.loads(web.recv(PATIENCE)) == {"told": "stopped"}
             assert loop.stops == stops + 2
@@ -140,6 +145,107 @@ def test_a_late_answer_is_none_to_the_next_stop():
                 line.stop(0.0)
             with pytest.raises(ConnectionError):
                 line.stop(0.5)
+
+
+class Line:
+    """A wire that says nothing."""
+
+    def move(self, line) -> None:
+        pass
+
+    async def send(self, message: str) -> None:
+        pass
+
+    async def close(self, code: int, why: str) -> None:
+        pass
+
+    async def messages(self, hurry):
+        await asyncio.sleep(PATIENCE)
+        yield b""
+
+
+@contextmanager
+def pair() -> Iterator[tuple[socket.socket, socket.socket]]:
+    """A client's end of a connection, and the server's."""
+    here, there = socket.socketpair()
+    there.setblocking(False)
+    with here, there:
+        here.settimeout(PATIENCE)
+        yield here, there
+
+
+def test_a_stop_that_fails_is_told_to_whoever_sent_it_and_to_whoever_runs_the_server(server, monkeypatch, caplog):
+    for error in (BrokenPipeError("gone"), HalfError("half"), RuntimeError("closed"), ValueError("odd")):
+
+        def fail(error=error) -> None:
+            raise error
+
+        monkeypatch.setattr(server.open.reception._stop_lines, "_halt", fail)
+        with StopLine(port=server.port) as line:
+            with pytest.raises(ConnectionError, match=f"may not stop .{error}.: use the switch"):
+                line.stop(PATIENCE)
+            monkeypatch.undo()
+            line.stop(PATIENCE)  # the line is still one
+        assert caplog.records[-1].exc_info[1] is error
+        assert "an emergency stop failed" in caplog.text
+
+
+def test_a_line_that_fails_ends_and_is_told_of(server, monkeypatch, caplog, becomes):
+    monkeypatch.setattr(server.open.reception._stop_lines, "_halt", lambda: 1 / 0)
+    with StopLine(port=server.port) as line, pytest.raises(ConnectionError, match="closed the connection"):
+        line.stop(PATIENCE)
+    assert becomes(lambda: "a stop line failed" in caplog.text)
+    assert isinstance(caplog.records[-1].exc_info[1], ZeroDivisionError)
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")  # how it is said here
+def test_a_thread_that_ends_at_once_lets_no_server_open(monkeypatch):
+    def refuse():
+        raise OSError("too many open files")
+
+    monkeypatch.setattr(stop_lines, "urgent", refuse)
+    lines = StopLines(lambda: None, Quotas())
+    with pytest.raises(RuntimeError, match="stop lines has ended at once"):
+        lines.open()
+    lines.close()
+
+
+def test_a_thread_that_the_system_does_not_grant_lets_no_server_open(monkeypatch):
+    def refuse(_) -> None:
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr(threading.Thread, "start", refuse)
+    lines = StopLines(lambda: None, Quotas())
+    with pytest.raises(RuntimeError, match="can't start new thread"):
+        lines.open()
+    lines.close()
+
+
+def test_who_comes_before_or_after_lines_are_read_is_sent_away_at_once():
+    before, after = (StopLines(lambda: None, Quotas()) for _ in range(2))
+    after.open()
+    after.close()
+    for lines in (before, after):
+        with pair() as (here, there):
+            lines.take(there, Line())
+            assert here.recv(1) == b""
+
+
+def test_who_comes_while_all_lines_end_is_not_left_waiting():
+    lines = StopLines(lambda: None, Quotas())
+    lines.open()
+    ending = threading.Thread(target=lines.close)
+    with pair() as (here, there), pair() as (late, after):
+        with held_up(lines._loop):
+            lines.take(there, Line())
+            ending.start()
+            while lines._taking:
+                sleep(0.001)
+            lines.take(after, Line())
+            assert late.recv(1) == b""
+        ending.join(PATIENCE)
+        assert here.recv(1) == b""
+    assert not lines._tasks
 
 
 def _answer_once(server: socket.socket) -> None:

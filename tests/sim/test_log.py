@@ -7,6 +7,7 @@ import pytest
 from kinesic.body.command import Command
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
+from kinesic.sim import log
 from kinesic.sim.log import read_log, write_log
 from kinesic.sim.twin import Twin
 
@@ -64,13 +65,14 @@ def test_a_missing_file_and_another_kind_of_file_are_refused(tmp_path):
         read_log(text, ROBOT)
 
 
-def test_a_log_that_unpacks_without_end_is_refused_before_it_is(tmp_path):
+def test_a_log_that_unpacks_without_end_is_refused_before_it_is(tmp_path, monkeypatch):
+    monkeypatch.setattr(log, "LARGEST", 50_000_000)
     path = tmp_path / "bomb.npz"
     with ZipFile(path, "w", ZIP_DEFLATED) as whole, whole.open("angles.npy", "w") as part:
-        for _ in range(600):
+        for _ in range(60):
             part.write(bytes(1_000_000))
-    assert path.stat().st_size < 1_000_000
-    with pytest.raises(ConfigError, match=r"bomb\.npz: unpacks to 600 MB, at most 500 are read"):
+    assert path.stat().st_size < 100_000
+    with pytest.raises(ConfigError, match=r"bomb\.npz: unpacks to 60 MB, at most 50 are read"):
         read_log(path, ROBOT)
 
 

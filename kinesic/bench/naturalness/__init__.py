@@ -9,9 +9,11 @@ from kinesic.bench.expressivity.lexicon import NEUTRAL_STYLE, every
 from kinesic.bench.figure import Figure
 from kinesic.bench.naturalness import plots
 from kinesic.bench.naturalness.bars import MEDIANS, PART, bar_figures
+from kinesic.bench.naturalness.body import body_figures
 from kinesic.bench.naturalness.captured import captured_figures, measure_clips
 from kinesic.bench.naturalness.lexicon import MeasuredGesture, by_style, measure_lexicon
 from kinesic.bench.naturalness.rows import EFFORT, row_figures
+from kinesic.bench.naturalness.synchrony import synchrony_figures
 from kinesic.body.config import names_of
 from kinesic.body.robot import Robot
 
@@ -59,7 +61,9 @@ def lexicon_figures(gestures: Sequence[MeasuredGesture], arm: float) -> list[Fig
     for style, group in by_style(gestures).items():
         hands = [each.hand for each in group if each.hand]
         if style == NEUTRAL_STYLE:
-            found += [*row_figures(PART, hands, MEDIANS), *bar_figures(group, arm), *category_figures(group)]
+            found += [*row_figures(PART, hands, MEDIANS), *bar_figures(group, arm), *synchrony_figures(PART)]
+            found += body_figures(PART, [(each.gesture, each.category, each.body) for each in group])
+            found += category_figures(group)
         else:
             found += row_figures(f"{PART}.{style}", hands, {})
     return found

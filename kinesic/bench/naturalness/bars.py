@@ -93,13 +93,11 @@ def _variety_figures(hands: Sequence[GestureMeasures], arm: float) -> list[Figur
 
 
 def _law_figures(gestures: Sequence[MeasuredGesture]) -> list[Figure]:
-    """Whether the whole body moves, and what natural motion must not cost."""
+    """What natural motion must not cost."""
     late = [each.gesture for each in gestures if each.late]
     dropped = [each.gesture for each in gestures if each.hand is None]
     beyond = float(sum(each.violations for each in gestures))
-    whole = np.array([each.whole_body for each in gestures])
     return [
-        Figure(f"{PART}.whole_body", _share(whole), "", 0.9, "higher", "head, trunk or collar bones move"),
         Figure(f"{PART}.dropped", float(len(dropped)), "gestures", 0.0, "lower", ", ".join(dropped)),
         Figure(f"{PART}.stroke_moved", float(len(late)), "strokes", 0.0, "lower", ", ".join(late)),
         Figure(f"{PART}.violations", beyond, "limits", 0.0, "lower"),

@@ -4,11 +4,11 @@ import os
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from math import nan, radians
 
 import numpy as np
 
 from kinesic.bench.expressivity.lexicon import NEUTRAL_STYLE
+from kinesic.bench.naturalness.body import BodyMeasures, measure_body
 from kinesic.bench.naturalness.measures import GestureMeasures, measure_hand
 from kinesic.bench.plan import violations
 from kinesic.body.arrays import Floats
@@ -25,7 +25,6 @@ from kinesic.studies.gestures.isolated import plan_gesture, stroke_error
 STROKE = 8.0  # [s] time enough for whatever comes before the slowest stroke, so that all times are natural
 PERIOD = 0.01  # [s] between samples
 DYNAMIC = 0.25  # [arm lengths] from which on a path is a dynamic stroke, and not a pose
-LEAST_TURN = radians(1)  # from which on head, trunk or collar bones are seen to move
 
 Task = tuple[str, str]  # a gesture's id, a style's name
 
@@ -39,7 +38,7 @@ class MeasuredGesture:
     style: str
     keys: int  # of its stroke
     hand: GestureMeasures | None  # None: it was dropped
-    body: float  # [rad] the largest range of a hinge of head, trunk or collar bones
+    body: BodyMeasures  # what head, trunk and collar bones do
     stroke_error: float  # [s] by which the stroke is planned later than asked
     violations: int  # of limits, at 1 kHz
 
@@ -52,11 +51,6 @@ class MeasuredGesture:
     def late(self) -> bool:
         """Whether the stroke is not where it was asked."""
         return abs(self.stroke_error) > SHIFT_TO_WARN
-
-    @property
-    def whole_body(self) -> bool:
-        """Whether head, trunk or collar bones move."""
-        return self.body > LEAST_TURN
 
 
 def measure_lexicon(tasks: Sequence[Task]) -> list[MeasuredGesture]:
@@ -93,7 +87,7 @@ def measure_gesture(form: GestureForm, known: Setup) -> MeasuredGesture:
         style=known.style.name,
         keys=len(form.keys),
         hand=None if np.isnan(late) else _measure_plan(planned),
-        body=_turned(planned),
+        body=measure_body(planned.setup.robot, planned.trajectory.sample(_times(planned))[0]),
         stroke_error=late,
         violations=violations(planned),
     )
@@ -123,12 +117,3 @@ def _wrist(robot: Robot, side: Side, angles: Floats) -> Floats:
     origins = robot.skeleton.frames(angles).origins
     path: Floats = origins[:, robot.arm(side).wrist] - origins[:, robot.skeleton.segment(robot.arms[side].base)]
     return path
-
-
-def _turned(planned: Plan) -> float:
-    """Largest range [rad] of a hinge that is of no arm proper."""
-    robot = planned.setup.robot
-    collars = [joint for side in SIDES for joint in robot.skeleton.joints_of(robot.arm(side).segments[:-3])]
-    body = [*robot.joints("torso"), *robot.joints("neck"), *collars]
-    angles = planned.trajectory.sample(_times(planned))[0][:, body]
-    return float(np.ptp(angles, axis=0).max(initial=0.0)) if angles.size else nan

@@ -6,8 +6,9 @@ from time import perf_counter, process_time
 
 import numpy as np
 
-from kinesic.bench.blocks import crowd, passage_text, rhythm, throng
+from kinesic.bench.blocks import crowd, passage_text, rhythm
 from kinesic.bench.figure import Figure
+from kinesic.bench.plan import hostile
 from kinesic.bench.plan.optimum import best_times
 from kinesic.bml.block import NoticeType
 from kinesic.body.arrays import Floats
@@ -25,7 +26,6 @@ from kinesic.report.checks import TOLERANCE
 REPETITIONS = 9
 CROWDS = 4  # blocks whose times must move
 RHYTHMS = 6  # blocks with repeated strokes whose times must move
-THRONG = 40  # gestures, and as many nods, of a block that nobody can perform
 STRAINED = 1e-6  # strain above which times have moved
 
 
@@ -45,6 +45,7 @@ def bench() -> list[Figure]:
         Figure("plan.full_5s_p95", 1000 * float(np.percentile(seconds, 95)), "ms", 300.0, "lower"),
         Figure("plan.full_5s_moved", 1000 * median(hurried), "ms", 1000.0, "lower"),
         *cpu_figures(known, lexemes),
+        *hostile.figures(),
         Figure("plan.violations", float(sum(violations(found) for found in every)), "count", 0.0, "lower"),
         Figure("plan.shifted_syncs", float(median(len(_shifted(found)) for found in plans)), "count", 0.0, "lower"),
         Figure("plan.warnings_missing", float(missing), "count", 0.0, "lower"),
@@ -60,7 +61,6 @@ def cpu_figures(known: Setup, lexemes: list[str]) -> list[Figure]:
         ("moved", hurry, REPETITIONS, 1.0),
         ("repeated", rhythm, RHYTHMS, 1.0),
         ("crowded", lambda seed: crowd(seed, lexemes), CROWDS, 2.0),
-        ("hostile", lambda seed: throng(seed, lexemes, THRONG), 1, 10.0),
     )
     return [
         Figure(f"plan.cpu_{name}", max(_cpu(text_of(seed), known) for seed in range(count)), "s", goal, "lower")

@@ -1,10 +1,10 @@
 """What the references of a block say, before any number is chosen: which sync points are at equal times."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from kinesic.bml.block import Behaviour, Block, Place, Precedence, Synchronize, SyncRef
+from kinesic.bml.block import Behaviour, Block, Face, Place, Precedence, Synchronize, SyncRef
 
 
 class Point(NamedTuple):
@@ -45,6 +45,20 @@ def own_ties(behaviour: Behaviour, block: str) -> Iterator[Tie]:
     for sync, ref in behaviour.syncs.items():
         own = SyncRef(block, behaviour.id, sync)
         yield Tie(own, ref, behaviour.id, behaviour.place, behaviour.required)
+
+
+def relaxing_ties(behaviour: Behaviour, block: str, named: Collection[Point]) -> Iterator[Tie]:
+    """Lets an expression of the face relax where its stroke is to end, unless the document places that otherwise.
+
+    Args:
+        behaviour: of the block.
+        block: its id.
+        named: points that constraints of the block name.
+    """
+    ended = behaviour.syncs.get("strokeEnd")
+    placed = "relax" in behaviour.syncs or Point(block, behaviour.id, "relax") in named
+    if isinstance(behaviour.action, Face) and ended is not None and not placed:
+        yield Tie(SyncRef(block, behaviour.id, "relax"), ended, behaviour.id, behaviour.place, behaviour.required)
 
 
 def synchronize_equalities(constraint: Synchronize) -> Iterator[Tie]:

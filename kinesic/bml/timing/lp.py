@@ -27,6 +27,7 @@ _SHRINK = 10.0  # of one behaviour, per natural second
 _SHRINK_ALL = 5.0  # of the one that shrinks most, per natural second of all
 _BLOCK_END = 0.3  # per second that the block ends later, or before its start
 _EARLY = 1e-4  # per second that a behaviour starts later
+_BEFORE_ZERO = 0.6  # per second that it starts before 0, where nothing else says when the block ends: it ends later
 
 
 @dataclass
@@ -130,14 +131,17 @@ class Program:
         """
         natural = sum(sum(spans[chain.behaviour.id].values()) for chain in chains)
         all_shrink = self._rows.unknown(_SHRINK_ALL * natural, 0.0)
+        ending = [order for order in orders if order.head.behaviour == "bml"]
+        bound = not ending or any(self._potentials.find(order.tail)[0] in self._known for order in ending)
+        early = _EARLY * (len(chains) + 1) if bound else _BEFORE_ZERO
         for chain in chains:
             if chain.is_rigid:
                 self._pull_to_zero(chain.points[0], _EARLY, _EARLY * (len(chains) + 1))
             else:
-                self._add(chain, spans[chain.behaviour.id], all_shrink, _EARLY * (len(chains) + 1))
+                self._add(chain, spans[chain.behaviour.id], all_shrink, early)
         for order in orders:
             self._at_least(order.tail, order.head, order.gap)
-        for end in dict.fromkeys(order.head for order in orders if order.head.behaviour == "bml"):
+        for end in dict.fromkeys(order.head for order in ending):
             self._pull_to_zero(end, _BLOCK_END, _BLOCK_END)  # from both sides: nothing else may hold it
         found = self._rows.solve()
         return {root: found[unknown] for root, unknown in self._root.items()}

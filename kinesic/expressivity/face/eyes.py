@@ -18,6 +18,7 @@ from kinesic.body.arrays import Floats
 from kinesic.expressivity.behaviours import stays
 from kinesic.expressivity.context import BlockContext
 from kinesic.expressivity.gaze import STRAIGHT, aim
+from kinesic.expressivity.keyframes import BodyMove
 from kinesic.expressivity.turns import add_turns
 from kinesic.motion.easing import ease
 
@@ -25,6 +26,7 @@ CLOSING, SHUT, OPENING = 0.06, 0.02, 0.10  # [s] of a blink
 LEAST_GAP, MEAN_GAP = 1.2, 4.0  # [s] between blinks
 WIDE_TURN = radians(20)  # of the gaze, that brings a blink with it
 FLITTING = radians(2.5)  # spread of saccades about what is looked at
+EARLY = 0.3  # [s] that eyes leave before a stroke for what it shows
 LEAST_REST, MEAN_REST = 0.5, 1.6  # [s] that eyes rest between them
 
 
@@ -85,6 +87,22 @@ def looks(timeline: Timeline, context: BlockContext) -> tuple[GazeDirection, ...
             end = np.inf if stays(action) else timed.times["relax"]
             there = add_turns(aimed.head, aimed.eyes)
             found.append(GazeDirection(timed.times["start"], there.torsion, -there.tilt, end))
+    return tuple(found)
+
+
+def gesture_looks(timeline: Timeline, bodies: Mapping[str, BodyMove]) -> tuple[GazeDirection, ...]:
+    """Lists where eyes look with gestures: they are there a little before the stroke begins.
+
+    Args:
+        timeline: behaviours with times.
+        bodies: id of a gesture -> what the body does beside it.
+    """
+    found = []
+    for timed in timeline.timed:
+        move, times = bodies.get(timed.behaviour.id), timed.times
+        if move is not None and move.eyes is not None:
+            start = max(times["start"], times["strokeStart"] - EARLY)
+            found.append(GazeDirection(start, move.eyes.torsion, -move.eyes.tilt, times["relax"]))
     return tuple(found)
 
 

@@ -6,6 +6,7 @@ A pure function of the times that are asked for, on the clock of the block: the 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from types import MappingProxyType
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from kinesic.body.utterance import Utterance
 from kinesic.expressivity.face.expressions import BRIDGED, Envelope, Expression, expression
 from kinesic.expressivity.face.eyes import AHEAD, Eyes, blink_times, blinking, flitting, gaze_units, looking
 from kinesic.expressivity.face.visemes import SEAL, visemes
-from kinesic.expressivity.keyframes import Outcome
+from kinesic.expressivity.keyframes import BodyMove, Outcome
 from kinesic.expressivity.style.style import Expressivity, Style
 
 LEAST = 1e-3  # intensity below which an action unit is not told
@@ -26,6 +27,7 @@ SPEAKING = 0.3  # intensity at which speech has the mouth for itself
 PRESSED = (SEAL, "23", "28")  # action units that would keep it closed
 BEFORE = 0.15  # [s] a speech, when a blink begins
 UNMOVED = Eyes()
+HANDS_ALONE: Mapping[str, BodyMove] = MappingProxyType({})
 
 Channels = Mapping[str, Floats]  # key of Command.face -> (m,) 0..1
 
@@ -37,12 +39,13 @@ def face_track(
     *,
     styles: Mapping[str, Style],
     eyes: Eyes = UNMOVED,
+    bodies: Mapping[str, BodyMove] = HANDS_ALONE,
 ) -> Channels:
     """Computes what the face shows during a block.
 
-    Expressions follow their sync points; one that stays gives way to the next that stays. Speech moves the mouth.
-    Eyes look where the gaze goes, else ahead; they are there before the head, turn against it while it moves, flit
-    about and blink.
+    Expressions follow their sync points; one that stays gives way to the next that stays. Those that go along with a
+    gesture follow its. Speech moves the mouth. Eyes look where the gaze goes, else ahead; they are there before the
+    head, turn against it while it moves, flit about and blink.
 
     Args:
         timeline: behaviours with times.
@@ -50,6 +53,7 @@ def face_track(
         times: (m,) [s] block time, increasing.
         styles: behaviour id -> style, in whose manner of the face an expression is shown.
         eyes: what moves them, at the same times.
+        bodies: id of a gesture -> what the body does beside it.
 
     Returns:
         Action units that are ever shown.
@@ -60,7 +64,7 @@ def face_track(
         if isinstance(timed.behaviour.action, Speech) and timed.behaviour.id in utterances
     ]
     spoken = strongest(visemes(said.phonemes, times, start=start) for start, said in speeches)
-    expressed = _open_lips(strongest(_expressions(timeline, times, styles)), spoken)
+    expressed = _open_lips(strongest(_expressions(timeline, times, styles, bodies)), spoken)
     found = strongest((expressed, spoken, strongest(_eyes(times, eyes, [start - BEFORE for start, _ in speeches]))))
     shares = {channel: sealed(np.clip(values, 0.0, 1.0)) for channel, values in found.items()}
     return {channel: values for channel, values in shares.items() if values.max(initial=0.0) >= LEAST}
@@ -122,9 +126,11 @@ class _Showing:
         return self.envelope.at(times, self.manner)
 
 
-def _expressions(timeline: Timeline, times: Floats, styles: Mapping[str, Style]) -> Iterator[Channels]:
+def _expressions(
+    timeline: Timeline, times: Floats, styles: Mapping[str, Style], bodies: Mapping[str, BodyMove]
+) -> Iterator[Channels]:
     going, staying = (_showings(timeline, styles, shift=shift) for shift in (False, True))
-    for each in _bridge(going):
+    for each in (*_bridge(going), *_beside_gestures(timeline, styles, bodies)):
         course = each.at(times) * _flutter(each.shown, times - each.envelope.start)
         yield {channel: intensity * course for channel, intensity in each.shown.units.items()}
     left = np.ones(len(times))
@@ -142,6 +148,17 @@ def _showings(timeline: Timeline, styles: Mapping[str, Style], *, shift: bool) -
         if isinstance(action := timed.behaviour.action, Face) and action.shift == shift
     ]
     return sorted(found, key=lambda each: each.envelope.start)
+
+
+def _beside_gestures(
+    timeline: Timeline, styles: Mapping[str, Style], bodies: Mapping[str, BodyMove]
+) -> Iterator[_Showing]:
+    """Yields what the face shows with gestures: it comes with the preparation, and goes with the hands."""
+    for timed in timeline.timed:
+        id, times = timed.behaviour.id, timed.times
+        for lexeme, amount in bodies[id].face if id in bodies else ():
+            envelope = Envelope.of({**times, "attackPeak": times["stroke"]})
+            yield _Showing(envelope, expression(Face((lexeme,), amount=amount)), styles[id].face)
 
 
 def _bridge(showings: Sequence[_Showing]) -> list[_Showing]:

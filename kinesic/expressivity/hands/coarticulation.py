@@ -10,6 +10,7 @@ from types import MappingProxyType
 
 from kinesic.body.robot import OTHER_SIDE, SIDES, Side
 from kinesic.expressivity.hands.conflict_words import (
+    brief_outcome,
     busy_with_block,
     busy_with_stroke,
     displaced_outcome,
@@ -21,7 +22,7 @@ from kinesic.expressivity.hands.conflict_words import (
 from kinesic.expressivity.hands.engaged import Clashes, Engaged
 from kinesic.expressivity.hands.making_room import Room, Tied
 from kinesic.expressivity.hands.poses import REST, Poses, pose_distance, resting_hands
-from kinesic.expressivity.hands.strokes import HandStroke, Stroke, do_stroke, overlaps, shortened
+from kinesic.expressivity.hands.strokes import HandStroke, Stroke, do_stroke, overlaps, shortened, show_once
 from kinesic.expressivity.keyframes import Outcome
 from kinesic.expressivity.style.pace import Pace
 
@@ -103,12 +104,12 @@ class _Hands:
         )
         ways = (self._finds_free, self._makes_room)
         given = any(way(stroke, options) for options in (free, alone, wholes) for way in ways)
-        if not given and stroke.series and not {"strokeStart", "strokeEnd"} & set(self.room.placed(stroke.id)):
+        if not given and self._may_be_brief(stroke):
             brief, why = shortened(stroke), self._why(stroke)
-            given = any(way(brief, brief.options) for way in ways)
+            given = any(way(brief, brief.options) for way in (*ways, self._shortens_its_series))
             if given:
                 self._note(stroke, brief)
-                self.outcomes[stroke.id] = Outcome("substituted", f"shown once, without its movement: {why}")
+                self.outcomes[stroke.id] = brief_outcome(why)
         if not (given or self._shares(stroke) or self._displaces(stroke)):
             self.outcomes[stroke.id] = Outcome("dropped", f"{self._why(stroke)}; {self._remedy(stroke)}")
 
@@ -147,6 +148,11 @@ class _Hands:
         """Whether one hand cannot do both: their strokes overlap, or it cannot come in time."""
         return overlaps(work, stroke) or (not work.stroke.rest and self._late_by(work, stroke) > 0.0)
 
+    def _may_part(self, work: HandStroke, stroke: Stroke, option: Poses) -> bool:
+        """Whether one hand can do both when their strokes make room; twice where they share both hands."""
+        twice = len(work.poses.hands) == len(option.hands) == len(SIDES)
+        return self._late_by(work, stroke) == 0.0 and (twice or self.room.may_part(work, stroke, option))
+
     def _late_by(self, work: HandStroke, stroke: Stroke) -> float:
         """How late a hand is that comes from one stroke to another which do not overlap [s]."""
         return self.clashes.get(frozenset((work.id, stroke.id)), 0.0)
@@ -182,8 +188,11 @@ class _Hands:
     def _makes_room(self, stroke: Stroke, options: Sequence[Poses]) -> bool:
         """Moves strokes that overlap apart for the first option that allows it; False: none does."""
         for option in options:
+            clashes = self._clashes(stroke, option)
+            if not all(self._may_part(work, stroke, option) for works in clashes.values() for work in works):
+                continue
             later, earlier = stroke, dict[int, tuple[HandStroke, HandStroke]]()
-            for side, works in self._clashes(stroke, option).items():
+            for side, works in clashes.items():
                 for work in works:
                     shorter = earlier.get(id(work), (work, work))[1]
                     later, shorter = self.room.move_apart(shorter, later, option, side)
@@ -195,6 +204,23 @@ class _Hands:
                     self._replace(work, shorter)
                 self._note(stroke, later)
                 self._take(later, option)
+                return True
+        return False
+
+    def _may_be_brief(self, stroke: Stroke) -> bool:
+        """Whether it may be shown once, without its movement: of a series that is better than not at all."""
+        return bool(stroke.series) and not {"strokeStart", "strokeEnd"} & set(self.room.placed(stroke.id))
+
+    def _shortens_its_series(self, stroke: Stroke, options: Sequence[Poses]) -> bool:
+        """Shows once, too, what of its series is in the way; False: something else is, or that does not suffice."""
+        for option in options:
+            works = {id(work): work for row in self._clashes(stroke, option).values() for work in row}.values()
+            brief = [(work, show_once(work, self.pace)) for work in works]
+            if all(self._may_be_brief(work.stroke) and not self._meet(shown, stroke) for work, shown in brief):
+                for work, shown in brief:
+                    self.outcomes[work.id] = brief_outcome(needed_elsewhere(min(option.hands), stroke))
+                    self._replace(work, shown)
+                self._take(stroke, option)
                 return True
         return False
 

@@ -50,6 +50,11 @@ def moved_outcome(option: frozenset[Side], whole: int, why: str) -> Outcome:
     return Outcome("substituted", f"moved to the {' and '.join(SIDE_NAMES[side] for side in sides)} hand: {why}")
 
 
+def brief_outcome(why: str) -> Outcome:
+    """Says that of a stroke only its key is shown."""
+    return Outcome("substituted", f"shown once, without its movement: {why}")
+
+
 def one_hand_outcome(side: Side, why: str) -> Outcome:
     """Says that one hand does alone what both were asked for."""
     return Outcome("substituted", f"done by the {SIDE_NAMES[side]} hand alone: {why}")

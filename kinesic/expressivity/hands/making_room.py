@@ -2,11 +2,12 @@
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 from kinesic.bml.block import GESTURE_SYNCS
 from kinesic.body.robot import Side
 from kinesic.expressivity.hands.poses import REST, Poses, pose_distance, resting_hands
-from kinesic.expressivity.hands.strokes import HandStroke, Stroke, do_stroke, least_stroke_times
+from kinesic.expressivity.hands.strokes import HandStroke, Stroke, do_stroke, least_stroke_times, overlaps
 from kinesic.expressivity.style.effort import Effort
 from kinesic.expressivity.style.pace import Pace
 
@@ -59,14 +60,20 @@ class Room:
         way = pose_distance(work.poses.hands[side][-1], option.hands[side][0], resting_hands(self.pace.robot)[side])
         return Effort(self.pace, option.nature, stroke.manner).joining_time(way)
 
+    def may_part(self, work: HandStroke, stroke: Stroke, option: Poses) -> bool:
+        """Whether two strokes can be moved apart at all, each as far as it may."""
+        sooner = replace(
+            work, stroke=replace(work.stroke, times=_cut_short(work.stroke.times, self._soonest_end(work)))
+        )
+        later = {**stroke.times, "strokeStart": self._latest_start(stroke, option)}
+        return not overlaps(sooner, replace(stroke, times=later))
+
     def _soonest_end(self, work: HandStroke) -> float:
         """When a stroke can be over: done once, or as often as the document says [s]."""
         tied, times = self.placed(work.id), work.stroke.times
         if "strokeEnd" in tied:
             return times["strokeEnd"]
-        poses = work.poses
-        while poses.times > 1:
-            poses = poses.fewer()
+        poses = _once(work.poses)
         least = times["stroke"] + sum(least_stroke_times(poses, self.pace)[poses.stroke :])
         numbered = [time for sync, time in times.items() if sync in tied and sync.startswith("stroke:")]
         return min(max([least, *numbered]), times["strokeEnd"])
@@ -81,6 +88,12 @@ class Room:
     def placed(self, id: str) -> Collection[str]:
         """Lists the sync points of a behaviour that may not move."""
         return self.tied.get(id, GESTURE_SYNCS)
+
+
+@lru_cache(maxsize=256)
+def _once(poses: Poses) -> Poses:
+    """The same poses each time, for which the lengths of the ways between them are remembered."""
+    return _once(poses.fewer()) if poses.again else poses
 
 
 def _cut_short(times: Mapping[str, float], end: float) -> dict[str, float]:

@@ -2,6 +2,8 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from types import MappingProxyType
 
 import numpy as np
 from msgspec import structs
@@ -10,6 +12,7 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.reach import Reach
 from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.expressivity.keyframes import Hand
+from kinesic.expressivity.lexicon.body_form import NO_BODY, BodyForm
 from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
 from kinesic.expressivity.lexicon.paths import HandPath
 from kinesic.expressivity.lexicon.space import EASE, direction_in_world, extend_position, to_world, widen_key
@@ -37,6 +40,7 @@ class Poses:
     paths: Mapping[Side, tuple[HandPath | None, ...]] = field(default_factory=dict)  # to each key [m], in the world
     again: tuple[int, ...] = ()  # the keys that fall on `stroke:2`, `stroke:3` and so on
     nature: Nature = PLAIN_NATURE  # of the gesture
+    body: BodyForm = NO_BODY  # what the rest of the body does
 
     @property
     def count(self) -> int:
@@ -66,6 +70,7 @@ class Poses:
         return replace(self, hands=hands, paths=paths, again=self.again[:-1])
 
 
+@lru_cache(maxsize=8)
 def resting_hands(robot: Robot) -> Mapping[Side, Reach]:
     """Finds where the hands hang, in the world."""
     frames = robot.skeleton.resting
@@ -80,7 +85,7 @@ def resting_hands(robot: Robot) -> Mapping[Side, Reach]:
             pointing=sealed(along / np.linalg.norm(along)),
             palm=sealed(rotation @ palm.facing),
         )
-    return reaches
+    return MappingProxyType(reaches)
 
 
 def shoulder(robot: Robot, side: Side) -> Floats:
@@ -116,12 +121,14 @@ def poses(form: GestureForm, robot: Robot, manner: Expressivity) -> Poses:
     count = max(once, 2)
     back = 1 if all(_same_place(row[0], row[-1]) for row in hands.values()) else 0  # it ends where it begins
     again = tuple(count // 2 + k * (count - back) for k in range(1, times))
+    hands = {side: _lift_shoulder(row, count // 2, form.body.shoulders) for side, row in hands.items()}
     return Poses(
         {side: row + row[back:] * (times - 1) for side, row in hands.items()},
         count // 2,
         {side: row + row[back:] * (times - 1) for side, row in paths.items()},
         again,
         nature,
+        form.body,
     )
 
 
@@ -149,6 +156,11 @@ def withdrawn(hand: Hand, robot: Robot, side: Side) -> Hand:
     rest = resting_hands(robot)[side].position
     position = hand.reach.position + _WITHDRAWN * (rest - hand.reach.position)
     return replace(hand, reach=structs.replace(hand.reach, position=sealed(position)), touch=None)
+
+
+def _lift_shoulder(row: tuple[Hand, ...], stroke: int, lift: float) -> tuple[Hand, ...]:
+    """Raises the shoulder [rad] above a hand: half before the stroke, and then whole."""
+    return tuple(replace(hand, lift=lift if k >= stroke else lift / 2) for k, hand in enumerate(row)) if lift else row
 
 
 def pose_distance(a: Hand, b: Hand, rest: Reach) -> float:
@@ -197,6 +209,7 @@ def between(a: Hand, b: Hand, share: float, rest: Reach) -> Hand:
         a.touch if a.touch == b.touch else None,
         a.openness + share * (b.openness - a.openness),
         a.effort + share * (b.effort - a.effort),
+        lift=a.lift + share * (b.lift - a.lift),
     )
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -98,11 +99,17 @@ def shortened(stroke: Stroke) -> Stroke:
     """Reduces a stroke to its one key at `stroke`, for which there is nearly always time."""
     at = stroke.times["stroke"]
     times = {**stroke.times, "strokeStart": at, "strokeEnd": at}
-    options = tuple(
-        Poses({side: (row[option.stroke],) for side, row in option.hands.items()}, 0, nature=option.nature)
-        for option in stroke.options
-    )
-    return replace(stroke, times=times, options=options)
+    return replace(stroke, times=times, options=tuple(_at_stroke(option) for option in stroke.options))
+
+
+def show_once(work: HandStroke, pace: Pace) -> HandStroke:
+    """Reduces what hands do for a stroke to its one key."""
+    return do_stroke(shortened(work.stroke), _at_stroke(work.poses), pace)
+
+
+def _at_stroke(poses: Poses) -> Poses:
+    hands = {side: (row[poses.stroke],) for side, row in poses.hands.items()}
+    return replace(poses, hands=hands, stroke=0, paths={}, again=())
 
 
 def natural_times(poses: Poses, effort: Effort) -> tuple[float, ...]:
@@ -174,7 +181,9 @@ def stroke_keys(work: HandStroke, side: Side, pace: Pace, leisure: float = 1.0) 
     return keys
 
 
+@lru_cache(maxsize=1024)
 def _ways(poses: Poses, pace: Pace) -> tuple[tuple[_Way, ...], ...]:
+    """Remembered, as each stroke is tried beside each of its neighbours."""
     rest = resting_hands(pace.robot)
     return tuple(
         tuple(_way(row[k], row[k + 1], poses.path(side, k + 1), rest[side]) for side, row in poses.hands.items())
@@ -221,7 +230,7 @@ def _slow_paths(poses: Poses, moments: Sequence[float], pace: Pace) -> tuple[Pos
                     f"its {path.kind} makes {turns:g} of its {path.turns:g} turns: in {whole:.2f} s servos do no more"
                 )
         paths[side] = tuple(slower)
-    return replace(poses, paths=paths), tuple(dict.fromkeys(remarks))
+    return (replace(poses, paths=paths) if remarks else poses), tuple(dict.fromkeys(remarks))
 
 
 def _spread(start: float, end: float, natural: Sequence[float]) -> tuple[float, ...]:

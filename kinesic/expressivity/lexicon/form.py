@@ -10,6 +10,7 @@ from typing import Literal
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Side
 from kinesic.expressivity.keyframes import Touch
+from kinesic.expressivity.lexicon.body_form import NO_BODY, BodyForm
 from kinesic.expressivity.lexicon.paths import HandPath
 from kinesic.expressivity.style.effort import Tempo
 
@@ -75,6 +76,7 @@ class GestureForm:
     keys: tuple[StrokeKey, ...]  # in order, from strokeStart to strokeEnd; one key: arrive and hold
     rest: bool = False  # a posture that stays until the next one (arms crossed, hands together)
     tempo: Tempo = "neutral"  # how it is done by its meaning: all at once, or with all the time in the world
+    body: BodyForm = NO_BODY  # what the rest of the body does
 
     @property
     def shapes(self) -> tuple[str, ...]:

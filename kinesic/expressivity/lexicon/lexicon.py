@@ -1,13 +1,16 @@
 """The lexicon: from a lexeme and a mode to the form of a gesture that means it."""
 
 import difflib
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from pathlib import Path
 
 from kinesic.bml.block import Mode
 from kinesic.body.config import CONFIGS, ConfigError
 from kinesic.body.robot import OTHER_SIDE, Side
+from kinesic.expressivity.lexicon.body_form import NO_BODY, BodyForm
+from kinesic.expressivity.lexicon.body_table import Bodies, body_form
 from kinesic.expressivity.lexicon.form import GestureForm, Match, StrokeKey
 from kinesic.expressivity.lexicon.gestuary import is_enabled, read_gestuary
 from kinesic.expressivity.lexicon.names import read_name, split_words
@@ -30,6 +33,7 @@ class Lexicon:
     senses: tuple[Sense, ...]  # of the forms, in the same order
     synonyms: tuple[tuple[str, str], ...] = ()  # (name, gesture); of two with one name, the first counts
     classes: tuple[GestureClass, ...] = ()  # in the order in which they are tried
+    bodies: Mapping[str, BodyForm] = field(default_factory=dict)  # what the body does, by category
 
     @classmethod
     def load(cls, path: str | Path | None = None) -> "Lexicon":
@@ -41,15 +45,16 @@ class Lexicon:
         Raises:
             ConfigError: a file is missing or wrong.
         """
-        users = LexiconPart() if path is None else _read_part(Path(path))
         own = _own()
+        users = LexiconPart() if path is None else _read_part(Path(path), own.bodies)
         forms, senses = zip(*users.entries, *own.entries, strict=True)
         names = (
             *users.synonyms,
             *users.meanings,
             *own.synonyms,
         )  # our meanings are too loose: many gestures share them
-        lexicon = cls(forms, senses, names, (*users.classes, *own.classes))
+        bodies = {name: body_form(table) for name, table in {**own.bodies, **users.bodies}.items()}
+        lexicon = cls(forms, senses, names, (*users.classes, *own.classes), bodies)
         for problem in check_names(users.synonyms, users.classes, lexicon.forms_by_id):
             raise ConfigError(f"{path}: {problem}")
         return lexicon
@@ -131,17 +136,17 @@ def in_mode(form: GestureForm, mode: Mode) -> GestureForm:
     if mode == "unspecified" or (mode == "both" and len(form.sides) != 1):
         return form
     if mode == "both":
-        return replace(form, keys=tuple(_doubled(key) for key in form.keys))
+        return replace(form, keys=tuple(_doubled(key) for key in form.keys), body=form.body.symmetric)
     side: Side = "l" if mode == "left" else "r"
     source = form if side in form.sides else mirror_form(form)
     keys = tuple(StrokeKey({side: key.hands[side]}) for key in source.keys if side in key.hands)
-    return replace(form, keys=keys)
+    return replace(source, keys=keys)
 
 
 def mirror_form(form: GestureForm) -> GestureForm:
-    """Mirrors a form: each hand does what the other did."""
+    """Mirrors a form: each hand does what the other did, and the body goes to the other side."""
     keys = tuple(StrokeKey({OTHER_SIDE[side]: pose for side, pose in key.hands.items()}) for key in form.keys)
-    return replace(form, keys=keys)
+    return replace(form, keys=keys, body=form.body.mirrored)
 
 
 def _doubled(key: StrokeKey) -> StrokeKey:
@@ -156,11 +161,16 @@ def _own() -> LexiconPart:
     return read_gestures(CONFIGS / "gestures")
 
 
-def _read_part(path: Path) -> LexiconPart:
-    """Reads a file or folder of the user's."""
+def _read_part(path: Path, bodies: Bodies) -> LexiconPart:
+    """Reads a file or folder of the user's, whose bodies do what is usual where it does not say it."""
     if path.suffix.lower() != ".xml":
-        return read_gestures(path)
-    forms = [form for form in read_gestuary(path) if is_enabled(form)]
+        return read_gestures(path, bodies)
+    usual = {name: body_form(table) for name, table in bodies.items()}
+    forms = [
+        replace(form, body=usual.get(form.category.lower(), NO_BODY))
+        for form in read_gestuary(path)
+        if is_enabled(form)
+    ]
     return LexiconPart(tuple((form, Sense(_words(form), form.category.lower())) for form in forms))
 
 

@@ -1,8 +1,9 @@
 """The tables of `configs/gestures/*.toml`, and how they become parts of the lexicon."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
+from types import MappingProxyType
 from typing import Literal, get_args
 
 import msgspec
@@ -12,6 +13,7 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import ConfigError, read_toml, suggestion
 from kinesic.body.robot import Side
 from kinesic.expressivity.keyframes import Touch
+from kinesic.expressivity.lexicon.body_table import PLAIN_TABLE, Bodies, BodyTable, body_form, overlay_table
 from kinesic.expressivity.lexicon.form import GestureForm, HandPose, HandShape, StrokeKey
 from kinesic.expressivity.lexicon.paths import HandPath, Kind, Variation, shape_path
 from kinesic.expressivity.lexicon.senses import Sense
@@ -22,6 +24,7 @@ from kinesic.expressivity.style.effort import Tempo
 Category = Literal["beat", "deictic", "iconic", "metaphoric", "emblem", "adaptor", "emotion", "rest"]
 AxisName = Literal["forward", "outward", "up"]
 
+NO_BODIES: Bodies = MappingProxyType({})
 _AXES: tuple[AxisName, ...] = ("forward", "outward", "up")
 _DIRECTIONS: Mapping[str, tuple[int, int, int]] = {
     "forward": (1, 0, 0),
@@ -80,6 +83,7 @@ class GestureTable(StrictTable):
     meanings: list[str] = []  # words that speak of it, the most characteristic first
     says: str = ""  # what is done and what it means, in one line
     tempo: str = "neutral"  # one of `Tempo`
+    body: BodyTable = PLAIN_TABLE  # goes over that of the category
 
 
 class ClassTable(StrictTable):
@@ -96,6 +100,7 @@ class GestureFile(StrictTable):
     gesture: list[GestureTable] = []
     synonyms: dict[str, list[str]] = {}  # by gesture, of this file or another
     classes: dict[str, ClassTable] = {}
+    bodies: dict[Category, BodyTable] = {}  # what the body does in all gestures of a category
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,55 +111,63 @@ class LexiconPart:
     synonyms: tuple[tuple[str, str], ...] = ()  # (name, gesture)
     meanings: tuple[tuple[str, str], ...] = ()  # (word, gesture), looser than synonyms
     classes: tuple[GestureClass, ...] = ()
+    bodies: Bodies = field(default_factory=dict)
 
 
-def read_gestures(path: Path) -> LexiconPart:
+def read_gestures(path: Path, bodies: Bodies = NO_BODIES) -> LexiconPart:
     """Reads the gestures and names of a TOML file, or of all TOML files in a folder in the order of their names.
+
+    Args:
+        path: of the file or folder.
+        bodies: what the body does in gestures of a category of which the files do not say it.
 
     Raises:
         ConfigError: a file is missing or wrong, or a folder holds none.
     """
-    if not path.is_dir():
-        return _part(path)
-    files = sorted(path.glob("*.toml"))
-    if not files:
+    paths = sorted(path.glob("*.toml")) if path.is_dir() else [path]
+    if not paths:
         raise ConfigError(f"{path}: a folder without .toml files")
-    return join_parts([_part(file) for file in files])
+    files = [(each, read_toml(each, GestureFile)) for each in paths]
+    known: dict[str, BodyTable] = {**bodies}
+    for _, file in files:
+        known |= {str(category): table for category, table in file.bodies.items()}
+    return join_parts([_part(each, file, known) for each, file in files], known)
 
 
-def join_parts(parts: Sequence[LexiconPart]) -> LexiconPart:
+def join_parts(parts: Sequence[LexiconPart], bodies: Bodies) -> LexiconPart:
     """Puts parts one behind the other; of two entries with one name, the first counts."""
     return LexiconPart(
         tuple(entry for part in parts for entry in part.entries),
         tuple(pair for part in parts for pair in part.synonyms),
         tuple(pair for part in parts for pair in part.meanings),
         tuple(each for part in parts for each in part.classes),
+        bodies,
     )
 
 
-def _part(path: Path) -> LexiconPart:
-    file = read_toml(path, GestureFile)
+def _part(path: Path, file: GestureFile, bodies: Bodies) -> LexiconPart:
     if file.gesture and file.category is None:
         raise ConfigError(f"{path}: has gestures and no category; {', '.join(get_args(Category))} are known")
     return LexiconPart(
-        tuple(_entry(table, file.category or "", path) for table in file.gesture),
+        tuple(_entry(table, file.category or "", path, bodies) for table in file.gesture),
         tuple((name, gesture) for gesture, names in file.synonyms.items() for name in names),
         tuple((word, table.id) for table in file.gesture for word in table.meanings),
         tuple(class_of(name, table.gesture, table.words) for name, table in file.classes.items()),
     )
 
 
-def _entry(table: GestureTable, category: str, path: Path) -> tuple[GestureForm, Sense]:
+def _entry(table: GestureTable, category: str, path: Path, bodies: Bodies) -> tuple[GestureForm, Sense]:
     try:
         keys = tuple(_key(key) for key in table.keys)
         if not keys:
             raise ValueError("has no keys, needs at least one")
         _check_paths(keys)
         tempo = _tempo(table.tempo)
+        body = body_form(overlay_table(table.body, bodies.get(category, PLAIN_TABLE)))
     except ValueError as error:
         raise ConfigError(f"{path}: gesture {table.id}: {error}") from None
     own_words = [word for word in table.id.split("_") if word not in table.meanings]
-    form = GestureForm(table.id, category, keys, rest=category == "rest", tempo=tempo)
+    form = GestureForm(table.id, category, keys, rest=category == "rest", tempo=tempo, body=body)
     return form, Sense((*table.meanings, *own_words), category, table.says)
 
 

@@ -12,7 +12,7 @@ from typing import Literal
 
 from kinesic.expressivity.style.pace import HASTE, Pace, hurry_time, natural_time
 from kinesic.expressivity.style.style import NEUTRAL, Expressivity, Phase, passage_of
-from kinesic.motion.keys import Passage
+from kinesic.motion.keys import EVEN, Passage
 
 Tempo = Literal["sudden", "neutral", "sustained"]
 
@@ -26,6 +26,7 @@ WAY, SWING_WAY = 0.9, 0.35  # [arm lengths] of such a way from rest, and in a st
 SHORTEST = 0.02  # [arm lengths] below which no way takes less time
 FLAT, FLATTER, STEEP = 0.10, 0.25, 0.4  # exponents of the length: of the way there, back, and in a stroke
 READY, EASY, FORCEFUL = 1.05, 1.3, 1.6  # times what the servos need at least; an accent needs half as much again
+ROOM = 1.5  # times the same that power leaves a stroke: with less the servos round its accent off, and it is no faster
 CARRIED = 0.6  # of weakness: what the ways there and back have of it (Greta's share)
 
 BEAT_TIME = 0.6  # [s] of a stroke after which the hand is held as long as its category says
@@ -36,6 +37,8 @@ ONWARD, THROUGH = 0.9, 0.8  # swing at the key where a stroke begins, and at its
 ALONG = 0.4  # swing at both ends of a path, from which the hand must not stray
 CROWDED = 0.7  # share of its natural time from which on a way has neither swing nor accent
 UNHURRIED = 5.0  # steepness of the linear easing of the way home: half as fast again as its mean
+FIRM = 0.5  # power, tension or stiffness that takes the whole swing away
+LOOSE = 0.3  # of the swing, which a tension of -1 has by itself
 
 
 @dataclass(frozen=True)
@@ -106,7 +109,7 @@ class Effort:
         """Finds the natural time of one swing of a stroke [s]; power moves its force here."""
         ease = STROKE * self.slowness**SPREAD * self._length(distance, SWING_WAY) ** STEEP
         least = self.pace.least_hand_time(distance)
-        return natural_time(max(ease, FORCEFUL * least), least, self.manner.temporal, self.manner.power)
+        return natural_time(max(ease, FORCEFUL * least), least, self.manner.temporal, self.manner.power, room=ROOM)
 
     def hold_time(self, stroke: float) -> float:
         """Finds how long the hand stays after a stroke, which took so many seconds in plain manner [s]."""
@@ -121,22 +124,34 @@ class Effort:
             led: whether a path begins or ends at the key, along which the hand speeds up and slows down by itself.
             leisure: the share of its natural time that the gesture has, its neighbours considered.
         """
-        if phase == "retraction":
-            return replace(passage_of(self.manner, phase), easing="linear", steepness=UNHURRIED)
-        if phase == "hold":
-            return passage_of(self.manner, phase)
         manner = self.manner
+        if phase == "retraction":
+            even = UNHURRIED - (UNHURRIED - EVEN) * manner.fluidity
+            return replace(passage_of(manner, phase), easing="linear", steepness=even)
+        if phase == "hold":
+            return passage_of(manner, phase)
         if phase == "preparation":
             manner = replace(manner, power=min(manner.power, 0.0))
-        free = min(max((leisure - CROWDED) / (1.0 - CROWDED), 0.0), 1.0)
-        swing = free * (ALONG if led else ONWARD if phase == "preparation" else THROUGH) if self.nature.dynamic else 0.0
-        accent = free * ACCENT if self.nature.dynamic and phase == "stroke" and not led else 0.0
+        free = min(max((leisure - CROWDED) / (1.0 - CROWDED), 0.0), 1.0) if self.nature.dynamic else 0.0
+        swing = free * self._suppleness * (ALONG if led else ONWARD if phase == "preparation" else THROUGH)
+        accent = free * self._abruptness * ACCENT if phase == "stroke" and not led else 0.0
         return passage_of(manner, phase, accent=accent, swing=swing)
 
     @property
     def plain(self) -> "Effort":
         """The same gesture in no manner."""
         return replace(self, manner=NEUTRAL)
+
+    @property
+    def _suppleness(self) -> float:
+        """Factor on all swings: who is forceful, tense or stiff goes straight from key to key."""
+        firmness = max(self.manner.power, self.manner.tension, -self.manner.fluidity, 0.0)
+        return max(1.0 - firmness / FIRM, 0.0) * (1.0 + LOOSE * min(self.manner.tension, 0.0))
+
+    @property
+    def _abruptness(self) -> float:
+        """Factor on all accents: jerky hands begin their strokes at once, fluid and loose ones softly."""
+        return (1.0 - self.manner.fluidity) * (1.0 + min(self.manner.tension, 0.0))
 
     @property
     def _character(self) -> Character:

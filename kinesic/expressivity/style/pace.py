@@ -9,13 +9,13 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
 from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.expressivity.keyframes import Turn
-from kinesic.expressivity.turns import AXES, axes
+from kinesic.expressivity.turns import AXES, MERGE, add_turns, axes, scale_turn
 from kinesic.motion.double_s import least_rest_times
 
 COMFORT = 1.3  # natural time of a turn over the shortest that the servos can do
 HASTE = 1.5  # factor on speed of a temporal extent of 1
 FORCE = 2.4  # of a power of 1, as far as the servos let it
-GATHERED = 1.5  # exponent of power: half of it does less than half, or the servos' limits would bind already
+GATHERED = 2.0  # exponent of power: half of it does less than half, or the servos' limits would bind already
 WEAKNESS = 1.6  # factor on time of a power of -1
 
 _WAYS = np.linspace(0.0, 2.4, 25)  # [arm lengths] at which the shortest time of a hand is worked out
@@ -42,7 +42,7 @@ def hurry_time(ease: float, least: float, extent: float, most: float) -> float:
     return float(max(least, ease * room**-extent))
 
 
-def natural_time(ease: float, least: float, temporal: float, power: float) -> float:
+def natural_time(ease: float, least: float, temporal: float, power: float, *, room: float = 1.0) -> float:
     """Changes a time at ease by temporal extent and power [s], never to less than the servos need.
 
     Args:
@@ -50,9 +50,12 @@ def natural_time(ease: float, least: float, temporal: float, power: float) -> fl
         least: [s] that servos need.
         temporal: extent, -1 slow .. 1 fast.
         power: of a stroke, -1 weak .. 1 forceful.
+        room: times the least time to which power shortens a way at most.
     """
     paced = hurry_time(ease, least, temporal, HASTE)
-    return hurry_time(paced, least, power**GATHERED, FORCE) if power > 0 else hurry_time(paced, least, power, WEAKNESS)
+    if power <= 0.0:
+        return hurry_time(paced, least, power, WEAKNESS)
+    return hurry_time(paced, min(paced, room * least), power**GATHERED, FORCE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +79,20 @@ class Pace:
         """
         least = self.least_turn_time(chain, turn)
         return natural_time(max(usual, COMFORT * least), least, temporal, power)
+
+    def manageable_turn(self, chain: str, before: Turn, desired: Turn, seconds: float, haste: float) -> Turn:
+        """Finds the part of the way between two rotations that a chain manages.
+
+        Args:
+            chain: `neck` or `torso`.
+            before: where it begins.
+            desired: where it would end.
+            seconds: for the way [s].
+            haste: share of them that it may need at most.
+        """
+        change = add_turns(desired, scale_turn(before, -1.0))
+        share = min(1.0, haste * seconds / max(self.least_turn_time(chain, change), MERGE))
+        return add_turns(before, scale_turn(change, share**3))  # least times shrink no slower than the cube root
 
     def least_hand_time(self, distance: float) -> float:
         """Finds the shortest time of a hand's way [s], of an arm in a good posture; it grows with the way [m]."""

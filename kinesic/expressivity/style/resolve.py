@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Literal
 
 from kinesic.bml.block import Behaviour, Block, Manner, Modality
-from kinesic.expressivity.style.style import MODALITIES, RANGES, Expressivity, Style, style_preset
+from kinesic.expressivity.style.style import MODALITIES, RANGES, WHOLE_BODY, Expressivity, Style, style_preset
 
 # How far full activation goes from a parameter's value to the end of its range. An animated speaker moves wider,
 # faster, with more force and away from the body; how a movement flows and how often it is repeated stay his own.
@@ -98,4 +98,12 @@ def _resolve_style(style: Style, block: Block, behaviour: Behaviour) -> Style:
         modality: fold_activation(resolve_numbers(style, modality, block, behaviour).expressivity)
         for modality in MODALITIES
     }
-    return Style(style.name, settings=(), **manners)
+    return Style(style.name, settings=(), whole_body=_whole_body(style, block, behaviour), **manners)
+
+
+def _whole_body(style: Style, block: Block, behaviour: Behaviour) -> float:
+    """The weight of the body beside the hands: a setting's, else that of the preset which a document names last."""
+    if any(setting.parameter == WHOLE_BODY for setting in style.settings):
+        return style.whole_body
+    named = (behaviour.manner.style, block.manners.get("gesture", Manner()).style)
+    return next((style_preset(name).whole_body for name in named if name is not None), style.whole_body)

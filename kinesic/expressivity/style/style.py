@@ -29,8 +29,12 @@ __all__ = [
 MODALITIES: tuple[Modality, ...] = get_args(Modality)
 Phase = Literal["preparation", "stroke", "hold", "retraction"]
 
+WHOLE_BODY = "whole_body"  # the weight of what the body does beside the hands, of a style as a whole
+WHOLE_BODY_RANGE = (0.0, 2.0)
+
 FORCE = 1.5  # steepness that a power of 1 adds: what servos can still follow on the short ways of strokes
-BIG = 0.5  # power and tension from which on a hand bounces
+GATHERED = 3.0  # exponent of power and tension: half of them forces much less than half
+BIG = 0.5  # power from which on a hand overshoots its accent, and power and tension from which on it bounces
 QUICK = 0.68  # of an accent: so much of its steepness makes OutBack as fast as the accent alone
 BIAS = 0.25  # of a power of 1: the hand goes on a little the way it came
 
@@ -77,7 +81,7 @@ class Setting:
 
     def concerns(self, modality: Modality) -> bool:
         """Whether it is about a modality."""
-        return self.modality in (None, modality)
+        return self.parameter != WHOLE_BODY and self.modality in (None, modality)
 
 
 class PartTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -108,6 +112,7 @@ class StyleTable(msgspec.Struct, forbid_unknown_fields=True):
     head: PartTable = PartTable()
     torso: PartTable = PartTable()
     face: PartTable = PartTable()
+    whole_body: float = 1.0  # what head, trunk, shoulders and face do beside the hands, 0 nothing .. 2 twice as much
 
     def expressivity(self, modality: Modality) -> Expressivity:
         """Joins the numbers of one modality."""
@@ -125,6 +130,7 @@ class Style:
     torso: Expressivity = NEUTRAL
     face: Expressivity = NEUTRAL
     settings: tuple[Setting, ...] = ()  # in force already; told again after the documents
+    whole_body: float = 1.0  # 0 gestures are the hands' alone .. 2 the body does twice its part
 
     @classmethod
     def load(cls, name: str | Path = "neutral") -> "Style":
@@ -141,7 +147,10 @@ class Style:
                 found[modality] = table.expressivity(modality)
             except ValueError as error:
                 raise ConfigError(f"{path}: {error}") from None
-        return cls(path.stem, settings=(), **found)
+        least, most = WHOLE_BODY_RANGE
+        if not least <= table.whole_body <= most:
+            raise ConfigError(f"{path}: {WHOLE_BODY} is {table.whole_body:g}, outside [{least:g}, {most:g}]")
+        return cls(path.stem, settings=(), whole_body=table.whole_body, **found)
 
     @classmethod
     def uniform(cls, manner: Expressivity, name: str = "own") -> "Style":
@@ -163,7 +172,8 @@ class Style:
         for setting in map(_setting, settings):
             concerned = [part for part in MODALITIES if setting.concerns(part)]
             parts = {part: replace(style.of(part), **{setting.parameter: setting.value}) for part in concerned}
-            style = replace(style, name=style.name, settings=(*style.settings, setting), **parts)
+            whole = setting.value if setting.parameter == WHOLE_BODY else style.whole_body
+            style = replace(style, name=style.name, settings=(*style.settings, setting), whole_body=whole, **parts)
         return style
 
     def numbers(self) -> Mapping[Modality, Mapping[str, float]]:
@@ -182,36 +192,39 @@ def style_preset(name: str) -> Style:
 
 
 def passage_of(manner: Expressivity, phase: Phase, *, accent: float = 0.0, swing: float = 0.0) -> Passage:
-    """Derives how the keys of a phase are passed (tension, continuity, bias, easing, swing) from an expressivity.
+    """Derives how the keys of a phase are passed (tension, continuity, bias, easing) from an expressivity.
 
-    Tension is the spline's tension, fluidity f its continuity c = (f - 1) / 2; a stiff hand swings less, a fluid one as
-    far as it may. On the way to a stroke and in it power and tension force the hand beyond its accent: it begins
-    steeply, overshoots a little and comes back to its key in time; where both are big it bounces (thesis 8.7). Weakness
-    takes the accent away, and then keeps an even speed. No key's time changes.
+    Tension is the spline's tension, fluidity f its continuity c = (f - 1) / 2. On the way to a stroke and in it power
+    and tension force the hand beyond its accent: it begins steeply, overshoots a little and comes back to its key in
+    time; where both are big it bounces (thesis 8.7). Weakness takes the accent away, then keeps an even speed. No
+    time changes.
 
     Args:
         manner: of the behaviour.
         phase: that the way to the key belongs to.
         accent: steepness that a stroke has by itself, beyond the softest.
-        swing: that the key has by itself.
+        swing: of the key.
     """
-    stiff, fluid = max(-manner.fluidity, 0.0), max(manner.fluidity, 0.0)
-    passed = Passage(
-        manner.tension,
-        (manner.fluidity - 1.0) / 2.0,
-        swing=swing * (1.0 - stiff) + (swing > 0.0) * fluid * (1.0 - swing),
-    )
+    passed = Passage(manner.tension, (manner.fluidity - 1.0) / 2.0, swing=swing)
     if phase not in ("preparation", "stroke"):
         return passed
     power, tension, weakness = (max(0.0, value) for value in (manner.power, manner.tension, -manner.power))
-    force, left = FORCE * power**2 + tension, accent * (1.0 - weakness) - weakness
+    force, left = FORCE * power**GATHERED + tension**GATHERED, accent * (1.0 - weakness) - weakness
     if force > 0.0:
-        easing: Easing = "out_bounce" if min(power, tension) >= BIG else "out_back"
-        begun = left * QUICK if easing == "out_back" else left
-        return replace(passed, bias=BIAS * power, easing=easing, steepness=SOFTEST + max(begun, 0.0) + force)
+        easing, kept = _forced(power, tension, accent)
+        return replace(passed, bias=BIAS * power, easing=easing, steepness=SOFTEST + kept * max(left, 0.0) + force)
     if left < 0.0:
         return replace(passed, easing="linear", steepness=EVEN - (STEEPEST - EVEN) * left)
     return replace(passed, easing=ACCENT, steepness=SOFTEST + left) if left > 0.0 else passed
+
+
+def _forced(power: float, tension: float, accent: float) -> tuple[Easing, float]:
+    """Finds the easing of a forced way, and the share of an accent that it keeps: more power never peaks lower."""
+    if min(power, tension) >= BIG:
+        return "out_bounce", 1.0
+    if accent > 0.0 and tension == 0.0 and power < BIG:
+        return ACCENT, 1.0
+    return "out_back", QUICK + (1.0 - QUICK) * min(max(power - BIG, tension) / BIG, 1.0)
 
 
 def _setting(text: str) -> Setting:
@@ -222,13 +235,14 @@ def _setting(text: str) -> Setting:
     modality = next((known for known in MODALITIES if known == part), None)
     if point and modality is None:
         raise ConfigError(f"a style has no modality {part!r}{suggestion(part, MODALITIES)}")
-    if name not in RANGES:
-        raise ConfigError(f"a style has no {name}{suggestion(name, list(RANGES))}")
+    ranges = RANGES if point else {**RANGES, WHOLE_BODY: WHOLE_BODY_RANGE}
+    if name not in ranges:
+        raise ConfigError(f"a style has no {name}{suggestion(name, list(ranges))}")
     try:
         value = float(written)
     except ValueError:
         raise ConfigError(f"{place} is {written!r}, not a number; such as {place}=0.8") from None
-    least, most = RANGES[name]
+    least, most = ranges[name]
     if not least <= value <= most:
         raise ConfigError(f"{place} is {value:g}, outside [{least:g}, {most:g}]")
     return Setting(name, value, modality)

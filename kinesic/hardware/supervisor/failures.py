@@ -7,7 +7,7 @@ import numpy as np
 from kinesic.body.arrays import Flags
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.monitor import VOLT, CommunicationMonitor
-from kinesic.hardware.supervisor.state_machine import Event
+from kinesic.hardware.supervisor.state_machine import Event, Stage
 
 
 class FailureWatch:
@@ -37,31 +37,39 @@ class FailureWatch:
 
 
 class InterruptionWatch:
-    """Remembers when all was well last, and since when commands have been missing."""
+    """Remembers when all was well last, and since when the motion has stood still for want of commands."""
 
     def __init__(self, startle: float) -> None:
         """Begins undisturbed; `startle` [s] is what goes on by itself at most."""
         self._startle = startle
-        self._clock = self._well_at = self._dry_since = 0.0  # [s] now; all was well last; nothing more to perform
-        self._starved = False  # whether commands go on in this cycle, after a long time without
+        self._clock = self._well_at = self._dry_since = 0.0  # [s] now; all was well last; too little to perform
+        self._under_way = False  # whether the present performance has moved since it began, or since a consent
+        self._starved = False  # whether there are commands to go on with, after a long time without enough of them
 
     def note_servos(self, *, well: bool) -> None:
         """Notes whether all is well with the servos in this cycle."""
         if well:
             self._well_at = self._clock
 
-    def note_commands(self, clock: float, *, left: bool, go_on: bool) -> None:
+    def note_commands(self, clock: float, *, stage: Stage, before: bool, left: bool, fresh: bool) -> None:
         """Notes the commands of a new cycle.
 
         Args:
             clock: now [s].
-            left: whether there was still something to perform when it began.
-            go_on: whether commands have come that continue the present performance.
+            stage: in which time stands still, or runs.
+            before: whether there was still something to perform when the cycle began.
+            left: whether there is something now.
+            fresh: whether it is another performance.
         """
         self._clock = clock
-        if left:
+        self._under_way = not fresh and (self._under_way or (before and stage is Stage.ACTIVE))
+        if not self._under_way or (before and stage is not Stage.HOLD):  # there it waits until there is enough
             self._dry_since = clock
-        self._starved = go_on and clock - self._dry_since > self._startle
+        self._starved = left and clock - self._dry_since > self._startle
+
+    def note_consent(self) -> None:
+        """Notes that somebody consents to go on, however long the motion has stood still."""
+        self._under_way = self._starved = False
 
     @property
     def unwell(self) -> float:

@@ -108,13 +108,14 @@ class Supervisor:
 
     def _take_commands(self) -> None:
         player, performances = self._steering.player, self._steering.player.performances
-        left = player.left > DONE
+        before = player.left > DONE
         taken = self._channel.commands(TAKEN if player.left < AHEAD else 0)
         for time, goals in taken:
             if not player.take(time, goals):
                 self._note("dropped", f"a command for {time:.3f} s came too late, or is not a number")
-        go_on = bool(taken) and player.performances == performances
-        self._interruptions.note_commands(self._clock, left=left, go_on=go_on)
+        fresh = player.performances != performances
+        stage, left = self.state.stage, player.left > DONE
+        self._interruptions.note_commands(self._clock, stage=stage, before=before, left=left, fresh=fresh)
 
     def sleep(self, until: float) -> None:
         """Waits until a time [s] on the wires' clock."""
@@ -203,6 +204,8 @@ class Supervisor:
     def _advance(self, event: Event) -> None:
         """Lets the state machine see an event, and begins what it asks for."""
         before = self.state
+        if event == "resumed":
+            self._interruptions.note_consent()
         self.state, actions = step(self.state, event, self._observe())
         if self.state.stage is not before.stage:
             self._since = self._clock

@@ -10,29 +10,18 @@
   const ghostChoice = part("ghost");
   const speedChoice = part("speed");
   const heads = [...document.querySelectorAll(".playhead")];
-  const count = data.hinges.length;
 
   // ---- the motion ---------------------------------------------------------------------------------------------
 
-  const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
   const motions = Object.fromEntries(
-    Object.entries(data.motions).map(([name, text]) => [name, new Int16Array(bytes(text).buffer)]),
+    Object.entries(data.motions).map(([name, text]) => [name, new Int16Array(bytesOf(text).buffer)]),
   );
-  const duties = bytes(data.duties);
+  const duties = bytesOf(data.duties);
   const filmed = document.querySelector("img.filmed"); // null: there is no film of the face
-  const showFace = filmed ? filmOf(part("face"), bytes(filmed.src.split(",")[1])) : () => {};
+  const showFace = filmed ? filmOf(part("face"), bytesOf(filmed.src.split(",")[1])) : () => {};
   const voice = document.querySelector("audio"); // null: nothing is heard
 
-  const mixed = (rows, unit, time) => {
-    const place = Math.min(Math.max(time / data.end, 0), 1) * (data.frames - 1);
-    const low = Math.floor(place);
-    const high = Math.min(low + 1, data.frames - 1);
-    const share = place - low;
-    return Array.from(
-      { length: count },
-      (_, hinge) => unit * (rows[low * count + hinge] * (1 - share) + rows[high * count + hinge] * share),
-    );
-  };
+  const mixed = (rows, unit, time) => rowAt(data, rows, unit, time);
 
   const home = () => ({
     turn: Math.atan2(data.view.from[1], data.view.from[0]),

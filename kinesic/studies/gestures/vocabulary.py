@@ -27,6 +27,7 @@ class VocabularyEntry:
     whole_s: float  # [s] from rest to rest
     synonyms: tuple[str, ...] = ()  # names that find it too
     tempo: Tempo = "neutral"  # how it is done by its meaning
+    body: str = ""  # what head, trunk, shoulders, eyes and face do beside the hands
 
 
 def vocabulary(lexicon: Lexicon, pace: Pace) -> list[VocabularyEntry]:
@@ -57,4 +58,5 @@ def _entry(form: GestureForm, sense: Sense, names: tuple[str, ...], pace: Pace) 
         whole_s=round(sum(natural.values()), 2),
         synonyms=names,
         tempo=form.tempo,
+        body=str(form.body),
     )

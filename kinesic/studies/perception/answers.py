@@ -3,15 +3,15 @@
 Likert scales are not normally distributed; two conditions are compared by the Mann-Whitney test (thesis 4.5).
 """
 
-import csv
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import fmean
 from typing import Literal, get_args
 
-from kinesic.body.config import ConfigError, suggestion
+from kinesic.body.config import ConfigError
 from kinesic.studies.perception.design import ACTIONS, POINTS, Presentation, Strength
+from kinesic.studies.questionnaire.answers import read_rows
 
 Wrinkles = Literal["with", "without"]
 
@@ -54,20 +54,11 @@ def read_answers(paths: Sequence[Path]) -> tuple[Rating, ...]:
     Raises:
         ConfigError: a file or a column is missing, or a value is out of its range.
     """
-    found: list[Rating] = []
-    for path in paths:
-        try:
-            with path.open(newline="", encoding="utf-8") as lines:
-                found += _read(path, csv.DictReader(lines))
-        except OSError as error:
-            raise ConfigError(f"{path}: {error.strerror}") from None
-        except UnicodeDecodeError:
-            raise ConfigError(f"{path} is not text in UTF-8") from None
-        except csv.Error as error:
-            raise ConfigError(f"{path} is no CSV: {error}") from None
+    rows = read_rows(paths, NEEDED)
+    found = tuple(_answer(where, row) for where, row in rows if row["action"] in LABELS)
     if not found:
         raise ConfigError(f"{', '.join(map(str, paths))}: no answer for any of {', '.join(LABELS)}")
-    return tuple(found)
+    return found
 
 
 MEASURES: Mapping[str, Callable[[Rating], int]] = {
@@ -145,22 +136,6 @@ def _cell(left: Sequence[int], right: Sequence[int]) -> ComparedMeans:
     means = (fmean(left) if left else float("nan"), fmean(right) if right else float("nan"))
     p = float(mannwhitneyu(left, right, alternative="two-sided").pvalue) if left and right else float("nan")
     return ComparedMeans(means, (len(left), len(right)), p)
-
-
-def _read(path: Path, rows: "csv.DictReader[str]") -> Iterable[Rating]:
-    missing = [name for name in NEEDED if name not in (rows.fieldnames or ())]
-    if missing:
-        have = list(rows.fieldnames or ())
-        raise ConfigError(
-            f"{path}: no column {missing[0]}{suggestion(missing[0], have)}; it has {', '.join(have[:30])}"
-        )
-    for row in rows:
-        if None in row or None in row.values():
-            raise ConfigError(
-                f"{path}:{rows.line_num}: must have {len(rows.fieldnames or ())} values, like the first line"
-            )
-        if row["action"] in LABELS:
-            yield _answer(f"{path}:{rows.line_num}", row)
 
 
 def _answer(where: str, row: Mapping[str, str]) -> Rating:

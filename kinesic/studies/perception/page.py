@@ -3,25 +3,21 @@
 The page shows each stimulus once; it needs a browser and the folder of stimuli, no server.
 """
 
-import json
-import re
 from collections.abc import Iterator, Sequence
 from itertools import groupby
 from pathlib import Path
 
 import numpy as np
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
-from markupsafe import Markup
 
-from kinesic.body.config import ConfigError
 from kinesic.expressivity.face.expressions import Envelope
 from kinesic.face.render.camera import CLOSE
 from kinesic.face.render.portrait import Pixels, Portrait
 from kinesic.face.render.presets import NORMAL, Preset
 from kinesic.face.show.files import save, save_film
-from kinesic.report.content_policy import content_policy
+from kinesic.report.report import Json
 from kinesic.studies.perception.answers import COLUMNS
 from kinesic.studies.perception.design import ACTIONS, PER_CELL, POINTS, Stimulus, stimuli
+from kinesic.studies.questionnaire.page import write_questionnaire
 
 HERE = Path(__file__).parent
 SCALE = ("totally disagree", "disagree", "neither", "agree", "totally agree")
@@ -42,10 +38,9 @@ def write_study_page(path: Path, *, folder: str = "stimuli", post_to: str = "") 
     Raises:
         ConfigError: it is no http or https URL.
     """
-    environment = Environment(
-        loader=FileSystemLoader(HERE), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    study = {
+    study: dict[str, Json] = {
+        "name": "kinesic-study",
+        "most": len(stimuli()),
         "stimuli": [
             {
                 "id": each.id,
@@ -60,38 +55,24 @@ def write_study_page(path: Path, *, folder: str = "stimuli", post_to: str = "") 
             for each in stimuli()
         ],
         "questions": {
-            region: {a.name: a.label for a in ACTIONS if a.region == region} | OPINIONS for region in ("upper", "lower")
+            region: {**{a.name: a.label for a in ACTIONS if a.region == region}, **OPINIONS}
+            for region in ("upper", "lower")
         },
-        "scale": SCALE,
+        "scale": list(SCALE),
         "points": POINTS,
-        "columns": COLUMNS,
+        "columns": list(COLUMNS),
         "perCell": PER_CELL,
         "seconds": SECONDS,
-        "postTo": post_to,
     }
-    script = (HERE / "study.js").read_text(encoding="utf-8")
-    text = environment.get_template("study.jinja").render(
-        look=Markup((HERE / "study.css").read_text(encoding="utf-8")),
-        script=Markup(script),
-        policy=content_policy(script, img_src="*", connect_src=f"blob: {find_origin(post_to)}".rstrip()),
-        study=Markup(json.dumps(study).replace("<", "\\u003c")),
+    write_questionnaire(
+        path,
+        study,
+        template=HERE / "study.jinja",
+        script=(HERE / "study.js").read_text(encoding="utf-8"),
+        post_to=post_to,
         shown=4 * PER_CELL,
+        images="*",
     )
-    path.write_text(text, encoding="utf-8")
-
-
-def find_origin(url: str) -> str:
-    """Finds the server of an http or https URL, such as `https://example.org:8080`; of an empty one, nothing.
-
-    Raises:
-        ConfigError: it is another kind of URL.
-    """
-    if not url:
-        return ""
-    found = re.match(r"(https?://(?:[\w.-]+|\[[0-9a-f:.]+\])(?::\d+)?)(?:[/?]|$)", url, re.ASCII | re.IGNORECASE)
-    if found is None:
-        raise ConfigError(f"--post-to {url}: must be a URL such as https://example.org/answers")
-    return found.group(1)
 
 
 def file_of(stimulus: Stimulus) -> str:

@@ -163,7 +163,8 @@ def _curvature(paths: list[Floats], step: float) -> float | None:
 def _allowed(window: _Window, side: Side) -> float:
     """Twice the mean speed of a hand on its way from strokeStart to stroke when the hinges take their least time.
 
-    A motion from rest to rest that uses its limits well peaks at no more than twice its mean speed.
+    A motion from rest to rest that uses its limits well peaks at no more than twice its mean speed; a hinge that turns
+    back rests in between.
     """
     known = window.performance.plan.setup
     begin, end = (window.syncs[sync].asked for sync in ("strokeStart", "stroke"))
@@ -171,13 +172,24 @@ def _allowed(window: _Window, side: Side) -> float:
     if len(keys) < 2:
         return 0.0
     arm = list(known.robot.arm(side).joints)
-    turns = np.zeros(len(known.robot.skeleton.hinges))
-    turns[arm] = np.abs(np.diff(np.stack(keys), axis=0)).sum(axis=0)[arm]
-    seconds = float(least_rest_times(turns, known.limits).max())
+    turns = turns_one_way(np.diff(np.stack(keys), axis=0))[:, arm]
+    seconds = float(least_rest_times(turns, known.limits.part(np.array(arm))).sum(axis=0).max())
     wrist = known.robot.arm(side).wrist
     return (
         2.0 * length(motion_frames(known.robot.skeleton, np.stack(keys)).origins[wrist].T) / seconds if seconds else 0.0
     )
+
+
+def turns_one_way(steps: Floats) -> Floats:
+    """Sums the steps (k, n) [rad] of each hinge from one reversal to the next.
+
+    Returns:
+        (k, n) [rad], none negative; rows that a hinge does not need are 0.
+    """
+    back = np.cumsum(np.vstack([np.zeros_like(steps[:1]), steps[1:] * steps[:-1] < 0.0]), axis=0).astype(np.intp)
+    found = np.zeros_like(steps)
+    np.add.at(found, (back, np.arange(steps.shape[1])), np.abs(steps))
+    return found
 
 
 def _overshoot(performance: Performance) -> float:

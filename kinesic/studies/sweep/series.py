@@ -18,7 +18,7 @@ from kinesic.expressivity.style.style import RANGES, Style
 from kinesic.planning.setup import Setup
 from kinesic.studies.sweep.measures import SHOWN, Measures, measures
 
-STROKE = 3.0  # [s] block time at which the stroke is asked for: time for the slowest preparation
+STROKE = 6.0  # [s] block time at which the stroke is asked for: time for the slowest preparation
 COUNT = 5  # values over a range, ends included
 LATE = 0.010  # [s] from the asked time, beyond which a stroke is late
 ID = "swept"

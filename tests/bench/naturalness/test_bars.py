@@ -2,7 +2,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.stats import ks_2samp
 
 from kinesic.bench.naturalness.bars import COMPARED, distance
 from kinesic.bench.naturalness.captured_table import captured_table
@@ -14,6 +13,8 @@ SAMPLES = st.lists(st.floats(-5.0, 5.0), min_size=1, max_size=40)
 @given(SAMPLES, SAMPLES)
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")  # of its p-values
 def test_the_distance_is_that_of_scipy(ours, theirs):
+    from scipy.stats import ks_2samp  # noqa: PLC0415 - slow to import, which every process of tests would
+
     assert distance(np.array(ours), np.array(theirs)) == pytest.approx(ks_2samp(ours, theirs).statistic)
 
 

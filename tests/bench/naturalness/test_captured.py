@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from kinesic.bench import naturalness
 from kinesic.bench.blocks import corpus_folder
 from kinesic.bench.naturalness import CAPTURE, bench_clips
 from kinesic.bench.naturalness.captured import BETWEEN, captured_figures, measure_clips, smoothed
@@ -98,11 +99,12 @@ def test_smoothing_keeps_what_stands_and_what_goes_evenly():
 
 
 @pytest.fixture(scope="module")
-def corpus():
+def captured():
+    """What was measured of the captured gestures."""
     where = corpus_folder()
     if where is None or not (where / CAPTURE).is_dir():
         pytest.skip("no captured gestures (KINESIC_CORPUS)")
-    return where / CAPTURE
+    return measure_clips(where / CAPTURE)
 
 
 # Duration [s], largest speed [arm lengths/s], path [m] and spectral arc length, as another program measured them.
@@ -115,8 +117,8 @@ MEASURED = {
 }
 
 
-def test_captured_gestures_are_all_read_and_measured_as_others_do(corpus):
-    hands = {clip.name: clip.hand for clip in measure_clips(corpus)}
+def test_captured_gestures_are_all_read_and_measured_as_others_do(captured):
+    hands = {clip.name: clip.hand for clip in captured}
     assert len(hands) == 127
     assert None not in hands.values()
     for name, (duration, speed, path, sparc) in MEASURED.items():
@@ -126,8 +128,9 @@ def test_captured_gestures_are_all_read_and_measured_as_others_do(corpus):
     assert hands["ChrBrad@Idle01_BeatHighBt01"].preparation_sparc == pytest.approx(-1.316, abs=0.001)
 
 
-def test_figures_of_clips_stand_beside_the_table(corpus):
-    found = {figure.name: figure for figure in bench_clips(corpus)}
+def test_figures_of_clips_stand_beside_the_table(captured, monkeypatch, tmp_path):
+    monkeypatch.setattr(naturalness, "measure_clips", {tmp_path: captured}.get)
+    found = {figure.name: figure for figure in bench_clips(tmp_path)}
     assert found["naturalness.captured.sparc"].value == pytest.approx(-2.59, abs=0.05)
     assert found["naturalness.captured.units"].value == 2.0
     assert found["naturalness.captured.units_per_second"].value == pytest.approx(0.83, abs=0.05)

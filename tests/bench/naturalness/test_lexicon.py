@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from kinesic.bench.naturalness import lexicon_figures
+from kinesic.bench.naturalness.body import BodyMeasures
 from kinesic.bench.naturalness.captured_table import captured_table
-from kinesic.bench.naturalness.lexicon import LEAST_TURN, MeasuredGesture, measure_gesture, measure_lexicon
+from kinesic.bench.naturalness.lexicon import MeasuredGesture, measure_gesture, measure_lexicon
 from kinesic.expressivity.durations import stroke_spans
 from kinesic.expressivity.hands.poses import poses
 from kinesic.expressivity.style.effort import Effort
@@ -51,11 +52,6 @@ def test_a_path_is_dynamic_and_a_pose_is_not(known, wave):
     assert not replace(wave, hand=replace(wave.hand, stroke_path=0.2)).dynamic
 
 
-def test_whose_collar_bones_turn_moves_more_than_arms(wave):
-    assert replace(wave, body=1.1 * LEAST_TURN).whole_body
-    assert not replace(wave, body=0.9 * LEAST_TURN).whole_body
-
-
 def test_processes_measure_what_one_does(known, wave):
     (found,) = measure_lexicon([("wave_far", "sad")])
     sad = measure_gesture(form(known, "wave_far"), replace(known, style=Style.load("sad")))
@@ -69,7 +65,7 @@ def gestures(wave):
     """A fast gesture that stops where its stroke begins, and a slow one that strokes as fast as it comes."""
     wave = replace(wave, hand=replace(wave.hand, flow=0.1))
     slow = replace(wave.hand, largest_speed=1.0, preparation_speed=0.8, stroke_speed=1.0, return_speed=0.4, flow=0.5)
-    return [wave, replace(wave, gesture="slow", hand=slow, body=0.5)]
+    return [wave, replace(wave, gesture="slow", hand=slow, body=BodyMeasures())]
 
 
 def named(gestures: list[MeasuredGesture]):

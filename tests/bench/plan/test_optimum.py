@@ -2,15 +2,12 @@ from dataclasses import replace
 
 import pytest
 
-from kinesic.bench.blocks import crowd
 from kinesic.bench.plan.optimum import TOLERANCE, best_times
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
-from kinesic.controller.perform import plan, set_up
 from kinesic.motion.condition import LEAD_IN, condition
 from kinesic.motion.key_time_lp import strain
 from kinesic.motion.keys import KeyPosture, Keys
-from kinesic.planning.syncs import find_bonds
 
 LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 1e-4, 1e-4, 0.9)))  # the duty never binds
 
@@ -45,14 +42,3 @@ def test_tighter_limits_strain_more():
     slow = replace(LIMITS, acceleration=sealed([20.0]))
     found = [best_times(Keys.of(ends, limits), condition(ends, limits), limits, LEAD_IN) for limits in (LIMITS, slow)]
     assert found[1].strain > 1.1 * found[0].strain
-
-
-def test_a_crowded_block_is_strained_hardly_more_than_it_must():
-    known = set_up()
-    lexemes = [form.id for form in known.lexicon.forms]
-    planned = plan(crowd(4, lexemes), known)
-    asked, ties = planned.postures.postures, find_bonds(planned.timeline)
-    keys = Keys.of(asked, known.limits, ties)
-    motion = condition(asked, known.limits, bonds=ties)
-    found = best_times(keys, motion, known.limits, LEAD_IN)
-    assert strain(keys, motion.planned) <= 1.25 * found.strain

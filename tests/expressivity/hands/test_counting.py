@@ -55,6 +55,22 @@ def test_a_brief_stroke_has_its_points_where_it_is_done(realise):
             assert timed.times["strokeStart"] == timed.times["stroke"] == timed.times["strokeEnd"]
 
 
+def test_what_came_before_in_the_series_becomes_brief_too_before_a_number_is_left_out(realise):
+    frames = realise(count(0.24))
+    assert "dropped" not in {outcome.kind for outcome in frames.outcomes.values()}
+    assert hands(frames) == [frozenset({"r_hand"})] * len(NUMBERS)
+    assert frames.outcomes["g1"].why.endswith("shown once, without its movement: the right hand does g2 from 2.48 s on")
+    strokes = [timed.times["stroke"] for timed in frames.timeline.timed]
+    assert strokes == pytest.approx([2 + 0.24 * k for k in range(len(NUMBERS))])
+
+
+def test_what_the_document_places_is_never_made_brief(realise):
+    held = count(0.24).replace('lexeme="two"', 'lexeme="two" strokeEnd="2.66"')
+    outcomes = realise(held).outcomes
+    assert outcomes["g2"].kind == "dropped"
+    assert "without its movement" not in outcomes["g1"].why
+
+
 def test_the_document_may_give_counting_to_another_hand(realise):
     assert hands(realise(count(2.0, 'mode="LEFT_HAND"'))) == [frozenset({"l_hand"})] * len(NUMBERS)
     mixed = realise(count(2.0).replace('lexeme="two"', 'lexeme="two" mode="LEFT_HAND"'))

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from kinesic.body.arrays import sealed
-from kinesic.expressivity.style.effort import ACCENT, CHARACTERS, CROWDED, PACES, Effort, Nature
+from kinesic.expressivity.style.effort import ACCENT, CHARACTERS, CROWDED, LOOSE, PACES, ROOM, Effort, Nature
 from kinesic.expressivity.style.pace import HASTE, Pace
 from kinesic.expressivity.style.style import Expressivity, passage_of
-from kinesic.motion.keys import SOFTEST
+from kinesic.motion.keys import EVEN, SOFTEST
 
 WAYS = np.linspace(0.02, 0.8, 27)
 EXTENTS = np.linspace(-1.0, 1.0, 9)
@@ -124,5 +124,46 @@ def test_the_way_there_has_no_accent_and_a_path_has_its_own_speed(pace):
 
 def test_force_stays_out_of_the_way_to_a_stroke(pace):
     strong, plain = Effort(pace, manner=Expressivity(power=1.0)), Effort(pace)
-    assert strong.passage("preparation") == plain.passage("preparation")
+    assert strong.passage("preparation") == replace(plain.passage("preparation"), swing=0.0)
     assert strong.passage("stroke").steepness > plain.passage("stroke").steepness
+
+
+def stroke_passages(pace, name, values=(-1.0, -0.5, 0.0, 0.5, 1.0)):
+    """How a stroke's key is passed in five manners."""
+    return [Effort(pace, manner=Expressivity(**{name: value})).passage("stroke") for value in values]
+
+
+@pytest.mark.parametrize("name", ["tension", "power"])
+def test_the_firmer_a_hand_the_less_it_swings(pace, name):
+    swings = [each.swing for each in stroke_passages(pace, name)]
+    assert swings[2] > swings[3] >= swings[4] == 0.0
+
+
+def test_a_stiff_hand_does_not_swing_a_fluid_one_does_and_a_loose_one_hangs_by_its_tension(pace):
+    stiff, half, plain, *fluid = (each.swing for each in stroke_passages(pace, "fluidity"))
+    assert stiff == half == 0.0 < plain == fluid[0] == fluid[1]
+    assert stroke_passages(pace, "tension")[0].swing == pytest.approx((1.0 - LOOSE) * plain)
+
+
+def test_jerky_strokes_begin_at_once_and_fluid_or_loose_ones_softly(pace):
+    steepness = [each.steepness for each in stroke_passages(pace, "fluidity")[:4]]
+    assert np.all(np.diff(steepness) < 0.0)
+    assert steepness[2] == SOFTEST + ACCENT
+    assert stroke_passages(pace, "fluidity")[4].easing == "minimum_jerk"
+    assert stroke_passages(pace, "tension")[0].easing == "minimum_jerk"
+
+
+def test_the_more_fluid_a_hand_the_softer_it_goes_home(pace):
+    homes = [Effort(pace, manner=Expressivity(fluidity=f)).passage("retraction").steepness for f in (-1.0, 0.0, 1.0)]
+    assert homes[0] > homes[1] > homes[2] == pytest.approx(EVEN)
+
+
+def test_power_leaves_a_stroke_the_time_for_its_accent(pace):
+    way = 0.2
+    least = pace.least_hand_time(way)
+    strong, fast, both = (
+        Effort(pace, Nature("beat"), Expressivity(power=power, temporal=temporal)).stroke_time(way)
+        for power, temporal in ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0))
+    )
+    assert strong == pytest.approx(ROOM * least)
+    assert both <= fast

@@ -57,6 +57,8 @@ def test_power_divides_a_time_where_the_servos_allow_and_weakness_multiplies_it(
     assert natural_time(1.0, 0.6, 0.0, 1.0) == pytest.approx(0.6)
     assert natural_time(1.0, 0.1, 0.0, -1.0) == pytest.approx(WEAKNESS)
     assert natural_time(1.0, 0.1, 1.0, -0.5) == pytest.approx(WEAKNESS**0.5 / HASTE)
+    assert natural_time(1.0, 0.6, 0.0, 1.0, room=1.2) == pytest.approx(0.72)
+    assert natural_time(1.0, 0.6, 1.0, 1.0, room=1.2) == natural_time(1.0, 0.6, 1.0, 0.0, room=1.2)
     for least in (0.1, 0.6, 1.2):
         assert np.all(np.diff([natural_time(1.0, least, 0.0, power) for power in np.linspace(-1, 0.99, 21)]) <= 0.0)
 

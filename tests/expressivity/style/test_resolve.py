@@ -80,3 +80,17 @@ def test_each_behaviour_has_a_style_of_its_own():
 def test_activation_is_folded_in():
     block = Block("b", (behaviour(manner=Manner(activation=0.5)),))
     assert resolve_styles(Style(), block)["b"].head == fold_activation(Expressivity(activation=0.5))
+
+
+def test_a_preset_that_a_document_names_brings_its_weight_of_the_body():
+    def weight(style: Style, named: str | None, own: str | None = None) -> float:
+        block = Block("b", (behaviour(manner=Manner(style=own)),), manners={"gesture": Manner(style=named)})
+        return resolve_styles(style, block)["b"].whole_body
+
+    shy, angry = style_preset("shy").whole_body, style_preset("angry").whole_body
+    assert (weight(Style(), "shy"), weight(Style(), "shy", "angry"), weight(style_preset("shy"), None)) == (
+        shy,
+        angry,
+        shy,
+    )
+    assert weight(Style().changed(["whole_body=0"]), "shy") == 0.0

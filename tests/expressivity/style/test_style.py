@@ -6,7 +6,16 @@ import pytest
 from scipy.interpolate import BPoly
 
 from kinesic.body.config import CONFIGS, ConfigError
-from kinesic.expressivity.style.style import MODALITIES, RANGES, Expressivity, Setting, Style, passage_of, style_preset
+from kinesic.expressivity.style.style import (
+    MODALITIES,
+    RANGES,
+    WHOLE_BODY,
+    Expressivity,
+    Setting,
+    Style,
+    passage_of,
+    style_preset,
+)
 from kinesic.motion.easing import PARTS, soften_easing
 from kinesic.motion.keys import PLAIN, Passage
 
@@ -22,7 +31,9 @@ def test_the_presets():
 def test_a_preset_loads_under_its_name_and_says_all_eight_numbers(name):
     assert Style.load(name).name == style_preset(name).name == name
     text = (CONFIGS / "styles" / f"{name}.toml").read_text().partition("[")[0]
-    assert [line.split()[0] for line in text.splitlines() if "=" in line] == list(RANGES)
+    assert [line.split()[0] for line in text.splitlines() if "=" in line and not line.startswith(WHOLE_BODY)] == list(
+        RANGES
+    )
 
 
 def test_presets_differ_and_neutral_is_the_default():
@@ -38,6 +49,25 @@ def test_presets_say_what_their_names_say():
     assert styles["sad"].gesture.temporal == min(style.gesture.temporal for style in styles.values())
     assert styles["sad"].head.spatial < styles["sad"].gesture.spatial
     assert styles["sad"].torso.temporal < styles["sad"].gesture.temporal
+
+
+def test_angry_and_joyful_bodies_join_in_more_than_shy_and_sad_ones():
+    weights = {name: style_preset(name).whole_body for name in PRESETS}
+    assert max(weights["shy"], weights["sad"]) < weights["neutral"] == 1.0 < min(weights["angry"], weights["joyful"])
+
+
+def test_the_weight_of_the_whole_body_is_set_for_all_modalities_at_once(tmp_path):
+    style = Style().changed(["whole_body=0", "head.power=0.5"])
+    assert (style.whole_body, style.head.power, style.gesture) == (0.0, 0.5, Style().gesture)
+    assert [str(setting) for setting in style.settings] == ["whole_body=0", "head.power=0.5"]
+    with pytest.raises(ConfigError, match="no whole_body"):
+        Style().changed(["head.whole_body=0"])
+    with pytest.raises(ConfigError, match=r"outside \[0, 2\]"):
+        Style().changed(["whole_body=2.5"])
+    path = tmp_path / "own.toml"
+    path.write_text((CONFIGS / "styles" / "neutral.toml").read_text() + "whole_body = -1\n")
+    with pytest.raises(ConfigError, match=r"whole_body is -1, outside \[0, 2\]"):
+        Style.load(path)
 
 
 def test_the_parameters_are_the_fields():
@@ -159,12 +189,6 @@ def test_an_accent_raises_the_peak_speed():
     assert peaks[0] < peaks[1] < peaks[2]
 
 
-def test_a_stiff_hand_does_not_swing_and_a_fluid_one_swings_as_far_as_it_may():
-    swings = [passage_of(Expressivity(fluidity=f), "stroke", swing=0.9).swing for f in (-1.0, -0.5, 0.0, 0.5, 1.0)]
-    assert swings == pytest.approx([0.0, 0.45, 0.9, 0.95, 1.0])
-    assert passage_of(Expressivity(fluidity=1.0), "stroke").swing == 0.0
-
-
 @pytest.mark.parametrize("phase", ["hold", "retraction"])
 def test_power_leaves_what_is_no_way_to_a_stroke(phase):
     assert passage_of(Expressivity(power=1.0), phase) == passage_of(Expressivity(), phase)
@@ -175,3 +199,9 @@ def test_a_forceful_way_overshoots_a_weak_one_is_even_a_tense_forceful_one_bounc
     assert passage_of(Expressivity(tension=0.8), "stroke").easing == "out_back"
     assert passage_of(Expressivity(power=-0.8), "stroke").easing == "linear"
     assert passage_of(Expressivity(power=0.8, tension=0.8), "stroke").easing == "out_bounce"
+
+
+def test_an_accent_is_forced_beyond_itself_before_it_overshoots():
+    found = [passage_of(Expressivity(power=power), "stroke", accent=1.9) for power in (0.0, 0.4, 0.6)]
+    assert [each.easing for each in found] == ["out_power", "out_power", "out_back"]
+    assert found[0].steepness < found[1].steepness

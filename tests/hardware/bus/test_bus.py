@@ -110,7 +110,11 @@ def test_one_servo_is_a_bus(rig: Make):
 @pytest.mark.parametrize("kind", ["corrupt", "drop", "truncate", "duplicate", "noise", "lost", "late"])
 @pytest.mark.parametrize(
     ("servos", "count"),
-    [("kinesic", 7), ("kinesic", 26), ("manual", 7), pytest.param("manual", 26, marks=pytest.mark.soak)],
+    [
+        ("kinesic", 7),
+        ("manual", 7),
+        *(pytest.param(kind, 26, marks=pytest.mark.soak) for kind in ("kinesic", "manual")),
+    ],
     indirect=["servos"],
 )
 def test_one_damaged_answer_in_a_hundred_is_made_good(rig: Make, kind: str, count: int):

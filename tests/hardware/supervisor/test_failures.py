@@ -5,6 +5,7 @@ import pytest
 from kinesic.hardware.protocol.registers import HardwareError
 from kinesic.hardware.supervisor.failures import FailureWatch, InterruptionWatch
 from kinesic.hardware.supervisor.manifest import Manifest
+from kinesic.hardware.supervisor.state_machine import Stage
 
 from .judged import Room
 
@@ -108,10 +109,15 @@ class Clock:
         self.time = 0.0
         self.watch = InterruptionWatch(STARTLE)
 
-    def cycle(self, seconds: float, *, well: bool = True, left: bool = True, go_on: bool = False) -> InterruptionWatch:
-        """One cycle, so long after the one before: commands are taken, then servos are judged."""
+    def cycle(self, seconds: float, *, well: bool = True) -> InterruptionWatch:
+        """One cycle of a performance, so long after the one before: commands are taken, then servos are judged."""
+        return self.take(seconds, Stage.ACTIVE, before=True, well=well)
+
+    def take(
+        self, seconds: float, stage: Stage, *, before: bool, left: bool = True, fresh: bool = False, well: bool = True
+    ) -> InterruptionWatch:
         self.time += seconds
-        self.watch.note_commands(self.time, left=left, go_on=go_on)
+        self.watch.note_commands(self.time, stage=stage, before=before, left=left, fresh=fresh)
         self.watch.note_servos(well=well)
         return self.watch
 
@@ -126,9 +132,9 @@ def clock() -> Clock:
 def test_before_the_first_cycle_nothing_is_interrupted():
     watch = InterruptionWatch(STARTLE)
     assert (watch.interrupted, watch.unwell) == (False, 0.0)
-    watch.note_commands(0.75, left=False, go_on=True)
+    watch.note_commands(0.75, stage=Stage.HOLD, before=False, left=True, fresh=False)
     assert (watch.interrupted, watch.unwell) == (True, 0.75)
-    assert watch.describe("") == "commands came too late (0.8 s and more)"
+    assert watch.describe("") == "this process stood still (0.8 s and more)"
 
 
 def test_all_is_well(clock: Clock):
@@ -147,24 +153,41 @@ def test_servos_that_are_unwell_for_longer_than_a_startle_interrupt(clock: Clock
 
 
 def test_a_process_that_stood_still_interrupts_before_servos_are_judged(clock: Clock):
-    clock.watch.note_commands(clock.time + 3.0, left=True, go_on=False)
+    clock.watch.note_commands(clock.time + 3.0, stage=Stage.ACTIVE, before=True, left=True, fresh=False)
     assert clock.watch.interrupted
     assert clock.watch.describe("") == "this process stood still (3.0 s and more)"
 
 
 def test_commands_that_go_on_after_a_long_time_without_interrupt(clock: Clock):
     for _ in range(3):
-        assert not clock.cycle(0.25, left=False).interrupted
-    assert clock.cycle(0.25, left=False, go_on=True).interrupted
+        assert not clock.take(0.25, Stage.HOLD, before=False, left=False).interrupted
+    assert clock.take(0.25, Stage.HOLD, before=False).interrupted
     assert clock.watch.describe("l_twist: silent") == "commands came too late (1.0 s and more)"
-    assert not clock.cycle(0.25).interrupted, "they are there again"
+    assert clock.take(0.25, Stage.HOLD, before=True).interrupted, "it still stands"
+    assert not clock.cycle(0.25).interrupted, "it goes on"
+
+
+def test_commands_that_trickle_in_while_it_stands_interrupt_as_well(clock: Clock):
+    clock.take(0.25, Stage.HOLD, before=False, left=False)
+    assert not clock.take(0.25, Stage.HOLD, before=False).interrupted
+    assert clock.take(0.25, Stage.HOLD, before=True).interrupted
 
 
 def test_commands_that_go_on_in_time_do_not(clock: Clock):
-    assert not clock.cycle(STARTLE, left=False, go_on=True).interrupted
-    assert not clock.cycle(2.0, left=True, go_on=True).interrupted
+    assert not clock.take(STARTLE, Stage.HOLD, before=False).interrupted
+    assert not clock.cycle(2.0).interrupted
 
 
-def test_a_new_performance_after_a_long_pause_is_no_interruption(clock: Clock):
-    clock.cycle(9.0, left=False)
-    assert not clock.cycle(9.0, left=False, go_on=False).interrupted
+def test_who_consents_may_wait_for_commands(clock: Clock):
+    assert clock.take(2.0, Stage.HOLD, before=False).interrupted
+    clock.watch.note_consent()
+    assert not clock.watch.interrupted
+    assert not clock.take(2.0, Stage.HOLD, before=True).interrupted
+
+
+def test_a_new_performance_is_no_interruption_however_long_its_first_commands_take(clock: Clock):
+    clock.take(9.0, Stage.HOLD, before=False, left=False)
+    assert not clock.take(9.0, Stage.HOLD, before=False, fresh=True).interrupted
+    assert not clock.take(9.0, Stage.HOLD, before=True).interrupted
+    assert not clock.cycle(0.25).interrupted
+    assert clock.take(2.0, Stage.HOLD, before=False).interrupted

@@ -6,7 +6,7 @@ from kinesic.body.robot import Robot
 from kinesic.controller.perform import perform
 from kinesic.sim.dynamics import MujocoDynamics
 from kinesic.sim.model import build_model, joint_order
-from kinesic.studies.sweep.measures import SHOWN, Measures, kinetic_energy, measures
+from kinesic.studies.sweep.measures import SHOWN, Measures, kinetic_energy, measures, turns_one_way
 
 ROBOT = Robot.load()
 
@@ -24,6 +24,11 @@ def test_it_is_the_energy_that_mujoco_has():
         mujoco.mj_fullM(model, data, full)
         wanted.append(0.5 * data.qvel @ full @ data.qvel)
     np.testing.assert_allclose(kinetic_energy(MujocoDynamics(ROBOT), angles, speeds), wanted, rtol=1e-9)
+
+
+def test_a_hinge_that_turns_back_begins_a_new_turn():
+    steps = np.array([[0.2, 0.1], [0.3, -0.4], [-0.1, -0.2], [-0.1, 0.3]])
+    np.testing.assert_allclose(turns_one_way(steps), [[0.5, 0.1], [0.2, 0.6], [0.0, 0.3], [0.0, 0.0]])
 
 
 def test_a_body_at_rest_has_none():

@@ -26,7 +26,7 @@ angles = st.tuples(*[st.floats(-1.5, 1.5)] * 3)
 rows = st.lists(st.tuples(gaps, angles, st.integers(0, 7), st.tuples(*[passages] * 3)), min_size=2, max_size=9)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(rows)
 def test_limits_hold_and_keys_are_met(rows):
     times = np.cumsum([gap for gap, *_ in rows])

@@ -31,7 +31,7 @@ def document(asked, nodding) -> str:
     return ROOT.format("".join(lines))
 
 
-@settings(max_examples=12, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=8, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(gestures, nods)
 def test_every_plan_keeps_limits_distances_and_order_and_is_the_same_again(known, asked, nodding):
     planned = plan(document(asked, nodding), known)

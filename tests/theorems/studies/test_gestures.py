@@ -1,14 +1,20 @@
 """What holds for every gesture of the lexicon when it is played."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinesic.controller.perform import set_up
+from kinesic.expressivity.lexicon.lexicon import mirror_form
 from kinesic.studies.gestures.isolated import plan_gesture
 
 KNOWN = set_up()
+MIRRORED = replace(
+    KNOWN, lexicon=replace(KNOWN.lexicon, forms=tuple(mirror_form(form) for form in KNOWN.lexicon.forms))
+)
 NAMES = list(KNOWN.robot.skeleton.names)
 ONE_HANDED = [form for form in KNOWN.lexicon.forms if len(form.sides) == 1]
 ALIKE = [
@@ -39,6 +45,12 @@ def test_a_gesture_of_the_left_hand_mirrors_that_of_the_right(form):
 
 @settings(max_examples=8, deadline=None)
 @given(st.sampled_from(ALIKE))
-def test_a_gesture_of_two_hands_alike_is_its_own_mirror_image(form):
-    both = motion(plan_gesture(form, KNOWN))
+def test_hands_alike_are_their_own_mirror_image_where_they_move_alone(form):
+    both = motion(plan_gesture(form, replace(KNOWN, style=KNOWN.style.changed(["whole_body=0"]))))
     assert both == pytest.approx(mirrored(both), abs=1e-9)
+
+
+@settings(max_examples=8, deadline=None)
+@given(st.sampled_from(KNOWN.lexicon.forms))
+def test_a_mirrored_gesture_moves_the_whole_body_as_a_mirror_shows_it(form):
+    assert motion(plan_gesture(form, MIRRORED)) == pytest.approx(mirrored(motion(plan_gesture(form, KNOWN))), abs=1e-9)

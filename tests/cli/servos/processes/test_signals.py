@@ -16,6 +16,7 @@ pytestmark = pytest.mark.realtime
 
 LONG = 8.0  # [s] that the hand stays raised
 TOO_LONG = 1.5  # [s] out of hand, after which somebody has to consent
+HANDED_OVER = 3.0  # [s] that 0.7 s of commands may last, handed over before: on a busy host time slows down
 
 
 def test_a_performance_that_stood_still_needs_enter_and_folds_the_arms_when_its_terminal_closes(arms, perform):
@@ -74,10 +75,9 @@ def test_a_server_that_stood_still_needs_consent_and_one_whose_terminal_closes_f
         client.send(RAISE.format(LONG, LONG + 1.0))
         command.wait(arms.raised)
         command.process.send_signal(signal.SIGSTOP)
-        time.sleep(TOO_LONG + 0.7)  # it had handed over that much
+        time.sleep(TOO_LONG + HANDED_OVER)
         command.process.send_signal(signal.SIGCONT)
-        time.sleep(0.5)
-        assert state(client) == "stopped"
+        command.wait(lambda: state(client) == "stopped")
         assert arms.still(0.5)
         assert arms.record().torque[-1].all()
         client.do("resume")

@@ -8,7 +8,9 @@ from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.hardware.virtual.faults import PlannedFault
 
-Make = Callable  # of a desk, see conftest
+from ..conftest import Desk
+
+Make = Callable[..., Desk]  # see conftest
 PERIOD = 0.01
 TORQUE, GOAL, WATCHDOG = Register.TORQUE_ENABLE, Register.GOAL_POSITION, Register.BUS_WATCHDOG
 
@@ -139,19 +141,42 @@ def test_a_process_that_stood_still_for_long_asks_for_consent(desk: Make):
     made.until(Stage.ACTIVE)
 
 
-def test_commands_that_go_on_after_a_long_time_without_ask_for_consent(desk: Make):
+def without_commands(desk: Make) -> Desk:
+    """A robot whose commands have ended in the middle of a performance of 4 s, so that it stands."""
     made = desk()
     made.open()
     for k in range(100):
         made.channel.write(k * PERIOD, made.goals(k * PERIOD, 4.0))
     made.until(Stage.ACTIVE)
     made.until(Stage.HOLD)
+    return made
+
+
+def test_commands_that_go_on_after_a_long_time_without_ask_for_consent(desk: Make):
+    made = without_commands(desk)
     made.run(1.5)
     for k in range(100, 400):
         made.channel.write(k * PERIOD, made.goals(k * PERIOD, 4.0))
     made.run(1.0)
     assert made.stage is Stage.HOLD
     assert made.status.waits == "consent"
+    made.consent()
+    made.until(Stage.ACTIVE)
+
+
+@pytest.mark.parametrize(("slowly", "waits"), [(0.9, False), (6.0, True)])
+def test_commands_that_trickle_in_ask_for_consent_where_the_robot_has_stood_for_long(
+    desk: Make, slowly: float, waits: bool
+):
+    made = without_commands(desk)
+    for k in range(100, 160):  # time runs again when there are 0.5 s of them
+        made.channel.write(k * PERIOD, made.goals(k * PERIOD, 4.0))
+        made.run(slowly * PERIOD)
+    for k in range(160, 400):
+        made.channel.write(k * PERIOD, made.goals(k * PERIOD, 4.0))
+    made.run(1.0)
+    assert (made.status.waits == "consent") == waits
+    assert made.stage is (Stage.HOLD if waits else Stage.ACTIVE)
     made.consent()
     made.until(Stage.ACTIVE)
 

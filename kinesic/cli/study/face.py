@@ -1,4 +1,4 @@
-"""`kinesic study`: a perception study of the face, from its stimuli to its tables (thesis 4.4)."""
+"""`kinesic study make`: a perception study of the face, from its stimuli to its tables (thesis 4.4)."""
 
 import json
 from math import isnan
@@ -27,7 +27,8 @@ from kinesic.studies.perception.answers import (
     read_answers,
 )
 from kinesic.studies.perception.design import stimuli
-from kinesic.studies.perception.page import draw_stimuli, find_origin, write_study_page
+from kinesic.studies.perception.page import draw_stimuli, write_study_page
+from kinesic.studies.questionnaire.page import find_origin
 
 EFFECTS = {
     "intensity": ("strength", ("high", "low")),
@@ -57,7 +58,7 @@ def make_study(out: Path | None, force: bool, size: int, preset: str, post_to: s
     return 0
 
 
-def analyse_study(files: tuple[Path, ...], as_json: bool) -> int:
+def analyse_faces(files: tuple[Path, ...], as_json: bool) -> int:
     """Prints how the conditions compare in the answers of all participants."""
     answers = read_answers(files)
     effects = {name: compare_sides(answers, *sides) for name, sides in EFFECTS.items()}

@@ -1,0 +1,113 @@
+"""The robot as the scripts of pages draw it: its shapes, where they stand, and from where they are seen."""
+
+from base64 import b64encode
+from pathlib import Path
+
+import numpy as np
+
+from kinesic.body.arrays import Floats
+from kinesic.body.robot import Robot
+from kinesic.body.skeleton import Capsule, Hinge
+from kinesic.report.report import Json
+from kinesic.sim.scene_layout import VIEW_FROM, rods, view_of
+from kinesic.sim.scene_style import eyeballs, parts
+
+DIGITS = 4  # of lengths [m]
+TEMPLATES = Path(__file__).parent / "templates"
+SCENE_SCRIPTS = ("shapes.js", "motion.js", "scene.js")  # `sceneOf` draws a posture, `rowAt` gives one of a motion
+
+
+def scene_data(robot: Robot) -> dict[str, Json]:
+    """Gathers what `sceneOf` reads of a robot."""
+    return {
+        "segments": _segments(robot),
+        "servos": _servos(robot),
+        "details": [*_eyes(robot), *_rods(robot)],
+        "view": _view(robot),
+    }
+
+
+def read_scripts(names: tuple[str, ...]) -> str:
+    """Joins scripts of this room for one page."""
+    return "\n".join((TEMPLATES / name).read_text(encoding="utf-8") for name in names)
+
+
+def pack_rows(values: Floats, kind: str) -> str:
+    """Packs rows of whole numbers as base64, those out of range at its end.
+
+    Args:
+        values: (m, n).
+        kind: of numpy, such as `<i2`.
+    """
+    limits = np.iinfo(kind)
+    return b64encode(np.clip(np.rint(values), limits.min, limits.max).astype(kind).tobytes()).decode()
+
+
+def _rounded(values: Floats) -> list[Json]:
+    return [round(float(value), DIGITS) + 0.0 for value in values]
+
+
+def _segments(robot: Robot) -> list[Json]:
+    skeleton = robot.skeleton
+    painted = parts(robot)
+    return [
+        {
+            "parent": -1 if segment.parent is None else skeleton.segment(segment.parent),
+            "origin": _rounded(segment.origin_in_parent),
+            "hinges": [_hinge(joint, skeleton.hinges[joint]) for joint in skeleton.joints_of((segment.name,))],
+            "capsules": [_capsule(capsule) for capsule in segment.capsules],
+            "colour": painted[segment.name],
+        }
+        for segment in skeleton.segments
+    ]
+
+
+def _hinge(joint: int, hinge: Hinge) -> dict[str, Json]:
+    return {"hinge": joint, "axis": [float(value) for value in hinge.axis], "at": _rounded(hinge.at)}
+
+
+def _capsule(capsule: Capsule) -> list[Json]:
+    return [*_rounded(capsule.start), *_rounded(capsule.end), round(capsule.radius, DIGITS)]
+
+
+def _servos(robot: Robot) -> list[Json]:
+    """Boxes, as their mounts say, one for each hinge."""
+    found: list[Json] = []
+    for joint, mount in enumerate(robot.mounts):
+        width, length, height = mount.drive.servo.size
+        half = np.array([mount.drive.count * width, length, height]) / 2
+        segment = robot.skeleton.segment(mount.segment)
+        found.append({"hinge": joint, "segment": segment, "at": _rounded(mount.position), "half": _rounded(half)})
+    return found
+
+
+def _eyes(robot: Robot) -> list[Json]:
+    """Balls: segment, centre, radius, colour."""
+    return [
+        {
+            "segment": robot.skeleton.segment(robot.sites["eyes"].segment),
+            "capsule": [*_rounded(ball.centre), *_rounded(ball.centre), ball.radius],
+            "colour": "pupil" if ball.dark else "white",
+        }
+        for ball in eyeballs(robot)
+    ]
+
+
+def _rods(robot: Robot) -> list[Json]:
+    """What holds the parts together: segment, capsule, colour."""
+    painted = parts(robot)
+    return [
+        {"segment": robot.skeleton.segment(rod.segment), "capsule": _capsule(rod.shape), "colour": painted[rod.segment]}
+        for rod in rods(robot)
+    ]
+
+
+def _view(robot: Robot) -> dict[str, Json]:
+    """As the film's camera: what is looked at, from where, how much of it, and where the floor is."""
+    view = view_of(robot)
+    return {
+        "middle": _rounded(view.middle),
+        "from": list(VIEW_FROM),
+        "height": round(view.height, DIGITS),
+        "floor": round(view.floor, DIGITS),
+    }

@@ -1,0 +1,99 @@
+from math import radians
+
+import pytest
+
+from kinesic.body.config import ConfigError
+from kinesic.expressivity.keyframes import Turn
+from kinesic.expressivity.lexicon.body_form import NO_BODY, BodyForm
+from kinesic.expressivity.lexicon.lexicon import Lexicon, in_mode, mirror_form
+from kinesic.expressivity.lexicon.toml_file import read_gestures
+
+KEYS = "keys = [{ right = { at = [0.3, 0.45, 0.6] } }]"
+
+
+def written(body: str = "", bodies: str = "") -> str:
+    own = f"body = {body}\n" if body else ""
+    return f'category = "beat"\n{bodies}[[gesture]]\nid = "own"\n{own}{KEYS}\n'
+
+
+@pytest.fixture
+def read(tmp_path):
+    def of(body: str = "", bodies: str = "") -> BodyForm:
+        path = tmp_path / "own.toml"
+        path.write_text(written(body, bodies))
+        return read_gestures(path).entries[0][0].body
+
+    return of
+
+
+def test_degrees_are_written_and_radians_read(read):
+    found = read('{ head = { turn = 10, tilt = -5 }, nod = 4, shoulders = 15, gaze = "hands", face = { smile = 0.5 } }')
+    assert found.head == Turn(torsion=radians(10), tilt=radians(-5))
+    assert (found.nod, found.shoulders) == pytest.approx((radians(4), radians(15)))
+    assert (found.gaze, found.face) == ("hands", (("smile", 0.5),))
+
+
+def test_a_gesture_says_what_is_other_than_in_its_category(read):
+    bodies = "[bodies.beat]\nnod = 4\nshoulders = 3\n[bodies.emblem]\nshake = 9\n"
+    assert read(bodies=bodies) == BodyForm(nod=radians(4), shoulders=radians(3))
+    assert read("{ nod = 0, look = 0.5 }", bodies) == BodyForm(shoulders=radians(3), look=0.5)
+    assert read() == NO_BODY
+
+
+@pytest.mark.parametrize(
+    ("body", "said"),
+    [
+        ("{ nod = -1 }", r"gesture own: body: nod is -1 deg, outside \[0, 45\]"),
+        ("{ trunk = { roll = 60 } }", r"trunk.roll is 60 deg, outside \[-45, 45\]"),
+        ("{ look = 1.5 }", r"look is 1.5, outside \[0, 1\]"),
+        ("{ face = { smile = 2 } }", r"face.smile is 2, outside \[0, 1\]"),
+        ("{ face = { xyzzy = 1 } }", "no expression for xyzzy"),
+        ("{ knees = 3 }", "knees"),
+        ('{ gaze = "feet" }', "feet"),
+    ],
+)
+def test_errors_name_what_is_wrong(read, body, said):
+    with pytest.raises(ConfigError, match=said):
+        read(body)
+
+
+def test_gestures_of_users_have_the_bodies_of_their_category(tmp_path):
+    path = tmp_path / "own.toml"
+    path.write_text(written())
+    lexicon = Lexicon.load(path)
+    assert lexicon.forms_by_id["own"].body == lexicon.bodies["beat"] != NO_BODY
+    assert Lexicon.load().bodies == lexicon.bodies
+
+
+def test_gestures_of_gestuaries_have_the_bodies_of_their_category(tmp_path):
+    where = "".join(
+        f'<{name}Location value="{word}"/>'
+        for name, word in (("horizontal", "XC"), ("vertical", "YCC"), ("frontal", "ZNear"))
+    )
+    hand = f'<hand side="RIGHT"><symbolicPosition>{where}</symbolicPosition></hand>'
+    path = tmp_path / "own.xml"
+    path.write_text(f'<gestuary><gesture id="g" category="BEAT"><phase>{hand}</phase></gesture></gestuary>')
+    lexicon = Lexicon.load(path)
+    assert lexicon.forms_by_id["g"].body == lexicon.bodies["beat"]
+
+
+def test_the_body_goes_along_when_the_hands_change_sides():
+    form = Lexicon.load().forms_by_id["think"]
+    body = form.body
+    assert mirror_form(mirror_form(form)).body == body
+    assert mirror_form(form).body == in_mode(form, "left").body == body.mirrored
+    assert in_mode(form, "right").body == body
+    assert in_mode(form, "both").body == body.symmetric
+    assert body.symmetric.mirrored == body.symmetric
+
+
+def test_nothing_is_left_at_weight_zero_and_all_at_one():
+    for form in Lexicon.load().forms:
+        assert form.body.weighed(head=0.0, trunk=0.0, shoulders=0.0, face=0.0) == NO_BODY
+        assert form.body.weighed(head=1.0, trunk=1.0, shoulders=1.0, face=1.0) == form.body
+
+
+def test_words():
+    body = BodyForm(head=Turn(torsion=radians(-8)), nod=radians(4), gaze="hands", face=(("smile", 0.5),))
+    assert str(body) == "head right 8, nod 4 deg; eyes on the hands; smile 0.5"
+    assert str(NO_BODY) == ""

@@ -1,0 +1,152 @@
+"""The body beside the hands of gestures: when it moves, and to what it gives way."""
+
+from dataclasses import replace
+from itertools import pairwise
+from math import radians
+
+import pytest
+
+from kinesic.bml.block import Face, Gaze, Gesture, Head, Pointing, Torso
+from kinesic.expressivity.hands.poses import poses
+from kinesic.expressivity.hands.strokes import Stroke, do_stroke
+from kinesic.expressivity.keyframes import BodyMove, Turn
+from kinesic.expressivity.lexicon.body_form import BodyForm
+from kinesic.expressivity.realise import keyframes
+from kinesic.expressivity.style.pace import Pace
+from kinesic.expressivity.style.style import NEUTRAL, Style
+from kinesic.expressivity.turns import UPRIGHT, axes, turn_at
+from kinesic.expressivity.whole_body import HASTE, Accompanied, Asked, accompany
+
+NOD, LEAN = radians(4), Turn(tilt=radians(6))
+BODY = BodyForm(head=Turn(roll=radians(5)), nod=NOD, trunk=LEAN)
+
+
+@pytest.fixture
+def gesture(lexicon, robot, pace, phases):
+    """A gesture of some hands with a body, its sync points at some times."""
+
+    def of(body: BodyForm = BODY, *times: float, id: str = "g", form: str = "offer") -> Accompanied:
+        posed = poses(replace(lexicon.forms_by_id[form], body=body), robot, NEUTRAL)
+        stroke = Stroke(id, phases(*(times or (0, 1, 1, 1.6, 1.6, 2, 3))), (posed,))
+        return Accompanied(do_stroke(stroke, posed, pace), NEUTRAL, NEUTRAL)
+
+    return of
+
+
+def test_it_begins_with_the_preparation_is_there_at_the_stroke_and_goes_home_with_the_hands(gesture, pace):
+    found = accompany([gesture()], Asked(), pace)
+    assert [turn_at(found.torso, time) for time in (0, 1.6, 2, 3)] == [UPRIGHT, LEAN, LEAN, UPRIGHT]
+    assert turn_at(found.head, 1.6) == Turn(tilt=NOD, roll=radians(5))
+    assert turn_at(found.head, 2.0) == Turn(roll=radians(5))
+    assert found.head[0].turn == found.head[-1].turn == UPRIGHT
+    assert (found.head[0].time, found.head[-1].time) == (0.0, 3.0)
+
+
+def test_between_gestures_that_follow_one_another_it_does_not_go_home(gesture, pace):
+    second = gesture(BODY, 3.2, 4, 4, 4.6, 4.6, 5, 6, id="h")
+    found = accompany([gesture(), second], Asked(), pace)
+    assert all(turn_at(found.torso, 1.6 + 0.1 * k) == pytest.approx(LEAN) for k in range(34))
+    apart = accompany([gesture(), gesture(BODY, 4, 5, 5, 5.6, 5.6, 6, 7, id="h")], Asked(), pace)
+    assert turn_at(apart.torso, 3.5) == UPRIGHT
+
+
+def test_it_does_no_more_than_there_is_time_for(gesture, pace):
+    hurried = gesture(BODY, 0, 0.05, 0.05, 0.1, 0.1, 0.15, 0.2)
+    found = accompany([hurried], Asked(), pace)
+    for layer, chain in ((found.torso, "torso"), (found.head, "neck")):
+        for a, b in pairwise(layer):
+            if layer is found.torso:
+                change = Turn(*(y - x for x, y in zip(axes(a.turn), axes(b.turn), strict=True)))
+                assert pace.least_turn_time(chain, change) <= HASTE * (b.time - a.time) + 1e-6
+    assert 0.0 < turn_at(found.torso, 0.1).tilt < LEAN.tilt
+
+
+def test_an_axis_that_something_else_turns_meanwhile_is_left_to_it(gesture, pace):
+    asked = Asked(head=((), [(0.5, 1.0)], ()), torso=((), (), [(0.5, 1.0)]), eyes=[(2.5, 4.0)], face=[(5.0, 6.0)])
+    body = replace(BODY, gaze="hands", look=0.5, face=(("smile", 0.5),))
+    move = accompany([gesture(body)], asked, pace).moves["g"]
+    assert (move.head.tilt, move.nod, move.eyes) == (0.0, 0.0, None)
+    assert move.head.roll == pytest.approx(radians(5))
+    assert move.trunk == LEAN
+    assert move.face == body.face
+    assert move.gave_way == ("head", "nod", "eyes")
+    later = accompany([gesture(body)], Asked(head=((), [(3.0, 4.0)], ())), pace).moves["g"]
+    assert later.gave_way == ()
+
+
+def test_a_shake_goes_to_both_sides_while_the_stroke_lasts(gesture, pace):
+    found = accompany([gesture(BodyForm(shake=radians(8)))], Asked(), pace)
+    turned = [key.turn.torsion for key in found.head]
+    assert min(turned) < -radians(4)
+    assert max(turned) > radians(7)
+    assert all(1.0 <= key.time <= 2.0 for key in found.head if key.turn.torsion)
+
+
+def test_eyes_and_head_go_to_what_the_hand_shows(gesture, pace):
+    aside = gesture(BodyForm(gaze="place", look=0.5, towards=radians(8)), form="thumb_aside")
+    move = accompany([aside], Asked(), pace).moves["g"]
+    assert move.eyes is not None
+    assert move.eyes.torsion < 0.0  # the right hand points to the right
+    assert move.head.torsion == pytest.approx(max(move.eyes.torsion / 2, -radians(35)))
+    assert move.trunk.torsion == pytest.approx(max(move.eyes.torsion / 2, -radians(8)))
+    away = accompany([gesture(BodyForm(head=Turn(tilt=-0.1), gaze="away"))], Asked(), pace).moves["g"]
+    assert away.eyes == Turn(tilt=-0.2)
+
+
+def test_hands_alone_and_rest_poses_move_nothing_else(gesture, pace):
+    found = accompany([gesture(BodyForm())], Asked(), pace)
+    assert (found.head, found.torso, found.moves) == ((), (), {})
+    assert BodyMove().still
+
+
+def test_what_a_document_asks_of_head_trunk_and_face_wins(perform, phases):
+    times = phases(0, 1, 1, 1.6, 1.6, 2, 3)
+    alone = perform(("g", Gesture("offer"), times)).bodies["g"]
+    assert alone.nod > 0.0
+    assert alone.gave_way == ()
+    nodding = perform(("g", Gesture("offer"), times), ("n", Head("NOD"), phases(1, 1.2, 1.2, 1.4, 1.6, 1.6, 1.8)))
+    assert nodding.bodies["g"].gave_way == ("nod",)
+    assert nodding.bodies["g"].head.roll == alone.head.roll
+    looking = perform(
+        ("g", Pointing("left"), times), ("l", Gaze("right"), {"start": 0.5, "ready": 1, "relax": 2, "end": 2.5})
+    )
+    assert "eyes" in looking.bodies["g"].gave_way
+    assert looking.bodies["g"].head.torsion == 0.0
+    leaning = perform(("g", Gesture("drink"), times), ("t", Torso("LEAN_FORWARD"), phases(0, 1, 1, 1, 1, 2, 3)))
+    assert "trunk" in leaning.bodies["g"].gave_way
+    frowning = perform(
+        ("g", Gesture("offer"), times), ("f", Face(("frown",)), {"start": 1, "attackPeak": 1.2, "relax": 2, "end": 2.5})
+    )
+    assert frowning.bodies["g"].face == ()
+
+
+def test_a_robot_does_what_it_has_parts_for(timeline, context, robot, limits, phases):
+    arms = replace(robot, chains={name: robot.chains[name] for name in ("l_arm", "r_arm")})
+    built = timeline(("g", Gesture("doubt_shrug"), phases(0, 1, 1, 1.6, 1.6, 2, 3)))
+    found = keyframes(built, context(built.block, pace=Pace(arms, limits(arms))))
+    move = found.bodies["g"]
+    assert (move.head, move.nod, move.trunk, move.gave_way) == (UPRIGHT, 0.0, UPRIGHT, ())
+    assert move.shoulders > 0.0
+    assert {axes(turn) for frame in found.frames for turn in (frame.head, frame.torso)} == {axes(UPRIGHT)}
+
+
+def test_pointing_at_something_turns_eyes_head_and_trunk_to_it(perform, phases):
+    times = phases(0, 1, 1, 1.6, 1.6, 2, 3)
+    left, right = (perform(("g", Pointing(side), times)).bodies["g"] for side in ("left", "right"))
+    assert left.eyes is not None
+    assert right.eyes is not None
+    assert left.eyes.torsion == pytest.approx(-right.eyes.torsion)
+    assert radians(5) <= left.trunk.torsion <= radians(10)
+    assert left.head.torsion == pytest.approx(-right.head.torsion) != 0.0
+
+
+def test_the_style_says_how_much(perform, phases):
+    times = phases(0, 1, 1, 1.6, 1.6, 2, 3)
+
+    def nod(style: Style) -> float:
+        move = perform(("g", Gesture("offer"), times), style=style).bodies.get("g")
+        return 0.0 if move is None else move.nod
+
+    loud, quiet, none = (nod(Style().changed([f"whole_body={weight}"])) for weight in (2, 0.5, 0))
+    assert (loud, quiet, none) == pytest.approx((2 * nod(Style()), nod(Style()) / 2, 0.0))
+    assert nod(Style().changed(["head.spatial=1"])) == pytest.approx(1.5 * nod(Style()))

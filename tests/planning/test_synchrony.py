@@ -1,0 +1,65 @@
+"""Nods end on their words, and hands that follow one another closely give up their swing, not their strokes."""
+
+import numpy as np
+import pytest
+
+from kinesic.bml.parse import parse
+from kinesic.planning.plan import plan_block
+from kinesic.planning.syncs import SHIFT_TO_WARN
+
+ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+NOD = (
+    '<speech id="s" start="1"><text>Yes, <sync id="m"/>indeed it is so, <sync id="n"/>always.</text></speech>'
+    '<head id="h" lexeme="NOD" amount="0.8" {}/>'
+)
+GESTURES = ("beat", "offer", "large", "beat_edge", "stop", "me", "up", "beat", "take_out", "cut_off")
+
+
+@pytest.fixture
+def planned(known):
+    return lambda text: plan_block(parse(ROOT.format(text)), known)
+
+
+def down_strokes(plan):
+    """Block times [s] at which the head has come down and turns to go up."""
+    times = np.arange(0.0, plan.trajectory.duration, 0.005)
+    robot = plan.setup.robot
+    head = robot.skeleton.segment(robot.chains["neck"][-1])
+    depth = -robot.skeleton.frames(plan.trajectory.sample(times)[0]).rotations[:, head, 2, 0]  # of the line of sight
+    lowest = np.flatnonzero((depth[1:-1] > depth[:-2]) & (depth[1:-1] >= depth[2:]) & (depth[1:-1] > 0.1)) + 1
+    return times[lowest] - plan.trajectory.zero
+
+
+def crowd(gap):
+    """Ten strokes of one hand, so many seconds apart."""
+    return "".join(
+        f'<gesture id="g{k}" lexeme="{lexeme}" mode="RIGHT_HAND" stroke="{1.5 + gap * k:.2f}"/>'
+        for k, lexeme in enumerate(GESTURES)
+    )
+
+
+def test_a_nod_has_come_down_when_its_word_sounds(planned):
+    plan = planned(NOD.format('stroke="s:m"'))
+    assert down_strokes(plan) == pytest.approx([plan.syncs["s:m"].planned], abs=0.02)
+    assert plan.syncs["h:strokeEnd"].planned > plan.syncs["s:m"].planned  # it comes up after the word
+
+
+def test_each_of_two_nods_has_come_down_when_its_own_word_sounds(planned):
+    tie = '<constraint><synchronize><sync ref="s:n"/><sync ref="h:stroke:2"/></synchronize></constraint>'
+    plan = planned(NOD.format('repetition="2" stroke="s:m"') + tie)
+    assert down_strokes(plan) == pytest.approx([plan.syncs[f"s:{mark}"].planned for mark in "mn"], abs=0.06)
+
+
+def test_a_crowd_of_gestures_gives_up_its_swing_and_loses_no_stroke(planned):
+    roomy, near = planned(crowd(2.0)), planned(crowd(0.75))
+    for plan in (roomy, near):
+        assert {outcome.kind for outcome in plan.keyframes.outcomes.values()} <= {"realised", "partly"}
+        late = {sync.name: sync.planned - sync.asked for sync in plan.syncs if sync.sync == "stroke"}
+        assert len(late) == len(GESTURES)
+        assert max(map(abs, late.values())) <= SHIFT_TO_WARN, late
+    assert swinging(near) < 0.5 * swinging(roomy)
+
+
+def swinging(plan):
+    """Of all hinges at all keys, how many swing through."""
+    return sum(passage.swing > 0.0 for posture in plan.postures.postures for passage in posture.passages)

@@ -1,0 +1,36 @@
+"""Strokes that are tied to words: what the report and its page say of when the hand is fastest."""
+
+from pathlib import Path
+
+from kinesic.controller.perform import perform
+from kinesic.controller.performance import Performance
+from kinesic.planning.setup import Setup
+from kinesic.report.page import shift, write_page
+from kinesic.report.report import report
+
+
+def page(performance: Performance, folder: Path) -> str:
+    path = folder / "page.html"
+    write_page(performance, report(performance, source="x.bml"), path=path)
+    return path.read_text(encoding="utf-8")
+
+
+def test_strokes_on_words_say_how_far_from_them_the_hand_is_fastest(
+    known: Setup, calm: Performance, tmp_path: Path
+) -> None:
+    tied = (
+        '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><speech id="s" start="1.5"><text>Well, '
+        '<sync id="m"/>hello</text></speech><gesture id="g" lexeme="offer" mode="RIGHT_HAND" stroke="s:m"/></bml>'
+    )
+    performed = perform(tied, known)
+    data, (stroke,) = report(performed, source="x.bml"), performed.stroke_lags
+    rows = {row["id"]: row for row in data["sync"]}
+    row = rows["b:g:stroke"]
+    assert (row["word"], row["accent_s"], row["fastest_s"]) == ("s:m", stroke.accent, stroke.fastest)
+    assert row["fastest_lag_s"] == row["fastest_s"] - row["accent_s"] == stroke.lag
+    assert {row["word"] for id, row in rows.items() if id != "b:g:stroke"} == {None}
+    assert data["synchrony"] == {"strokes": 1, "median_s": abs(stroke.lag)}
+    written = page(performed, tmp_path)
+    assert f"hands are fastest {1000 * abs(stroke.lag):.0f}&#8239;ms from their words" in written
+    assert f'{shift(stroke.lag)} <span class="faint">s:m</span>' in written
+    assert "fastest" not in page(calm, tmp_path)

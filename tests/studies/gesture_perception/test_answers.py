@@ -1,0 +1,79 @@
+"""Files of answers, and what of them is believed."""
+
+from pathlib import Path
+
+import pytest
+
+from kinesic.body.config import ConfigError
+from kinesic.studies.gesture_perception.answers import (
+    COLUMNS,
+    Preference,
+    Recognition,
+    are_of_gestures,
+    read_gesture_answers,
+)
+
+HEAD = ",".join(COLUMNS)
+ROW = "p,1,recognition,stop,,a|b|stop|c|d|e,b,1.0"
+PAIR = "p,2,comparison,stop,whole_body=0,changed|standard,standard,1.0"
+
+
+def written(path: Path, *lines: str) -> Path:
+    path.write_text("\n".join((HEAD, *lines)) + "\n")
+    return path
+
+
+def test_both_tasks_are_read(tmp_path: Path):
+    file = written(tmp_path / "answers.csv", ROW, PAIR)
+    assert are_of_gestures(file)
+    answers = read_gesture_answers([file])
+    assert answers.recognitions == (Recognition("p", "stop", ("a", "b", "stop", "c", "d", "e"), "b"),)
+    assert answers.preferences == (Preference("p", "stop", ("changed", "standard"), "standard", "whole_body=0"),)
+    assert not answers.recognitions[0].right
+    assert (answers.recognitions[0].place, answers.preferences[0].place) == (1, 1)
+
+
+@pytest.mark.parametrize(
+    ("lines", "what"),
+    [
+        ((), "no answers"),
+        ((ROW.replace("recognition", "recognise"),), "task is 'recognise'.*must be one of recognition, comparison"),
+        ((ROW.replace("|e", ""),), "must be 6 gestures, stop among them"),
+        ((ROW.replace("|e", "|a"),), "must be 6 gestures"),
+        ((ROW.replace("|stop|", "|x|"),), "must be 6 gestures, stop among them"),
+        ((ROW.replace(",b,1.0", ",z,1.0"),), "chosen is 'z', must be one of a, b, stop"),
+        ((PAIR.replace("changed|", "other|"),), "must be standard|changed in any order"),
+        ((PAIR.replace("whole_body=0", ""),), "no condition"),
+        ((ROW, ROW), "answers.csv:3: participant 'p' has answered at place '1' before, in .*answers.csv:2"),
+        ((ROW.replace("p,1", f"{'p' * 5000},1"),), "participant has 5000 characters"),
+        ((ROW + ",1",), "must have 8 values, like the first line"),
+        ((ROW.replace("p,1", f"{'p' * 200_000},1"),), "is no CSV: field larger"),
+    ],
+)
+def test_wrong_answers_are_told(tmp_path: Path, lines: tuple[str, ...], what: str):
+    with pytest.raises(ConfigError, match=what):
+        read_gesture_answers([written(tmp_path / "answers.csv", *lines)])
+
+
+def test_a_missing_column_is_told(tmp_path: Path):
+    path = tmp_path / "answers.csv"
+    path.write_text(HEAD.replace("chosen", "choosen") + "\n" + ROW)
+    with pytest.raises(ConfigError, match="no column chosen"):
+        read_gesture_answers([path])
+
+
+def test_one_file_twice_counts_nobody_twice(tmp_path: Path):
+    file = written(tmp_path / "answers.csv", ROW)
+    again = written(tmp_path / "again.csv", ROW)
+    with pytest.raises(ConfigError, match="give each file once"):
+        read_gesture_answers([file, again])
+
+
+def test_answers_about_faces_are_of_another_study(tmp_path: Path):
+    path = tmp_path / "answers.csv"
+    path.write_text("participant,place,action\np,1,4\n")
+    assert not are_of_gestures(path)
+    path.write_text("")
+    assert not are_of_gestures(path)
+    with pytest.raises(ConfigError, match="No such file"):
+        are_of_gestures(tmp_path / "nowhere.csv")

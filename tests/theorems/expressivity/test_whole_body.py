@@ -1,0 +1,125 @@
+"""What holds for the body beside the hands of every gesture."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from kinesic.bml.block import GESTURE_SYNCS, Behaviour, Block, Gesture, Head, Place, TimedBehaviour, Timeline
+from kinesic.body.limits import Limits
+from kinesic.body.robot import OTHER_SIDE, Robot
+from kinesic.expressivity.context import BlockContext, Context
+from kinesic.expressivity.gather import TOGETHER
+from kinesic.expressivity.keyframes import KeyFrame, KeyFrames, Turn
+from kinesic.expressivity.lexicon.body_form import NO_BODY
+from kinesic.expressivity.lexicon.lexicon import Lexicon, mirror_form
+from kinesic.expressivity.realise import keyframes
+from kinesic.expressivity.style.pace import Pace
+from kinesic.expressivity.style.style import Style, style_preset
+from kinesic.expressivity.turns import axes
+from kinesic.sim.dynamics import MujocoDynamics
+
+ROBOT = Robot.load()
+PACE = Pace(ROBOT, Limits.of(ROBOT, MujocoDynamics(ROBOT).load))
+LEXICON = Lexicon.load()
+HANDS = replace(LEXICON, forms=tuple(replace(form, body=NO_BODY) for form in LEXICON.forms))
+MIRRORED = replace(LEXICON, forms=tuple(mirror_form(form) for form in LEXICON.forms))
+OFF = Style().changed(["whole_body=0"])
+
+names = st.sampled_from([form.id for form in LEXICON.forms])
+styles = st.sampled_from(["neutral", "angry", "joyful", "sad", "shy"]).map(style_preset)
+spans = st.lists(st.floats(0.02, 1.2), min_size=7, max_size=7)
+
+
+def timed(id: str, action, spans_: list[float]) -> TimedBehaviour:
+    times = dict(zip(GESTURE_SYNCS, np.cumsum(spans_).tolist(), strict=True))
+    return TimedBehaviour(Behaviour(id, "x", action, Place(1, 1)), times)
+
+
+def performed(*behaviours: TimedBehaviour, style: Style = OFF, lexicon: Lexicon = LEXICON) -> KeyFrames:
+    timeline = Timeline(Block("b", tuple(each.behaviour for each in behaviours)), behaviours)
+    return keyframes(timeline, BlockContext(timeline.block, Context(style, lexicon, PACE)))
+
+
+def told(found: KeyFrames) -> list[object]:
+    """All that planning reads of key frames."""
+    return [
+        (frame.time, frame.torso, frame.head, frame.given, frame.filled, frame.syncs, frame.passages, told_hands(frame))
+        for frame in found.frames
+    ]
+
+
+def told_hands(frame: KeyFrame) -> list[object]:
+    return [
+        (side, hand.lift, hand.effort, None if hand.reach is None else hand.reach.position.tolist())
+        for side, hand in frame.hands.items()
+    ]
+
+
+@settings(max_examples=40, deadline=None)
+@given(names, spans, styles)
+def test_at_weight_zero_the_hands_move_alone(name, spans_, style):
+    gesture, off = timed("g", Gesture(name), spans_), style.changed(["whole_body=0"])
+    found = performed(gesture, style=off)
+    assert told(found) == told(performed(gesture, style=style, lexicon=HANDS))
+    assert found.bodies == {}
+
+
+@settings(max_examples=40, deadline=None)
+@given(names, spans, styles)
+def test_it_moves_no_sync_point_and_no_hand(name, spans_, style):
+    gesture = timed("g", Gesture(name), spans_)
+    with_body, alone = (performed(gesture, style=style, lexicon=each) for each in (LEXICON, HANDS))
+    assert with_body.timeline.timed == alone.timeline.timed
+    assert with_body.outcomes == alone.outcomes
+    frames = {frame.time: frame for frame in with_body.frames}
+    for frame in alone.frames:
+        if not frame.syncs:
+            continue
+        beside = frames[frame.time]
+        assert beside.syncs == frame.syncs
+        for side, hand in frame.hands.items():
+            other = beside.hands[side]
+            assert (other.reach is None) == (hand.reach is None)
+            if hand.reach is not None and other.reach is not None:
+                np.testing.assert_array_equal(other.reach.position, hand.reach.position)
+
+
+@settings(max_examples=40, deadline=None)
+@given(names, spans, styles)
+def test_a_mirrored_gesture_has_a_mirrored_body(name, spans_, style):
+    gesture = timed("g", Gesture(name), spans_)
+    right, left = (performed(gesture, style=style, lexicon=each) for each in (LEXICON, MIRRORED))
+    assert [frame.time for frame in left.frames] == pytest.approx([frame.time for frame in right.frames])
+    for a, b in zip(right.frames, left.frames, strict=True):
+        for here, there in ((a.head, b.head), (a.torso, b.torso)):
+            mirrored = Turn(-there.torsion, there.tilt, -there.roll)
+            assert axes(here) == pytest.approx(axes(mirrored), abs=1e-9)
+        for side, hand in a.hands.items():
+            assert b.hands[OTHER_SIDE[side]].lift == pytest.approx(hand.lift)
+
+
+@settings(max_examples=40, deadline=None)
+@given(names, spans, spans, styles, st.sampled_from(("NOD", "SHAKE")))
+def test_a_head_that_the_document_moves_does_just_that(name, spans_, nodding, style, lexeme):
+    gesture, head = timed("g", Gesture(name), spans_), timed("h", Head(lexeme), nodding)
+    found, asked = (performed(gesture, head, style=style, lexicon=each) for each in (LEXICON, HANDS))
+    axis = "tilt" if lexeme == "NOD" else "torsion"
+    heads = {frame.time: frame.head for frame in found.frames}
+    gesturing = max(gesture.times["start"], head.times["start"]), min(gesture.times["end"], head.times["end"])
+    if gesturing[0] < gesturing[1]:  # else they do not meet
+        for frame in asked.frames:
+            merged = any(abs(frame.time - time) < TOGETHER for time in gesture.times.values())
+            if "head" in frame.given and frame.time in heads and not merged:
+                assert getattr(heads[frame.time], axis) == pytest.approx(getattr(frame.head, axis), abs=1e-9)
+
+
+@settings(max_examples=40, deadline=None)
+@given(names, spans, styles)
+def test_it_stays_inside_the_ranges_and_comes_home(name, spans_, style):
+    found = performed(timed("g", Gesture(name), spans_), style=style)
+    assert axes(found.frames[0].head) == axes(found.frames[-1].head) == (0.0, 0.0, 0.0)
+    if not LEXICON.forms_by_id[name].rest:
+        assert all(hand.lift == 0.0 for hand in found.frames[-1].hands.values())
