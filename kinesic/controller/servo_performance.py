@@ -121,6 +121,11 @@ class ServoRun:
         return float(reached / end) if end > 0.0 else 0.0
 
     @cached_property
+    def full_pace(self) -> float:
+        """Share of the samples in which time ran at full pace; 0 where there is none."""
+        return float(np.mean([status.scale > FULL for status in self._rows])) if self._rows else 0.0
+
+    @cached_property
     def lags(self) -> dict[SyncTime, float | None]:
         """How much later than planned each sync point was met by the robot [s]; None: never."""
         wanted = self.performance.reference.arrivals

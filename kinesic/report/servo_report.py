@@ -12,11 +12,14 @@ from kinesic.sim.log import Log
 
 RMSE = 1.0  # [deg]
 WHOLE = 0.999  # share of a plan that is all of it
+PACE = 0.95  # share of samples at full pace: a cycle that comes late slows time for a moment
 
 
 def live_checks(live: ServoRun) -> list[Check]:
     """Checks how near the robot stayed to the plan, and whether it came to its end."""
     found = [Check.of("measured.performed", live.performed, WHOLE, live.why or live.ending)]
+    if len(live.times):
+        found.append(Check.of("measured.pace", live.full_pace, PACE))
     errors = np.degrees(np.abs(live.errors))
     counted = errors[np.isfinite(errors)]
     if not len(counted):
@@ -69,6 +72,7 @@ def _servos(live: ServoRun, figures: Mapping[str, float]) -> dict[str, Json]:
         "ending": live.ending,
         "why": live.why,
         "performed": live.performed,
+        "full_pace": live.full_pace,
         "rmse_deg": figures.get("rmse"),
         "p95_deg": figures.get("p95"),
         "max_deg": figures.get("max"),

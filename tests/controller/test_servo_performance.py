@@ -97,8 +97,9 @@ def test_the_report_has_both(performance: Performance):
     assert set(before) < set(told)
     assert told["servos"]["rmse_deg"] == pytest.approx(np.sqrt(np.nanmean(np.degrees(live.errors) ** 2)))
     assert told["servos"]["per_joint"]["l_elbow_flexion"] == 0.0
-    assert [row["name"] for row in told["checks"]][-4:] == [
+    assert [row["name"] for row in told["checks"]][-5:] == [
         "measured.performed",
+        "measured.pace",
         "measured.rmse",
         "measured.p95",
         "measured.max",
@@ -160,6 +161,21 @@ def test_a_robot_that_never_moved_has_no_figures(performance: Performance):
     assert told["ok"] is False
     assert told["servos"]["rmse_deg"] is None
     assert told["servos"]["samples"] == 0
+
+
+def test_errors_are_measured_at_full_pace_alone_and_the_report_says_how_much_that_was(performance: Performance):
+    live = perform_live(performance, Actor())
+    slow = [replace(status, scale=0.5) for status in live.history]
+    crept = ServoRun(live.performance, tuple(slow), (), "performed")
+    told = with_live(report(performance, source="nod"), crept)
+    assert (told["servos"]["full_pace"], told["servos"]["rmse_deg"]) == (0.0, None)
+    assert {row["name"]: row["status"] for row in told["checks"]}["measured.pace"] == "poor"
+    half = len(slow) // 2
+    partly = ServoRun(live.performance, (*slow[:half], *live.history[half:]), (), "performed")
+    found = {check.name: check for check in live_checks(partly)}
+    assert found["measured.pace"].value == pytest.approx(0.5, abs=0.01)
+    assert found["measured.pace"].status in ("warn", "poor")
+    assert found["measured.rmse"].value < 1e-6
 
 
 def test_samples_of_silent_servos_and_of_standing_time_do_not_count(performance: Performance):

@@ -57,6 +57,7 @@ LIMITS = {
     "power.warming": Limit("K"),
     "smoothness.hands": Limit("times", poor=10.0),
     "measured.performed": Limit("ratio", "fail", at_least=True),
+    "measured.pace": Limit("ratio", at_least=True, poor=0.5),
     "measured.rmse": Limit("deg", poor=3.0),
     "measured.p95": Limit("deg", poor=7.5),
     "measured.max": Limit("deg", poor=15.0),
