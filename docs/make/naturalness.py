@@ -38,8 +38,8 @@ Thin lines go from the 5th to the 95th percentile, broad ones from the 25th to t
 - **Lead**: from the largest speed between `ready` and `strokeEnd` to the stroke.
 - **`word_lag`**: how far from its word a wrist is fastest between `ready` and `strokeEnd`, either way, in a passage of
   eleven dynamic gestures whose `stroke` is tied to a word. Hands of people who talk lead the accent by a little (Pouw
-  and Dixon); the captured actors lead their own strokes by 0.43 s, as an animator marked them. Ours lead because BML's
-  `stroke` is where the way of a stroke ends, and its accent peaks at 0.36 of the way's time.
+  and Dixon); the captured actors lead their own strokes by 0.43 s, as an animator marked them. Ours put
+  their force near the end of a stroke that meets a word, and at its beginning where nobody talks.
 - A **dynamic** stroke has two keys or more and a path of more than a quarter of an arm length.
 - **`ks_`** is the Kolmogorov-Smirnov distance to the captured gestures: the largest difference between two shares of
   gestures up to a value, 0 to 1.

@@ -3,21 +3,18 @@
 Where people talk, the hand is fastest about when the accented syllable sounds (Pouw and Dixon 2019).
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median
 
 import numpy as np
 
-from kinesic.bml.block import Speech
+from kinesic.bml.timing.words import find_words
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import SIDES
 from kinesic.controller.play import command_times
-from kinesic.motion.keys import Sync
 from kinesic.planning.plan import Plan
-from kinesic.planning.syncs import SyncTime, find_bonds
-
-SILENT = "end"  # the one sync point of a speech at which no word begins
+from kinesic.planning.syncs import SyncTime
 
 
 @dataclass(frozen=True)
@@ -55,7 +52,7 @@ def measure_lags(plan: Plan, times: Floats, hands: Mapping[str, Floats]) -> tupl
         hands: "l", "r" -> (m, 3) [m] the wrist's centre in the world.
     """
     speeds = {side: np.linalg.norm(np.gradient(path, times, axis=0), axis=1) for side, path in hands.items()}
-    words = _words(plan)
+    words = find_words(plan.timeline)
     planned: dict[str, dict[str, float]] = {}
     for sync in plan.syncs:
         planned.setdefault(sync.behaviour, {})[sync.sync] = sync.planned
@@ -68,7 +65,8 @@ def measure_lags(plan: Plan, times: Floats, hands: Mapping[str, Floats]) -> tupl
                 continue  # it was stopped before
             fastest = np.max([speeds[side][begin : end + 1] for side in sides], axis=0).argmax()
             at = float(times[begin + fastest]) - plan.trajectory.zero
-            found.append(StrokeLag(sync.behaviour, sync.sync, *words[sync.behaviour, sync.sync], sync.planned, at))
+            word = words[sync.behaviour, sync.sync]
+            found.append(StrokeLag(sync.behaviour, sync.sync, word.name, word.time, sync.planned, at))
     return tuple(found)
 
 
@@ -86,38 +84,3 @@ def _window(stroke: SyncTime, times: Mapping[str, float]) -> tuple[float, float]
         max([times.get("ready", stroke.planned), *before]),
         min([times.get("strokeEnd", stroke.planned), *after]),
     )
-
-
-def _words(plan: Plan) -> Mapping[Sync, tuple[str, float]]:
-    """Sync points that coincide with a word's, with its name and time [s]."""
-    bonds = {(bond.earlier, bond.later): bond.least for bond in find_bonds(plan.timeline)}
-    beside: dict[Sync, list[tuple[Sync, float]]] = {}
-    for (earlier, later), least in bonds.items():
-        if (later, earlier) in bonds:
-            beside.setdefault(earlier, []).append((later, least))
-    return {
-        sync: (":".join(word), time)
-        for word, spoken in _spoken(plan)
-        for sync, time in _coinciding(word, spoken, beside).items()
-    }
-
-
-def _spoken(plan: Plan) -> Iterator[tuple[Sync, float]]:
-    """Sync points of speeches at which a word begins, with their times [s]."""
-    for timed in plan.timeline.timed:
-        if isinstance(timed.behaviour.action, Speech):
-            for sync, time in timed.times.items():
-                if sync != SILENT:
-                    yield (timed.behaviour.id, sync), time
-
-
-def _coinciding(word: Sync, time: float, beside: Mapping[Sync, Sequence[tuple[Sync, float]]]) -> dict[Sync, float]:
-    """Times [s] of all sync points that a document ties to a word, if need be through others."""
-    found, waiting = {word: time}, [word]
-    while waiting:
-        here = waiting.pop()
-        for other, offset in beside.get(here, ()):
-            if other not in found:
-                found[other] = found[here] + offset
-                waiting.append(other)
-    return found

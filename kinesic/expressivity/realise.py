@@ -28,6 +28,7 @@ from kinesic.bml.block import (
 )
 from kinesic.bml.timing.constraints import placed_points
 from kinesic.bml.timing.points import is_repeated
+from kinesic.bml.timing.words import find_words
 from kinesic.body.robot import PartName
 from kinesic.expressivity.behaviours import (
     BehaviourWarning,
@@ -70,7 +71,8 @@ def keyframes(
     """
     moves = _moves([timed for timed in timeline.timed if timed.behaviour.id not in without], context)
     moves |= {id: drop_behaviour(why) for id, why in without.items()}
-    strokes = [stroke for move in moves.values() for stroke in move.strokes]
+    spoken = {behaviour for behaviour, sync in find_words(timeline) if sync.partition(":")[0] == "stroke"}
+    strokes = [replace(stroke, spoken=stroke.id in spoken) for move in moves.values() for stroke in move.strokes]
     placed = placed_points(timeline.block)
     hands = arrange_hands(strokes, context.pace, placed, engaged=context.engaged, clashes=clashes)
     moves = {id: _with_hands(id, move, hands) for id, move in moves.items()}

@@ -11,7 +11,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 
-Easing = Literal["minimum_jerk", "linear", "out_quart", "out_back", "out_bounce", "out_power"]
+Easing = Literal["minimum_jerk", "linear", "out_quart", "out_back", "out_bounce", "out_power", "in_power"]
 
 PARTS = 16  # of a way, between which a quintic is as good as the easing
 QUADRATURE = 1024  # points of an average
@@ -31,7 +31,7 @@ def ease(easing: Easing, shares: Floats, *, steepness: float = 4.0, overshoot: f
     Args:
         easing: which.
         shares: of the time, any shape.
-        steepness: exponent of `out_power`.
+        steepness: exponent of `out_power` and `in_power`.
         overshoot: of `out_back`, as a share of the way.
     """
     x = np.clip(shares, 0.0, 1.0)
@@ -44,6 +44,8 @@ def ease(easing: Easing, shares: Floats, *, steepness: float = 4.0, overshoot: f
             return np.asarray(1.0 - (1.0 - x) ** 4)
         case "out_power":
             return np.asarray(1.0 - (1.0 - x) ** steepness)
+        case "in_power":
+            return np.asarray(x**steepness)
         case "out_back":
             s = overshoot_shape(overshoot)
             return np.asarray(1.0 + (x - 1.0) ** 2 * ((s + 1.0) * (x - 1.0) + s))

@@ -49,6 +49,14 @@ def test_out_power_begins_with_its_steepness(steepness):
     assert np.all(np.diff(ease("out_power", EVEN, steepness=steepness)) >= 0.0)
 
 
+def test_in_power_is_out_power_backwards_in_time_also_when_softened():
+    for steepness in (1.0, 3.0, 8.0):
+        backwards = 1.0 - ease("out_power", 1.0 - EVEN, steepness=steepness)
+        np.testing.assert_allclose(ease("in_power", EVEN, steepness=steepness), backwards, atol=1e-12)
+        late, early = played("in_power", steepness)(EVEN), played("out_power", steepness)(1.0 - EVEN)
+        np.testing.assert_allclose(late, 1.0 - early, atol=2e-3)
+
+
 @pytest.mark.parametrize("easing", EASINGS)
 def test_softened_it_goes_from_rest_to_rest(easing):
     for steepness in (1.0, 2.5, 8.0):

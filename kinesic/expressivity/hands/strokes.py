@@ -50,6 +50,7 @@ class Stroke:
     halves: bool = False  # whether one of its two hands may do it alone where another block needs the other
     importance: int = 1  # 0 a beat, 1 any other, 2 required: where hands do not suffice, what counts for less gives way
     series: str = ""  # strokes of one series, as of counting, stay with the hand that began it
+    spoken: bool = False  # whether the document ties it to a word
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +64,7 @@ class HandStroke:
 
     def effort(self, pace: Pace) -> Effort:
         """Its times and passages on a robot."""
-        return Effort(pace, self.poses.nature, self.stroke.manner)
+        return Effort(pace, self.poses.nature, self.stroke.manner, self.stroke.spoken)
 
     @property
     def id(self) -> str:

@@ -33,7 +33,9 @@ BEAT_TIME = 0.6  # [s] of a stroke after which the hand is held as long as its c
 DWELL, DYNAMIC_DWELL = 1.8, 0.4  # factors on the hold of a pose, and of a stroke of `BEAT_TIME`
 
 ACCENT = 1.9  # steepness that a dynamic stroke adds to the softest
+SPOKEN_ACCENT = 6.0  # likewise where a word sounds at its end: people's hands are fastest at the accented syllable
 ONWARD, THROUGH = 0.9, 0.8  # swing at the key where a stroke begins, and at its other keys
+SPOKEN_ONWARD = 0.4  # at the key where one begins that meets a word: the rest of the speed is kept for the word
 ALONG = 0.4  # swing at both ends of a path, from which the hand must not stray
 CROWDED = 0.7  # share of its natural time from which on a way has neither swing nor accent
 UNHURRIED = 5.0  # steepness of the linear easing of the way home: half as fast again as its mean
@@ -81,6 +83,7 @@ class Effort:
     pace: Pace  # what the robot can
     nature: Nature = PLAIN_NATURE
     manner: Expressivity = NEUTRAL
+    spoken: bool = False  # a word sounds at the stroke: the hand is fastest near it, and not when it sets out
 
     @cached_property
     def slowness(self) -> float:
@@ -133,9 +136,10 @@ class Effort:
         if phase == "preparation":
             manner = replace(manner, power=min(manner.power, 0.0))
         free = min(max((leisure - CROWDED) / (1.0 - CROWDED), 0.0), 1.0) if self.nature.dynamic else 0.0
-        swing = free * self._suppleness * (ALONG if led else ONWARD if phase == "preparation" else THROUGH)
-        accent = free * self._abruptness * ACCENT if phase == "stroke" and not led else 0.0
-        return passage_of(manner, phase, accent=accent, swing=swing)
+        onward, most = (SPOKEN_ONWARD, SPOKEN_ACCENT) if self.spoken else (ONWARD, ACCENT)
+        swing = free * self._suppleness * (ALONG if led else onward if phase == "preparation" else THROUGH)
+        accent = free * self._abruptness * most if phase == "stroke" and not led else 0.0
+        return passage_of(manner, phase, accent=accent, late=self.spoken, swing=swing)
 
     @property
     def plain(self) -> "Effort":

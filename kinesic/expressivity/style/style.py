@@ -11,7 +11,7 @@ import msgspec
 from kinesic.bml.block import RANGES, Modality
 from kinesic.body.config import ConfigError, locate, read_toml, suggestion
 from kinesic.motion.easing import Easing
-from kinesic.motion.keys import ACCENT, EVEN, SOFTEST, STEEPEST, Passage
+from kinesic.motion.keys import ACCENT, EVEN, LATE_ACCENT, SOFTEST, STEEPEST, Passage
 
 __all__ = [
     "MODALITIES",
@@ -191,7 +191,9 @@ def style_preset(name: str) -> Style:
     return Style.load(name)
 
 
-def passage_of(manner: Expressivity, phase: Phase, *, accent: float = 0.0, swing: float = 0.0) -> Passage:
+def passage_of(
+    manner: Expressivity, phase: Phase, *, accent: float = 0.0, late: bool = False, swing: float = 0.0
+) -> Passage:
     """Derives how the keys of a phase are passed (tension, continuity, bias, easing) from an expressivity.
 
     Tension is the spline's tension, fluidity f its continuity c = (f - 1) / 2. On the way to a stroke and in it power
@@ -203,6 +205,7 @@ def passage_of(manner: Expressivity, phase: Phase, *, accent: float = 0.0, swing
         manner: of the behaviour.
         phase: that the way to the key belongs to.
         accent: steepness that a stroke has by itself, beyond the softest.
+        late: whether an accent lies at the end of the way, not at its beginning.
         swing: of the key.
     """
     passed = Passage(manner.tension, (manner.fluidity - 1.0) / 2.0, swing=swing)
@@ -210,20 +213,22 @@ def passage_of(manner: Expressivity, phase: Phase, *, accent: float = 0.0, swing
         return passed
     power, tension, weakness = (max(0.0, value) for value in (manner.power, manner.tension, -manner.power))
     force, left = FORCE * power**GATHERED + tension**GATHERED, accent * (1.0 - weakness) - weakness
+    easing = LATE_ACCENT if late else ACCENT
     if force > 0.0:
-        easing, kept = _forced(power, tension, accent)
-        return replace(passed, bias=BIAS * power, easing=easing, steepness=SOFTEST + kept * max(left, 0.0) + force)
+        easing, kept = _forced(power, tension, accent, easing)
+        steepness = min(SOFTEST + kept * max(left, 0.0) + force, STEEPEST)
+        return replace(passed, bias=BIAS * power, easing=easing, steepness=steepness)
     if left < 0.0:
         return replace(passed, easing="linear", steepness=EVEN - (STEEPEST - EVEN) * left)
-    return replace(passed, easing=ACCENT, steepness=SOFTEST + left) if left > 0.0 else passed
+    return replace(passed, easing=easing, steepness=SOFTEST + left) if left > 0.0 else passed
 
 
-def _forced(power: float, tension: float, accent: float) -> tuple[Easing, float]:
+def _forced(power: float, tension: float, accent: float, accented: Easing) -> tuple[Easing, float]:
     """Finds the easing of a forced way, and the share of an accent that it keeps: more power never peaks lower."""
     if min(power, tension) >= BIG:
         return "out_bounce", 1.0
     if accent > 0.0 and tension == 0.0 and power < BIG:
-        return ACCENT, 1.0
+        return accented, 1.0
     return "out_back", QUICK + (1.0 - QUICK) * min(max(power - BIG, tension) / BIG, 1.0)
 
 

@@ -1,14 +1,15 @@
 import pytest
 
 from kinesic.bench.naturalness import synchrony
-from kinesic.bench.naturalness.synchrony import PASSAGE, passage_lags, synchrony_figures
-from kinesic.controller.synchrony import StrokeLag
+from kinesic.bench.naturalness.synchrony import LARGEST, PASSAGE, passage_lags, synchrony_figures
+from kinesic.controller.synchrony import StrokeLag, median_lag
 
 
 def test_every_stroke_of_the_passage_meets_its_word(known):
     lags = passage_lags()
     assert [each.behaviour for each in lags] == [lexeme for _, lexeme in PASSAGE if lexeme]
     assert max(abs(each.stroke - each.accent) for each in lags) < 0.011
+    assert median_lag(lags) <= LARGEST
     assert all(len(known.lexicon.find(each.behaviour, "unspecified").form.keys) > 1 for each in lags)
 
 

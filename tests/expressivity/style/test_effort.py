@@ -7,7 +7,8 @@ from kinesic.body.arrays import sealed
 from kinesic.expressivity.style.effort import ACCENT, CHARACTERS, CROWDED, LOOSE, PACES, ROOM, Effort, Nature
 from kinesic.expressivity.style.pace import HASTE, Pace
 from kinesic.expressivity.style.style import Expressivity, passage_of
-from kinesic.motion.keys import EVEN, SOFTEST
+from kinesic.motion.keys import ACCENT as ACCENT_EASING
+from kinesic.motion.keys import EVEN, LATE_ACCENT, SOFTEST, STEEPEST
 
 WAYS = np.linspace(0.02, 0.8, 27)
 EXTENTS = np.linspace(-1.0, 1.0, 9)
@@ -120,6 +121,17 @@ def test_the_way_there_has_no_accent_and_a_path_has_its_own_speed(pace):
     assert effort.passage("preparation").easing == "minimum_jerk"
     assert effort.passage("stroke", led=True).easing == "minimum_jerk"
     assert 0.0 < effort.passage("stroke", led=True).swing < effort.passage("stroke").swing
+
+
+def test_a_stroke_that_meets_a_word_is_fastest_near_it_and_begins_with_less_swing(pace):
+    plain, spoken = Effort(pace), Effort(pace, spoken=True)
+    assert (plain.passage("stroke").easing, spoken.passage("stroke").easing) == (ACCENT_EASING, LATE_ACCENT)
+    assert spoken.passage("stroke").steepness > plain.passage("stroke").steepness
+    assert 0.0 < spoken.passage("preparation").swing < plain.passage("preparation").swing
+    assert spoken.passage("hold") == plain.passage("hold")
+    assert Effort(pace, POSE, spoken=True).passage("stroke") == Effort(pace, POSE).passage("stroke")
+    forced = Effort(pace, manner=Expressivity(power=1.0, tension=1.0), spoken=True).passage("stroke")
+    assert forced.steepness == STEEPEST  # with its accent it would be more than an easing can be
 
 
 def test_force_stays_out_of_the_way_to_a_stroke(pace):

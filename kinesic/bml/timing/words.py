@@ -1,0 +1,65 @@
+"""Finds which sync points a document ties to words of a speech."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from kinesic.bml.block import Speech, Timeline
+from kinesic.bml.timing.constraints import Point, point_of, ties
+
+SILENT = "end"  # the one sync point of a speech at which no word begins
+
+
+@dataclass(frozen=True)
+class Word:
+    """A word of a speech that a sync point is tied to."""
+
+    behaviour: str  # the speech
+    sync: str  # where it begins: a mark, or `start`
+    time: float  # [s] when it sounds, with the offset that the document adds; block time
+
+    @property
+    def name(self) -> str:
+        """Speech and sync point: `s:mark`."""
+        return f"{self.behaviour}:{self.sync}"
+
+
+def find_words(timeline: Timeline) -> Mapping[tuple[str, str], Word]:
+    """Finds the word of each sync point that a document ties to one, if need be through others.
+
+    Args:
+        timeline: of one block; only points that have a time in it count.
+
+    Returns:
+        (behaviour, sync point) -> its word; a speech's own points have none.
+    """
+    block = timeline.block.id
+    times = {Point(block, one.behaviour.id, sync): time for one in timeline.timed for sync, time in one.times.items()}
+    beside: dict[Point, list[tuple[Point, float]]] = {}
+    for tie in ties(timeline.block):
+        left, right = point_of(tie.left), point_of(tie.right)
+        if left in times and right in times and left.behaviour != right.behaviour:
+            later = tie.left.offset - tie.right.offset
+            beside.setdefault(left, []).append((right, later))
+            beside.setdefault(right, []).append((left, -later))
+    speeches = {timed.behaviour.id for timed in timeline.timed if isinstance(timed.behaviour.action, Speech)}
+    return {
+        (point.behaviour, point.sync): Word(word.behaviour, word.sync, time)
+        for word in beside
+        if word.behaviour in speeches and word.sync != SILENT
+        for point, time in _coinciding(word, times[word], beside)
+        if point.behaviour not in speeches
+    }
+
+
+def _coinciding(
+    word: Point, time: float, beside: Mapping[Point, list[tuple[Point, float]]]
+) -> Iterator[tuple[Point, float]]:
+    """Yields all sync points that a document ties to a word, with their times [s]."""
+    found, waiting = {word: time}, [word]
+    while waiting:
+        here = waiting.pop()
+        for other, offset in beside.get(here, ()):
+            if other not in found:
+                found[other] = found[here] + offset
+                waiting.append(other)
+    yield from found.items()
