@@ -12,7 +12,7 @@ from kinesic.body.command import Sink
 from kinesic.body.config import ConfigError, suggestion
 from kinesic.body.robot import Robot
 from kinesic.controller.feedforward import FeedForward
-from kinesic.controller.options import PlanningOptions
+from kinesic.controller.options import LIVELY, PlanningOptions
 from kinesic.controller.perform import dry_runs, set_up
 from kinesic.controller.perform import perform as perform_text
 from kinesic.controller.play import command_times, commands, play_together
@@ -59,14 +59,15 @@ class Performer:
         Args:
             robot: its name, or its TOML file.
             style: its name, or its TOML file.
-            options: settings, lexicon, dialect, gather, idle, seed, voice, pause, targets, character; what each says
-                stands in `kinesic.controller.options.PlanningOptions`.
+            options: settings, lexicon, dialect, gather, idle, variation, seed, voice, pause, targets, character; what
+                each says stands in `kinesic.controller.options.PlanningOptions`. Unless told otherwise, it idles, and
+                gestures vary.
 
         Raises:
             ConfigError: something is missing or wrong; says what would have worked.
             TypeError: there is no such option.
         """
-        self.setup = set_up(robot, style=style, **options)
+        self.setup = set_up(robot, style=style, **(LIVELY | options))
 
     @property
     def robot(self) -> Robot:

@@ -14,6 +14,8 @@ from kinesic.body.command import Command
 from kinesic.body.config import CONFIGS
 from kinesic.controller.perform import dry_run, facts
 from kinesic.controller.play import command_times
+from kinesic.expressivity.idle import Idling
+from kinesic.expressivity.variation import Variation
 from kinesic.planning.bap import read_bap
 
 NOD = (
@@ -197,14 +199,16 @@ def test_options_are_those_of_the_command_line(tmp_path: Path):
         settings={"power": 0.5, "head.spatial": -0.5},
         targets={"screen": [1.0, 0.2, 0.4]},
         gather="complex",
-        idle="calm",
+        idle=0.5,
+        variation=2,
         seed=7,
         pause=0.5,
     )
     assert repr(performer) == "Performer('upper22', style='calm')"
     assert (performer.style.gesture.power, performer.style.head.spatial) == (0.5, -0.5)
     assert performer.setup.targets["screen"].tolist() == [1.0, 0.2, 0.4]
-    assert (performer.setup.idling.liveliness, performer.setup.idling.seed) == ("calm", 7)
+    assert performer.setup.idling == Idling(0.5, 7)
+    assert performer.setup.variation == Variation(2, 7)
     file = tmp_path / "targets.toml"
     file.write_text("door = [2.0, -1.0, 0.5]", encoding="utf-8")
     assert kinesic.Performer(targets=file).setup.targets["door"].tolist() == [2.0, -1.0, 0.5]
@@ -218,7 +222,9 @@ def test_options_are_those_of_the_command_line(tmp_path: Path):
         ({"gathr": "lazy"}, TypeError, "no option gathr; did you mean gather"),
         ({"xyz": 1}, TypeError, "no option xyz; known: settings, lexicon"),
         ({"gather": "complx"}, kinesic.ConfigError, "gather is 'complx'; did you mean complex"),
-        ({"idle": "wild"}, kinesic.ConfigError, "idle is 'wild'; known: calm, lively, off"),
+        ({"idle": "calm"}, kinesic.ConfigError, "idle is 'calm'; it must be from 0 to 2"),
+        ({"variation": 2.1}, kinesic.ConfigError, r"variation is 2\.1; it must be from 0 to 2"),
+        ({"seed": -1}, kinesic.ConfigError, "seed is -1; it must be a whole number, 0 or more"),
         ({"pause": -1.0}, kinesic.ConfigError, "pause is -1.0; it must be from 0 to 60 seconds"),
         ({"settings": {"pwer": 1.0}}, kinesic.ConfigError, "no pwer; did you mean power"),
         ({"targets": {"door": [1.0]}}, kinesic.ConfigError, "target door is .* three finite numbers"),

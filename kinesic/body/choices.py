@@ -3,7 +3,6 @@
 from typing import Literal
 
 Gathering = Literal["complex", "lazy"]  # how key frames are filled: in every part, or only where a part counts enough
-Liveliness = Literal["off", "calm", "lively"]  # what fills pauses
 VoiceName = Literal["auto", "espeak", "durations"]  # who speaks; durations is silent and the same on every machine
 Terms = Literal["full", "lag", "none"]  # inverted of a servo: everything; what speed needs, but no torque; nothing
 Variant = Literal["female", "male"]  # the face

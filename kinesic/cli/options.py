@@ -15,7 +15,7 @@ from kinesic.body.choices import Terms, Variant
 from kinesic.body.config import names_of
 from kinesic.cli.ending_signals import STOPPED, STOPPED_LINE, ended_on_the_spot
 from kinesic.client import PORT
-from kinesic.controller.options import CHOICES, LONGEST_PAUSE, Offer, PlanningOptions, offers
+from kinesic.controller.options import CHOICES, Offer, PlanningOptions, offers
 from kinesic.face.render.presets import PRESETS
 
 if TYPE_CHECKING:
@@ -234,7 +234,7 @@ def planning(verb: Verb) -> Verb:
 
 
 def _planning_option(name: str, offer: Offer) -> Decorator:
-    kinds = {Path: click.Path(path_type=Path), float: click.FloatRange(0.0, LONGEST_PAUSE)}
+    kinds = {Path: click.Path(path_type=Path), float: click.FloatRange(0.0, offer.most), int: click.IntRange(0)}
     return click.option(
         offer.flag or f"--{name}",
         name,

@@ -38,7 +38,7 @@ RULE_HELP = (
 FORCE_HELP = "Replaces a folder that kinesic has made."
 COMPARED = ("whole_body=0", "fluidity=-1", "power=-1")
 COMPARE_HELP = (
-    "A setting, as for --set, or idle=calm: gestures are compared with and without it; repeat it "
+    "A setting, as for --set, or idle=0, variation=0: gestures are compared with and without it; repeat it "
     f"(default: {', '.join(COMPARED)})."
 )
 TEXT_HELP = "BML that is compared as gestures are, with its words as captions; repeat it."

@@ -3,23 +3,25 @@
 import difflib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, TypedDict, get_args
 
 from kinesic.bml.block import RANGES, Dialect
-from kinesic.body.choices import Gathering, Liveliness, VoiceName
+from kinesic.body.choices import Gathering, VoiceName
 from kinesic.body.config import ConfigError, suggestion
 
 if TYPE_CHECKING:
     from kinesic.body.arrays import Floats
 
-LONGEST_PAUSE = 60.0  # [s]
 SET_HELP = (
     "One number of the manner, over documents too, -1 to 1: power=0.8 of all modalities, head.power=0.8 of one; "
     f"of {', '.join(RANGES)} (openness 0 to 1). Repeat for more."
 )
 VOICE_HELP = "Who speaks: espeak is heard, durations is silent; auto takes espeak where it is installed."
 CHARACTER_HELP = "Which of several characters the robot is; without it, the one that a block is for, or the first."
+IDLE_HELP = "How much breath, sway, glances and blinks there are in pauses: 0 none, 1 a little, 2 twice as much."
+VARIATION_HELP = "How far gestures differ from one another: 0 not at all, 1 as a person's, 2 twice as far."
 PAUSE_HELP = "Longest pause before a word for which the body would be late, unless documents say otherwise."
 
 
@@ -34,6 +36,7 @@ class Offer:
     metavar: str | None = None
     many: bool = False  # it may be repeated
     show_default: bool = False
+    most: float = inf  # of a number, which is 0 at least
 
 
 class PlanningOptions(TypedDict, total=False):
@@ -46,10 +49,11 @@ class PlanningOptions(TypedDict, total=False):
     lexicon: Annotated[str | Path | None, Offer("Gestures: TOML, or Greta's gestuary XML.", kind=Path)]
     dialect: Annotated[Dialect | Literal["auto"], Offer("How documents are read.", "auto")]
     gather: Annotated[Gathering, Offer("How frames fill up.", "complex")]
-    idle: Annotated[Liveliness, Offer("What fills pauses.", "off")]
+    idle: Annotated[float, Offer(IDLE_HELP, 1.0, float, show_default=True, most=2.0)]
+    variation: Annotated[float, Offer(VARIATION_HELP, 1.0, float, show_default=True, most=2.0)]
     seed: Annotated[int, Offer("Of everything random.", 0, int, show_default=True)]
     voice: Annotated[VoiceName, Offer(VOICE_HELP, "auto")]  # in Python "durations": the same on every machine
-    pause: Annotated[float, Offer(PAUSE_HELP, 0.0, float, metavar="SECONDS")]  # [s]
+    pause: Annotated[float, Offer(PAUSE_HELP, 0.0, float, metavar="SECONDS", most=60.0)]  # [s]
     # by name, or a file of them
     targets: Annotated[
         "str | Path | Mapping[str, Sequence[float] | Floats] | None",
@@ -58,10 +62,11 @@ class PlanningOptions(TypedDict, total=False):
     character: Annotated[str | None, Offer(CHARACTER_HELP, metavar="NAME")]
 
 
+LIVELY: PlanningOptions = {"idle": 1.0, "variation": 1.0}  # as the front door and the command line have it
+
 CHOICES: Mapping[str, tuple[str, ...]] = {
     "dialect": ("auto", *get_args(Dialect)),
     "gather": get_args(Gathering),
-    "idle": get_args(Liveliness),
     "voice": get_args(VoiceName),
 }
 
@@ -86,6 +91,9 @@ def check_options(options: PlanningOptions) -> None:
             raise TypeError(f"a performer has no option {name}; {hint}")
         if name in CHOICES and value not in CHOICES[name]:
             raise ConfigError(f"{name} is {value!r}{suggestion(str(value), CHOICES[name])}")
-    pause = options.get("pause", 0.0)
-    if not (isinstance(pause, int | float) and 0.0 <= pause <= LONGEST_PAUSE):
-        raise ConfigError(f"pause is {pause!r}; it must be from 0 to {LONGEST_PAUSE:g} seconds")
+        if (most := offers()[name].most) < inf and not (isinstance(value, int | float) and 0.0 <= value <= most):
+            unit = " seconds" if name == "pause" else ""
+            raise ConfigError(f"{name} is {value!r}; it must be from 0 to {most:g}{unit}")
+    seed = options.get("seed", 0)
+    if not (isinstance(seed, int) and seed >= 0):
+        raise ConfigError(f"seed is {seed!r}; it must be a whole number, 0 or more")

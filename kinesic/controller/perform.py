@@ -26,6 +26,7 @@ from kinesic.expressivity.context import read_targets
 from kinesic.expressivity.idle import Idling
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.style import Style
+from kinesic.expressivity.variation import Variation
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.setup import Setup
@@ -41,7 +42,8 @@ def set_up(
 ) -> Setup:
     """Loads what planning needs, with MuJoCo's dynamics.
 
-    The voice is the silent one unless another is asked for, so that times are the same on every machine.
+    The voice is the silent one unless another is asked for, so that times are the same on every machine; nothing idles
+    and nothing varies, so that figures compare.
 
     Args:
         robot: its name, or its TOML file.
@@ -55,7 +57,7 @@ def set_up(
     check_options(options)
     body = robot if isinstance(robot, Robot) else load_robot(robot)
     manner = style if isinstance(style, Style) else Style.load(style)
-    lexicon = options.get("lexicon")
+    lexicon, seed = options.get("lexicon"), options.get("seed", 0)
     return Setup(
         robot=body,
         style=manner.changed(_settings(options.get("settings", ()))),
@@ -66,7 +68,8 @@ def set_up(
         targets=_targets(options.get("targets")),
         dialect=options.get("dialect", "auto"),
         gathering=options.get("gather", "complex"),
-        idling=Idling(options.get("idle", "off"), options.get("seed", 0)),
+        idling=Idling(options.get("idle", 0.0), seed),
+        variation=Variation(options.get("variation", 0.0), seed),
         pause=options.get("pause", 0.0),
         character=options.get("character"),
     )

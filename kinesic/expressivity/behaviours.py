@@ -65,7 +65,7 @@ def gesture_move(timed: TimedBehaviour, action: Gesture, context: BlockContext) 
 
     A deictic one with a target points at it.
     """
-    match = context.lexicon.find(action.lexeme, action.mode)
+    match = context.find_gesture(timed.behaviour, action)
     if match is None:
         near = ", ".join(context.lexicon.near(action.lexeme))
         hint = f"near to it: {near}, which may mean something else" if near else "`kinesic gestures list` shows all"
@@ -82,6 +82,8 @@ def gesture_move(timed: TimedBehaviour, action: Gesture, context: BlockContext) 
     whole = context.lexicon.forms_by_id[form.id]  # whose one hand may be turned round, while that of `left` is `right`
     if action.mode == "unspecified" and len(form.sides) == len(whole.sides) == 1 and not form.rest:
         options.append(mirror_form(form))
+        if (deviation := context.deviations.get(timed.behaviour.id)) is not None:
+            options = deviation.order_hands(options)
     works = tuple(poses(option, context.robot, manner) if option.keys else hanging_arms(SIDES) for option in options)
     outcome, warnings = _match_outcome(match)
     halves = action.mode == "unspecified"

@@ -5,22 +5,24 @@ from a file, `name = [x, y, z]` in metres, x forward, y left, z up.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import isfinite
 from pathlib import Path
 
-from kinesic.bml.block import Behaviour, Block, Modality, modality_of
+from kinesic.bml.block import Behaviour, Block, Gesture, Modality, modality_of
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.choices import Gathering
 from kinesic.body.config import read_toml, suggestion
 from kinesic.body.robot import Robot
 from kinesic.expressivity.hands.engaged import Engaged
 from kinesic.expressivity.idle import OFF, Idling
+from kinesic.expressivity.lexicon.form import Match
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.resolve import resolve_styles
 from kinesic.expressivity.style.style import Expressivity, Style
+from kinesic.expressivity.variation import EXACT, Deviation, Variation, deviations
 
 
 def read_targets(path: Path) -> Mapping[str, Floats]:
@@ -42,6 +44,7 @@ class Context:
     targets: Mapping[str, Floats] = field(default_factory=dict)  # named points (3,) [m] beside the robot's own
     gathering: Gathering = "complex"  # how key frames are filled in which some parts have no key
     idling: Idling = OFF  # what fills pauses
+    variation: Variation = EXACT  # how far gestures differ from one another
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +78,20 @@ class BlockContext:
     @cached_property
     def styles(self) -> Mapping[str, Style]:
         """Behaviour id -> its own style, resolved once for all stages."""
-        return resolve_styles(self.shared.style, self.block)
+        asked = resolve_styles(self.shared.style, self.block)
+        return {**asked, **{id: deviation.style(asked[id]) for id, deviation in self.deviations.items()}}
+
+    @cached_property
+    def deviations(self) -> Mapping[str, Deviation]:
+        """Behaviour id -> how a gesture differs from what was asked; empty where none does."""
+        return deviations(self.block, self.shared.variation)
+
+    def find_gesture(self, behaviour: Behaviour, action: Gesture) -> Match | None:
+        """Finds the gesture that a behaviour means, in its place; None when the lexicon has none."""
+        match, deviation = self.lexicon.find(action.lexeme, action.mode), self.deviations.get(behaviour.id)
+        if match is None or deviation is None:
+            return match
+        return replace(match, form=deviation.form(match.form, self.robot))
 
     def manner(self, behaviour: Behaviour, modality: Modality | None = None) -> Expressivity:
         """Looks up the manner of one behaviour, in its own modality or in another."""

@@ -74,8 +74,8 @@ def _spans(behaviour: Behaviour, context: BlockContext) -> Mapping[str, float]:
     """Natural seconds of one behaviour; empty when it moves nothing."""
     robot, pace, manner = context.robot, context.pace, context.manner(behaviour)
     match behaviour.action:
-        case Gesture(lexeme, mode):
-            match = context.lexicon.find(lexeme, mode)
+        case Gesture() as gesture:
+            match = context.find_gesture(behaviour, gesture)
             if match is None or not match.form.keys:
                 return {}
             work = poses(match.form, robot, manner)

@@ -1,17 +1,17 @@
 """Idle motion in pauses: the trunk breathes and shifts its weight, and the gaze wanders a little.
 
 It is motion like any other, written as layers of torso and head: it adds to whatever they hold, and passes the same
-conditioning. It fills the pauses in which no part is used, and begins and ends at nothing.
+conditioning. It fills the pauses in which no part moves, and begins and ends at nothing, so that it is over before
+anything else begins.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import radians
 
 import numpy as np
 
-from kinesic.body.choices import Liveliness
 from kinesic.body.robot import Robot
 from kinesic.expressivity.gather import Sequences
 from kinesic.expressivity.hands.poses import REST
@@ -23,29 +23,17 @@ Span = tuple[float, float]  # [s] from and to
 MARGIN = 0.3  # [s] between idle motion and what is asked for
 LEAST_PAUSE = 2.4  # [s] that is worth a breath
 
-
-@dataclass(frozen=True)
-class _Habit:
-    """How much a robot moves for its own sake; each number is the largest, and some chance takes part of it."""
-
-    breath: float  # [s] of one
-    rise: float  # [rad] that the trunk goes back with a breath
-    shift: float  # [rad] that the trunk leans and turns aside
-    glance: float  # [rad] that the head turns away
-    glances: float  # share of breaths that bring one
-
-
-_HABITS: Mapping[Liveliness, _Habit] = {
-    "calm": _Habit(breath=4.0, rise=radians(0.8), shift=radians(1.0), glance=radians(4.0), glances=0.4),
-    "lively": _Habit(breath=2.8, rise=radians(1.2), shift=radians(2.0), glance=radians(10.0), glances=0.7),
-}
+BREATH = 4.0  # [s] of one; people breathe 12 to 18 times a minute
+RISE = radians(1.0)  # that the trunk goes back with a breath at most
+SWAY = radians(1.5)  # that the trunk leans and turns aside at most, for two breaths
+GLANCE, GLANCES = radians(5.0), 0.4  # that the head turns away at most, and the share of breaths that bring it
 
 
 @dataclass(frozen=True)
 class Idling:
     """What a robot does when nothing is asked."""
 
-    liveliness: Liveliness = "off"
+    amount: float = 0.0  # 0 nothing .. 1 a little .. 2 twice as much
     seed: int = 0  # of what is left to chance; the same seed gives the same motion
 
 
@@ -80,26 +68,26 @@ def idle(free: Iterable[Span], idling: Idling) -> tuple[Layer, Layer]:
         Of the torso and of the head, both empty when there is nothing to fill. The head stays level while the trunk
         breathes.
     """
-    if idling.liveliness == "off":
+    if idling.amount == 0.0:
         return (), ()
-    habit, chance = _HABITS[idling.liveliness], np.random.default_rng(idling.seed)
+    amount, chance = idling.amount, np.random.default_rng(idling.seed)
     torso: list[TurnKey] = []
     head: list[TurnKey] = []
     for begin, end in free:
         if end - begin - 2 * MARGIN >= LEAST_PAUSE:
-            times = _breaths((begin + MARGIN, end - MARGIN), habit, chance)
-            torso += [TurnKey(times[0], UPRIGHT), *_breathing(times, habit, chance), TurnKey(times[-1], UPRIGHT)]
-            head += [TurnKey(times[0], UPRIGHT), *_wandering(times, habit, chance), TurnKey(times[-1], UPRIGHT)]
+            times = _breaths((begin + MARGIN, end - MARGIN), chance)
+            torso += [TurnKey(times[0], UPRIGHT), *_breathing(times, amount, chance), TurnKey(times[-1], UPRIGHT)]
+            head += [TurnKey(times[0], UPRIGHT), *_wandering(times, amount, chance), TurnKey(times[-1], UPRIGHT)]
     return tuple(torso), tuple(head)
 
 
 def used_spans(sequences: Sequences) -> tuple[Span, ...]:
-    """Finds the spans in which a part moves, or is away from its rest [s]."""
+    """Finds the spans in which a part moves, or a hand is away from its rest [s]; head and trunk may be anywhere."""
     turning = [
         (a.time, b.time)
         for layer in (*sequences.torso, *sequences.head)
         for a, b in pairwise(layer)
-        if a.turn != UPRIGHT or b.turn != UPRIGHT
+        if a.turn != b.turn
     ]
     reaching = [
         (a.time, b.time)
@@ -128,30 +116,30 @@ def pauses(occupied: Iterable[Span], whole: Span) -> tuple[Span, ...]:
     return tuple(found)
 
 
-def _breaths(span: Span, habit: _Habit, chance: np.random.Generator) -> list[float]:
+def _breaths(span: Span, chance: np.random.Generator) -> list[float]:
     """Turning points of the breath [s], from the first to the last of a span, an even number of ways between them."""
-    count = 2 * max(1, round((span[1] - span[0]) / habit.breath))
+    count = 2 * max(1, round((span[1] - span[0]) / BREATH))
     shares = 1.0 + 0.15 * chance.uniform(-1.0, 1.0, count)
     return [float(time) for time in span[0] + (span[1] - span[0]) * np.append(0.0, np.cumsum(shares)) / shares.sum()]
 
 
-def _breathing(times: list[float], habit: _Habit, chance: np.random.Generator) -> Iterator[TurnKey]:
+def _breathing(times: list[float], amount: float, chance: np.random.Generator) -> Iterator[TurnKey]:
     """In goes the trunk back, out forward again; at some breaths the weight shifts to a side."""
     weight = UPRIGHT
     for k, time in enumerate(times[1:-1], 1):
         if k % 4 == 1:
-            aside, turned = habit.shift * chance.uniform(-1.0, 1.0, 2)
+            aside, turned = amount * SWAY * chance.uniform(-1.0, 1.0, 2)
             weight = Turn(torsion=float(turned), roll=float(aside))
         full = k % 2 * float(chance.uniform(0.7, 1.0))
-        yield TurnKey(time, add_turns(weight, Turn(tilt=-habit.rise * full)))
+        yield TurnKey(time, add_turns(weight, Turn(tilt=-amount * RISE * full)))
 
 
-def _wandering(times: list[float], habit: _Habit, chance: np.random.Generator) -> Iterator[TurnKey]:
+def _wandering(times: list[float], amount: float, chance: np.random.Generator) -> Iterator[TurnKey]:
     """At some breaths the gaze goes elsewhere, and comes back with a later one."""
     glance = UPRIGHT
     for k, time in enumerate(times[1:-1], 1):
         if k % 2:
-            away = float(chance.uniform()) < habit.glances
-            aside, down = chance.uniform(-1.0, 1.0, 2) * habit.glance * away
+            away = float(chance.uniform()) < amount * GLANCES
+            aside, down = chance.uniform(-1.0, 1.0, 2) * amount * GLANCE * away
             glance = Turn(torsion=float(aside), tilt=0.4 * float(down))
         yield TurnKey(time, glance)

@@ -50,7 +50,8 @@ def shown_units(plan: Plan, times: Floats) -> Channels:
     context = BlockContext(timeline.block, plan.setup.context)
     bodies = plan.keyframes.bodies
     looked = (*looks(timeline, context), *gesture_looks(timeline, bodies))
-    eyes = Eyes(Habits(plan.setup.idling.seed), looked, heads(plan, times))
+    idling = plan.setup.idling
+    eyes = Eyes(Habits(idling.seed) if idling.amount else None, looked, heads(plan, times))
     block_times = times - plan.trajectory.zero
     return face_track(timeline, plan.utterances, block_times, styles=context.styles, eyes=eyes, bodies=bodies)
 

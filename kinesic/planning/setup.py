@@ -17,6 +17,7 @@ from kinesic.expressivity.idle import OFF, Idling
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import Style
+from kinesic.expressivity.variation import EXACT, Variation
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +34,7 @@ class Setup:
     dialect: Dialect | Literal["auto"] = "auto"  # how documents are read
     gathering: Gathering = "complex"  # how key frames are filled
     idling: Idling = OFF  # what fills pauses
+    variation: Variation = EXACT  # how far gestures differ from one another
     pause: float = 0.0  # [s] longest pause before a word that waits for the body, where documents do not say
     character: str | None = None  # which of several characters the robot is; None: the one that a block is for
 
@@ -49,7 +51,7 @@ class Setup:
     @cached_property
     def context(self) -> Context:
         """What every block is performed with."""
-        return Context(self.style, self.lexicon, self.pace, self.targets, self.gathering, self.idling)
+        return Context(self.style, self.lexicon, self.pace, self.targets, self.gathering, self.idling, self.variation)
 
 
 # Setups that differ in style or voice alone share what was worked out for the robot.

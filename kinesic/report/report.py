@@ -58,6 +58,8 @@ def report(
         "input": source,
         "style": _style(plan.setup.style, plan.timeline.block),
         "seed": seed,
+        "variation": plan.setup.variation.amount,
+        "idle": plan.setup.idling.amount,
         "kernel": KERNEL,
         "grade": grade(verdicts),
         "ok": grade(verdicts) != "fail",

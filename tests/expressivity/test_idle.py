@@ -10,20 +10,20 @@ from kinesic.expressivity.idle import LEAST_PAUSE, MARGIN, Idling, idle, pauses
 from kinesic.expressivity.realise import keyframes
 from kinesic.expressivity.turns import UPRIGHT, axes, total
 
-LIVELY = Idling("lively", 7)
+LIVELY = Idling(2.0, 7)
 spans = st.lists(
     st.tuples(st.floats(0, 50), st.floats(0, 10)).map(lambda pair: (pair[0], pair[0] + pair[1])), max_size=6
 )
 
 
-def test_off_is_still():
-    assert idle([(0.0, 60.0)], Idling()) == ((), ())
+def test_none_is_still():
+    assert idle([(0.0, 60.0)], Idling(0.0, 7)) == ((), ())
 
 
 @given(spans, st.integers(0, 5))
 def test_it_moves_in_pauses_alone_and_begins_and_ends_at_nothing(busy, seed):
     free = pauses(busy, (0.0, 50.0))
-    for layer in idle(free, Idling("lively", seed)):
+    for layer in idle(free, Idling(2.0, seed)):
         if not layer:
             continue
         times = [key.time for key in layer]
@@ -43,17 +43,31 @@ def test_pauses_and_busy_spans_make_the_whole(busy):
 
 def test_the_same_seed_gives_the_same_motion_and_another_another():
     assert idle([(0.0, 30.0)], LIVELY) == idle([(0.0, 30.0)], LIVELY)
-    assert idle([(0.0, 30.0)], LIVELY) != idle([(0.0, 30.0)], Idling("lively", 8))
+    assert idle([(0.0, 30.0)], LIVELY) != idle([(0.0, 30.0)], Idling(2.0, 8))
 
 
 @pytest.mark.parametrize("part", [0, 1])
-def test_calm_moves_less_than_lively_and_both_a_little(part):
+def test_it_is_small_and_twice_as_much_is_twice_as_far(part):
     times = np.linspace(0.0, 60.0, 600)
-    calm, lively = (
-        float(np.abs(total([idle([(0.0, 60.0)], Idling(liveliness, 3))[part]], times)).max())
-        for liveliness in ("calm", "lively")
+    little, much = (
+        float(np.abs(total([idle([(0.0, 60.0)], Idling(amount, 3))[part]], times)).max()) for amount in (1.0, 2.0)
     )
-    assert 0.0 < calm < lively < np.radians(12)
+    assert np.radians(0.5) < little < much < np.radians(12)
+
+
+def test_it_breathes_as_people_do():
+    torso, _ = idle([(0.0, 60.6)], Idling(1.0, 3))
+    turns = np.diff([key.turn.tilt for key in torso])
+    breaths = np.sum((turns[:-1] < 0) & (turns[1:] > 0))
+    assert 0.2 <= breaths / 60.0 <= 0.3
+
+
+def test_what_is_held_by_head_and_trunk_is_no_bar(timeline, context):
+    gaze = ("z", Gaze(target="left", shift=True), {"start": 0.0, "end": 1.0})
+    built = timeline(gaze, ("w", Wait(), {"start": 0.0, "end": 20.0}))
+    still, moving = (keyframes(built, context(built.block, idling=idling)).frames for idling in (Idling(), LIVELY))
+    assert len(moving) > len(still) + 5
+    assert moving[-1].head.torsion == pytest.approx(still[-1].head.torsion)
 
 
 def test_a_short_pause_is_left_still():

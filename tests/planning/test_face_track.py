@@ -90,7 +90,7 @@ def test_an_expression_that_is_tied_to_a_late_point_comes_with_it(known: Setup):
 
 
 def test_eyes_hold_on_while_the_head_nods(known: Setup):
-    found = planned('<head id="h" lexeme="NOD" amount="1" stroke="1.5"/>', replace(known, idling=Idling("off", 3)))
+    found = planned('<head id="h" lexeme="NOD" amount="1" stroke="1.5"/>', replace(known, idling=Idling(1.0, 3)))
     times = command_times(found.duration)
     told, stands = shown_units(found, times), heads(found, times)
     assert stands[:, 1].min() < -0.2

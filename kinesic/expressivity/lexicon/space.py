@@ -129,6 +129,11 @@ def _at_extent(position: Floats, spatial: float, fixed: tuple[bool, bool, bool],
     return sealed(position + spatial * (widest - position))
 
 
+def shift_position(position: Floats, shift: Floats, robot: Robot) -> Floats:
+    """Moves a position (3,) by a shift (3,) [arm lengths], as far as the arm reaches with ease."""
+    return sealed(_reached(position, position + shift, _shoulder(robot)))
+
+
 def _reached(position: Floats, wide: Floats, shoulder: Floats) -> Floats:
     """On the way from a position to a wider one, the last that the arm reaches with ease, or the position itself."""
     way, out = wide - position, position - shoulder

@@ -3,13 +3,12 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import radians
-from typing import get_args
 
 import numpy as np
 
 from kinesic.body.arrays import Floats
-from kinesic.body.choices import Liveliness
-from kinesic.body.config import ConfigError, suggestion
+from kinesic.body.config import ConfigError
+from kinesic.controller.options import LIVELY, check_options
 from kinesic.controller.perform import plan
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.planning.plan import Plan
@@ -79,18 +78,23 @@ def plan_motions(
 
 
 def changed_setup(setup: Setup, condition: str) -> Setup:
-    """Changes one setting: a number of the style, or what fills pauses (`idle=calm`).
+    """Changes one setting: a number of the style, idle motion (`idle=0`), or how far gestures vary (`variation=0`).
 
     Raises:
         ConfigError: there is no such setting, or its value is out of range.
     """
     name, _, value = condition.partition("=")
-    if name != "idle":
+    if name not in LIVELY:
         return replace(setup, style=setup.style.changed((condition,)))
-    known: dict[str, Liveliness] = {each: each for each in get_args(Liveliness)}
-    if value not in known:
-        raise ConfigError(f"idle is {value!r}{suggestion(value, list(known))}, must be one of {', '.join(known)}")
-    return replace(setup, idling=replace(setup.idling, liveliness=known[value]))
+    try:
+        amount = float(value)
+    except ValueError:
+        raise ConfigError(f"{name} is {value!r}, not a number; such as {name}=0") from None
+    if name == "idle":
+        check_options({"idle": amount})
+        return replace(setup, idling=replace(setup.idling, amount=amount))
+    check_options({"variation": amount})
+    return replace(setup, variation=replace(setup.variation, amount=amount))
 
 
 def plan_pairs(

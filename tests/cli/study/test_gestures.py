@@ -19,7 +19,7 @@ def study_in(page: Path) -> dict:
 
 def test_gestures_texts_and_settings_that_are_named_are_in_the_page(kinesic, tmp_path: Path):
     (tmp_path / "hello.bml").write_text(TEXT.format(lexeme="welcome"))
-    asked = ("--pairs", "1", "--text", "hello.bml", "--compare", "whole_body=0", "--compare", "idle=lively")
+    asked = ("--pairs", "1", "--text", "hello.bml", "--compare", "whole_body=0", "--compare", "idle=0")
     ended = kinesic("study", "make-gestures", *GESTURES, *asked, "--voice", "durations", "--out", "made")
     assert ended.code == 0, ended.err
     assert ended.out == "page: made/index.html\n"
@@ -29,7 +29,7 @@ def test_gestures_texts_and_settings_that_are_named_are_in_the_page(kinesic, tmp
     compared = [(trial["condition"], trial["stimulus"]) for trial in study["trials"] if trial["task"] == "comparison"]
     assert compared[0] == ("whole_body=0", "hello")
     assert compared[1][1] in recognised
-    assert compared[2:] == [("idle=lively", "hello")], "a gesture alone has no pause"
+    assert compared[2:] == [("idle=0", "hello")], "a gesture alone has no pause"
     assert [said[2] for motion in study["motions"] for said in motion["words"] if said[2]] == ["Hello!"] * 3
     assert len(study["motions"]) == 6 + 2 + 1 + 1
 

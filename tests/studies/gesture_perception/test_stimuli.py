@@ -73,7 +73,7 @@ def test_pairs_begin_where_they_are_told(known, documents, motions: dict[str, Mo
 
 def test_what_nobody_would_see_is_no_pair(known, documents, motions: dict[str, Motion]):
     assert plan_pairs(documents, motions, known, "power=0", 2) == []
-    assert plan_pairs(documents, motions, known, "idle=lively", 2) == [], "a gesture alone leaves no pause"
+    assert plan_pairs(documents, motions, known, "idle=2", 2) == [], "a gesture alone leaves no pause"
 
 
 def test_texts_have_captions_and_pauses_to_idle_in(known):
@@ -83,13 +83,13 @@ def test_texts_have_captions_and_pauses_to_idle_in(known):
     )
     motions = plan_motions({"morning": text}, known)
     assert " ".join(said.text for said in motions["morning"].words) == "Good morning!"
-    (pair,) = plan_pairs({"morning": text}, motions, known, "idle=lively", 1)
+    (pair,) = plan_pairs({"morning": text}, motions, known, "idle=2", 1)
     assert pair.motions["changed"].words == motions["morning"].words
 
 
 @pytest.mark.parametrize(
     ("condition", "what"),
-    [("powerr=0", "no powerr"), ("power=7", "outside"), ("idle=calmm", "must be one of off, calm")],
+    [("powerr=0", "no powerr"), ("power=7", "outside"), ("idle=calm", "such as idle=0"), ("variation=3", "to 2")],
 )
 def test_wrong_settings_are_told(known, condition: str, what: str):
     with pytest.raises(ConfigError, match=what):

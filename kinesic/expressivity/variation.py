@@ -1,0 +1,119 @@
+"""Variation: how much one gesture differs from the next, as those of one person do.
+
+Nobody makes the same beat twice. Beats that one person makes in one take have durations with a spread of 13 to 21 % and
+paths of 31 to 36 % (42 and 43 captured gestures); that of the same beat is taken to be half of it. What differs depends
+on the seed, the block and the gesture's place in it alone, so that a performance can be repeated.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from math import sqrt
+from zlib import crc32
+
+import numpy as np
+
+from kinesic.bml.block import RANGES, Behaviour, Block, Gesture, Pointing
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.robot import Robot
+from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
+from kinesic.expressivity.lexicon.space import shift_position, spread_hands
+from kinesic.expressivity.style.style import Expressivity, Style
+
+GOLDEN = (sqrt(5.0) - 1.0) / 2.0  # step of a sequence on the circle whose members keep apart, neighbours most
+
+SPATIAL = 0.5  # most that spatial extent differs
+TEMPORAL = 0.3  # and temporal extent: an eighth of the time of each phase
+PLACE = 0.05  # [arm lengths] along each axis: 3 cm of a person
+OTHER_HAND = 0.25  # share of gestures that the other hand makes, where the document leaves it open
+EITHER_HAND = frozenset(("beat", "iconic", "metaphoric"))  # categories without a hand of their own
+
+
+@dataclass(frozen=True)
+class Variation:
+    """How far gestures differ from what the lexicon and the style say."""
+
+    amount: float = 0.0  # 0 not at all .. 1 as those of a person .. 2 twice as far
+    seed: int = 0  # the same seed gives the same performance
+
+
+EXACT = Variation()
+
+
+@dataclass(frozen=True, eq=False)
+class Deviation:
+    """How one gesture differs from what was asked."""
+
+    spatial: float  # of the spatial extent
+    temporal: float  # of the temporal extent
+    place: Floats  # (3,) forward, outward, up [arm lengths] of all stroke keys
+    other_hand: bool  # whether the hand that would not have been taken makes it, where either may
+
+    def style(self, style: Style) -> Style:
+        """Changes the style of a behaviour, inside the ranges of its numbers; the body is as large as the hands."""
+        return replace(
+            style, gesture=self._manner(style.gesture), head=self._manner(style.head), torso=self._manner(style.torso)
+        )
+
+    def _manner(self, manner: Expressivity) -> Expressivity:
+        return replace(
+            manner,
+            spatial=_within("spatial", manner.spatial + self.spatial),
+            temporal=_within("temporal", manner.temporal + self.temporal),
+        )
+
+    def form(self, form: GestureForm, robot: Robot) -> GestureForm:
+        """Moves a gesture to its place, as far as the arms reach with ease; what is fixed or touched stays."""
+        if form.rest:
+            return form
+        return replace(form, keys=tuple(self._key(key, robot) for key in form.keys))
+
+    def order_hands(self, options: list[GestureForm]) -> list[GestureForm]:
+        """Puts the other hand first where it makes the gesture."""
+        return options[::-1] if self.other_hand and options[0].category in EITHER_HAND else options
+
+    def _key(self, key: StrokeKey, robot: Robot) -> StrokeKey:
+        moved = StrokeKey({side: self._pose(pose, robot) for side, pose in key.hands.items()})
+        return moved if all(pose.fixed[1] or pose.touch for pose in key.hands.values()) else spread_hands(moved)
+
+    def _pose(self, pose: HandPose, robot: Robot) -> HandPose:
+        if pose.touch is not None:
+            return pose
+        shift = sealed(np.where(pose.fixed, 0.0, self.place))
+        path = pose.path and pose.path.mapped(pose.path.amplitude, lambda point: sealed(point + shift))
+        return replace(pose, position=shift_position(pose.position, shift, robot), path=path)
+
+
+def deviations(block: Block, variation: Variation) -> Mapping[str, Deviation]:
+    """Finds how each gesture of a block differs.
+
+    Extents are steps of a sequence rather than chance, so that a gesture differs plainly from the one before it.
+
+    Args:
+        block: whose gestures and pointing vary.
+        variation: how far, and by which chance.
+
+    Returns:
+        Behaviour id -> deviation; empty where nothing varies.
+    """
+    if variation.amount == 0.0:
+        return {}
+    varied = [behaviour for behaviour in block.behaviours if isinstance(behaviour.action, Gesture | Pointing)]
+    return {behaviour.id: _deviation(block, behaviour, k, variation) for k, behaviour in enumerate(varied)}
+
+
+def _deviation(block: Block, behaviour: Behaviour, number: int, variation: Variation) -> Deviation:
+    first = np.random.default_rng((variation.seed, crc32(block.id.encode()))).uniform()
+    chance = np.random.default_rng((variation.seed, crc32(f"{block.id}:{behaviour.id}".encode()), number))
+    extent = 2.0 * ((first + number * GOLDEN) % 1.0) - 1.0
+    temporal, *place = chance.uniform(-1.0, 1.0, 4)
+    return Deviation(
+        spatial=variation.amount * SPATIAL * extent,
+        temporal=variation.amount * TEMPORAL * float(temporal),
+        place=sealed(variation.amount * PLACE * np.array(place)),
+        other_hand=float(chance.uniform()) < variation.amount * OTHER_HAND,
+    )
+
+
+def _within(name: str, value: float) -> float:
+    least, most = RANGES[name]
+    return min(max(value, least), most)

@@ -1,0 +1,141 @@
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from kinesic.bml.block import Behaviour, Block, Gaze, Gesture, Place
+from kinesic.expressivity.behaviours import gesture_move
+from kinesic.expressivity.context import BlockContext
+from kinesic.expressivity.durations import spans
+from kinesic.expressivity.realise import keyframes
+from kinesic.expressivity.style.style import Expressivity, Style
+from kinesic.expressivity.variation import EXACT, OTHER_HAND, PLACE, SPATIAL, TEMPORAL, Variation, deviations
+
+PERSON = Variation(1.0, 5)
+
+
+def block(*actions, id="story"):
+    behaviours = (Behaviour(f"g{k}", "gesture", action, Place(1, 1)) for k, action in enumerate(actions))
+    return Block(id, tuple(behaviours))
+
+
+def beats(count, id="story"):
+    return block(*(Gesture("beat") for _ in range(count)), id=id)
+
+
+@pytest.fixture
+def varied(context):
+    """Contexts of one beat for forty seeds."""
+    return [context(beats(1), variation=Variation(1.0, seed)) for seed in range(40)]
+
+
+def poses_of(context, timed):
+    """(m, 3) [m] where the hand is at the stroke keys, and which hand it is."""
+    (stroke,) = gesture_move(timed, timed.behaviour.action, context).strokes
+    ((side, row),) = stroke.options[0].hands.items()
+    return np.array([hand.reach.position for hand in row]), side
+
+
+@pytest.fixture
+def beat(timeline, phases):
+    """A beat with times."""
+    return timeline(("g0", Gesture("beat"), phases(0, 1, 1, 1.5, 1.5, 2, 3))).timed[0]
+
+
+def test_none_is_what_was_asked_whatever_the_seed(context, timeline, phases):
+    built = timeline(*((f"g{k}", Gesture("beat"), phases(0, 1, 1, 1.5, 1.5, 2, 3)) for k in range(2)))
+    usual, other = (keyframes(built, context(built.block, **way)) for way in ({}, {"variation": Variation(0.0, 9)}))
+    for a, b in zip(usual.frames, other.frames, strict=True):
+        assert (a.time, a.torso, a.head) == (b.time, b.torso, b.head)
+        for side, hand in a.hands.items():
+            assert (hand.reach is None) == (b.hands[side].reach is None)
+            assert hand.reach is None or np.array_equal(hand.reach.position, b.hands[side].reach.position)
+    assert deviations(built.block, EXACT) == deviations(built.block, Variation(0.0, 9)) == {}
+
+
+def test_the_same_seed_block_and_place_give_the_same_and_others_another():
+    def found(block, variation):
+        each = deviations(block, variation)["g1"]
+        return each.spatial, each.temporal, *each.place, each.other_hand
+
+    usual = found(beats(3), PERSON)
+    assert found(beats(3), PERSON) == usual
+    for other in (found(beats(3), Variation(1.0, 6)), found(beats(3, id="other"), PERSON)):
+        assert not {*other[:-1]} & {*usual[:-1]}
+
+
+def test_no_gesture_is_a_copy_of_the_one_before():
+    for seed in range(20):
+        each = list(deviations(beats(15), Variation(1.0, seed)).values())
+        assert all(abs(a.spatial - b.spatial) > 0.7 * SPATIAL for a, b in pairwise(each))
+        assert len({one.spatial for one in each}) == len({one.temporal for one in each}) == 15
+
+
+def test_a_person_differs_within_a_spread_and_twice_as_far_in_exaggeration():
+    found = [next(iter(deviations(beats(1), Variation(1.0, seed)).values())) for seed in range(300)]
+    spatial, temporal = np.array([each.spatial for each in found]), np.array([each.temporal for each in found])
+    for values, most in ((spatial, SPATIAL), (temporal, TEMPORAL), (np.array([each.place for each in found]), PLACE)):
+        assert 0.9 * most < np.abs(values).max() <= most
+        assert values.mean() == pytest.approx(0.0, abs=0.12 * most)
+    assert np.mean([each.other_hand for each in found]) == pytest.approx(OTHER_HAND, abs=0.08)
+    twice = next(iter(deviations(beats(1), Variation(2.0, 0)).values()))
+    assert (twice.spatial, twice.temporal) == pytest.approx((2 * found[0].spatial, 2 * found[0].temporal))
+
+
+def test_only_what_hands_do_varies():
+    assert deviations(block(Gaze("left"), Gesture("beat")), PERSON).keys() == {"g1"}
+
+
+def test_amplitude_place_duration_and_hand_differ(varied: list[BlockContext], beat):
+    found = [poses_of(each, beat) for each in varied]
+    ways = np.array([np.linalg.norm(np.diff(row, axis=0), axis=1).sum() for row, _ in found])
+    assert 0.04 < np.log(ways).std() < 0.2
+    places = np.array([row.mean(axis=0) for row, side in found if side == "r"])
+    assert (places.std(axis=0) > 0.005).all()
+    assert {side for _, side in found} == {"l", "r"}
+    times = np.array([sum(spans(each)["g0"].values()) for each in varied])
+    assert 0.03 < np.log(times).std() < 0.2
+
+
+def test_a_mode_an_emblem_and_a_posture_keep_their_hand_or_place(context, timeline, phases):
+    at = phases(0, 1, 1, 1.5, 1.5, 2, 3)
+    (left,) = timeline(("g0", Gesture("beat", "left"), at)).timed
+    (emblem,) = timeline(("g0", Gesture("thumb_up"), at)).timed
+    usual = poses_of(context(beats(1)), emblem)[1]
+    for seed in range(20):
+        there = context(block(Gesture("beat", "left")), variation=Variation(1.0, seed))
+        assert poses_of(there, left)[1] == "l"
+        there = context(block(Gesture("thumb_up")), variation=Variation(1.0, seed))
+        assert poses_of(there, emblem)[1] == usual
+
+
+def test_fixed_axes_and_touches_stay(lexicon, robot):
+    (deviation,) = deviations(beats(1), Variation(2.0, 1)).values()
+    moved = 0
+    for form in lexicon.forms:
+        for before, after in zip(form.keys, deviation.form(form, robot).keys, strict=True):
+            for side, pose in before.hands.items():
+                change = after.hands[side].position - pose.position
+                if pose.touch or form.rest:
+                    np.testing.assert_array_equal(change[[0, 2]], 0.0)
+                np.testing.assert_array_equal(change[list(pose.fixed)], 0.0)
+                moved += bool(np.abs(change).max() > 0.01)
+    assert moved > 200
+
+
+def test_both_hands_stay_mirrored(lexicon, robot):
+    (deviation,) = deviations(beats(1), Variation(1.0, 3)).values()
+    key = deviation.form(lexicon.find("applause").form, robot).keys[0]
+    usual = lexicon.find("applause").form.keys[0]
+    left, right = (key.hands[side].position - usual.hands[side].position for side in ("l", "r"))
+    np.testing.assert_allclose(left, right, atol=1e-12)
+
+
+def test_extents_stay_in_their_ranges(context):
+    wild = Style.uniform(Expressivity(spatial=1.0, temporal=-1.0))
+    for seed in range(20):
+        there = context(beats(3), wild, variation=Variation(2.0, seed))
+        for behaviour in there.block.behaviours:
+            manner = there.manner(behaviour)
+            assert 0.0 <= manner.spatial <= 1.0
+            assert -1.0 <= manner.temporal <= 0.0
