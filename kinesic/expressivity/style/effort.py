@@ -34,6 +34,7 @@ DWELL, DYNAMIC_DWELL = 1.8, 0.4  # factors on the hold of a pose, and of a strok
 
 ACCENT = 1.9  # steepness that a dynamic stroke adds to the softest
 SPOKEN_ACCENT = 6.0  # likewise where a word sounds at its end: people's hands are fastest at the accented syllable
+SPOKEN_LEAST = 0.6  # of that, which fluid and loose hands keep
 ONWARD, THROUGH = 0.9, 0.8  # swing at the key where a stroke begins, and at its other keys
 SPOKEN_ONWARD = 0.4  # at the key where one begins that meets a word: the rest of the speed is kept for the word
 ALONG = 0.4  # swing at both ends of a path, from which the hand must not stray
@@ -136,9 +137,9 @@ class Effort:
         if phase == "preparation":
             manner = replace(manner, power=min(manner.power, 0.0))
         free = min(max((leisure - CROWDED) / (1.0 - CROWDED), 0.0), 1.0) if self.nature.dynamic else 0.0
-        onward, most = (SPOKEN_ONWARD, SPOKEN_ACCENT) if self.spoken else (ONWARD, ACCENT)
+        onward = SPOKEN_ONWARD if self.spoken else ONWARD
         swing = free * self._suppleness * (ALONG if led else onward if phase == "preparation" else THROUGH)
-        accent = free * self._abruptness * most if phase == "stroke" and not led else 0.0
+        accent = free * self._accent if phase == "stroke" and not led else 0.0
         return passage_of(manner, phase, accent=accent, late=self.spoken, swing=swing)
 
     @property
@@ -156,6 +157,13 @@ class Effort:
     def _abruptness(self) -> float:
         """Factor on all accents: jerky hands begin their strokes at once, fluid and loose ones softly."""
         return (1.0 - self.manner.fluidity) * (1.0 + min(self.manner.tension, 0.0))
+
+    @property
+    def _accent(self) -> float:
+        """Steepness that a stroke adds to the softest; what meets a word keeps some, however softly it is done."""
+        if self.spoken:
+            return max(self._abruptness, SPOKEN_LEAST) * SPOKEN_ACCENT
+        return self._abruptness * ACCENT
 
     @property
     def _character(self) -> Character:

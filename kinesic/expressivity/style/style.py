@@ -216,18 +216,19 @@ def passage_of(
     easing = LATE_ACCENT if late else ACCENT
     if force > 0.0:
         easing, kept = _forced(power, tension, accent, easing)
-        steepness = min(SOFTEST + kept * max(left, 0.0) + force, STEEPEST)
-        return replace(passed, bias=BIAS * power, easing=easing, steepness=steepness)
+        steepness = SOFTEST + kept * max(left, 0.0) + force
+        return replace(passed, bias=BIAS * power, easing=easing, steepness=min(steepness, STEEPEST))
     if left < 0.0:
         return replace(passed, easing="linear", steepness=EVEN - (STEEPEST - EVEN) * left)
-    return replace(passed, easing=easing, steepness=SOFTEST + left) if left > 0.0 else passed
+    return replace(passed, easing=easing, steepness=min(SOFTEST + left, STEEPEST)) if left > 0.0 else passed
 
 
 def _forced(power: float, tension: float, accent: float, accented: Easing) -> tuple[Easing, float]:
     """Finds the easing of a forced way, and the share of an accent that it keeps: more power never peaks lower."""
     if min(power, tension) >= BIG:
         return "out_bounce", 1.0
-    if accent > 0.0 and tension == 0.0 and power < BIG:
+    most = BIG if accented == LATE_ACCENT else 0.0  # of tension: what overshoots has its force at its beginning
+    if accent > 0.0 and tension <= most and power < BIG:
         return accented, 1.0
     return "out_back", QUICK + (1.0 - QUICK) * min(max(power - BIG, tension) / BIG, 1.0)
 

@@ -130,8 +130,10 @@ def test_a_stroke_that_meets_a_word_is_fastest_near_it_and_begins_with_less_swin
     assert 0.0 < spoken.passage("preparation").swing < plain.passage("preparation").swing
     assert spoken.passage("hold") == plain.passage("hold")
     assert Effort(pace, POSE, spoken=True).passage("stroke") == Effort(pace, POSE).passage("stroke")
-    forced = Effort(pace, manner=Expressivity(power=1.0, tension=1.0), spoken=True).passage("stroke")
-    assert forced.steepness == STEEPEST  # with its accent it would be more than an easing can be
+    for manner in ({"power": 1.0, "tension": 1.0}, {"fluidity": -1.0}):  # more than an easing can be
+        assert Effort(pace, manner=Expressivity(**manner), spoken=True).passage("stroke").steepness == STEEPEST
+    for manner in ({"fluidity": 1.0}, {"tension": -1.0}, {"power": 0.4}, {"tension": 0.3}):
+        assert Effort(pace, manner=Expressivity(**manner), spoken=True).passage("stroke").easing == LATE_ACCENT
 
 
 def test_force_stays_out_of_the_way_to_a_stroke(pace):
