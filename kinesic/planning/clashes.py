@@ -26,6 +26,7 @@ from kinesic.planning.setup import Setup
 
 APART = 0.2  # [s] by which strokes may move apart; more is seen beside a word
 SEARCHES = 12  # of a block; what comes after is judged by the estimate
+MANY = 4 * SEARCHES  # neighbours that may lack time: more are a crowd, which the estimate alone judges
 WORK = 30_000  # pieces of splines that all searches may measure
 LEAST = 0.02  # [s] of which nobody needs to give way
 
@@ -54,14 +55,21 @@ class ClashFinder:
             setup: robot and limits.
         """
         self.clashes: dict[frozenset[str], float] = {}  # two behaviours -> [s] by which they would move apart
+        self.crowded = False  # whether the last look found so many that nothing can be searched exactly
         self._setup, self._budget = setup, Budget(WORK)
         self._exactly: dict[tuple[tuple[str, str], tuple[int, ...]], float] = {}  # [s], which takes long to search
+
+    @property
+    def spent(self) -> bool:
+        """Whether more was searched than there is a budget for: from now on the estimate alone decides."""
+        return self._budget.spent
 
     def look(self, frames: KeyFrames, postures: Sequence[KeyPosture]) -> frozenset[str]:
         """Adds clashes to those that were found before, and names their behaviours; none: there are no more.
 
         Of a row of gestures only the worst neighbours count, and those that are farther off: when one of two has given
-        way, the others may have time.
+        way, the others may have time. In a crowd, on which the budget is spent, every second one of a row gives way at
+        once: a round of its own for each of the worst would take too long.
 
         Args:
             frames: of a block.
@@ -70,6 +78,9 @@ class ClashFinder:
         every = _neighbours(frames, postures, self._setup)
         coming = [each for each in every if frozenset(each.behaviours) not in self.clashes]
         guesses = self._suspects(coming, postures)
+        self.crowded = len(guesses) > MANY
+        if self.crowded:
+            self._budget.spend(2 * WORK)
         suspects = [each for each, _ in guesses]
         apart = [self._search(each, guess, postures) for each, guess in guesses]
         added, near = set[str](), set[str]()
@@ -78,7 +89,7 @@ class ClashFinder:
         ):
             if here > LEAST and whole > APART and near.isdisjoint(each.behaviours):
                 self.clashes[frozenset(each.behaviours)] = here
-                near |= {id for other in every if {*other.behaviours} & {*each.behaviours} for id in other.behaviours}
+                near |= {*each.behaviours} if self.spent else _beside(each, every)
                 added |= {*each.behaviours}
         return frozenset(added)
 
@@ -118,6 +129,11 @@ def chain_sums(pairs: Sequence[Neighbours], apart: Sequence[float]) -> list[floa
     return [
         before[pair.behaviours[0]] + here + after[pair.behaviours[1]] for pair, here in zip(pairs, apart, strict=True)
     ]
+
+
+def _beside(pair: Neighbours, every: Sequence[Neighbours]) -> set[str]:
+    """Two neighbours, and those of either."""
+    return {id for other in every if {*other.behaviours} & {*pair.behaviours} for id in other.behaviours}
 
 
 def _worst_first(row: tuple[Neighbours, float, float]) -> float:

@@ -46,7 +46,8 @@ ROUNDS = 3  # of planning, in which pauses are made longer
 ATTEMPTS = 3  # to say it with pauses that are as long as they must be
 WORK = 90_000  # pieces of splines whose shortage is measured for one block, before it is planned by shorter ways
 AGAIN, AGAIN_A_KEY = 100, 40  # of them, that a behaviour and a key frame are worth when they are planned once more
-FEWER = 0.5  # of the behaviours that overlap, when their motion does not keep clear of the body and the work is done
+FEWER = 0.5  # of the behaviours that overlap, where there are far too many of them, or the work is done and their
+# motion does not keep clear of the body
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,9 +195,10 @@ def _plan_once(
         if without or finder.clashes:
             budget.spend(AGAIN * len(timeline.timed) + AGAIN_A_KEY * len(frames.frames))
         if weighing and (clashing := finder.look(frames, asked.postures)):
-            without |= thin_out(frames, clashing) if budget.spent else {}
+            if budget.spent or finder.spent:
+                without |= thin_out(frames, clashing, FEWER if finder.crowded else 1.0)
             continue
-        repairs = 1 if budget.spent else REPAIRS
+        repairs = 0 if budget.spent else REPAIRS
         solved, motion, times, clearance = keep_clear(
             asked, setup, find_bonds(timeline), conditioned=bounded, repairs=repairs
         )

@@ -23,6 +23,7 @@ from kinesic.serve.wire.protocol import (
     StopLineRequest,
     control,
     json_answer,
+    stop_failure,
 )
 from kinesic.serve.wire.quotas import Quotas, TokenBucket, quota_feedback
 
@@ -130,8 +131,7 @@ class ClientRegistry:
         if not client.admitted:
             self._admit(client, request)
         elif isinstance(request, Stop):
-            self.session.halt()
-            client.send(json_answer("stopped"))
+            client.send(self._stop())
         elif isinstance(request, StopLineRequest):
             self._free(client)
         elif not self.place(client) and not isinstance(request, Hello):
@@ -185,6 +185,14 @@ class ClientRegistry:
         client.send(json_answer("refused", why=why))
         client.close(POLICY, why)
 
+    def _stop(self) -> str:
+        """Makes an emergency stop; says whether it was made."""
+        try:
+            self.session.halt()
+        except RuntimeError as error:
+            return stop_failure(error)
+        return json_answer("stopped")
+
     def _obey(self, client: ConnectedClient, request: Control) -> None:
         match request:
             case Resume():
@@ -200,4 +208,4 @@ class ClientRegistry:
             case Hello():
                 client.send(json_answer("welcome"))
             case Stop():
-                self.session.halt()
+                client.send(self._stop())

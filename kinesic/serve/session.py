@@ -85,7 +85,13 @@ class Session:
         return None
 
     def halt(self) -> None:
-        """Makes an emergency stop at once; what waits is not performed. From any thread, and never waits."""
+        """Makes an emergency stop at once; what waits is not performed. From any thread, and never waits.
+
+        Raises:
+            RuntimeError: the loop has ended, and nobody stops anything.
+        """
+        if not self.loop.is_alive():
+            raise RuntimeError("the loop that moves it has ended")
         self.loop.halt()
         self._halted = True
         self._asyncio.call_soon_threadsafe(self._refuse_all)

@@ -17,7 +17,7 @@ from kinesic.serve.clients import LATER, NORMAL, POLICY
 from kinesic.serve.conversation import ClientWire
 from kinesic.serve.priority import urgent
 from kinesic.serve.wire.pace import Pace
-from kinesic.serve.wire.protocol import Ping, Stop, control, json_answer
+from kinesic.serve.wire.protocol import Ping, Stop, control, json_answer, stop_failure
 from kinesic.serve.wire.quotas import Quotas, TokenBucket
 from kinesic.serve.wire.transport import HalfError, Transport
 
@@ -166,5 +166,5 @@ class StopLines:
             self._halt()
         except (OSError, EOFError, RuntimeError, ValueError) as error:  # which elsewhere say that a client has gone
             self._report("an emergency stop failed", error)
-            return json_answer("failed", why=f"the robot may not stop ({error}): use the switch that cuts the power")
+            return stop_failure(error)
         return json_answer("stopped")

@@ -169,3 +169,28 @@ def test_exact_searches_are_counted_and_then_the_estimate_decides(planned, monke
     monkeypatch.setattr(clashes, "SEARCHES", 1)
     assert planned(crowd).duration <= every.duration + 0.5  # an estimate asks for more time, so that more give way
     assert len(searched) == 1
+
+
+def test_a_crowd_is_judged_by_the_estimate_alone_and_loses_the_newest_half_at_once(planned, monkeypatch):
+    rounds = []
+    look = clashes.ClashFinder.look
+
+    def counted(finder, frames, postures):
+        found = look(finder, frames, postures)
+        rounds.append(len(found))
+        return found
+
+    def search(*_):
+        raise AssertionError("nothing of a crowd is searched exactly")
+
+    monkeypatch.setattr(clashes.ClashFinder, "look", counted)
+    monkeypatch.setattr(clashes, "_search", search)
+    monkeypatch.setattr(clashes, "MANY", 3)
+    lines = (f'<gesture id="g{k}" lexeme="large" {BOTH} stroke="{1 + 0.3 * k}"/>' for k in range(12))
+    outcomes = planned(ROOT.format("".join(lines))).keyframes.outcomes
+    thinned = {id for id, found in outcomes.items() if found.why.startswith("12 behaviours overlap")}
+    kept = {id for id, found in outcomes.items() if found.kind != "dropped"}
+    assert thinned >= {f"g{k}" for k in range(6, 12)}
+    assert kept
+    assert kept <= {f"g{k}" for k in range(6)}
+    assert len(rounds) <= 4

@@ -125,6 +125,18 @@ def test_whoever_shows_the_token_may_stop_even_where_all_places_are_taken(full, 
     assert becomes(lambda: not loop.halted)
 
 
+def test_a_stop_that_nobody_makes_is_told_as_such(guarded, monkeypatch):
+    def fail() -> None:
+        raise RuntimeError("the loop that moves it has ended")
+
+    monkeypatch.setattr(guarded.open.clients.session, "halt", fail)
+    with Client(port=guarded.port, token="open sesame") as client:
+        client.stop()
+        answer = json.loads(client.receive(20))
+    assert answer["told"] == "failed"
+    assert "may not stop (the loop that moves it has ended): use the switch" in answer["why"]
+
+
 def test_whoever_does_not_show_it_takes_no_place(guarded):
     strangers = [Client(port=guarded.port) for _ in range(8)]
     try:

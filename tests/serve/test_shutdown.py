@@ -58,6 +58,8 @@ def test_a_server_that_ends_tells_its_clients_and_leaves_nothing_open(caplog: py
             pass
         assert page.close_code == 1001
         page.close()
+        with pytest.raises(RuntimeError, match="the loop that moves it has ended"):  # nobody is told that it stopped
+            server.open.clients.session.halt()
         gc.collect()
     assert [record.getMessage() for record in caplog.records] == []
     assert [str(warning.message) for warning in recwarn.list if warning.category is ResourceWarning] == []

@@ -124,6 +124,11 @@ def control(message: bytes) -> Control | None:
     return found
 
 
+def stop_failure(error: Exception) -> str:
+    """Writes the answer to a stop that may not have been made."""
+    return json_answer("failed", why=f"the robot may not stop ({error}): use the switch that cuts the power")
+
+
 def json_answer(what: str, **values: object) -> str:
     """Writes an answer that is not BML, as JSON."""
     return msgspec.json.encode({"told": what} | values).decode()
