@@ -40,6 +40,15 @@ Thin lines go from the 5th to the 95th percentile, broad ones from the 25th to t
   eleven dynamic gestures whose `stroke` is tied to a word. Hands of people who talk lead the accent by a little (Pouw
   and Dixon); the captured actors lead their own strokes by 0.43 s, as an animator marked them. Ours put
   their force near the end of a stroke that meets a word, and at its beginning where nobody talks.
+- **`alike`**: pairs of gestures with different meanings that cannot be told apart from the front by a robot without
+  fingers. Two strokes, each in its own time, are as far apart as the elbow, wrist, finger tip, palm or head that
+  differs most, RMS over the stroke, with depth counting half; below 50 mm they are alike. Pairs of one meaning, and
+  numbers, which fingers alone tell apart, are exempt by name (`kinesic/configs/legibility.toml`); `nearest_pair` has
+  the others.
+- **`misplaced`**: gestures whose palm or finger tips are farther from the place that their meaning needs (mouth, ear,
+  temple, chest, other wrist ...) than that file allows; `farthest_place` has the largest distances [mm]. Hands hover
+  15 mm before what they touch, and are measured in their middle: 40 mm is as near as a palm comes. The throat and the
+  own cuff are farther: no arm of this build folds so tightly.
 - A **dynamic** stroke has two keys or more and a path of more than a quarter of an arm length.
 - **`ks_`** is the Kolmogorov-Smirnov distance to the captured gestures: the largest difference between two shares of
   gestures up to a value, 0 to 1.

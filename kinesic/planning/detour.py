@@ -47,7 +47,10 @@ class PostureCourse:
     def at(self, time: float) -> Floats:
         """Looks up the angles (n,) [rad] at a block time."""
         angles: Floats = self.motion.angles(np.array([time + self.motion.zero]))[0]
-        return angles if self.stray is None else angles + self.stray[round((time + self.motion.zero) * SCAN_RATE)]
+        if self.stray is None:
+            return angles
+        last = len(self.stray) - 1  # the last sample lies up to one period before the last key
+        return np.asarray(angles + self.stray[min(round((time + self.motion.zero) * SCAN_RATE), last)])
 
     def samples(self) -> Floats:
         """Samples the angles (m, n) [rad] at `SCAN_RATE`, from the first key on."""

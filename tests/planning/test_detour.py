@@ -168,6 +168,8 @@ def test_a_trajectory_that_strays_is_led_around_where_it_is():
     trajectory = between(clear, together, 0.5)
     straying = clear.straying(trajectory)
     np.testing.assert_allclose(straying.at(1.2), trajectory.at(1.2 + trajectory.zero).angles, atol=1e-3)
+    last = float(clear.planned[-1])
+    np.testing.assert_allclose(straying.at(last), trajectory.at(last + trajectory.zero).angles, atol=1e-3)
     lacking = LEAST - DISTANCES.clearance(straying.samples()).distances.min()
     assert lacking > 0.002
     led = lead_around(straying, DISTANCES, least=LEAST)

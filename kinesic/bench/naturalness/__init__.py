@@ -11,6 +11,8 @@ from kinesic.bench.naturalness import plots
 from kinesic.bench.naturalness.bars import MEDIANS, PART, bar_figures
 from kinesic.bench.naturalness.body import body_figures
 from kinesic.bench.naturalness.captured import captured_figures, measure_clips
+from kinesic.bench.naturalness.legibility import legibility_figures
+from kinesic.bench.naturalness.legibility_table import legibility_table
 from kinesic.bench.naturalness.lexicon import MeasuredGesture, by_style, measure_lexicon
 from kinesic.bench.naturalness.rows import EFFORT, row_figures
 from kinesic.bench.naturalness.synchrony import synchrony_figures
@@ -64,6 +66,9 @@ def lexicon_figures(gestures: Sequence[MeasuredGesture], arm: float) -> list[Fig
             found += [*row_figures(PART, hands, MEDIANS), *bar_figures(group, arm), *synchrony_figures(PART)]
             found += body_figures(PART, [(each.gesture, each.category, each.body) for each in group])
             found += category_figures(group)
+            seen = {each.gesture: each.seen for each in group if each.seen is not None}
+            places = {each.gesture: each.place for each in group if each.place is not None}
+            found += legibility_figures(PART, seen, places, legibility_table())
         else:
             found += row_figures(f"{PART}.{style}", hands, {})
     return found

@@ -2,14 +2,17 @@
 
 import os
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
 
 from kinesic.bench.expressivity.lexicon import NEUTRAL_STYLE
 from kinesic.bench.naturalness.body import BodyMeasures, measure_body
+from kinesic.bench.naturalness.legibility_table import legibility_table
+from kinesic.bench.naturalness.likeness import SAMPLES, measure_appearance
 from kinesic.bench.naturalness.measures import GestureMeasures, measure_hand
+from kinesic.bench.naturalness.places import place_distance
 from kinesic.bench.plan import violations
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import SIDES, Robot, Side
@@ -41,6 +44,8 @@ class MeasuredGesture:
     body: BodyMeasures  # what head, trunk and collar bones do
     stroke_error: float  # [s] by which the stroke is planned later than asked
     violations: int  # of limits, at 1 kHz
+    seen: Floats | None = field(default=None, compare=False, repr=False)  # (m, p, 3) [m] as `measure_appearance` has it
+    place: float | None = None  # [m] from where its meaning needs the hand; None: it needs no place
 
     @property
     def dynamic(self) -> bool:
@@ -90,6 +95,8 @@ def measure_gesture(form: GestureForm, known: Setup) -> MeasuredGesture:
         body=measure_body(planned.setup.robot, planned.trajectory.sample(_times(planned))[0]),
         stroke_error=late,
         violations=violations(planned),
+        seen=None if np.isnan(late) else _measure_stroke(planned),
+        place=None if np.isnan(late) else measure_place(form, planned),
     )
 
 
@@ -103,9 +110,30 @@ def _measure_plan(planned: Plan) -> GestureMeasures:
     """Measures the hand that goes farther in a plan of one gesture."""
     robot, times = planned.setup.robot, _times(planned)
     angles = planned.trajectory.sample(times)[0]
-    syncs = {sync.sync: planned.trajectory.zero + sync.planned for sync in planned.syncs}
+    syncs = _syncs(planned)
     found = [measure_hand(times, _wrist(robot, side, angles), syncs, robot.arm_length) for side in SIDES]
     return max(found, key=lambda hand: hand.path)
+
+
+def _measure_stroke(planned: Plan) -> Floats:
+    """What is seen of the stroke."""
+    syncs = _syncs(planned)
+    times = np.linspace(syncs["strokeStart"], syncs["strokeEnd"], SAMPLES)
+    return measure_appearance(planned.setup.robot, planned.trajectory.sample(times)[0])
+
+
+def measure_place(form: GestureForm, planned: Plan) -> float | None:
+    """Measures how far the hand is from its place [m], of two hands the right one; None where it needs none."""
+    asked = legibility_table().places.get(form.id)
+    if asked is None:
+        return None
+    angles = planned.trajectory.sample(np.array([_syncs(planned)[asked.when]]))[0][0]
+    return place_distance(planned.setup.robot, angles, "r" if "r" in form.sides else "l", asked)
+
+
+def _syncs(planned: Plan) -> dict[str, float]:
+    """Sync points [s] of the motion."""
+    return {sync.sync: planned.trajectory.zero + sync.planned for sync in planned.syncs}
 
 
 def _times(planned: Plan) -> Floats:

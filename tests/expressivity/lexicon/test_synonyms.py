@@ -84,7 +84,7 @@ def test_who_points_at_what_is_unknown_points(lexeme):
 @pytest.mark.parametrize(
     ("lexeme", "gesture"),
     [
-        ("BEAT_LOW_1", "beat"),
+        ("BEAT_LOW_1", "beat_low"),
         ("beat_chop_mid_LH", "beat_edge"),
         ("BeatFistMidLf02", "beat_strong"),
         ("BeatForwardBt01", "beat"),
