@@ -26,7 +26,7 @@ def stop_block(scene: Scene, running: RunningBlock, now: float, why: str) -> Sce
         why: for the sender.
     """
     after = end_block(scene, running, now, why)
-    if running.merged is None or not running.occupancy:
+    if running.merged is None:
         return after
     moved = np.ptp(running.merged.layer.controls, axis=0) > 0.0
     return replace(after, motion=_take_back(scene, running, running.occupancy, moved, now))

@@ -134,14 +134,17 @@ class _Merge:
         base, delayed = lengthen(self.running.controls, count), lengthen(delayed, count)
         while True:
             performed = [each for each in every if each.behaviour not in left_out]
-            if not performed or (whole and left_out):
+            if (every and not performed) or (whole and left_out):
                 return _Attempt(offset, every, base, base, performed, left_out)
             dropped = [each for each in every if each.behaviour in left_out]
-            work = Overlay(base, delayed, self.cut, self.others, performed, dropped)
+            start = self.coming.trajectory.controls[0]
+            work = Overlay(base, delayed, start, self.cut, self.others, performed, dropped)
             found = overlay(work, setup, roomy(setup.limits))
             failed = found if isinstance(found, MergeFailure) else find_conflict(work, found, setup)
             if failed is None and not isinstance(found, MergeFailure):
                 return _Attempt(offset, every, base, found, performed, left_out)
+            if not performed:  # idle motion alone, which gives way to whatever runs
+                return _Attempt(offset, every, base, base, performed, left_out)
             if failed is not None:
                 left_out[failed.behaviour] = failed.why
 

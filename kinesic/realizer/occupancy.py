@@ -159,6 +159,7 @@ class Overlay:
 
     base: Floats  # (k + 3, n) [rad] control points of what runs
     coming: Floats  # (k + 3, n) [rad] of the block's own motion
+    start: Floats  # (n,) [rad] where that motion begins, which may be before the first of these
     cut: int  # knot until which nothing may change
     holding: Sequence[Occupancy]  # of what runs, what has not given way at the cut
     performed: Sequence[Occupancy]  # behaviours of the block

@@ -42,7 +42,7 @@ def add_motions(work: Overlay, alone: Flags, limits: Limits, names: Sequence[str
     turns = [turn for each in work.performed for turn in _turns(each, work, limits)]
     count = max([len(work.base), *(ceil(turn.over / STEP) + 2 * LEAST for turn in turns)])
     base, coming = lengthen(work.base, count), lengthen(work.coming, count)
-    change = coming - coming[0]
+    change = coming - work.start
     change[:, alone] = 0.0
     for dropped in work.dropped:
         _flatten(change, dropped, work, limits)
@@ -174,7 +174,7 @@ def _return(
     """Brings a hand back to where it rested before its last work, unless the block ends elsewhere."""
     base, coming = work.base[:, hinge], work.coming[:, hinge]
     cleanly = not any(role in each.roles and each.ready >= done.ready for each in work.dropped)
-    other_rest = abs(coming[-1] - coming[0]) > SAME
+    other_rest = abs(coming[-1] - work.start[hinge]) > SAME
     if cleanly and (other_rest or abs(base[-1] - coming[-1]) <= SAME):
         return column
     rest = np.full(len(base), base[-1])

@@ -124,6 +124,7 @@ class _PlanChange:
         work = Overlay(
             self._without_block(count),
             lengthen(delay_controls(self.better.trajectory.controls, self.offset), count),
+            self.better.trajectory.controls[0],
             self.knot,
             still_occupied((*self.others, *going_on), self.knot * STEP),
             [each for each in self.own if each.behaviour not in kept],

@@ -46,6 +46,17 @@ def nodding(known: Setup) -> Scene:
     return sent(Scene.of(known), "a", NODS, 0.0)
 
 
+def test_a_look_that_is_held_is_held_in_another_style_and_goes_home(known: Setup) -> None:
+    look = '<gaze id="z" target="left" start="0" ready="1" relax="6" end="7"/><head id="h" lexeme="NOD" stroke="8"/>'
+    scene = sent(Scene.of(known), "a", look, 0.0)
+    held = scene.motion.at(5.0 - scene.motion.start).angles
+    scene, requests = replanned(change_manner(advance(scene, 4.0), 4.0, style="calm"), 4.1)
+    assert requests
+    assert scene.motion.start > 3.0, "the past in which the look began is forgotten"
+    np.testing.assert_allclose(scene.motion.at(5.0).angles, held, atol=1e-6)
+    np.testing.assert_allclose(scene.motion.controls[-1], known.robot.skeleton.rest, atol=1e-9)
+
+
 def test_amount_changes_what_is_still_to_come(nodding: Scene) -> None:
     before = swing(nodding, 1.8, 2.6)
     scene = change_manner(advance(nodding, 1.0), 1.0, amount=0.3)

@@ -1,0 +1,50 @@
+"""Idle motion of blocks that are performed one over another."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinesic.expressivity.idle import Idling
+from kinesic.planning.setup import Setup
+from kinesic.realizer.realizer import Scene, interrupt
+from tests.realizer.conftest import Play
+
+STORY = '<speech id="s"><text>Once upon a time a robot had nothing at all to do, and so it stood there</text></speech>'
+WAVE = '<gesture id="g" lexeme="greet_wave" mode="LEFT_HAND" stroke="1.5"/><head id="h" lexeme="NOD" start="2"/>'
+
+
+@pytest.fixture
+def idling(known: Setup) -> Play:
+    return Play(Scene.of(replace(known, idling=Idling(1.0, 0))))
+
+
+def away(play: Play) -> float:
+    """[deg] that a hinge is away from rest at most, from now on."""
+    motion = play.scene.motion
+    later = motion.sample(np.arange(play.now, max(play.now, motion.end) + 0.1, 0.02))[0]
+    return float(np.degrees(np.abs(later - play.scene.setup.robot.skeleton.rest).max()))
+
+
+def test_who_only_speaks_breathes(idling: Play, play: Play):
+    assert away(idling.send("a", STORY)) > 0.5
+    assert away(play.send("a", STORY)) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_it_holds_nobody_up_and_ends_with_its_block(idling: Play, play: Play):
+    times = []
+    for each in (idling, play):
+        each.send("a", STORY).until(2.0).send("b", WAVE)
+        running = each.scene.find("b")
+        times.append((running.zero, running.times, running.merged.dropped))
+    assert times[0] == times[1]
+    assert idling.scene.motion.controls[-1] == pytest.approx(idling.scene.setup.robot.skeleton.rest, abs=1e-9)
+
+
+def test_an_interruption_takes_it_back(idling: Play):
+    idling.send("a", STORY).until(2.0)
+    end = idling.scene.motion.end
+    idling.take(interrupt(idling.scene, idling.now, "a"))
+    assert idling.scene.motion.end < min(end, idling.now + 0.6)
+    idling.until(idling.now + 0.6)
+    assert away(idling) == pytest.approx(0.0, abs=1e-6)
