@@ -3,7 +3,8 @@
 What hinges stray from the plan is expected to come again, this way or that, as late arms swing past: the errors
 measured of late are added to the postures that come, and taken from them, and the clearance of these is measured. While
 it is ample, time runs as planned; then it runs slower, which makes errors smaller, as servos lag in proportion to their
-speed; where even creeping does not help, it is over.
+speed; what is left of them when time has crept for a while is the sag of a soft servo, which keeps its sign. Where even
+creeping does not help, it is over.
 """
 
 from dataclasses import dataclass, replace
@@ -20,6 +21,7 @@ AHEAD = 0.3  # [s] that postures are looked at before they come: slowing takes a
 MEMORY = 1.0  # [s] for which an error is expected to come again
 EASY, TOUCH = 0.9, 0.4  # of the clearance that a robot asks for: where slowing begins, and where time only creeps
 CREEP = 0.02  # pace of a performance that waits for its errors to become smaller
+SETTLED = 0.3  # [s] of creeping, after which servos do not swing any more
 PATIENCE = 2.0  # [s] of creeping, after which it ends: errors are forgotten sooner
 
 _COMING, _LATE = round(AHEAD / LOOK), round(MEMORY / LOOK)  # looks
@@ -31,6 +33,7 @@ class ClearanceWatch:
     """What was seen of late, and what follows from it."""
 
     strayed: tuple[Floats, ...] = ()  # (n,) [rad] measured less planned at the last looks, the latest last
+    swung: tuple[Floats, ...] = ()  # (n,) [rad] of the same looks, 0 where servos do not swing
     room: float = inf  # [m] clearance foreseen
     pace: float = 1.0  # seconds of the performance per second
     crept: float = 0.0  # [s] since it has crept
@@ -53,12 +56,15 @@ def look(
         distances: of the robot.
         least: [m] clearance that the robot asks for.
     """
-    late = (*watch.strayed, sealed(np.nan_to_num(strayed)))[-1 - _LATE :]
-    errors = np.array(late[::-_SKIPPED])
-    expected = (coming[:, None] + np.concatenate([errors, -errors])).reshape(-1, len(strayed))
+    here = sealed(np.nan_to_num(strayed))
+    late = (*watch.strayed, here)[-1 - _LATE :]
+    swung = (*watch.swung, sealed(np.where(watch.crept < SETTLED, here, 0.0)))[-1 - _LATE :]
+    errors = np.concatenate([np.array(late[::-_SKIPPED]), -np.array(swung[::-_SKIPPED])])
+    expected = (coming[:, None] + errors).reshape(-1, len(strayed))
     room = float(distances.clearance(expected).distances.min())
     pace = pace_for(room, least)
-    return replace(watch, strayed=late, room=room, pace=pace, crept=watch.crept + LOOK if pace <= CREEP else 0.0)
+    crept = watch.crept + LOOK if pace <= CREEP else 0.0
+    return replace(watch, strayed=late, swung=swung, room=room, pace=pace, crept=crept)
 
 
 def pace_for(room: float, least: float) -> float:

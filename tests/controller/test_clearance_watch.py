@@ -11,6 +11,7 @@ from kinesic.controller.clearance_watch import (
     LOOK,
     MEMORY,
     PATIENCE,
+    SETTLED,
     TOUCH,
     ClearanceWatch,
     coming_times,
@@ -72,9 +73,17 @@ def test_an_error_is_remembered_and_then_forgotten():
 def test_who_waits_in_vain_is_over_and_errors_are_forgotten_before():
     watch, looks = ClearanceWatch(), 0
     while not watch.over:
-        watch, looks = seen(watch, 0.02, strayed=0.019), looks + 1
+        watch, looks = seen(watch, 0.02, strayed=-0.019), looks + 1
     assert looks == pytest.approx(PATIENCE / LOOK, abs=1)
     assert PATIENCE > MEMORY
+
+
+def test_what_is_left_of_an_error_while_time_creeps_keeps_its_sign():
+    watch, looks = ClearanceWatch(), 0
+    while watch.pace <= CREEP or not looks:
+        watch, looks = seen(watch, 0.02, strayed=0.019), looks + 1
+    assert looks * LOOK == pytest.approx(SETTLED + MEMORY, abs=3 * LOOK)
+    assert watch.room == pytest.approx(0.02)
 
 
 def test_patience_begins_anew_when_time_goes_on():

@@ -20,8 +20,7 @@ SOFT_AND_LATE = Factors(gain=0.4, latency=0.02)
 
 @pytest.fixture(scope="module")
 def pleading(known) -> Plan:
-    hands_alone = replace(known, style=known.style.changed(["whole_body=0"]))
-    return plan(BLOCK.format('<gesture id="g" lexeme="plead" start="0.1" stroke="0.7" end="1.5"/>'), hands_alone)
+    return plan(BLOCK.format('<gesture id="g" lexeme="plead" start="0.1" stroke="0.7" end="1.5"/>'), known)
 
 
 def test_time_slows_where_hands_would_touch(pleading):
