@@ -22,7 +22,7 @@ from kinesic.expressivity.style.style import Expressivity, Style
 GOLDEN = (sqrt(5.0) - 1.0) / 2.0  # step of a sequence on the circle whose members keep apart, neighbours most
 
 SPATIAL = 0.5  # most that spatial extent differs
-TEMPORAL = 0.3  # and temporal extent: an eighth of the time of each phase
+TEMPORAL = 0.3  # and temporal extent: an eighth of the time of each phase; half of it follows from the size
 PLACE = 0.05  # [arm lengths] along each axis: 3 cm of a person
 OTHER_HAND = 0.25  # share of gestures that the other hand makes, where the document leaves it open
 EITHER_HAND = frozenset(("beat", "iconic", "metaphoric"))  # categories without a hand of their own
@@ -108,7 +108,7 @@ def _deviation(block: Block, behaviour: Behaviour, number: int, variation: Varia
     temporal, *place = chance.uniform(-1.0, 1.0, 4)
     return Deviation(
         spatial=variation.amount * SPATIAL * extent,
-        temporal=variation.amount * TEMPORAL * float(temporal),
+        temporal=variation.amount * TEMPORAL * (float(temporal) - extent) / 2.0,  # what is larger takes longer
         place=sealed(variation.amount * PLACE * np.array(place)),
         other_hand=float(chance.uniform()) < variation.amount * OTHER_HAND,
     )

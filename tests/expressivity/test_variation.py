@@ -82,6 +82,13 @@ def test_a_person_differs_within_a_spread_and_twice_as_far_in_exaggeration():
     assert (twice.spatial, twice.temporal) == pytest.approx((2 * found[0].spatial, 2 * found[0].temporal))
 
 
+def test_what_is_larger_takes_longer_in_most():
+    found = [each for seed in range(40) for each in deviations(beats(5), Variation(1.0, seed)).values()]
+    spatial, temporal = np.array([(each.spatial, each.temporal) for each in found]).T
+    assert np.abs(temporal).max() <= TEMPORAL
+    assert np.corrcoef(spatial, temporal)[0, 1] < -0.5
+
+
 def test_only_what_hands_do_varies():
     assert deviations(block(Gaze("left"), Gesture("beat")), PERSON).keys() == {"g1"}
 
