@@ -33,7 +33,7 @@ BEAT_TIME = 0.6  # [s] of a stroke after which the hand is held as long as its c
 DWELL, DYNAMIC_DWELL = 1.8, 0.4  # factors on the hold of a pose, and of a stroke of `BEAT_TIME`
 
 ACCENT = 1.9  # steepness that a dynamic stroke adds to the softest
-SPOKEN_ACCENT = 6.0  # likewise where a word sounds at its end: people's hands are fastest at the accented syllable
+SPOKEN_ACCENT = 6.4  # likewise where a word sounds at its end: people's hands are fastest at the accented syllable
 SPOKEN_LEAST = 0.6  # of that, which fluid and loose hands keep
 ONWARD, THROUGH = 0.9, 0.8  # swing at the key where a stroke begins, and at its other keys
 SPOKEN_ONWARD = 0.4  # at the key where one begins that meets a word: the rest of the speed is kept for the word
