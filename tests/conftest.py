@@ -1,11 +1,12 @@
 """What must be so before any test module is imported.
 
 MuJoCo reads MUJOCO_GL when it is first imported: kinesic decides before. And whoever runs the tests may have calibrated
-a robot: here nobody has. A shell lets what it runs in the background ignore Ctrl-C, which programs would inherit that
-tests start and interrupt. Machines are shared: an example may take as long as it likes; what needs real time looks
-first whether the machine keeps time, and is skipped where it does not (`machine too slow`). Where it fails, the machine
-is looked at again: the test is skipped as well if the machine is too slow, and else tried again once, which the summary
-tells. Examples of theorems are the same in every run; `make soak` has new ones each time.
+a robot: here nobody has. A shell lets what it runs in the background ignore Ctrl-C, and nohup a terminal that closes,
+which programs would inherit that tests start and interrupt. Machines are shared: an example may take as long as it
+likes; what needs real time looks first whether the machine keeps time, and is skipped where it does not (`machine too
+slow`). Where it fails, the machine is looked at again: the test is skipped as well if the machine is too slow, and else
+tried again once, which the summary tells. Examples of theorems are the same in every run; `make soak` has new ones each
+time.
 """
 
 import atexit
@@ -40,8 +41,9 @@ settings.load_profile("kinesic")
 _nobody = tempfile.TemporaryDirectory(prefix="kinesic-tests-")  # removed when the interpreter ends
 os.environ["XDG_CONFIG_HOME"] = _nobody.name
 
-if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
-    signal.signal(signal.SIGINT, signal.default_int_handler)
+for _number, _usual in ((signal.SIGINT, signal.default_int_handler), (signal.SIGHUP, signal.SIG_DFL)):
+    if signal.getsignal(_number) is signal.SIG_IGN:
+        signal.signal(_number, _usual)
 
 
 def pytest_configure(config: pytest.Config) -> None:
