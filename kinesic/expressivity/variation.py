@@ -1,8 +1,9 @@
-"""Variation: how much one gesture differs from the next, as those of one person do.
+"""Variation: how much one gesture differs from the next, as one person's gestures do.
 
-Nobody makes the same beat twice. Beats that one person makes in one take have durations with a spread of 13 to 21 % and
-paths of 31 to 36 % (42 and 43 captured gestures); that of the same beat is taken to be half of it. What differs depends
-on the seed, the block and the gesture's place in it alone, so that a performance can be repeated.
+Nobody makes the same beat twice. In captured takes of one person, the durations of beats have a standard deviation of 13
+to 21 % and the lengths of their ways of 31 to 36 %; repetitions of one and the same beat are taken to vary half as much.
+A deviation follows from the seed and amount, the block's id, and the gesture's id and number among the block's gestures,
+so that a performance can be repeated.
 """
 
 from collections.abc import Mapping
@@ -19,9 +20,9 @@ from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
 from kinesic.expressivity.lexicon.space import shift_position, spread_hands
 from kinesic.expressivity.style.style import Expressivity, Style
 
-GOLDEN = (sqrt(5.0) - 1.0) / 2.0  # step of a sequence on the circle whose members keep apart, neighbours most
+GOLDEN = (sqrt(5.0) - 1.0) / 2.0  # step of a sequence on the circle whose neighbours are well apart
 
-SPATIAL = 0.5  # most that spatial extent differs
+SPATIAL = 0.5  # most that spatial extent differs, like all of these at amount 1
 TEMPORAL = 0.3  # and temporal extent: an eighth of the time of each phase; half of it follows from the size
 PLACE = 0.05  # [arm lengths] along each axis: 3 cm of a person
 OTHER_HAND = 0.25  # share of gestures that the other hand makes, where the document leaves it open
@@ -62,7 +63,7 @@ class Deviation:
         )
 
     def form(self, form: GestureForm, robot: Robot) -> GestureForm:
-        """Moves a gesture to its place, as far as the arms reach with ease; what is fixed or touched stays."""
+        """Shifts the stroke keys of a gesture; fixed axes, hands that touch and rest poses stay where they are."""
         if form.rest:
             return form
         return replace(form, keys=tuple(self._key(key, robot) for key in form.keys))
@@ -86,11 +87,11 @@ class Deviation:
 def deviations(block: Block, variation: Variation) -> Mapping[str, Deviation]:
     """Finds how each gesture of a block differs.
 
-    Extents are steps of a sequence rather than chance, so that a gesture differs plainly from the one before it.
+    Spatial extents step through a sequence that begins by chance, so that a gesture differs plainly from the one before it.
 
     Args:
         block: whose gestures and pointing vary.
-        variation: how far, and by which chance.
+        variation: how far, and with which seed.
 
     Returns:
         Behaviour id -> deviation; empty where nothing varies.
