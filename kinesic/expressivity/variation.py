@@ -1,8 +1,8 @@
 """Variation: how much one gesture differs from the next, as one person's gestures do.
 
-Nobody makes the same beat twice. In captured takes of one person, the durations of beats have a standard deviation of 13
-to 21 % and the lengths of their ways of 31 to 36 %; repetitions of one and the same beat are taken to vary half as much.
-A deviation follows from the seed and amount, the block's id, and the gesture's id and number among the block's gestures,
+Nobody makes the same beat twice. In captured takes of one person, the durations of beats have a standard deviation of
+13 to 21 % and the lengths of their ways of 31 to 36 %; the same beat, repeated, is taken to vary half as much. A
+deviation follows from the seed and amount, the block's id, and the gesture's id and number among the block's gestures,
 so that a performance can be repeated.
 """
 
@@ -87,7 +87,8 @@ class Deviation:
 def deviations(block: Block, variation: Variation) -> Mapping[str, Deviation]:
     """Finds how each gesture of a block differs.
 
-    Spatial extents step through a sequence that begins by chance, so that a gesture differs plainly from the one before it.
+    Spatial extents step through a sequence that begins by chance, so that a gesture differs plainly from
+    the one before it.
 
     Args:
         block: whose gestures and pointing vary.
