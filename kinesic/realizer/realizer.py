@@ -18,6 +18,7 @@ from kinesic.realizer.changing import change_manner, change_parameter, improve_b
 from kinesic.realizer.contention import interrupted_by
 from kinesic.realizer.ending import leave_out, stop_block
 from kinesic.realizer.feedback import ScheduledFeedback, order_feedback
+from kinesic.realizer.idling import begin_idle, end_idle
 from kinesic.realizer.pointing import aim_again
 from kinesic.realizer.request import TimedRequest
 from kinesic.realizer.running_block import PreparedBlock, RunningBlock
@@ -30,6 +31,7 @@ __all__ = [
     "ScheduledFeedback",
     "advance",
     "begin",
+    "begin_idle",
     "change_manner",
     "improve_block",
     "interrupt",
@@ -116,7 +118,7 @@ def advance(scene: Scene, now: float) -> Scene:
 
 
 def interrupt(scene: Scene, now: float, block: str | None = None) -> Scene:
-    """Ends one block or all of them; what others do goes on.
+    """Ends one block, or all of them and idle motion; what others do goes on.
 
     Args:
         scene: at some time before.
@@ -127,6 +129,7 @@ def interrupt(scene: Scene, now: float, block: str | None = None) -> Scene:
     for running in before.blocks:
         if block in (None, running.id):
             scene = stop_block(scene, running, now, "it was interrupted")
+    scene = scene if block is not None else end_idle(scene, now)
     return aim_again(before, scene, now)
 
 

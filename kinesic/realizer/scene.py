@@ -35,6 +35,7 @@ class Scene:
     replans: tuple[TimedRequest, ...] = ()  # blocks to be planned anew, each plan for `improve_block`
     ahead: float = 0.0  # [s] the motion is handed over so early: changes begin no sooner
     lasting: tuple[Occupancy, ...] = ()  # of blocks that are over, what stays: the last gaze shift and posture
+    idle: RunningBlock | None = None  # idle motion since the last block was over
 
     @classmethod
     def of(cls, setup: Setup, now: float = 0.0, *, character: str | None = None, ahead: float = 0.0) -> "Scene":
@@ -169,4 +170,5 @@ def forget_past(scene: Scene, now: float) -> Scene:
     if now - scene.motion.start < LONGEST_PAST:
         return scene
     blocks = tuple(each.since(now - KEPT) for each in scene.blocks)
-    return replace(scene, motion=scene.motion.since(now - KEPT), blocks=blocks)
+    idle = None if scene.idle is None else scene.idle.since(now - KEPT)
+    return replace(scene, motion=scene.motion.since(now - KEPT), blocks=blocks, idle=idle)

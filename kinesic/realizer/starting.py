@@ -8,6 +8,7 @@ from kinesic.planning.syncs import SHIFT_TO_WARN
 from kinesic.realizer.contention import occupancy_of_others, silence_overlap
 from kinesic.realizer.ending import end_block, stop_block
 from kinesic.realizer.feedback import order_feedback, times_of, without, without_provisional
+from kinesic.realizer.idling import end_idle
 from kinesic.realizer.merge import MergedMotion, merge, replace_motion
 from kinesic.realizer.pointing import aim_again
 from kinesic.realizer.running_block import RunningBlock
@@ -23,7 +24,7 @@ def start_block(scene: Scene, running: RunningBlock, now: float) -> Scene:
         now: [s] global time.
     """
     desired = _desired_zero(scene, running, now)
-    before = scene = scene.with_block(running)
+    before = scene = end_idle(scene, now).with_block(running)
     for id in running.block.succession.interrupts:
         if (other := scene.find(id)) is not None and id != running.id:
             scene = stop_block(scene, other, now, f"{running.id} interrupts it")

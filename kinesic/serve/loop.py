@@ -75,6 +75,7 @@ class Loop(Thread):
         self.agenda: list[ScheduledFeedback] = []
         self.stops, self._stops_made = 0, 0  # emergency stops that were requested, and those that were made
         self.halted = False  # whether the last one still holds
+        self.idles = False  # whether the motion is nothing but idle motion
         self.late = 0  # ticks that came more than a period late
         self.failed = False  # whether it ended by itself
         self.error: BusError | DisplayError | None = None  # why
@@ -227,7 +228,7 @@ class Loop(Thread):
         unsent = dict.fromkeys(message for message in (*waiting, *proposal.agenda) if message not in self._sent)
         self.agenda, self._final = sorted(unsent, key=attrgetter("time")), proposal.now
         self._sent = {message for message in self._sent if message.time > proposal.now}
-        self._owed, self._moving = proposal.owed, proposal.moving
+        self._owed, self._moving, self.idles = proposal.owed, proposal.moving, proposal.idles
         self._effects.take(proposal.tracks)
         return True
 

@@ -137,6 +137,7 @@ class Proposal:
     owed: frozenset[int]  # senders whose blocks are not over
     moving: Mapping[tuple[str, str], Flags]  # (block, behaviour) -> (n,) hinges that it moves
     tracks: Mapping[str, Track | None]  # by block, those that have changed; None: of a block that is over
+    idles: bool = False  # whether the motion is nothing but idle motion
 
 
 News = PlannerReady | FeedbackNotice | RequestDone | Proposal

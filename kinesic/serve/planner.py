@@ -15,13 +15,15 @@ from kinesic.realizer.realizer import (
     Scene,
     advance,
     begin,
+    begin_idle,
     change_manner,
     improve_block,
     interrupt,
     prepare_block,
 )
 from kinesic.realizer.release import release_motion
-from kinesic.realizer.request import Message, block_id, read_request, refusal_feedback
+from kinesic.realizer.request import block_id, read_request, refusal_feedback
+from kinesic.serve.idling import IdleTimes
 from kinesic.serve.messages import (
     ClientRequest,
     DocumentRequest,
@@ -38,7 +40,8 @@ from kinesic.serve.messages import (
     Resumption,
 )
 from kinesic.serve.refiner import RefinedPlan, RefinementJob, pack, unpack
-from kinesic.serve.tracks import SoundAndFace, Track, Version, make_track, track_version
+from kinesic.serve.tracks import Track, Version, make_track, track_version
+from kinesic.serve.warm_up import warm_up
 from kinesic.serve.wire.protocol import json_answer
 from kinesic.serve.wire.quotas import Quotas, quota_feedback
 
@@ -57,11 +60,6 @@ DEFECTS = (
     TypeError,
     ValueError,
 )  # of a program
-WARMING = (
-    '<bml id="warming"><head id="nod" lexeme="NOD" start="0"/><gesture id="beat" lexeme="BEAT" start="0"/>'
-    '<faceLexeme id="brows" lexeme="RAISE_BROWS" start="0"/><speech id="yes"><text>Yes.</text></speech></bml>'
-)
-
 Change = Callable[[Scene, float], Scene]
 
 
@@ -104,14 +102,6 @@ def run_planner(
         return
 
 
-def warm_up(setup: Setup, accompaniment: SoundAndFace) -> None:
-    """Plans a block that is never performed, so that the first one that is finds everything at hand."""
-    scene = begin(Scene.of(setup), prepare_block(read_request(Message(WARMING), setup), setup), 0.0)
-    for running in scene.playing:
-        make_track(running, accompaniment)
-    advance(scene, 0.1)
-
-
 class PlannerState:
     """Keeps the scene, and changes it as the loop can follow."""
 
@@ -132,17 +122,23 @@ class PlannerState:
         self._accompaniment = properties.accompaniment
         self._versions = dict[str, Version]()  # of the tracks that the loop has
         self._refining = False  # whether the refiner is at work
+        self._idle_times = IdleTimes()
         self._scene = replace(Scene.of(setup), motion=beginning.motion, agenda=beginning.agenda)
 
     @property
     def pause(self) -> float | None:
         """Time until something is due [s]; None where nothing is."""
-        pause = self._scene.next_time - self._clock.now()
+        pause = min(self._scene.next_time, self._idle_times.next_time(self._scene)) - self._clock.now()
         return max(pause, LOOK) if isfinite(pause) else None
 
     def go_on(self) -> None:
-        """Lets time pass: what is over is forgotten, and blocks that may start begin."""
-        self._propose(advance)
+        """Lets time pass: what is over is forgotten, blocks that may start begin, and who has nothing to do idles."""
+        now = self._clock.now()
+        if self._idle_times.next_time(self._scene) > now:
+            self._propose(advance)
+            return
+        spell = self._idle_times.prepare(self._scene.setup, now)
+        self._propose(lambda scene, now: begin_idle(advance(scene, now), spell, now))
 
     def fulfil(self, request: ClientRequest) -> None:
         """Does what a client requests, once every emergency stop is known that was before it."""
@@ -150,8 +146,11 @@ class PlannerState:
             self._catch_up(request.stops)
         match request:
             case DocumentRequest():
+                self._idle_times.allow(self._clock.now())
                 self._plan(request)
             case Interruption(block):
+                if block is None:
+                    self._idle_times.forbid()
                 self._propose(lambda scene, now: interrupt(scene, now, block))
             case Restyling():
                 self._restyle(request)
@@ -183,7 +182,7 @@ class PlannerState:
     def take_halt(self, halted: Halted) -> None:
         """Takes over the motion of an emergency stop, which interrupts every block."""
         self._stops = halted.stops
-
+        self._idle_times.forbid()
         self._propose(lambda scene, _now: replace(interrupt(scene, halted.time), motion=halted.motion), moves=False)
 
     def _catch_up(self, stops: int) -> None:
@@ -251,10 +250,13 @@ class PlannerState:
             self._took = min(LONGEST, max(self._clock.now() - now, SLOWER * self._took))
             motion = scene.motion if moves and scene.motion is not self._scene.motion else None
             versions, tracks = self._tracks(scene)
+            idles = scene.idle is not None and not scene.blocks
             owed = frozenset(block.sender for block in scene.blocks)
             moving = {(block.id, need.behaviour): need.hinges for block in scene.blocks for need in block.occupancy}
             self._loop.send(
-                Proposal(self._stops, now, now + ahead, motion, (*scene.said, *scene.agenda), owed, moving, tracks)
+                Proposal(
+                    self._stops, now, now + ahead, motion, (*scene.said, *scene.agenda), owed, moving, tracks, idles
+                )
             )
             halted, verdict = self._answer()
             if verdict.accepted:
@@ -272,7 +274,8 @@ class PlannerState:
         """Versions of all tracks of the blocks that play, and the tracks that have changed."""
         if not (self._accompaniment.face or self._accompaniment.sound):
             return {}, {}
-        playing = {running.id: running for running in scene.playing}
+        resting = () if scene.idle is None else (scene.idle,)
+        playing = {running.id: running for running in (*resting, *scene.playing)}
         versions = {id: track_version(running) for id, running in playing.items()}
         over: dict[str, Track | None] = dict.fromkeys(self._versions.keys() - versions.keys())
         fresh = [id for id, own in versions.items() if self._versions.get(id) != own]

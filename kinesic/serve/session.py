@@ -117,9 +117,11 @@ class Session:
     def status(self) -> dict[str, object]:
         """Reports state, time, queue and faults, for people and programs."""
         stopped = self._halted or self.loop.waits()
-        state = "stopped" if stopped else "resting" if self.loop.settled() else "playing"
+        rests = self.loop.settled() or self.loop.idles
+        state = "stopped" if stopped else "resting" if rests else "playing"
         return {
             "state": state,
+            "idles": self.loop.idles and not stopped,
             "time": round(self.clock.now(), 3),
             "waiting": len(self._documents),
             "planner": "warm" if self.planner.warm else "starting",

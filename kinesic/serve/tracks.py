@@ -55,7 +55,7 @@ def make_track(running: RunningBlock, accompaniment: SoundAndFace) -> Track:
     sounds = tuple(
         (spoken.begin, found) for spoken in running.speeches if (found := spoken.utterance.sound) is not None
     )
-    is_seen = accompaniment.face and asks_face(plan)
+    is_seen = accompaniment.face and (asks_face(plan) or plan.setup.idling.amount > 0.0)
     times = np.arange(int(plan.duration * RATE) + 1) / RATE
     return Track(begin, shown_units(plan, times) if is_seen else {}, sounds if accompaniment.sound else ())
 

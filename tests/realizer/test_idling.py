@@ -1,0 +1,83 @@
+"""Idle motion between blocks gives way to whatever comes."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinesic.expressivity.idle import Idling
+from kinesic.motion.stopping import stop
+from kinesic.planning.setup import Setup
+from kinesic.realizer.realizer import Scene, begin_idle, interrupt
+from kinesic.realizer.running_block import PreparedBlock
+from kinesic.serve.idling import prepare_idle
+from tests.realizer.certified import certified
+from tests.realizer.conftest import Play
+
+WELCOME = '<gesture id="g" lexeme="greet_wave" start="0"/><head id="h" lexeme="NOD" start="0.1"/>'
+SHIFT = '<gaze id="z" target="left" start="0" end="1"/>'
+
+
+@pytest.fixture(scope="module")
+def lively(known: Setup) -> Setup:
+    return replace(known, idling=Idling(2.0, 0))
+
+
+@pytest.fixture(scope="module")
+def spell(lively: Setup) -> PreparedBlock:
+    return prepare_idle(lively)
+
+
+@pytest.fixture
+def idling(lively: Setup, spell: PreparedBlock) -> Play:
+    play = Play(Scene.of(lively, ahead=0.02)).until(1.0)
+    return play.take(begin_idle(play.scene, spell, play.now))
+
+
+def farthest(play: Play, since: float) -> float:
+    """[rad] that a hinge is away from rest at most, from a time [s] on."""
+    angles = play.scene.motion.sample(np.arange(since, max(since, play.scene.motion.end) + 0.1, 0.02))[0]
+    return float(np.abs(angles - play.scene.setup.robot.skeleton.rest).max())
+
+
+def test_who_has_nothing_to_do_idles_and_tells_nobody(idling: Play):
+    assert np.degrees(farthest(idling, 1.0)) > 1.0
+    assert not idling.until(14.0).told
+    assert idling.scene.states == {}
+
+
+def test_a_block_comes_as_soon_and_as_planned_on_a_robot_that_idles(idling: Play, lively: Setup):
+    resting = Play(Scene.of(lively, ahead=0.02))
+    found = []
+    for play in (idling.until(5.3), resting.until(5.3)):
+        before = play.scene.motion
+        running = play.send("b", WELCOME).scene.find("b")
+        found.append((running.times, running.merged.dropped))
+        assert running.zero - play.now < 0.02 + 0.011 + running.lead  # no later than the next knot
+        if play is idling:
+            certified(play.scene.motion, lively, before, 5.3 - before.start)
+    assert found[0] == found[1]
+    assert idling.scene.idle is None
+    assert farthest(idling.until(12.0), 12.0) < 1e-6
+
+
+def test_it_begins_only_where_nothing_plays(lively: Setup, spell: PreparedBlock):
+    play = Play(Scene.of(lively)).send("b", WELCOME).until(0.5)
+    assert begin_idle(play.scene, spell, play.now) is play.scene
+
+
+def test_what_stays_stays_below_it(lively: Setup, spell: PreparedBlock):
+    play = Play(Scene.of(lively)).send("b", '<gazeShift id="z" target="left" start="0" end="1"/>').until(4.0)
+    before = play.scene.motion.controls[-1]
+    play.take(begin_idle(play.scene, spell, play.now)).until(7.0)
+    play.take(interrupt(play.scene, play.now))
+    assert play.scene.motion.controls[-1] == pytest.approx(before, abs=1e-9)
+
+
+def test_an_interruption_and_a_stop_end_it_soon(idling: Play, lively: Setup):
+    idling.until(5.0)
+    halted = stop(idling.scene.motion, 5.0, lively.limits)
+    assert halted.end < 5.0 + 0.3
+    idling.take(interrupt(idling.scene, idling.now))
+    assert idling.scene.motion.end < 5.0 + 0.8
+    assert farthest(idling, idling.scene.motion.end) < 1e-6
