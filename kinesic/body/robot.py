@@ -20,7 +20,6 @@ SIDE_NAMES: Mapping[Side, str] = {"l": "left", "r": "right"}
 PartName = Literal["torso", "head", "l_hand", "r_hand"]  # what a behaviour moves
 CHAINS: Mapping[PartName, str] = {"torso": "torso", "l_hand": "l_arm", "r_hand": "r_arm", "head": "neck"}
 LIFTING = "sternoclavicular_abduct"  # how the name of a hinge ends that raises a shoulder
-SPEED_SHARE = 0.8  # of the no-load speed that a plan may use
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +74,7 @@ class Robot(Description):
     @cached_property
     def speed_limits(self) -> Floats:
         """(n,) [rad/s] that a plan may use."""
-        return sealed(SPEED_SHARE * self.drives.no_load)
+        return self.drives.speed
 
     @cached_property
     def arms(self) -> Mapping[Side, Chain]:

@@ -12,6 +12,7 @@ from kinesic.body.arrays import sealed
 from kinesic.body.calibration import NONE, Calibration, narrow_ranges, read_calibration
 from kinesic.body.config import CONFIGS, ConfigError, read_toml, suggestion
 from kinesic.body.description import Description, Exclusion, Mount, Site, Supply
+from kinesic.body.muscle import muscle
 from kinesic.body.robot_schema import (
     BodyTable,
     CapsuleTable,
@@ -88,10 +89,7 @@ def robot_from_tables(file: RobotFile, path: Path, calibration: Calibration = NO
             segments=tuple(_segment(body) for body in file.body),
             hinges=tuple(_hinge(hinge, radians(file.rest.get(hinge.name, 0.0))) for hinge in hinges),
         ),
-        mounts=tuple(
-            Mount(Drive(models[hinge.servo], hinge.count, hinge.reduction), hinge.mount.body, sealed(hinge.mount.at))
-            for hinge in hinges
-        ),
+        mounts=tuple(_mount(hinge, models) for hinge in hinges),
         chains={name: tuple(bodies) for name, bodies in file.chains.items()},
         sites={name: Site(site.body, sealed(site.at), sealed(site.facing)) for name, site in file.sites.items()},
         exclusions=tuple(Exclusion(frozenset(entry.pair), entry.why) for entry in file.collision.exclude),
@@ -112,6 +110,19 @@ def _hinge(hinge: HingeTable, rest: float) -> Hinge:
     axis = np.array(hinge.axis) / np.linalg.norm(hinge.axis)
     lower, upper = (radians(limit) for limit in hinge.range_deg)
     return Hinge(hinge.name, hinge.body, sealed(axis), lower, upper, rest, sealed(hinge.at))
+
+
+def _mount(hinge: HingeTable, models: Mapping[str, ServoModel]) -> Mount:
+    """Its servo where it is mounted; without one, what its limits make of it, which weighs nothing."""
+    if hinge.limits is not None:
+        limits = hinge.limits
+        speed, acceleration = radians(limits.speed_deg), radians(limits.acceleration_deg)
+        drive = muscle(speed=speed, acceleration=acceleration, torque=limits.torque)
+        return Mount(drive, hinge.body, sealed(hinge.at))
+    assert hinge.servo is not None  # `_check_drive` has seen to it
+    assert hinge.mount is not None
+    drive = Drive(models[hinge.servo], hinge.count, hinge.reduction)
+    return Mount(drive, hinge.mount.body, sealed(hinge.mount.at))
 
 
 def _with_both_sides(file: RobotFile) -> RobotFile:
@@ -169,7 +180,7 @@ def _mirrored_hinge(hinge: HingeTable, mirror: MirrorTable) -> HingeTable:
         body=_renamed(hinge.body, mirror),
         axis=(-x, y, -z),  # so that equal angles are mirror postures
         at=_flipped(hinge.at),
-        mount=MountTable(_renamed(hinge.mount.body, mirror), _flipped(hinge.mount.at)),
+        mount=None if hinge.mount is None else MountTable(_renamed(hinge.mount.body, mirror), _flipped(hinge.mount.at)),
     )
 
 
@@ -204,10 +215,10 @@ def _check(path: Path, file: RobotFile, servos: list[str]) -> None:
     for hinge in file.hinge:
         _unique(path, "hinge", hinge.name, hinges)
         _known(path, f"body of hinge {hinge.name}", hinge.body, bodies)
-        _known(path, f"mount of hinge {hinge.name}", hinge.mount.body, bodies)
-        _known(path, f"servo of hinge {hinge.name}", hinge.servo, servos)
+        _check_drive(path, hinge, bodies, servos)
         _check_figures(path, hinge, file.rest.get(hinge.name, 0.0))
         hinges.append(hinge.name)
+    _check_alike(path, file)
     for name, members in file.chains.items():
         for body_name in members:
             _known(path, f"chain {name}", body_name, bodies)
@@ -222,6 +233,34 @@ def _check(path: Path, file: RobotFile, servos: list[str]) -> None:
         _known(path, "[chains] needs", chain, list(file.chains))
     for site_name in ("l_palm", "r_palm"):
         _known(path, "[sites] needs", site_name, list(file.sites))
+
+
+def _check_drive(path: Path, hinge: HingeTable, bodies: list[str], servos: list[str]) -> None:
+    """Refuses a hinge that nothing turns, or two things do."""
+    if hinge.limits is None:
+        if hinge.servo is None or hinge.mount is None:
+            raise ConfigError(f"{path}: hinge {hinge.name}: give servo and mount, or limits where no servo turns it")
+        _known(path, f"mount of hinge {hinge.name}", hinge.mount.body, bodies)
+        _known(path, f"servo of hinge {hinge.name}", hinge.servo, servos)
+        return
+    unfit = [key for key in ("servo", "mount") if getattr(hinge, key) is not None]
+    unfit += [key for key in ("count", "reduction") if getattr(hinge, key) != 1]
+    if unfit:
+        raise ConfigError(f"{path}: hinge {hinge.name} has limits and {unfit[0]}: limits are for hinges without servo")
+    for key, value in msgspec.structs.asdict(hinge.limits).items():
+        if value <= 0:
+            raise ConfigError(f"{path}: hinge {hinge.name}: limits.{key} is {value:g}, must be above 0")
+
+
+def _check_alike(path: Path, file: RobotFile) -> None:
+    """Refuses a robot of which only a part has servos."""
+    without = [hinge.name for hinge in file.hinge if hinge.limits is not None]
+    if without and (driven := [hinge.name for hinge in file.hinge if hinge.servo is not None]):
+        raise ConfigError(
+            f"{path}: {driven[0]} has a servo and {without[0]} has limits: give all hinges servos, or none of them"
+        )
+    if without and file.bus:
+        raise ConfigError(f"{path}: [[bus]], but no hinge has a servo: remove it, or give servos instead of limits")
 
 
 def _check_figures(path: Path, hinge: HingeTable, rest: float) -> None:

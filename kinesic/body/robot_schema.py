@@ -60,15 +60,24 @@ class MountTable(Strict):
     at: Triple
 
 
+class LimitsTable(Strict):
+    """`limits` of a hinge without a servo."""
+
+    speed_deg: float  # [deg/s]
+    acceleration_deg: float  # [deg/s^2] of the hinge with nothing on it
+    torque: float  # [Nm]
+
+
 class HingeTable(Strict):
-    """[[hinge]]."""
+    """[[hinge]]: with a servo and where it is mounted, or with limits alone."""
 
     name: str
     body: str
     axis: Triple
     range_deg: tuple[float, float]
-    servo: str
-    mount: MountTable
+    servo: str | None = None
+    mount: MountTable | None = None
+    limits: LimitsTable | None = None
     count: int = 1
     reduction: float = 1.0
     at: Triple = (0.0, 0.0, 0.0)

@@ -10,6 +10,7 @@ from kinesic.body.arrays import Floats, sealed
 TICKS_PER_TURN = 4096
 DUTY_FULL = 885  # PWM register value of full duty
 TICKS_PER_RADIAN = TICKS_PER_TURN / (2 * pi)
+SPEED_SHARE = 0.8  # of the no-load speed that a plan may use
 
 
 @dataclass(frozen=True)
@@ -46,6 +47,7 @@ class Drive:
     servo: ServoModel
     count: int
     reduction: float  # servo turns per hinge turn
+    speed_share: float = SPEED_SHARE  # of the no-load speed that a plan may use
 
     @property
     def stall(self) -> float:
@@ -56,6 +58,11 @@ class Drive:
     def no_load(self) -> float:
         """No-load speed [rad/s]."""
         return self.servo.no_load_rpm * 2 * pi / 60 / self.reduction
+
+    @property
+    def speed(self) -> float:
+        """Speed that a plan may use [rad/s]."""
+        return self.speed_share * self.no_load
 
     @property
     def gain(self) -> float:
@@ -98,6 +105,7 @@ class Drives(tuple[Drive, ...]):
 
     stall = _row(lambda drive: drive.stall)  # [Nm]
     no_load = _row(lambda drive: drive.no_load)  # [rad/s]
+    speed = _row(lambda drive: drive.speed)  # [rad/s] that a plan may use
     gain = _row(lambda drive: drive.gain)  # [1/rad]
     rate_gain = _row(lambda drive: drive.rate_gain)  # [Nm s/rad]
     armature = _row(lambda drive: drive.armature)  # [kg m^2]

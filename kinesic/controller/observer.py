@@ -37,7 +37,7 @@ import scipy
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import Body, Command
 from kinesic.body.dynamics import Dynamics
-from kinesic.body.robot import SPEED_SHARE, Robot
+from kinesic.body.robot import Robot
 from kinesic.controller.feedforward import FeedForwardGoals
 from kinesic.controller.observer_step import compile_tick
 
@@ -132,7 +132,7 @@ class Observer:
         drag = (drives.stall / drives.no_load + drives.rate_gain + drives.damping) / inertia
         forecast = _forecast(stiffness, drag, period)
         gain = _gains(forecast, np.exp(-BANDWIDTH * period))
-        step = (1.0 - SPEED_SHARE) * drives.no_load * period
+        step = (drives.no_load - drives.speed) * period
         late = int(delay / period)
         arrival = np.zeros(late + 2)
         arrival[late:] = late + 1 - delay / period, delay / period - late

@@ -7,7 +7,8 @@ from scipy.linalg import expm
 
 from kinesic.body.arrays import Floats
 from kinesic.body.command import Command
-from kinesic.body.robot import SPEED_SHARE, Robot
+from kinesic.body.robot import Robot
+from kinesic.body.servo import SPEED_SHARE
 from kinesic.controller import observer as observer_module
 from kinesic.controller.feedforward import FeedForwardGoals
 from kinesic.controller.observer import LARGEST, LoadEstimate, Observer, ObserverInputs, _forecast, correct_goals

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import ConfigError
+from kinesic.body.muscle import NAME as MUSCLE
 from kinesic.body.robot import Robot
 from kinesic.body.servo import TICKS_PER_TURN, Drive
 from kinesic.hardware.bus.bounds import Span
@@ -105,6 +106,8 @@ class Manifest:
             ConfigError: the robot has no [[bus]], its tables are wrong, or a servo is none that the bus knows.
         """
         wiring = ServoMap.of(robot)
+        if all(drive.servo.name == MUSCLE for drive in robot.drives):
+            raise ConfigError(f"{robot.name} has no servos: it is drawn, not built; leave servos out of --on")
         if not wiring.buses:
             raise ConfigError(f"{robot.path}: no [[bus]], so that no servo can be reached; see docs/my-robot.md")
         placed = [(servos, robot.skeleton.joint(servos.hinge)) for servos in wiring.servos]

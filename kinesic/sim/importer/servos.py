@@ -2,9 +2,8 @@
 
 from math import pi
 
-from kinesic.body.robot import SPEED_SHARE
 from kinesic.body.robot_schema import ServoTable
-from kinesic.body.servo import DUTY_FULL, TICKS_PER_RADIAN
+from kinesic.body.servo import DUTY_FULL, SPEED_SHARE, TICKS_PER_RADIAN
 from kinesic.sim.importer.model_tree import Joint
 
 VOLT = 48.0
