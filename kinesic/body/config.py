@@ -32,6 +32,15 @@ def read_toml(path: Path, schema: type[T]) -> T:
     Raises:
         ConfigError: the file is missing, not TOML, or does not fit the schema.
     """
+    return fit_schema(read_tables(path), schema, path)
+
+
+def read_tables(path: Path) -> dict[str, object]:
+    """Reads the tables of a TOML file as they stand there.
+
+    Raises:
+        ConfigError: the file is missing, not TOML, or has numbers that are not finite.
+    """
     try:
         with path.open("rb") as file:
             raw = file.read(LARGEST + 1)
@@ -48,6 +57,20 @@ def read_toml(path: Path, schema: type[T]) -> T:
         raise ConfigError(f"{path}: not TOML: tables or lists are too deep inside one another") from None
     for place, value in odd:
         raise ConfigError(f"{path}: {place} is {value}, must be a finite number")
+    return data
+
+
+def fit_schema(data: object, schema: type[T], path: Path) -> T:
+    """Fits tables to a schema.
+
+    Args:
+        data: as it was read.
+        schema: a `msgspec.Struct` with `forbid_unknown_fields`.
+        path: of the file, for messages.
+
+    Raises:
+        ConfigError: they do not fit; says where, and what would have worked.
+    """
     try:
         return msgspec.convert(data, schema)
     except msgspec.ValidationError as error:

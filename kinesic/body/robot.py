@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
+from itertools import combinations
 from pathlib import Path
 from typing import Literal
 
@@ -102,6 +103,10 @@ class Robot(Description):
     def _joints(self) -> Mapping[str, tuple[int, ...]]:
         return {chain: self.skeleton.joints_of(segments) for chain, segments in self.chains.items()}
 
+    def fingers(self, side: Side) -> tuple[str, ...]:
+        """Lists the segments of a hand's fingers; none of a hand without."""
+        return self.chains.get(f"{side}_fingers", ())
+
     @cached_property
     def arm_length(self) -> float:
         """Shoulder centre to wrist with the arm straight [m]: the unit of gesture space."""
@@ -115,13 +120,16 @@ class Robot(Description):
         return sealed([origins[arm.shoulder][0], 0.0, origins[arm.elbow][2]])
 
     @cached_property
+    def bodies(self) -> Mapping[str, tuple[str, ...]]:
+        """What can come near one another: segments, and the fingers of each hand as one body, by its chain's name."""
+        fingers = {f"{side}_fingers": self.fingers(side) for side in SIDES if self.fingers(side)}
+        together = {name for names in fingers.values() for name in names}
+        return {s.name: (s.name,) for s in self.skeleton.segments if s.name not in together} | fingers
+
+    @cached_property
     def counted_pairs(self) -> tuple[tuple[str, str], ...]:
-        """Pairs of segments whose distance counts: all but parent with child and the listed exclusions."""
-        segments = self.skeleton.segments
+        """Pairs of bodies whose distance counts: all but parent with child and the listed exclusions."""
+        parents = {segment.name: segment.parent for segment in self.skeleton.segments}
         excluded = {exclusion.pair for exclusion in self.exclusions}
-        return tuple(
-            (a.name, b.name)
-            for k, a in enumerate(segments)
-            for b in segments[k + 1 :]
-            if b.parent != a.name and a.parent != b.name and frozenset((a.name, b.name)) not in excluded
-        )
+        excluded |= {frozenset((name, parents[name] or "")) for name in self.bodies if name in parents}
+        return tuple(pair for pair in combinations(self.bodies, 2) if frozenset(pair) not in excluded)

@@ -1,9 +1,8 @@
 """From a robot's TOML to its description: the mirrored half is made, and every name is checked."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from math import radians
 from pathlib import Path
-from typing import TypeVar
 
 import msgspec
 import numpy as np
@@ -13,22 +12,14 @@ from kinesic.body.calibration import NONE, Calibration, narrow_ranges, read_cali
 from kinesic.body.config import CONFIGS, ConfigError, read_toml, suggestion
 from kinesic.body.description import Description, Exclusion, Mount, Site, Supply
 from kinesic.body.muscle import muscle
-from kinesic.body.robot_schema import (
-    BodyTable,
-    CapsuleTable,
-    HingeTable,
-    MirrorTable,
-    MountTable,
-    RobotFile,
-    ServoTable,
-    SiteTable,
-    Triple,
-)
+from kinesic.body.robot_extension import read_robot
+from kinesic.body.robot_mirror import with_both_sides
+from kinesic.body.robot_schema import BodyTable, CouplingTable, HingeTable, RobotFile, ServoTable
 from kinesic.body.servo import Drive, ServoModel
-from kinesic.body.skeleton import Capsule, Hinge, Segment, Skeleton
+from kinesic.body.skeleton import Capsule, Coupling, Hinge, Segment, Skeleton
 
-Table = TypeVar("Table", BodyTable, HingeTable)
-Value = TypeVar("Value")
+FINGERS = {"l_fingers", "r_fingers"}  # chains that count as one body for distances
+SLACK = 1e-6  # [deg] by which a coupling may leave its range
 
 
 def servo_models() -> dict[str, ServoModel]:
@@ -50,7 +41,7 @@ def read_description(path: Path, *, calibrated: bool = True) -> Description:
     Raises:
         ConfigError: a file is missing or wrong.
     """
-    file = read_toml(path, RobotFile)
+    file = read_robot(path, RobotFile)
     _check_size(path, file)
     return robot_from_tables(file, path, read_calibration(path, file.robot.name) if calibrated else NONE)
 
@@ -58,7 +49,11 @@ def read_description(path: Path, *, calibrated: bool = True) -> Description:
 def _check_size(path: Path, file: RobotFile) -> None:
     """Refuses more than any robot has, which would keep the machine busy for hours."""
     capsules = sum(len(body.capsules) for body in file.body)
-    counts = (("bodies", len(file.body), 500), ("hinges", len(file.hinge), 200), ("capsules", capsules, 5000))
+    counts = (
+        ("bodies", len(file.body), 500),
+        ("hinges", len(file.hinge) + len(file.coupling), 200),
+        ("capsules", capsules, 5000),
+    )
     for what, count, most in counts:
         if count > most:
             raise ConfigError(f"{path}: {count} {what}, at most {most} are taken")
@@ -75,7 +70,7 @@ def robot_from_tables(file: RobotFile, path: Path, calibration: Calibration = NO
     Raises:
         ConfigError: the tables do not fit one another.
     """
-    file = _with_both_sides(file)
+    file = with_both_sides(file)
     models = servo_models() | _models(file.servos)  # the robot's own servos win
     _check(path, file, list(models))
     file = msgspec.structs.replace(file, hinge=narrow_ranges(file.hinge, calibration, path))
@@ -88,6 +83,7 @@ def robot_from_tables(file: RobotFile, path: Path, calibration: Calibration = NO
         skeleton=Skeleton(
             segments=tuple(_segment(body) for body in file.body),
             hinges=tuple(_hinge(hinge, radians(file.rest.get(hinge.name, 0.0))) for hinge in hinges),
+            couplings=tuple(_coupling(coupling, [hinge.name for hinge in hinges]) for coupling in file.coupling),
         ),
         mounts=tuple(_mount(hinge, models) for hinge in hinges),
         chains={name: tuple(bodies) for name, bodies in file.chains.items()},
@@ -125,82 +121,10 @@ def _mount(hinge: HingeTable, models: Mapping[str, ServoModel]) -> Mount:
     return Mount(drive, hinge.mount.body, sealed(hinge.mount.at))
 
 
-def _with_both_sides(file: RobotFile) -> RobotFile:
-    mirror = file.robot.mirror
-    if mirror is None:
-        return file
-    return msgspec.structs.replace(
-        file,
-        body=_doubled(file.body, mirror, _mirrored_body),
-        hinge=_doubled(file.hinge, mirror, _mirrored_hinge),
-        chains=_both(file.chains, mirror, lambda names: [_renamed(name, mirror) for name in names]),
-        sites=_both(file.sites, mirror, lambda site: _mirrored_site(site, mirror)),
-        rest=_both(file.rest, mirror, lambda degrees: degrees),
-        collision=msgspec.structs.replace(
-            file.collision,
-            exclude=[
-                msgspec.structs.replace(entry, pair=pair)
-                for entry in file.collision.exclude
-                for pair in _both_pairs(entry.pair, mirror)
-            ],
-        ),
-    )
-
-
-def _doubled(tables: list[Table], mirror: MirrorTable, mirrored: Callable[[Table, MirrorTable], Table]) -> list[Table]:
-    """The tables, then the mirror images of those on the described side."""
-    return tables + [mirrored(table, mirror) for table in tables if table.name.startswith(mirror.source)]
-
-
-def _both(table: dict[str, Value], mirror: MirrorTable, mirrored: Callable[[Value], Value]) -> dict[str, Value]:
-    images = {_renamed(key, mirror): mirrored(value) for key, value in table.items() if key.startswith(mirror.source)}
-    return table | images | table  # the described side first; what is written out wins
-
-
-def _both_pairs(pair: tuple[str, str], mirror: MirrorTable) -> list[tuple[str, str]]:
-    image = (_swapped(pair[0], mirror), _swapped(pair[1], mirror))
-    return [pair] if set(image) == set(pair) else [pair, image]
-
-
-def _mirrored_body(body: BodyTable, mirror: MirrorTable) -> BodyTable:
-    return BodyTable(
-        name=_renamed(body.name, mirror),
-        parent=_renamed(body.parent, mirror),
-        pos=_flipped(body.pos),
-        mass=body.mass,
-        capsules=[CapsuleTable(_flipped(c.start), _flipped(c.end), c.radius) for c in body.capsules],
-    )
-
-
-def _mirrored_hinge(hinge: HingeTable, mirror: MirrorTable) -> HingeTable:
-    x, y, z = hinge.axis
-    return msgspec.structs.replace(
-        hinge,
-        name=_renamed(hinge.name, mirror),
-        body=_renamed(hinge.body, mirror),
-        axis=(-x, y, -z),  # so that equal angles are mirror postures
-        at=_flipped(hinge.at),
-        mount=None if hinge.mount is None else MountTable(_renamed(hinge.mount.body, mirror), _flipped(hinge.mount.at)),
-    )
-
-
-def _mirrored_site(site: SiteTable, mirror: MirrorTable) -> SiteTable:
-    return SiteTable(_renamed(site.body, mirror), _flipped(site.at), _flipped(site.facing))
-
-
-def _flipped(point: Triple) -> Triple:
-    return (point[0], -point[1], point[2])
-
-
-def _renamed(name: str, mirror: MirrorTable) -> str:
-    return mirror.target + name.removeprefix(mirror.source) if name.startswith(mirror.source) else name
-
-
-def _swapped(name: str, mirror: MirrorTable) -> str:
-    """The name on the other side, whichever side it is on."""
-    if name.startswith(mirror.target):
-        return mirror.source + name.removeprefix(mirror.target)
-    return _renamed(name, mirror)
+def _coupling(coupling: CouplingTable, hinges: list[str]) -> Coupling:
+    axis = np.array(coupling.axis) / np.linalg.norm(coupling.axis)
+    driver, offset = hinges.index(coupling.driver), radians(coupling.offset_deg)
+    return Coupling(coupling.name, coupling.body, sealed(axis), driver, coupling.ratio, offset)
 
 
 def _check(path: Path, file: RobotFile, servos: list[str]) -> None:
@@ -219,6 +143,7 @@ def _check(path: Path, file: RobotFile, servos: list[str]) -> None:
         _check_figures(path, hinge, file.rest.get(hinge.name, 0.0))
         hinges.append(hinge.name)
     _check_alike(path, file)
+    _check_couplings(path, file, bodies, hinges)
     for name, members in file.chains.items():
         for body_name in members:
             _known(path, f"chain {name}", body_name, bodies)
@@ -228,7 +153,7 @@ def _check(path: Path, file: RobotFile, servos: list[str]) -> None:
         _known(path, "[rest]", name, hinges)
     for entry in file.collision.exclude:
         for body_name in entry.pair:
-            _known(path, "[collision] exclude", body_name, bodies)
+            _known(path, "[collision] exclude", body_name, [*bodies, *(FINGERS & file.chains.keys())])
     for chain in ("l_arm", "r_arm"):
         _known(path, "[chains] needs", chain, list(file.chains))
     for site_name in ("l_palm", "r_palm"):
@@ -261,6 +186,29 @@ def _check_alike(path: Path, file: RobotFile) -> None:
         )
     if without and file.bus:
         raise ConfigError(f"{path}: [[bus]], but no hinge has a servo: remove it, or give servos instead of limits")
+
+
+def _check_couplings(path: Path, file: RobotFile, bodies: list[str], hinges: list[str]) -> None:
+    """Refuses couplings that follow no hinge with a servo, or are led out of their range."""
+    ranges = {hinge.name: hinge.range_deg for hinge in file.hinge}
+    names: list[str] = []
+    for coupling in file.coupling:
+        _unique(path, "hinge", coupling.name, [*hinges, *names])
+        names.append(coupling.name)
+    for coupling in file.coupling:
+        where = f"{path}: coupling {coupling.name}"
+        _known(path, f"body of coupling {coupling.name}", coupling.body, bodies)
+        if coupling.driver in names:
+            own = " itself" if coupling.driver == coupling.name else f" {coupling.driver}, which follows another one"
+            raise ConfigError(f"{where}: it follows{own}; name the hinge with the servo that moves both")
+        _known(path, f"driver of coupling {coupling.name}", coupling.driver, hinges)
+        if not any(coupling.axis):
+            raise ConfigError(f"{where}: axis is zero, must be a direction")
+        ends = [coupling.offset_deg + coupling.ratio * end for end in ranges[coupling.driver]]
+        (least, most), (lower, upper) = (min(ends), max(ends)), coupling.range_deg
+        if least < lower - SLACK or most > upper + SLACK:
+            led = f"{coupling.driver} leads it to {least:g}..{most:g} deg"
+            raise ConfigError(f"{where}: {led}, beyond its range_deg [{lower:g}, {upper:g}]; narrow the driver's")
 
 
 def _check_figures(path: Path, hinge: HingeTable, rest: float) -> None:

@@ -31,6 +31,7 @@ class RobotTable(Strict):
     """[robot]."""
 
     name: str
+    extends: str | None = None  # another robot, of which this file says only what is different: see `robot_extension`
     mirror: MirrorTable | None = None
     imported: ImportTable | None = None
 
@@ -83,6 +84,18 @@ class HingeTable(Strict):
     at: Triple = (0.0, 0.0, 0.0)
 
 
+class CouplingTable(Strict):
+    """[[coupling]]: a turn without a servo."""
+
+    name: str
+    body: str
+    axis: Triple
+    range_deg: tuple[float, float]
+    driver: str  # the hinge that it follows
+    ratio: float = 1.0
+    offset_deg: float = 0.0
+
+
 class SiteTable(Strict):
     """One entry of [sites]."""
 
@@ -92,7 +105,7 @@ class SiteTable(Strict):
 
 
 class ExclusionTable(Strict):
-    """One entry of `exclude`."""
+    """One entry of `exclude`; the fingers of a hand, `l_fingers`, are one body."""
 
     pair: tuple[str, str]
     why: str
@@ -142,6 +155,7 @@ class RobotFile(Strict):
     chains: dict[str, list[str]]
     sites: dict[str, SiteTable]
     collision: CollisionTable
+    coupling: list[CouplingTable] = []
     rest: dict[str, float] = {}
     targets: dict[str, Triple] = {}
     servos: dict[str, ServoTable] = {}
@@ -163,6 +177,7 @@ def robot_text(file: RobotFile, *, heading: Sequence[str], remarks: Mapping[str,
         [] if file.robot.imported is None else _table("[robot.imported]", _plain(file.robot.imported)),
         *(_body(body) for body in file.body),
         *(_hinge(hinge, remarks.get(hinge.name, "")) for hinge in file.hinge),
+        *(_table("[[coupling]]", _plain(coupling)) for coupling in file.coupling),
         _table("[chains]", file.chains),
         _table("[sites]", {name: _plain(site) for name, site in file.sites.items()}),
         _table("[rest]", file.rest),

@@ -1,5 +1,8 @@
 """The robot as a tree of segments joined by hinges; its hinge order is the one joint order of the project.
 
+A hinge has a drive of its own. Linkages and tendons turn further ones along with it, such as the joints of a finger:
+these are couplings, no hinges, and have no place in the joint order. Forward kinematics alone asks how they stand.
+
 x points forward, y left, z up. Every length is in metres, every angle in radians.
 """
 
@@ -46,6 +49,18 @@ class Hinge:
 
 
 @dataclass(frozen=True, eq=False)
+class Coupling:
+    """A turn without a drive, which follows that of a hinge: offset + ratio * its angle."""
+
+    name: str
+    segment: str  # about whose origin it turns, before hinges of the same segment
+    axis: Floats  # (3,) unit vector in the segment
+    driver: int  # the hinge that it follows, in joint order
+    ratio: float
+    offset: float  # [rad]
+
+
+@dataclass(frozen=True, eq=False)
 class Frames:
     """Where every segment is, in the world."""
 
@@ -59,6 +74,7 @@ class Skeleton:
 
     segments: tuple[Segment, ...]
     hinges: tuple[Hinge, ...]
+    couplings: tuple[Coupling, ...] = ()
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -89,9 +105,15 @@ class Skeleton:
         return {segment.name: k for k, segment in enumerate(self.segments)}
 
     @cached_property
-    def _axes(self) -> Floats:
-        """(n, 3) of the hinges."""
-        return sealed(np.reshape([hinge.axis for hinge in self.hinges], (-1, 3)))
+    def axes(self) -> Floats:
+        """(n + c, 3) of all turns: the hinges, then the couplings."""
+        return sealed(np.reshape([*(h.axis for h in self.hinges), *(c.axis for c in self.couplings)], (-1, 3)))
+
+    @cached_property
+    def _coupled(self) -> tuple[list[int], Floats, Floats]:
+        """Of the couplings: their drivers, ratios (c,) and offsets (c,) [rad]."""
+        ratios, offsets = zip(*((coupling.ratio, coupling.offset) for coupling in self.couplings), strict=True)
+        return [coupling.driver for coupling in self.couplings], sealed(ratios), sealed(offsets)
 
     @cached_property
     def resting(self) -> Frames:
@@ -105,15 +127,22 @@ class Skeleton:
 
     @cached_property
     def steps(self) -> tuple[tuple[int, Floats, tuple[tuple[int, Floats | None], ...]], ...]:
-        """Per segment: parent (-1: world), origin in the parent, and its hinges' indices and offsets."""
+        """Per segment: parent (-1: world), origin in the parent, and the indices and offsets of its turns."""
         return tuple(
             (
                 -1 if segment.parent is None else self._segment_of[segment.parent],
                 segment.origin_in_parent,
-                tuple(
-                    (k, hinge.at if hinge.at.any() else None)
-                    for k, hinge in enumerate(self.hinges)
-                    if hinge.segment == segment.name
+                (
+                    *(
+                        (k, None)
+                        for k, coupling in enumerate(self.couplings, len(self.hinges))
+                        if coupling.segment == segment.name
+                    ),
+                    *(
+                        (k, hinge.at if hinge.at.any() else None)
+                        for k, hinge in enumerate(self.hinges)
+                        if hinge.segment == segment.name
+                    ),
                 ),
             )
             for segment in self.segments
@@ -136,6 +165,13 @@ class Skeleton:
         clamped: Floats = np.clip(angles, self.lower, self.upper)
         return clamped
 
+    def turns(self, angles: Floats) -> Floats:
+        """Adds to the angles (..., n) [rad] of the hinges those of the couplings: (..., n + c) [rad]."""
+        if not self.couplings:
+            return angles
+        drivers, ratios, offsets = self._coupled
+        return np.concatenate([angles, offsets + ratios * np.asarray(angles)[..., drivers]], axis=-1)
+
     def frames(self, angles: Floats) -> Frames:
         """Solves the forward kinematics.
 
@@ -147,7 +183,7 @@ class Skeleton:
         """
         shape = (*np.shape(angles)[:-1], len(self.segments))
         rotations, origins = np.empty((*shape, 3, 3)), np.empty((*shape, 3))
-        turns = about(self._axes, np.asarray(angles))
+        turns = about(self.axes, np.asarray(self.turns(angles)))
         for k, (parent, origin, hinges) in enumerate(self.steps):
             if parent < 0:
                 rotation = np.broadcast_to(np.eye(3), (*shape[:-1], 3, 3))

@@ -117,7 +117,7 @@ def _same_hand(hand: Hand, before: Hand) -> bool:
 
 def _keyed(frame: KeyFrame, robot: Robot, leaning: bool, *, ends: bool) -> list[bool]:
     """Hinges with a key in this frame: those of given parts, and those that follow a leaning torso."""
-    keyed = np.zeros(len(robot.skeleton.hinges), dtype=bool)
+    keyed = np.full(len(robot.skeleton.hinges), ends)
     torso = ends or leaning or "torso" in frame.given
     if torso:
         keyed[list(robot.joints("torso"))] = True

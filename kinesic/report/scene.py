@@ -7,7 +7,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
-from kinesic.body.skeleton import Capsule, Hinge
+from kinesic.body.skeleton import Capsule, Coupling, Hinge
 from kinesic.report.report import Json
 from kinesic.sim.scene_layout import VIEW_FROM, rods, view_of
 from kinesic.sim.scene_style import eyeballs, parts
@@ -54,7 +54,10 @@ def _segments(robot: Robot) -> list[Json]:
         {
             "parent": -1 if segment.parent is None else skeleton.segment(segment.parent),
             "origin": _rounded(segment.origin_in_parent),
-            "hinges": [_hinge(joint, skeleton.hinges[joint]) for joint in skeleton.joints_of((segment.name,))],
+            "hinges": [
+                *(_coupling(coupling) for coupling in skeleton.couplings if coupling.segment == segment.name),
+                *(_hinge(joint, skeleton.hinges[joint]) for joint in skeleton.joints_of((segment.name,))),
+            ],
             "capsules": [_capsule(capsule) for capsule in segment.capsules],
             "colour": painted[segment.name],
         }
@@ -64,6 +67,11 @@ def _segments(robot: Robot) -> list[Json]:
 
 def _hinge(joint: int, hinge: Hinge) -> dict[str, Json]:
     return {"hinge": joint, "axis": [float(value) for value in hinge.axis], "at": _rounded(hinge.at)}
+
+
+def _coupling(coupling: Coupling) -> dict[str, Json]:
+    axis: list[Json] = [float(value) for value in coupling.axis]
+    return {"hinge": coupling.driver, "axis": axis, "at": [0, 0, 0], "ratio": coupling.ratio, "offset": coupling.offset}
 
 
 def _capsule(capsule: Capsule) -> list[Json]:

@@ -1,20 +1,29 @@
-"""How close the robot comes to itself: exact distances between capsules, for a whole motion at once."""
+"""How close the robot comes to itself: exact distances between capsules, for a whole motion at once.
+
+The fingers of a hand are one body. A ball about all that they can reach stands for them, so that they cost nothing
+where the hand is far from everything; where the ball is near, the fingers themselves are measured.
+"""
 
 from collections.abc import Sequence
+from itertools import product
 from typing import cast
 
 import numpy as np
 
-from kinesic.body.arrays import Floats, Indices, distinct_rows, sealed
+from kinesic.body.arrays import Flags, Floats, Indices, distinct_rows, sealed
 from kinesic.body.dynamics import Clearance
-from kinesic.body.robot import Robot
+from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.body.skeleton import Capsule, Segment, Skeleton
-from kinesic.sim.kinematics import MotionFrames, motion_frames
+from kinesic.sim.finger_hull import finger_hull
+from kinesic.sim.kinematics import MotionFrames, body_frames, motion_frames
 
 BLOCK = 512  # postures whose kinematics are computed at once
 STRIP = 128  # of them at once for all pairs, so that arrays stay in the cache and products on one core
+PRODUCT = 300_000  # multiplications of a matrix product that stays on one core
 SAME = 1e-5  # [rad] postures that differ by less are one: no capsule is farther off than 0.01 mm for each hinge
 SHORTEST = 1e-9  # [m] of a reach that is not none
+NEAR = 0.03  # [m] the ball about fingers comes to something, from which on they are measured in a motion
+SIGHT = 0.13  # [m] likewise where gaps are asked for: those that are wider are no less than they are said to be
 
 
 class CapsuleDistances:
@@ -24,14 +33,17 @@ class CapsuleDistances:
         """Lists the pairs of capsules that count.
 
         Args:
-            robot: whose capsules, and whose counted pairs of segments.
+            robot: whose capsules, and whose counted pairs of bodies.
         """
-        self._skeleton = robot.skeleton
-        self._capsules = [(k, c) for k, segment in enumerate(robot.skeleton.segments) for c in segment.capsules]
+        self._robot, self._skeleton, segment = robot, robot.skeleton, robot.skeleton.segment
+        self._fingers = [segment(name) for side in SIDES for name in robot.fingers(side)]
+        every = [(k, c) for k, part in enumerate(robot.skeleton.segments) for c in part.capsules]
+        plain = [(k, c) for k, c in every if k not in self._fingers]
+        hulls = {f"{side}_fingers": finger_hull(robot, side) for side in SIDES if robot.fingers(side)}
+        self._capsules = [*plain, *((robot.arm(side).wrist, hulls[name]) for side, name in _hands(robot))]
         self._owners = [k for k, _ in self._capsules]
-        self._starts = np.array([capsule.start for _, capsule in self._capsules]).reshape(-1, 3)  # (c, 3) [m]
-        self._ends = np.array([capsule.end for _, capsule in self._capsules]).reshape(-1, 3)  # (c, 3) [m]
-        owners = [robot.skeleton.segments[k].name for k, _ in self._capsules]
+        self._starts, self._ends = _sides(self._capsules)
+        owners = [robot.skeleton.segments[k].name for k, _ in plain] + list(hulls)
         counted = {pair: k for k, pair in enumerate(robot.counted_pairs)}
         pairs = [(i, j) for i, a in enumerate(owners) for j, b in enumerate(owners) if (a, b) in counted]
         self._first, self._second = np.array(pairs, dtype=np.intp).reshape(-1, 2).T
@@ -41,7 +53,16 @@ class CapsuleDistances:
         halves = np.array([np.linalg.norm(capsule.end - capsule.start) / 2 for _, capsule in self._capsules])
         self._radii = radii[self._first] + radii[self._second]  # (p,) [m]
         self._halves = halves[self._first] + halves[self._second]  # (p,) [m]
-        self._reaches = _reaches(robot.skeleton, self._capsules, pairs)  # (p, n) [m]
+        own = {segment(name): hand for side, hand in _hands(robot) for name in robot.fingers(side)}
+        members = [*([k] for k in range(len(plain))), *([] for _ in hulls)]  # capsules that each one stands for
+        self._members = [*plain, *((k, c) for k, c in every if k in self._fingers)]
+        for k, (owner, _) in enumerate(self._members[len(plain) :], len(plain)):
+            members[len(plain) + list(hulls).index(own[owner])].append(k)
+        self._within = [np.array(list(product(members[i], members[j])), dtype=np.intp).T for i, j in pairs]
+        self._hulled = np.array([max(pair) >= len(plain) for pair in pairs], dtype=np.bool_)  # (p,)
+        reach = [_reach(robot.skeleton, k, capsule) for k, capsule in self._members]
+        reaches = np.array([np.max([reach[k] for k in row], axis=0) for row in members])
+        self._reaches = _reaches(reaches.reshape(-1, len(robot.skeleton.hinges)), pairs)  # (p, n) [m]
 
     def clearance(self, angles: Floats) -> Clearance:
         """Finds the smallest distance between the capsules of counted pairs; a posture that lasts is measured once.
@@ -63,14 +84,18 @@ class CapsuleDistances:
             angles: (m, n) [rad] in joint order.
 
         Returns:
-            (m, p) [m] in the order of `Robot.counted_pairs`; infinite where a segment has no capsule.
+            (m, p) [m] in the order of `Robot.counted_pairs`; infinite where a segment has no capsule. Those of fingers
+            that are wider than `SIGHT` may be wider still.
         """
         gaps = np.full((self._counted, len(angles)), np.inf)
         if self._names:
-            starts, ends = (side.transpose(0, 2, 1) for side in self._axes(motion_frames(self._skeleton, angles)))
+            frames = body_frames(self._robot, angles)
+            starts, ends = (side.transpose(0, 2, 1) for side in self._axes(frames))
             first, second = self._first, self._second
             axes = (side.reshape(-1, 3) for side in (starts[first], ends[first], starts[second], ends[second]))
-            np.minimum.at(gaps, self._of, segment_distances(*axes).reshape(len(first), -1) - self._radii[:, None])
+            found = segment_distances(*axes).reshape(len(first), -1) - self._radii[:, None]
+            self._measure_fingers(found, (found < SIGHT) & self._hulled[:, None], frames, angles)
+            np.minimum.at(gaps, self._of, found)
         return sealed(gaps.T)
 
     def approach(self, angles: Floats, ends: Indices, *, near: float, frames: MotionFrames | None = None) -> Clearance:
@@ -83,7 +108,7 @@ class CapsuleDistances:
             angles: (s, n) [rad] the postures of the motion.
             ends: (m,) where each stretch ends among them, never decreasing; it begins after the one before.
             near: [m] every approach below this is found.
-            frames: of the m postures at the ends, when they are known already.
+            frames: of the m postures at the ends, when they are known already; fingers may be left out.
 
         Returns:
             Distance and pair for each stretch: the smallest of all its postures wherever that is below `near` or below
@@ -91,7 +116,7 @@ class CapsuleDistances:
         """
         if not self._names or not len(ends):
             return self.clearance(angles[ends])
-        lowest = self._strips(frames or motion_frames(self._skeleton, angles[ends]))
+        lowest = self._strips(frames or body_frames(self._robot, angles[ends]), angles[ends])
         distances, pairs = np.full(len(angles), np.inf), np.zeros(len(angles), dtype=np.intp)
         pairs[ends] = lowest.argmin(axis=0)
         distances[ends] = lowest.min(axis=0)
@@ -111,7 +136,8 @@ class CapsuleDistances:
         after = np.searchsorted(known, between)
         lowest = np.ascontiguousarray(lowest.T)  # whole rows are looked up faster
         near = np.empty(len(between), dtype=bool)
-        for block in (slice(k, k + STRIP) for k in range(0, len(between), STRIP)):
+        strip = max(1, min(STRIP, PRODUCT // self._reaches.size))
+        for block in (slice(k, k + strip) for k in range(0, len(between), strip)):
             bounds = []
             for neighbour in (after[block], np.maximum(after[block] - 1, 0)):
                 turned = np.abs(angles[between[block]] - angles[known[neighbour]])
@@ -129,18 +155,21 @@ class CapsuleDistances:
             return np.full(len(angles), np.inf), np.zeros(len(angles), dtype=np.intp)
         distances, pairs = np.empty(len(angles)), np.empty(len(angles), dtype=np.intp)
         for block in (slice(k, k + BLOCK) for k in range(0, len(angles), BLOCK)):
-            lowest = self._strips(motion_frames(self._skeleton, angles[block]))
+            lowest = self._strips(body_frames(self._robot, angles[block]), angles[block])
             distances[block], pairs[block] = lowest.min(axis=0), lowest.argmin(axis=0)
         return distances, pairs
 
-    def _strips(self, frames: MotionFrames) -> Floats:
+    def _strips(self, frames: MotionFrames, angles: Floats) -> Floats:
         """(p, m) [m] distance of each pair in m postures; for those that cannot be the closest, a lower bound."""
         starts, ends = self._axes(frames)
         strips = [
             self._closest(starts[:, :, k : k + STRIP], ends[:, :, k : k + STRIP])
             for k in range(0, starts.shape[2], STRIP)
         ]
-        return np.concatenate(strips, axis=1)
+        lowest = np.concatenate(strips, axis=1)
+        near = np.maximum(lowest[~self._hulled].min(axis=0, initial=np.inf), NEAR)
+        self._measure_fingers(lowest, (lowest <= near) & self._hulled[:, None], frames, angles)
+        return lowest
 
     def _closest(self, starts: Floats, ends: Floats) -> Floats:
         """The same from the capsules' axes, (c, 3, m) [m] each."""
@@ -149,24 +178,62 @@ class CapsuleDistances:
         above = np.sqrt(np.einsum("pkm,pkm->pm", between, between)) - self._radii[:, None]
         # the axes' middles bound the distance from above, less their half lengths from below
         lowest: Floats = above - self._halves[:, None]
-        pairs, postures = np.nonzero(lowest <= above.min(axis=0))
+        pairs, postures = np.nonzero(lowest <= above[~self._hulled].min(axis=0, initial=np.inf))
         i, j = self._first[pairs], self._second[pairs]
         axes = (starts[i, :, postures], ends[i, :, postures], starts[j, :, postures], ends[j, :, postures])
         lowest[pairs, postures] = segment_distances(*axes) - self._radii[pairs]
         return lowest
 
+    def _measure_fingers(self, gaps: Floats, near: Flags, frames: MotionFrames, angles: Floats) -> None:
+        """Puts the distance of fingers in place of that of the ball about them.
+
+        Args:
+            gaps: (p, m) [m] of all pairs.
+            near: (p, m) where the ball is so near that fingers count.
+            frames: of all segments but fingers.
+            angles: (m, n) [rad].
+        """
+        postures = np.flatnonzero(near.any(axis=0))
+        if not len(postures):
+            return
+        whole = motion_frames(self._skeleton, angles[postures], only=self._fingers, known=frames.at(postures))
+        owners = [k for k, _ in self._members]
+        starts, ends = _placed(whole, owners, *_sides(self._members))
+        radii = np.array([capsule.radius for _, capsule in self._members])
+        for row in np.flatnonzero(near.any(axis=1)):
+            (first, second), here = self._within[row], np.flatnonzero(near[row, postures])
+            axes = (
+                side[:, :, here].transpose(0, 2, 1)
+                for side in (starts[first], ends[first], starts[second], ends[second])
+            )
+            apart = segment_distances(*(side.reshape(-1, 3) for side in axes)).reshape(len(first), -1)
+            gaps[row, postures[here]] = (apart - (radii[first] + radii[second])[:, None]).min(axis=0)
+
     def _axes(self, frames: MotionFrames) -> tuple[Floats, Floats]:
         """(c, 3, m) [m] starts and ends of the capsules' axes in the world."""
-        origins, rotations = frames.origins[self._owners], frames.rotations[self._owners]
-        starts, ends = (
-            origins + (side[:, None, None, :] @ rotations)[:, :, 0, :] for side in (self._starts, self._ends)
-        )
-        return starts, ends
+        return _placed(frames, self._owners, self._starts, self._ends)
 
 
-def _reaches(skeleton: Skeleton, capsules: list[tuple[int, Capsule]], pairs: Sequence[tuple[int, int]]) -> Floats:
+def _hands(robot: Robot) -> list[tuple[Side, str]]:
+    """Sides with fingers, and how these are called together."""
+    return [(side, f"{side}_fingers") for side in SIDES if robot.fingers(side)]
+
+
+def _sides(capsules: Sequence[tuple[int, Capsule]]) -> tuple[Floats, Floats]:
+    """(c, 3) [m] starts and ends of capsules in their segments."""
+    starts, ends = ([getattr(capsule, side) for _, capsule in capsules] for side in ("start", "end"))
+    return np.array(starts).reshape(-1, 3), np.array(ends).reshape(-1, 3)
+
+
+def _placed(frames: MotionFrames, owners: list[int], starts: Floats, ends: Floats) -> tuple[Floats, Floats]:
+    """(c, 3, m) [m] the same in the world."""
+    origins, rotations = frames.origins[owners], frames.rotations[owners]
+    here, there = (origins + (side[:, None, None, :] @ rotations)[:, :, 0, :] for side in (starts, ends))
+    return here, there
+
+
+def _reaches(turned: Floats, pairs: Sequence[tuple[int, int]]) -> Floats:
     """(p, n) [m] how far from each hinge the axis of a pair's capsule can be that it turns against the other one."""
-    turned = np.array([_reach(skeleton, k, capsule) for k, capsule in capsules]).reshape(-1, len(skeleton.hinges))
     first, second = np.array(pairs, dtype=np.intp).reshape(-1, 2).T
     moved = turned > 0.0
     apart: Floats = np.where(moved[first] & moved[second], 0.0, turned[first] + turned[second])
@@ -174,14 +241,16 @@ def _reaches(skeleton: Skeleton, capsules: list[tuple[int, Capsule]], pairs: Seq
 
 
 def _reach(skeleton: Skeleton, owner: int, capsule: Capsule) -> Floats:
-    """(n,) [m] largest distance of a capsule's axis from each hinge that moves it, 0 for hinges that do not."""
+    """(n,) [m] how far a capsule's axis moves at most per angle of each hinge, 0 for hinges that do not move it."""
     reach = np.zeros(len(skeleton.hinges))
     segment: Segment | None = skeleton.segments[owner]
     far = max(float(np.linalg.norm(end)) for end in (capsule.start, capsule.end))
     while segment is not None:
         joints = list(skeleton.joints_of((segment.name,)))
         far += 2 * sum(float(np.linalg.norm(skeleton.hinges[joint].at)) for joint in joints)  # they may miss its origin
-        reach[joints] = max(far, SHORTEST)
+        reach[joints] += max(far, SHORTEST)
+        for coupling in (each for each in skeleton.couplings if each.segment == segment.name):
+            reach[coupling.driver] += abs(coupling.ratio) * far
         far += float(np.linalg.norm(segment.origin_in_parent))
         segment = None if segment.parent is None else skeleton.segments[skeleton.segment(segment.parent)]
     return reach

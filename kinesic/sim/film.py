@@ -11,7 +11,7 @@ from PIL import Image
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
 from kinesic.sim.gl import missing_libraries, opengl_fault
-from kinesic.sim.model import joint_order
+from kinesic.sim.model import turn_order
 from kinesic.sim.scene_style import CAMERA, styled_model
 
 __all__ = ["FilmError", "film", "opengl_fault", "write_still"]
@@ -102,10 +102,10 @@ def _pictures(robot: Robot, model: mujoco.MjModel, postures: Floats, size: tuple
     """Yields one picture (height, width, 3) for each posture (m, n) [rad]."""
     width, height = size
     data = mujoco.MjData(model)
-    order = joint_order(robot, model)
+    order = turn_order(robot, model)
     with _renderer(model, width, height) as renderer:
         for posture in postures:
-            data.qpos[order] = posture
+            data.qpos[order] = robot.skeleton.turns(posture)
             mujoco.mj_forward(model, data)
             renderer.update_scene(data, camera=CAMERA)
             yield renderer.render().copy()

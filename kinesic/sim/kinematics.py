@@ -1,10 +1,12 @@
 """Forward kinematics of a whole motion at once: `Skeleton.frames`, laid out so that postures are contiguous."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
 
-from kinesic.body.arrays import Floats
+from kinesic.body.arrays import Floats, Indices
+from kinesic.body.robot import SIDES, Robot
 from kinesic.body.skeleton import Skeleton
 
 
@@ -20,21 +22,38 @@ class MotionFrames:
         points: Floats = self.origins[segment] + point @ self.rotations[segment]
         return points
 
+    def at(self, postures: Indices) -> "MotionFrames":
+        """Takes some of the postures."""
+        return MotionFrames(self.rotations[..., postures], self.origins[..., postures])
 
-def motion_frames(skeleton: Skeleton, angles: Floats) -> MotionFrames:
+
+def body_frames(robot: Robot, angles: Floats) -> MotionFrames:
+    """Solves the forward kinematics (m, n) [rad] of all segments but the fingers."""
+    fingers = {robot.skeleton.segment(name) for side in SIDES for name in robot.fingers(side)}
+    others = set(range(len(robot.skeleton.segments))) - fingers
+    return motion_frames(robot.skeleton, angles, only=others if fingers else None)
+
+
+def motion_frames(
+    skeleton: Skeleton, angles: Floats, *, only: Collection[int] | None = None, known: MotionFrames | None = None
+) -> MotionFrames:
     """Solves the forward kinematics, one hinge at a time over all postures.
 
     Args:
         skeleton: the robot.
         angles: (m, n) [rad] in joint order.
+        only: segments to solve, none without its parent unless that is known; None: all.
+        known: the frames of other segments in the same postures.
 
     Returns:
-        Rotation and origin of each segment in the world.
+        Rotation and origin of each segment in the world; of those that are neither asked for nor known, anything.
     """
-    count = len(angles)
-    rotations = np.empty((len(skeleton.segments), 3, 3, count))
-    origins = np.empty((len(skeleton.segments), 3, count))
+    count, turns = len(angles), skeleton.turns(angles)
+    rotations = np.empty((len(skeleton.segments), 3, 3, count)) if known is None else known.rotations.copy()
+    origins = np.empty((len(skeleton.segments), 3, count)) if known is None else known.origins.copy()
     for k, (parent, origin, hinges) in enumerate(skeleton.steps):
+        if only is not None and k not in only:
+            continue
         if parent < 0:
             rotation = np.repeat(np.eye(3)[:, :, None], count, axis=2)
             origins[k] = origin[:, None]
@@ -42,7 +61,7 @@ def motion_frames(skeleton: Skeleton, angles: Floats) -> MotionFrames:
             rotation = rotations[parent]
             origins[k] = origins[parent] + origin @ rotation
         for joint, aside in hinges:
-            turned = _turned(rotation, skeleton.hinges[joint].axis, angles[:, joint])
+            turned = _turned(rotation, skeleton.axes[joint], turns[:, joint])
             if aside is not None:
                 origins[k] += aside @ (rotation - turned)
             rotation = turned

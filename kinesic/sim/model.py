@@ -8,6 +8,8 @@ gain s / w (which undoes MuJoCo's compensation of the back-EMF) gives
 
 clamped exactly where the servo clamps its duty. Where gears have play, a second joint without drive follows each hinge,
 free between two stops: the motor turns the first, the links hang on the second, and the servo measures both together.
+
+Couplings have joints in pictures alone: physics leaves them out (`uncouple`), and lets fingers touch nothing.
 """
 
 from copy import copy
@@ -20,10 +22,11 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, Indices
 from kinesic.body.description import Mount
-from kinesic.body.robot import Robot
+from kinesic.body.robot import SIDES, Robot
 from kinesic.body.servo import Drive
 from kinesic.body.skeleton import Capsule, Hinge, Segment
 from kinesic.sim.servo_factors import NOMINAL, Factors
+from kinesic.sim.uncoupled import uncouple
 
 POSITION_INPUT = 1  # ctrlspec of a dcmotor that is told a position
 SHORTEST_AXIS = 1e-6  # [m] a capsule whose ends are nearer is a ball
@@ -50,7 +53,7 @@ def build_model(robot: Robot, *, servos: Factors = NOMINAL) -> mujoco.MjModel:
 
 @lru_cache(maxsize=8)
 def _compiled(robot: Robot, servos: Factors) -> mujoco.MjModel:
-    spec = describe(servos.applied(robot), play=servos.play)
+    spec = describe(uncouple(servos.applied(robot)), play=servos.play)
     spec.compiler.discardvisual = True  # the servos' boxes leave only their weight
     return spec.compile()
 
@@ -67,6 +70,10 @@ def describe(robot: Robot, *, play: float = 0.0) -> mujoco.MjSpec:
     spec.option.disableflags = int(mujoco.mjtDisableBit.mjDSBL_ISLAND)  # one tree has no islands to find
     for segment in robot.skeleton.segments:
         _add_body(spec, segment)
+    for geom in (geom for name in _fingers(robot) for geom in spec.body(name).geoms):
+        _make_ghost(geom)
+    for coupling in robot.skeleton.couplings:
+        spec.body(coupling.segment).add_joint(name=coupling.name, type=mujoco.mjtJoint.mjJNT_HINGE, axis=coupling.axis)
     for hinge, mount in zip(robot.skeleton.hinges, robot.mounts, strict=True):
         _add_hinge(spec, hinge, mount.drive)
         if play:
@@ -76,6 +83,12 @@ def describe(robot: Robot, *, play: float = 0.0) -> mujoco.MjSpec:
         spec.body(site.segment).add_site(name=name, pos=site.position, size=[0.005] * 3, group=4)
     _add_exclusions(spec, robot)
     return spec
+
+
+def turn_order(robot: Robot, model: mujoco.MjModel) -> Indices:
+    """Finds the positions (n + c,) of the skeleton's turns, hinges and then couplings, in the `qpos` of a picture."""
+    names = (*robot.skeleton.names, *(coupling.name for coupling in robot.skeleton.couplings))
+    return np.array([model.joint(name).qposadr[0] for name in names], dtype=np.intp)
 
 
 def joint_order(robot: Robot, model: mujoco.MjModel) -> Indices:
@@ -114,6 +127,10 @@ def _add_body(spec: mujoco.MjSpec, segment: Segment) -> None:
     if not segment.capsules and segment.mass:
         ball = body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[BALL_RADIUS, 0, 0], mass=segment.mass)
         _make_ghost(ball)
+
+
+def _fingers(robot: Robot) -> frozenset[str]:
+    return frozenset(name for side in SIDES for name in robot.fingers(side))
 
 
 def _add_capsule(body: mujoco.MjsBody, capsule: Capsule, name: str, mass: float) -> None:
@@ -189,7 +206,7 @@ def _make_ghost(geom: mujoco.MjsGeom) -> None:
 
 def _add_exclusions(spec: mujoco.MjSpec, robot: Robot) -> None:
     """Only counted pairs collide; MuJoCo's own filter misses the first moving link of a fixed base."""
-    counted = {frozenset(pair) for pair in robot.counted_pairs}
-    for a, b in combinations(robot.skeleton.segments, 2):
+    counted, fingers = {frozenset(pair) for pair in robot.counted_pairs}, _fingers(robot)
+    for a, b in combinations([s for s in robot.skeleton.segments if s.name not in fingers], 2):
         if frozenset((a.name, b.name)) not in counted:
             spec.add_exclude(bodyname1=a.name, bodyname2=b.name)

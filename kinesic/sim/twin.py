@@ -11,7 +11,7 @@ from kinesic.body.arrays import Floats, Indices, sealed
 from kinesic.body.command import Command, Measurements, State
 from kinesic.body.robot import SIDES, Robot
 from kinesic.sim.distances import CapsuleDistances
-from kinesic.sim.kinematics import motion_frames
+from kinesic.sim.kinematics import body_frames
 from kinesic.sim.model import actuator_order, build_model, joint_order, of_hinges, play_order
 from kinesic.sim.power import effort, power
 from kinesic.sim.servo_factors import NOMINAL, Factors
@@ -133,7 +133,7 @@ class Twin:
         drives = self._robot.drives
         given = effort(drives, log.goals() - postures, speeds)
         angles = postures[at]
-        frames = motion_frames(self._robot.skeleton, angles)
+        frames = body_frames(self._robot, angles)
         return Measurements(
             times=sealed(log.times),
             angles=sealed(angles),

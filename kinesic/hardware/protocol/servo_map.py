@@ -11,8 +11,9 @@ import msgspec
 import numpy as np
 
 from kinesic.body.arrays import sealed
-from kinesic.body.config import ConfigError, read_toml, suggestion
+from kinesic.body.config import ConfigError, suggestion
 from kinesic.body.robot import Robot
+from kinesic.body.robot_extension import read_robot
 from kinesic.body.servo import TICKS_PER_TURN
 from kinesic.hardware.protocol.registers import BAUD_RATES
 from kinesic.hardware.protocol.ticks import Scale
@@ -73,7 +74,7 @@ class ServoMap:
             ConfigError: a hinge is unknown or has no servo, an id is out of range or used twice on a bus, a tandem
                 has the wrong number of servos, or a hinge's range leaves the servo's turn.
         """
-        tables = read_toml(robot.path, WiringFile).bus
+        tables = read_robot(robot.path, WiringFile).bus
         if not tables:
             return cls((), ())
         _check_buses(robot.path, tables)

@@ -27,10 +27,10 @@ const sceneOf = (canvas, data) => {
   const frames = (angles, base) =>
     data.segments.reduce((found, segment) => {
       let frame = product(segment.parent < 0 ? base : found[segment.parent], shifted(segment.origin));
-      for (const { hinge, axis, at } of segment.hinges)
+      for (const { hinge, axis, at, ratio = 1, offset = 0 } of segment.hinges)
         frame = product(
           product(frame, shifted(at)),
-          product(turned(axis, angles[hinge]), shifted(at.map((value) => -value))),
+          product(turned(axis, offset + ratio * angles[hinge]), shifted(at.map((value) => -value))),
         );
       return [...found, frame];
     }, []);

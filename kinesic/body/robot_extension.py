@@ -1,0 +1,59 @@
+"""A robot's file that extends another one: it says only what is different.
+
+`extends = "NAME"` in [robot] names another robot, or a file beside this one. Entries of lists are known by their names:
+one that is there already takes the keys that are written anew, others are added at the end. Tables take further keys.
+Exclusions add up, and buses, where any are described, replace those of the other robot.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from kinesic.body.config import ConfigError, T, fit_schema, locate, read_tables
+
+DEEPEST = 8  # robots that extend one another
+
+Tables = dict[str, object]
+
+
+def read_robot(path: Path, schema: type[T]) -> T:
+    """Reads a robot's file, with what it takes over from others, into a schema.
+
+    Raises:
+        ConfigError: a file is missing, wrong, or extends itself.
+    """
+    return fit_schema(_read(path, ()), schema, path)
+
+
+def _read(path: Path, below: tuple[Path, ...]) -> Tables:
+    tables = read_tables(path)
+    robot = tables.get("robot")
+    extends = robot.get("extends") if isinstance(robot, Mapping) else None
+    if not isinstance(extends, str):
+        return tables
+    if path in below or len(below) >= DEEPEST:
+        chain = ", which extends ".join(each.name for each in (*below, path))
+        raise ConfigError(f"{path}: it extends itself: {chain}; one of them must describe a whole robot")
+    source = path.parent / extends if extends.endswith(".toml") else locate("robot", extends)
+    return _extended(_read(source, (*below, path)), tables)
+
+
+def _extended(tables: Tables, added: Tables) -> Tables:
+    found = dict(tables)
+    for key, value in added.items():
+        found[key] = value if key == "bus" else _joined(tables.get(key), value)
+    return found
+
+
+def _joined(old: object, new: object) -> object:
+    if isinstance(old, Mapping) and isinstance(new, Mapping):
+        return {
+            **old,
+            **{key: _joined(old.get(key), value) if key == "exclude" else value for key, value in new.items()},
+        }
+    if isinstance(old, list) and isinstance(new, list):
+        named = {entry.get("name", k): entry for k, entry in enumerate(old) if isinstance(entry, Mapping)}
+        for k, entry in enumerate(new, len(old)):
+            name = entry.get("name", k) if isinstance(entry, Mapping) else k
+            named[name] = {**named.get(name, {}), **entry} if isinstance(entry, Mapping) else entry
+        return list(named.values())
+    return new

@@ -1,0 +1,116 @@
+"""The side of a robot that its file leaves out: the mirror image of the one that is described."""
+
+from collections.abc import Callable
+from typing import TypeVar
+
+import msgspec
+
+from kinesic.body.robot_schema import (
+    BodyTable,
+    CapsuleTable,
+    CouplingTable,
+    HingeTable,
+    MirrorTable,
+    MountTable,
+    RobotFile,
+    SiteTable,
+    Triple,
+)
+
+Table = TypeVar("Table", BodyTable, HingeTable, CouplingTable)
+Value = TypeVar("Value")
+
+
+def with_both_sides(file: RobotFile) -> RobotFile:
+    """Adds the mirror images of all that is on the described side; what is written out wins."""
+    mirror = file.robot.mirror
+    if mirror is None:
+        return file
+    return msgspec.structs.replace(
+        file,
+        body=_doubled(file.body, mirror, _mirrored_body),
+        hinge=_doubled(file.hinge, mirror, _mirrored_hinge),
+        coupling=_doubled(file.coupling, mirror, _mirrored_coupling),
+        chains=_both(file.chains, mirror, lambda names: [_renamed(name, mirror) for name in names]),
+        sites=_both(file.sites, mirror, lambda site: _mirrored_site(site, mirror)),
+        rest=_both(file.rest, mirror, lambda degrees: degrees),
+        collision=msgspec.structs.replace(
+            file.collision,
+            exclude=[
+                msgspec.structs.replace(entry, pair=pair)
+                for entry in file.collision.exclude
+                for pair in _both_pairs(entry.pair, mirror)
+            ],
+        ),
+    )
+
+
+def _doubled(tables: list[Table], mirror: MirrorTable, mirrored: Callable[[Table, MirrorTable], Table]) -> list[Table]:
+    """The tables, then the mirror images of those on the described side."""
+    return tables + [mirrored(table, mirror) for table in tables if table.name.startswith(mirror.source)]
+
+
+def _both(table: dict[str, Value], mirror: MirrorTable, mirrored: Callable[[Value], Value]) -> dict[str, Value]:
+    images = {_renamed(key, mirror): mirrored(value) for key, value in table.items() if key.startswith(mirror.source)}
+    return table | images | table  # the described side first; what is written out wins
+
+
+def _both_pairs(pair: tuple[str, str], mirror: MirrorTable) -> list[tuple[str, str]]:
+    image = (_swapped(pair[0], mirror), _swapped(pair[1], mirror))
+    return [pair] if set(image) == set(pair) else [pair, image]
+
+
+def _mirrored_body(body: BodyTable, mirror: MirrorTable) -> BodyTable:
+    return BodyTable(
+        name=_renamed(body.name, mirror),
+        parent=_renamed(body.parent, mirror),
+        pos=_flipped(body.pos),
+        mass=body.mass,
+        capsules=[CapsuleTable(_flipped(c.start), _flipped(c.end), c.radius) for c in body.capsules],
+    )
+
+
+def _mirrored_hinge(hinge: HingeTable, mirror: MirrorTable) -> HingeTable:
+    return msgspec.structs.replace(
+        hinge,
+        name=_renamed(hinge.name, mirror),
+        body=_renamed(hinge.body, mirror),
+        axis=_mirrored_axis(hinge.axis),
+        at=_flipped(hinge.at),
+        mount=None if hinge.mount is None else MountTable(_renamed(hinge.mount.body, mirror), _flipped(hinge.mount.at)),
+    )
+
+
+def _mirrored_coupling(coupling: CouplingTable, mirror: MirrorTable) -> CouplingTable:
+    return msgspec.structs.replace(
+        coupling,
+        name=_renamed(coupling.name, mirror),
+        body=_renamed(coupling.body, mirror),
+        driver=_renamed(coupling.driver, mirror),
+        axis=_mirrored_axis(coupling.axis),
+    )
+
+
+def _mirrored_axis(axis: Triple) -> Triple:
+    """So that equal angles are mirror postures."""
+    x, y, z = axis
+    return (-x, y, -z)
+
+
+def _mirrored_site(site: SiteTable, mirror: MirrorTable) -> SiteTable:
+    return SiteTable(_renamed(site.body, mirror), _flipped(site.at), _flipped(site.facing))
+
+
+def _flipped(point: Triple) -> Triple:
+    return (point[0], -point[1], point[2])
+
+
+def _renamed(name: str, mirror: MirrorTable) -> str:
+    return mirror.target + name.removeprefix(mirror.source) if name.startswith(mirror.source) else name
+
+
+def _swapped(name: str, mirror: MirrorTable) -> str:
+    """The name on the other side, whichever side it is on."""
+    if name.startswith(mirror.target):
+        return mirror.source + name.removeprefix(mirror.target)
+    return _renamed(name, mirror)

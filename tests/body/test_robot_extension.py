@@ -1,0 +1,75 @@
+from pathlib import Path
+
+import pytest
+
+from kinesic.body.config import ConfigError
+from kinesic.body.robot import Robot
+
+HEAD = '[robot]\nname = "mine"\nextends = "upper22"\n'
+
+
+@pytest.fixture
+def extended(tmp_path: Path):
+    def load(lines: str) -> Robot:
+        path = tmp_path / "mine.toml"
+        path.write_text(HEAD + lines, encoding="utf-8")
+        return Robot.load(path)
+
+    return load
+
+
+def test_a_file_says_only_what_is_different(extended):
+    plain = Robot.load("upper22")
+    robot = extended("""
+[[hinge]]
+name = "l_elbow_flexion"
+range_deg = [0, 90]
+
+[[body]]
+name = "l_ring"
+parent = "l_wrist"
+pos = [0, 0, -0.05]
+mass = 0.001
+capsules = []
+
+[rest]
+l_elbow_flexion = 30
+
+[collision]
+exclude = [{ pair = ["l_ring", "l_elbow"], why = "a test" }]
+""")
+    assert robot.name == "mine"
+    assert robot.skeleton.names == plain.skeleton.names
+    for side in "lr":
+        elbow = robot.skeleton.joint(f"{side}_elbow_flexion")
+        assert robot.skeleton.upper[elbow] == pytest.approx(1.5708, abs=1e-4)
+        assert robot.skeleton.rest[elbow] == pytest.approx(0.5236, abs=1e-4)
+        assert robot.mounts[elbow].drive == plain.mounts[elbow].drive
+        assert robot.skeleton.segments[robot.skeleton.segment(f"{side}_ring")].parent == f"{side}_wrist"
+    assert len(robot.exclusions) == len(plain.exclusions) + 2
+    assert robot.least_clearance == plain.least_clearance
+
+
+def test_a_file_beside_it_can_be_extended_too(extended, tmp_path: Path):
+    extended("[rest]\nl_elbow_flexion = 40\n")
+    path = tmp_path / "other.toml"
+    path.write_text('[robot]\nname = "other"\nextends = "mine.toml"\n[rest]\nl_wrist_pivot = 5\n', encoding="utf-8")
+    robot = Robot.load(path)
+    assert robot.skeleton.rest[robot.skeleton.joint("l_elbow_flexion")] == pytest.approx(0.698, abs=1e-3)
+    assert robot.skeleton.rest[robot.skeleton.joint("r_wrist_pivot")] == pytest.approx(0.0873, abs=1e-4)
+
+
+def test_a_file_that_extends_itself_is_refused(tmp_path: Path):
+    for name, other in (("one", "two"), ("two", "one")):
+        (tmp_path / f"{name}.toml").write_text(
+            f'[robot]\nname = "{name}"\nextends = "{other}.toml"\n', encoding="utf-8"
+        )
+    with pytest.raises(ConfigError, match=r"extends itself: one\.toml, which extends two\.toml, which extends one"):
+        Robot.load(tmp_path / "one.toml")
+
+
+def test_an_unknown_robot_is_named(tmp_path: Path):
+    path = tmp_path / "mine.toml"
+    path.write_text(HEAD.replace("upper22", "uper22"), encoding="utf-8")
+    with pytest.raises(ConfigError, match=r"no robot uper22; did you mean upper22\?"):
+        Robot.load(path)

@@ -1,0 +1,76 @@
+"""Distances of fingers: a ball stands for them where they are far, and nothing is lost by it."""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from kinesic.body.robot import SIDES, Robot
+from kinesic.sim.distances import NEAR, SIGHT, CapsuleDistances, segment_distances
+from kinesic.sim.finger_hull import finger_hull
+from kinesic.sim.worst_postures import random_postures
+
+ROBOT = Robot.load("upper36")
+DISTANCES = CapsuleDistances(ROBOT)
+
+
+def by_hand(posture):
+    """[m] of every counted pair, from all capsules."""
+    frames = ROBOT.skeleton.frames(posture)
+    axes: dict[str, list[tuple]] = {}
+    for body, parts in ROBOT.bodies.items():
+        for name in parts:
+            k = ROBOT.skeleton.segment(name)
+            axes.setdefault(body, []).extend(
+                (*(frames.origins[k] + frames.rotations[k] @ end for end in (c.start, c.end)), c.radius)
+                for c in ROBOT.skeleton.segments[k].capsules
+            )
+    for a, b in ROBOT.counted_pairs:
+        rows = [(*one, *other) for one in axes[a] for other in axes[b]]
+        a0, a1, ra, b0, b1, rb = (np.array(column) for column in zip(*rows, strict=True))
+        yield float((segment_distances(a0, a1, b0, b1) - ra - rb).min())
+
+
+def test_every_finger_counts():
+    postures = random_postures(ROBOT.skeleton, 40, seed=5)
+    gaps, nearest = DISTANCES.gaps(postures), DISTANCES.clearance(postures)
+    for posture, found, least in zip(postures, gaps, nearest.distances, strict=True):
+        expected = np.array(list(by_hand(posture)))
+        near = expected < SIGHT
+        np.testing.assert_allclose(found[near], expected[near], atol=1e-9)
+        assert np.all(found <= expected + 1e-9)
+        if expected.min() < NEAR:
+            assert least == pytest.approx(expected.min(), abs=1e-9)
+        else:
+            assert NEAR <= least <= expected.min() + 1e-9
+
+
+@pytest.mark.parametrize("side", SIDES)
+def test_the_ball_holds_the_fingers_however_they_are_bent(side):
+    ball, hand = finger_hull(ROBOT, side), ROBOT.skeleton.segment(f"{side}_wrist")
+    frames = ROBOT.skeleton.frames(random_postures(ROBOT.skeleton, 300, seed=6))
+    centre = frames.origins[:, hand] + frames.rotations[:, hand] @ ball.start
+    for name in ROBOT.fingers(side):
+        k = ROBOT.skeleton.segment(name)
+        for capsule in ROBOT.skeleton.segments[k].capsules:
+            ends = frames.origins[:, k] + frames.rotations[:, k] @ capsule.end
+            assert (np.linalg.norm(ends - centre, axis=1) + capsule.radius).max() <= ball.radius + 1e-12
+
+
+def test_what_a_motion_comes_nearest_is_found_between_its_samples():
+    postures = random_postures(ROBOT.skeleton, 12, seed=8)
+    motion = np.concatenate([np.linspace(a, b, 40) for a, b in pairwise(postures)])
+    ends = np.arange(0, len(motion), 4)
+    found = DISTANCES.approach(motion, ends, near=0.01)
+    every = DISTANCES.clearance(motion).distances
+    for k, end in enumerate(ends[1:], 1):
+        true = every[ends[k - 1] + 1 : end + 1].min()
+        assert found.distances[k] == pytest.approx(true, abs=1e-9) if true < 0.01 else found.distances[k] >= 0.01 - 1e-9
+
+
+@pytest.mark.parametrize("side", SIDES)
+def test_fingers_stay_away_from_their_own_forearm(side):
+    everything = replace(ROBOT, exclusions=tuple(e for e in ROBOT.exclusions if f"{side}_elbow" not in e.pair))
+    pair = everything.counted_pairs.index((f"{side}_elbow", f"{side}_fingers"))
+    assert CapsuleDistances(everything).gaps(random_postures(ROBOT.skeleton, 1000, seed=9))[:, pair].min() > 0.005
