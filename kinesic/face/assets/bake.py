@@ -67,22 +67,22 @@ class Source:
 def bake_head(wheel: Path, out: Path = HEAD) -> None:
     """Writes the head of one wheel."""
     with ZipFile(wheel) as archive:
-        source = _source(archive)
-        faces, parts = _head(source)
+        source = read_source(archive)
+        faces, parts = head_faces(source)
         vertices = np.unique(faces)
         place = np.full(len(source.positions), -1)
         place[vertices] = np.arange(len(vertices))
-        bodies = [_variant(archive, source, sex) for sex in VARIANTS]
+        bodies = [read_variant(archive, source, sex) for sex in VARIANTS]
         names, starts, places, deltas = _shapes(archive, place, parts[vertices])
-    centres = [np.array([body[np.unique(source.groups[eye])].mean(axis=0) for eye in EYES]) for body in bodies]
+    centres = [eye_centres(source, body) for body in bodies]
     rest = np.array([body[vertices] - eyes.mean(axis=0) for body, eyes in zip(bodies, centres, strict=True)])
     np.savez_compressed(
         out,
-        positions=np.rint(_ours(rest) / POSITION_STEP).astype(np.int16),
-        eyes=_ours(np.array([eyes - eyes.mean(axis=0) for eyes in centres])),
+        positions=np.rint(to_our_frame(rest) / POSITION_STEP).astype(np.int16),
+        eyes=to_our_frame(np.array([eyes - eyes.mean(axis=0) for eyes in centres])),
         faces=place[faces].astype(np.uint16),
         parts=parts[vertices].astype(np.uint8),
-        tips=np.rint(255 * _tips(_ours(rest[0]), parts[vertices])).astype(np.uint8),
+        tips=np.rint(255 * _tips(to_our_frame(rest[0]), parts[vertices])).astype(np.uint8),
         names=np.array(names),
         starts=starts.astype(np.int32),
         places=places.astype(np.uint16),
@@ -91,13 +91,18 @@ def bake_head(wheel: Path, out: Path = HEAD) -> None:
     sys.stdout.write(f"{out}: {len(vertices)} vertices, {len(faces)} faces, {len(names)} shapes\n")
 
 
-def _ours(points: Floats) -> Floats:
-    """(..., 3) [m] in our frame, from the source's [dm]."""
+def to_our_frame(points: Floats) -> Floats:
+    """Gives (..., 3) [m] in our frame, from the source's [dm]."""
     return np.asarray(points[..., FRAME] * DECIMETRE)
 
 
-def _source(archive: ZipFile) -> Source:
-    """The base mesh: positions and faces by group."""
+def eye_centres(source: Source, positions: Floats) -> Floats:
+    """Finds (2, 3) the centres of the eyeballs, left and right, of a figure with its vertices at (n, 3) positions."""
+    return np.array([positions[np.unique(source.groups[eye])].mean(axis=0) for eye in EYES])
+
+
+def read_source(archive: ZipFile) -> Source:
+    """Reads the base mesh: positions and faces by group."""
     positions: list[list[float]] = []
     faces: dict[str, list[list[int]]] = {}
     group = ""
@@ -113,8 +118,8 @@ def _source(archive: ZipFile) -> Source:
     return Source(np.array(positions), {name: np.array(rows) for name, rows in faces.items()})
 
 
-def _head(source: Source) -> tuple[Whole, Whole]:
-    """(f, 4) faces of the head in the figure's numbers, and the part of each of the figure's vertices."""
+def head_faces(source: Source) -> tuple[Whole, Whole]:
+    """Finds the (f, 4) faces of the head in the figure's numbers, and the part of each of the figure's vertices."""
     eyes = source.positions[np.unique(np.concatenate([source.groups[eye] for eye in EYES]))].mean(axis=0)[1]
     collar = eyes - COLLAR * (source.positions[np.unique(source.groups["body"]), 1].max() - eyes)
     parts = np.zeros(len(source.positions), dtype=np.int64)
@@ -126,8 +131,8 @@ def _head(source: Source) -> tuple[Whole, Whole]:
     return np.concatenate(kept), parts
 
 
-def _variant(archive: ZipFile, source: Source, sex: str) -> Floats:
-    """(n, 3) [dm] the figure of one sex: the mean of the source's peoples, mostly young, its face at rest."""
+def read_variant(archive: ZipFile, source: Source, sex: str) -> Floats:
+    """Reads (n, 3) [dm] the figure of one sex: the mean of the source's peoples, mostly young, its face at rest."""
     found = source.positions.copy()
     shares = {f"{SHAPES}{name}.target": share for name, share in REST.items()}
     for age, share in AGES.items():
@@ -164,7 +169,7 @@ def _shapes(archive: ZipFile, place: Whole, parts: Whole) -> tuple[list[str], Wh
         kept = (to >= 0) & (parts[to] != PARTS.index("eyes"))
         names.append(Path(path).stem)
         places.append(to[kept])
-        deltas.append(np.rint(_ours(moves[kept]) / DELTA_STEP).astype(np.int64))
+        deltas.append(np.rint(to_our_frame(moves[kept]) / DELTA_STEP).astype(np.int64))
     starts = np.cumsum([0, *(len(rows) for rows in places)])
     return names, starts, np.concatenate(places), np.concatenate(deltas)
 

@@ -49,7 +49,7 @@ def vertex_chart(mesh: Mesh) -> Floats:
     """(v, 4) of each vertex: chart's a and y, front mask minus 3 x depth in the mouth, height over the hairline.
 
     For the eyes: direction at rest from the centre of the eyeball as left, up, forward; then 0. For teeth and tongue
-    the third is how far forward they are.
+    the third is how far forward they are. For cloth: its colour, and how much it shines.
     """
     rest = mesh.positions / (mesh.eyes[0, 1] - mesh.eyes[1, 1])
     forward, left, up = rest.T
@@ -62,6 +62,9 @@ def vertex_chart(mesh: Mesh) -> Floats:
     inside = np.isin(mesh.parts, [PARTS.index("teeth"), PARTS.index("tongue")])
     found[inside, 2] = forward[inside]
     found[eyes] = np.column_stack([spokes[:, [1, 2, 0]], np.zeros(len(eyes))])
+    if mesh.plain is not None:
+        cloth = mesh.vertices("cloth")
+        found[cloth] = mesh.plain[cloth]
     return sealed(found)
 
 

@@ -19,12 +19,12 @@ from kinesic.body.choices import Variant
 from kinesic.body.config import CONFIGS, suggestion
 from kinesic.face.display import DisplayError
 
-Part = Literal["skin", "eyes", "teeth", "tongue", "lashes"]
+Part = Literal["skin", "eyes", "teeth", "tongue", "lashes", "cloth"]
 Indices = NDArray[np.int32]
 Whole = TypeVar("Whole", np.int32, np.uint8)
 
 VARIANTS: tuple[Variant, ...] = ("female", "male")
-PARTS: tuple[Part, ...] = ("skin", "eyes", "teeth", "tongue", "lashes")
+PARTS: tuple[Part, ...] = ("skin", "eyes", "teeth", "tongue", "lashes", "cloth")
 HEAD = CONFIGS / "faces" / "head.npz"
 POSITION_STEP = 1e-5  # [m] of the file's rest positions
 DELTA_STEP = 1e-4  # [m] of its shapes
@@ -34,7 +34,7 @@ BRIDGE = 0.02  # [m] across the nose, over which its halves change places
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """One head; parts share no vertices."""
+    """One head, or a whole figure; parts share no vertices."""
 
     positions: Floats  # (v, 3) [m] at rest
     faces: Indices  # (f, 4) corners, anticlockwise from outside
@@ -42,12 +42,13 @@ class Mesh:
     shapes: tuple[str, ...]  # names of the columns of deltas
     deltas: "scipy.sparse.csc_array"  # (3 v, s) [m] what each shape adds at full weight, a row for each coordinate
     eyes: Floats  # (2, 3) [m] centres of the eyeballs, left and right
-    tips: Floats  # (v,) 0 .. 1 how near to the tip of a lash; 0 elsewhere
+    tips: Floats  # (v,) 0 .. 1 how near to the tip of a lash; of cloth, [m] how far beyond its border; 0 elsewhere
+    plain: Floats | None = None  # (v, 4) of cloth: square root of its linear colour, and how much it shines
 
     @cached_property
     def triangles(self) -> Indices:
         """(2 f, 3) corners, anticlockwise from outside: each face cut along its first diagonal."""
-        return _sealed(self.faces[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3))
+        return seal_whole(self.faces[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3))
 
     def vertices(self, part: Part) -> NDArray[np.intp]:
         """Returns the indices of a part's vertices."""
@@ -78,10 +79,11 @@ class Mesh:
         return replace(
             self,
             positions=sealed(positions),
-            faces=_sealed(faces),
-            parts=_sealed(parts),
+            faces=seal_whole(faces),
+            parts=seal_whole(parts),
             deltas=scipy.sparse.csc_array(scipy.sparse.kron(stencil, scipy.sparse.eye_array(3)) @ self.deltas),
             tips=sealed(stencil @ self.tips),
+            plain=None if self.plain is None else sealed(stencil @ self.plain),
         )
 
     def _centres(self, positions: Floats) -> Floats:
@@ -130,8 +132,8 @@ def _mesh(data: dict[str, NDArray[np.generic]], variant: int) -> Mesh:
     moves.eliminate_zeros()
     return Mesh(
         positions=sealed(positions),
-        faces=_sealed(data["faces"].astype(np.int32)),
-        parts=_sealed(data["parts"].astype(np.uint8)),
+        faces=seal_whole(data["faces"].astype(np.int32)),
+        parts=seal_whole(data["parts"].astype(np.uint8)),
         shapes=names,
         deltas=moves,
         eyes=sealed(data["eyes"][variant]),
@@ -151,7 +153,8 @@ def _halved(
     return (*(names[place] for place in others), f"{BROW}Left", f"{BROW}Right"), columns
 
 
-def _sealed(values: NDArray[Whole]) -> NDArray[Whole]:
+def seal_whole(values: NDArray[Whole]) -> NDArray[Whole]:
+    """Makes an array of whole numbers read-only, and returns it."""
     values.setflags(write=False)
     return values
 

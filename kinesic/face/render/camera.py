@@ -11,7 +11,7 @@ from kinesic.face.display import DisplayError
 
 PIVOT = (-0.055, 0.0, -0.028)  # [m] middle of the head, round which the camera goes
 NEAR, FAR = 0.1, 10.0  # [m]
-FAREST = 5.0  # [m]
+FAREST = 7.0  # [m]
 NEAREST = 0.3  # [m]
 Colour = tuple[float, float, float]
 Direction = tuple[float, float, float]
@@ -19,12 +19,13 @@ Direction = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Camera:
-    """A camera that looks at the middle of the head from its own height."""
+    """A camera that looks at the middle of the head, or at another point, from its own height."""
 
     yaw_deg: float = 0.0  # 0 is frontal, 90 shows the left side of the head, 180 the back
-    distance: float = 0.85  # [m] from the middle of the head
+    distance: float = 0.85  # [m] from what it looks at
     field_deg: float = 19.0  # of view, upright
     turn: tuple[float, float, float] = (0.0, 0.0, 0.0)  # [rad] of the head: to its left, up, and over to its right
+    pivot: Direction = PIVOT  # [m] what it looks at
 
     def __post_init__(self) -> None:
         if not math.isfinite(self.yaw_deg):
@@ -40,7 +41,7 @@ class Camera:
         rotation = np.array([np.cross(up, towards), up, towards]) @ head_rotation(*self.turn)
         found = np.eye(4)
         found[:3, :3] = rotation
-        found[:3, 3] = rotation @ -np.array(PIVOT) - np.array([0.0, 0.0, self.distance])
+        found[:3, 3] = rotation @ -np.array(self.pivot) - np.array([0.0, 0.0, self.distance])
         return found
 
     def lens(self, aspect: float) -> tuple[float, float]:

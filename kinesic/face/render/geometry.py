@@ -9,17 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats
-from kinesic.face.assets.action_units import deform
 from kinesic.face.assets.chart import unroll, vertex_chart
 from kinesic.face.assets.eyeshade import eyeshade
 from kinesic.face.assets.mesh import PARTS, Mesh
 from kinesic.face.render.camera import Camera
-from kinesic.face.render.head_pose import steady_shoulders
 from kinesic.face.render.passes import Marks, Rectangle, Size, Target, Where, program, set_uniforms
+from kinesic.face.render.shape import Shape
 
-Layer = Literal["skin", "organs", "lashes", "film"]
+Layer = Literal["skin", "organs", "lashes", "cloth", "film"]
 
-VOLUME = 0.0035  # [m] that hair stands off the scalp
 MARGIN = 3  # [pixels] round a rectangle
 FILM = (0.30, 0.95, 0.45)  # what an eyeshade lets through, linear
 COVER = 0.5  # share of its pixels that are drawn
@@ -33,7 +31,7 @@ class Geometry:
     def __init__(
         self,
         context: moderngl.Context,
-        mesh: Mesh,
+        shape: Shape,
         drawn_on: Mesh,
         size: Size,
         iris: moderngl.Texture,
@@ -44,13 +42,14 @@ class Geometry:
 
         Args:
             context: to draw in.
-            mesh: of the head.
+            shape: that is drawn.
             drawn_on: the same faces at the places of the head whose chart everything is painted in.
             size: of the G-buffer.
             iris: how an eye is painted.
             shaded: whether the head wears an eyeshade.
         """
-        self.context, self.mesh, self.size = context, mesh, size
+        mesh = shape.mesh
+        self.context, self.mesh, self.size, self._shape = context, mesh, size, shape
         self.depth = context.depth_renderbuffer(size)
         self.target = Target(context, size, ("4f4", "4f4"), self.depth)  # form, place
         self.target.frame.depth_mask = True
@@ -59,26 +58,31 @@ class Geometry:
         self._iris = iris
         self.drawn_on, self.place = drawn_on, vertex_chart(drawn_on)
         skin = mesh.parts == PARTS.index("skin")
-        self._hair = VOLUME * np.clip(self.place[:, 3] / 0.35, 0.0, 1.0) * skin
         self._sources, on_chart, triangles = unroll(self.place, mesh.triangles)
         fixed = np.column_stack([on_chart, mesh.parts[self._sources], mesh.tips[self._sources]])
         self._moving = context.buffer(reserve=len(fixed) * 6 * 4, dynamic=True)
         first = mesh.triangles[:, 0]
-        thin = mesh.parts[first] == PARTS.index("lashes")
+        thin, cloth = (mesh.parts[first] == PARTS.index(part) for part in ("lashes", "cloth"))
         still = self._buffer(fixed)
         self._layers = {
             "skin": (self._moving, still, self._buffer(triangles[skin[first]], "i4")),
-            "organs": (self._moving, still, self._buffer(triangles[~skin[first] & ~thin], "i4")),
+            "organs": (self._moving, still, self._buffer(triangles[~skin[first] & ~thin & ~cloth], "i4")),
             "lashes": (self._moving, still, self._buffer(triangles[thin], "i4")),
         }
+        self.dressed = bool(cloth.any())
+        if self.dressed:
+            self._layers["cloth"] = (self._moving, still, self._buffer(triangles[cloth], "i4"))
         if shaded:
             self._layers["film"] = self._film(mesh)
         skins, organs = (program(context, "geometry", "form", fragment) for fragment in ("skin", "organs"))
         film = program(context, "geometry", "form", "door", "film")
-        self._shaders = (skins, organs, film)
+        cloths = program(context, "geometry", "form", "cloth")
+        self._shaders = (skins, organs, film, cloths)
         self._solid = (self.drawn(skins, "skin"), self.drawn(organs, "organs"))
         self.thin: tuple[Layer, ...] = ("lashes", "film") if shaded else ("lashes",)
         self._open = [self.drawn(film if each == "film" else organs, each) for each in self.thin]
+        if self.dressed:
+            self._open.append(self.drawn(cloths, "cloth"))  # seen from both sides
 
     def drawn(self, shader: moderngl.Program, layer: Layer) -> moderngl.VertexArray:
         """Gives one of the layers, for a program with the vertex shader `geometry`."""
@@ -90,7 +94,7 @@ class Geometry:
 
     def draw(self, units: Mapping[str, float], camera: Camera) -> Target:
         """Draws the G-buffer: normal with depth and part; place in the chart, or colour."""
-        vertices = self._vertices(units, camera)
+        vertices = self._shape.vertices(units, camera)
         self._moving.write(vertices[self._sources].astype("f4").tobytes())
         aspect = self.size[0] / self.size[1]
         view, projection, self.lens = camera.view(), camera.projection(aspect), camera.lens(aspect)
@@ -130,15 +134,6 @@ class Geometry:
         low = np.clip(np.floor(points.min(axis=1)).astype(int) - MARGIN, 0, self.size)
         high = np.clip(np.ceil(points.max(axis=1)).astype(int) + MARGIN, 0, self.size)
         return int(low[0]), int(low[1]), int(high[0] - low[0]), int(high[1] - low[1])
-
-    def _vertices(self, units: Mapping[str, float], camera: Camera) -> Floats:
-        """(v, 6) positions and normals."""
-        positions = steady_shoulders(self.mesh.positions, deform(self.mesh, units), camera.turn)
-        normals = self.mesh.normals(positions)
-        eyes = self.mesh.vertices("eyes")
-        spokes = positions[eyes] - self.mesh.eyes[np.where(self.mesh.positions[eyes, 1] > 0.0, 0, 1)]
-        normals[eyes] = spokes / np.linalg.norm(spokes, axis=1, keepdims=True)
-        return np.concatenate([positions + normals * self._hair[:, None], normals], axis=1)
 
     def _pixels(self, positions: Floats, onto: Floats) -> Floats:
         """(2, v) where a (4, 4) matrix puts (v, 3) positions on the screen."""

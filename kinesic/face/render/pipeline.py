@@ -20,6 +20,7 @@ from kinesic.face.render.passes import ScreenPass, Size, Stored, Target, Value, 
 from kinesic.face.render.post import PostProcessing, ScatterPass
 from kinesic.face.render.presets import Preset
 from kinesic.face.render.shadow import ShadowPass
+from kinesic.face.render.shape import Shape
 from kinesic.face.render.wrinkles import WrinklePass, shares
 
 BACKDROP = (0.055, 0.075, 0.105)  # linear
@@ -29,9 +30,9 @@ Pixels = NDArray[np.uint8]  # (height, width, 3) sRGB, first row on top
 
 @dataclass(frozen=True, eq=False)
 class DrawnHead:
-    """The head that is drawn: its mesh, the mesh that it is painted on, and its complexion."""
+    """What is drawn: a head or a figure, the mesh that it is painted on, and its complexion."""
 
-    mesh: Mesh
+    shape: Shape
     drawn_on: Mesh  # in whose chart the painting and the wrinkles are drawn; the vertices correspond
     complexion: Complexion
 
@@ -42,11 +43,11 @@ class Pipeline:
     def __init__(
         self, context: moderngl.Context, head: DrawnHead, *, preset: Preset, size: Size, lights: Lights
     ) -> None:
-        mesh, complexion = head.mesh, head.complexion
+        mesh, complexion = head.shape.mesh, head.complexion
         drawn = (size[0] * preset.samples, size[1] * preset.samples)
         self._preset, self._drawn, self._lights, self._complexion = preset, drawn, lights, complexion
         eyes = texture(context, iris(complexion))
-        self.geometry = geometry = Geometry(context, mesh, head.drawn_on, drawn, eyes, shaded=preset.eyeshade)
+        self.geometry = geometry = Geometry(context, head.shape, head.drawn_on, drawn, eyes, shaded=preset.eyeshade)
         self._unit = float(mesh.eyes[0, 1] - mesh.eyes[1, 1])
         self._skin = texture(context, _painted(complexion), "f1")
         self._skin.build_mipmaps()

@@ -19,6 +19,7 @@ from kinesic.face.assets.paint import COMPLEXIONS
 from kinesic.face.display import DisplayError, offscreen
 from kinesic.face.render.camera import FRONT, LIGHTS, Camera, Lights
 from kinesic.face.render.presets import NORMAL, Preset
+from kinesic.face.render.shape import HeadShape
 
 if TYPE_CHECKING:
     import moderngl
@@ -67,7 +68,7 @@ class Portrait:
             own = opened.enter_context(offscreen()) if context is None else context
             from kinesic.face.render.pipeline import DrawnHead, Pipeline  # noqa: PLC0415 - needs the optional library, which is there now
 
-            head = DrawnHead(self.mesh, _mesh(CHART, preset.subdivided), COMPLEXIONS[variant])
+            head = DrawnHead(HeadShape(self.mesh), _mesh(CHART, preset.subdivided), COMPLEXIONS[variant])
             self.pipeline = Pipeline(own, head, preset=preset, size=size, lights=lights)
             self._current = own if context is None else nullcontext()  # another portrait may have its own
             self._opened = opened.pop_all()

@@ -42,6 +42,10 @@ class Shadow:
     blockers: int = 4  # samples along a side where what is in the way is looked for
     taps: int = 6  # samples along a side of what is compared
     coloured: bool = False  # what light shines through tints it
+    reach: float = 0.22  # [m] that it covers round the middle of the head, across
+    deep: float = 0.35  # [m] and along the light
+    side: int = 512  # pixels of its map
+    sharpest: float = 0.004  # [m] across what is compared at least: the map has pixels
 
 
 @dataclass(frozen=True)

@@ -15,11 +15,6 @@ from kinesic.face.render.geometry import Geometry, PositionBuffer
 from kinesic.face.render.passes import ScreenPass, Target, Value, program, set_uniforms
 from kinesic.face.render.presets import Shadow
 
-SIDE = 512  # pixels of the map
-REACH = 0.22  # [m] that it covers round the middle of the head, across
-DEEP = 0.35  # [m] and along the light
-SHARPEST = 0.004  # [m] across what is compared at least: the map has pixels
-
 
 class ShadowPass:
     """Finds how much of the key's light reaches each pixel of the head."""
@@ -31,12 +26,17 @@ class ShadowPass:
         defines = {"COLOURED": int(shadow.coloured), "BLOCKERS": shadow.blockers, "TAPS": shadow.taps}
         self._shade = ScreenPass(context, reached, "shade", where=seen.where, defines=defines)
         solid = program(context, "geometry", "shadow")
-        self._solid = _Map(context, [], solid, [geometry.drawn(solid, "skin")])
+        layers = [geometry.drawn(solid, "skin")]
+        if geometry.dressed:
+            layers.append(geometry.drawn(program(context, "geometry", "cut"), "cloth"))
+        self._solid = _Map(context, shadow.side, [], layers)
         self._thin: _Map | None = None
         if shadow.coloured:
-            self._tints = Target(context, (SIDE, SIDE), ("4f1",), None).textures
+            self._tints = Target(context, (shadow.side, shadow.side), ("4f1",), None).textures
             tinted = program(context, "geometry", "form", "door", "tint")
-            self._thin = _Map(context, self._tints, tinted, [geometry.drawn(tinted, each) for each in geometry.thin])
+            self._thin = _Map(
+                context, shadow.side, self._tints, [geometry.drawn(tinted, each) for each in geometry.thin]
+            )
 
     def draw(self, towards: Floats, camera: Camera, around: moderngl.Texture) -> Target:
         """Draws the key's light at each pixel, 0..1 for each colour, and how open it is to the light around.
@@ -47,17 +47,17 @@ class ShadowPass:
             around: how open each pixel is, in the first component.
         """
         shadow, seen = self.shadow, self._seen
-        lamp, view = lamp_view(towards, camera.distance), camera.view()
+        lamp, view = lamp_view(towards, camera.distance, shadow), camera.view()
         inputs = {"position": seen.position, "normal": seen.normal, "open": around}
         inputs["depths"] = self._solid.draw(view, lamp)
         if self._thin is not None:
             inputs |= {"tint_depths": self._thin.draw(view, lamp), "tints": self._tints[0]}
         values: dict[str, Value] = {
             "lamp": lamp.T,
-            "deep": DEEP,
+            "deep": shadow.deep,
             "away": shadow.away,
-            "wide": shadow.lamp / (2 * REACH),
-            "nearest": SHARPEST / (2 * REACH),
+            "wide": shadow.lamp / (2 * shadow.reach),
+            "nearest": shadow.sharpest / (2 * shadow.reach),
         }
         self._shade.clear(1.0, 1.0, 1.0, 1.0)
         return self._shade.draw(inputs, values)
@@ -69,13 +69,13 @@ class _Map:
     def __init__(
         self,
         context: moderngl.Context,
+        side: int,
         colours: Sequence[moderngl.Texture],
-        shader: moderngl.Program,
         layers: Sequence[moderngl.VertexArray],
     ) -> None:
-        self._context, self._shader, self._layers = context, shader, layers
+        self._context, self._layers = context, layers
         self._culling = moderngl.NOTHING if colours else moderngl.CULL_FACE  # films are seen from both sides
-        self._depths = context.depth_texture((SIDE, SIDE))
+        self._depths = context.depth_texture((side, side))
         self._depths.compare_func = ""
         self._depths.filter = (moderngl.NEAREST, moderngl.NEAREST)
         self._depths.repeat_x = self._depths.repeat_y = False
@@ -83,7 +83,8 @@ class _Map:
 
     def draw(self, view: Floats, lamp: Floats) -> moderngl.Texture:
         """Depths 0..1."""
-        set_uniforms(self._shader, {"view": view.T, "projection": lamp.T})
+        for each in self._layers:
+            set_uniforms(each.program, {"view": view.T, "projection": lamp.T})
         self._frame.use()
         self._frame.clear()
         self._context.enable_only(moderngl.DEPTH_TEST | self._culling)
@@ -93,16 +94,19 @@ class _Map:
         return self._depths
 
 
-def lamp_view(towards: Floats, distance: float) -> Floats:
+def lamp_view(towards: Floats, distance: float, shadow: Shadow) -> Floats:
     """(4, 4) from the camera's frame to the clip space of a far lamp.
 
     Args:
         towards: (3,) unit vector to the lamp in the camera's frame.
         distance: [m] from the camera to the middle of the head.
+        shadow: how far it reaches.
     """
     right = np.cross((0.0, 1.0, 0.0), towards)
     right /= np.linalg.norm(right)
-    rotation = np.array([right, np.cross(towards, right), towards]) / np.array([[REACH], [REACH], [-DEEP]])
+    rotation = np.array([right, np.cross(towards, right), towards]) / np.array(
+        [[shadow.reach], [shadow.reach], [-shadow.deep]]
+    )
     found = np.eye(4)
     found[:3, :3] = rotation
     found[:3, 3] = rotation @ (0.0, 0.0, distance)

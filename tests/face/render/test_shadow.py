@@ -44,7 +44,7 @@ def reached(gallery: Gallery) -> Callable[..., tuple[Floats, NDArray[np.intp]]]:
 
 def test_a_lamp_sees_the_middle_of_the_head_in_its_middle():
     towards = LIGHTS.directions()[0]
-    view = lamp_view(towards, 0.85)
+    view = lamp_view(towards, 0.85, Shadow())
     middle = np.array([0.0, 0.0, -0.85, 1.0])
     np.testing.assert_allclose(view @ middle, (0.0, 0.0, 0.0, 1.0), atol=1e-12)
     nearer = view @ (middle + 0.1 * np.array([*towards, 0.0]))

@@ -1,0 +1,45 @@
+"""Draws docs/human-skin.png: extreme postures, blended linearly and by dual quaternions."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from PIL import Image, ImageDraw
+
+from kinesic.body.robot import Robot
+from kinesic.face.assets.skinning import Blending
+from kinesic.face.render.figure import UPPER, FigurePortrait
+from kinesic.face.render.portrait import Pixels
+
+SIDE = 230
+CLOSE = replace(UPPER, distance=1.9, pivot=(0.05, 0.0, 1.22))
+POSTURES: dict[str, tuple[float, dict[str, float]]] = {  # how the camera stands, degrees of the hinges of both arms
+    "flexion 170": (30, {"shoulder_flexion": 170, "shoulder_abduct": 8, "sternoclavicular_abduct": 25}),
+    "abduct 120": (0, {"shoulder_abduct": 120, "sternoclavicular_abduct": 25}),
+    "arms crossed": (10, {"shoulder_flexion": 90, "shoulder_abduct": -40, "elbow_flexion": 20}),
+    "twist 90": (20, {"shoulder_twisting": 90, "elbow_flexion": 90, "shoulder_abduct": 20}),
+    "elbow 135, forearm 85": (40, {"elbow_flexion": 135, "elbow_twisting": 85, "shoulder_flexion": 30}),
+    "forearm -85": (30, {"elbow_flexion": 90, "elbow_twisting": -85}),
+    "neck 75, down 40": (0, {"skullbase_torsion": 75, "skullbase_tilt": 40, "skullbase_roll": 25}),
+    "waist 50, 35, 20": (20, {"vl5_torsion": 50, "vl5_tilt": 35, "vl5_roll": 20}),
+}
+SKELETON = Robot.load("human").skeleton
+
+
+def drawn(blending: Blending) -> Pixels:
+    """All postures in a row."""
+    pictures = []
+    with FigurePortrait(SKELETON, size=(SIDE, SIDE), blending=blending) as portrait:
+        for name, (yaw, degrees) in POSTURES.items():
+            angles = SKELETON.rest.copy()
+            for hinge, angle in degrees.items():
+                for k in [k for k, each in enumerate(SKELETON.names) if each in (hinge, f"l_{hinge}", f"r_{hinge}")]:
+                    angles[k] = np.radians(angle)
+            picture = Image.fromarray(portrait.draw(angles, {}, replace(CLOSE, yaw_deg=yaw)))
+            ImageDraw.Draw(picture).text((5, 4), f"{blending}: {name}", fill=(230, 230, 230))
+            pictures.append(np.asarray(picture))
+    return np.concatenate(pictures, axis=1)
+
+
+sheet = Image.fromarray(np.concatenate([drawn("linear"), drawn("dual")]))
+sheet.quantize(200).save(Path(__file__).parents[1] / "human-skin.png", optimize=True)

@@ -1,0 +1,72 @@
+"""What moves the vertices that are drawn: a head that turns, or a whole figure that stands as a skeleton does."""
+
+from collections.abc import Mapping
+from typing import Protocol
+
+import numpy as np
+
+from kinesic.body.arrays import Floats
+from kinesic.body.skeleton import Skeleton
+from kinesic.face.assets.action_units import deform
+from kinesic.face.assets.body import Figure
+from kinesic.face.assets.chart import vertex_chart
+from kinesic.face.assets.mesh import PARTS, Mesh
+from kinesic.face.assets.skinning import Blending, Skin
+from kinesic.face.render.camera import Camera
+from kinesic.face.render.head_pose import steady_shoulders
+
+VOLUME, THICK = 0.0035, 0.35  # [m] that hair stands off the scalp, so far over the hairline in the chart's unit
+CROP, FULL = 0.013, 0.7  # the same of a figure
+
+
+class Shape(Protocol):
+    """A mesh that moves."""
+
+    mesh: Mesh
+
+    def vertices(self, units: Mapping[str, float], camera: Camera) -> Floats:
+        """(v, 6) positions [m] and normals of a face that shows some action units."""
+
+
+class HeadShape:
+    """A head that the camera turns, on shoulders that stay."""
+
+    def __init__(self, mesh: Mesh) -> None:
+        self.mesh = mesh
+        self._hair = VOLUME * np.clip(vertex_chart(mesh)[:, 3] / THICK, 0.0, 1.0) * (mesh.parts == PARTS.index("skin"))
+
+    def vertices(self, units: Mapping[str, float], camera: Camera) -> Floats:
+        """(v, 6) positions and normals."""
+        positions = steady_shoulders(self.mesh.positions, deform(self.mesh, units), camera.turn)
+        return _with_normals(self.mesh, positions, self.mesh.eyes, self._hair)
+
+
+class FigureShape:
+    """A figure in the world; set `angles` before it is drawn."""
+
+    def __init__(self, figure: Figure, skeleton: Skeleton, *, blending: Blending = "linear") -> None:
+        """Stands at rest.
+
+        Args:
+            figure: with its skin and clothes.
+            skeleton: that moves it.
+            blending: how its skin follows.
+        """
+        self.mesh, self.angles = figure.mesh, skeleton.rest
+        self._skin = Skin(figure, skeleton, blending=blending)
+        over = np.clip(vertex_chart(figure.mesh)[:, 3] / FULL, 0.0, 1.0)
+        self._hair = CROP * np.sqrt(over) * (figure.mesh.parts == PARTS.index("skin"))
+
+    def vertices(self, units: Mapping[str, float], camera: Camera) -> Floats:
+        """(v, 6) positions and normals."""
+        positions = self._skin.place(deform(self.mesh, units), self.angles)
+        return _with_normals(self.mesh, positions, self._skin.carry(self.mesh.eyes, self.angles), self._hair)
+
+
+def _with_normals(mesh: Mesh, positions: Floats, eyes: Floats, hair: Floats) -> Floats:
+    """(v, 6) positions, with hair that stands off by (v,) [m], and normals; those of eyeballs are a ball's."""
+    normals = mesh.normals(positions)
+    balls = mesh.vertices("eyes")
+    spokes = positions[balls] - eyes[np.where(mesh.positions[balls, 1] > 0.0, 0, 1)]
+    normals[balls] = spokes / np.linalg.norm(spokes, axis=1, keepdims=True)
+    return np.concatenate([positions + normals * hair[:, None], normals], axis=1)

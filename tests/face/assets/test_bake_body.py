@@ -1,0 +1,59 @@
+import numpy as np
+import pytest
+
+from kinesic.face.assets import bake_body
+from kinesic.face.assets.rig import FRAMES, PLACE
+
+STRIP = np.array([[k, k + 1, k + 12, k + 11] for k in range(10)])  # 10 squares in a row
+
+
+def strip_weights(split: int) -> dict[str, np.ndarray]:
+    chest = np.array([float(k % 11 < split) for k in range(22)])
+    return {"vl5": chest, "l_shoulder": 1.0 - chest, "l_wrist": np.zeros(22)}
+
+
+def test_smoothing_keeps_what_weights_add_up_to_and_blurs_their_border():
+    parts = strip_weights(5)
+    parts["l_wrist"][:] = 0.5
+    bake_body._smooth(parts, STRIP)
+    np.testing.assert_allclose(parts["vl5"] + parts["l_shoulder"], 1.0)
+    np.testing.assert_array_equal(parts["l_wrist"], 0.5)
+    assert 0.2 < parts["vl5"][5] < 0.5
+    assert (np.diff(parts["vl5"][:11]) <= 1e-12).all()
+
+
+def test_a_joint_gives_what_both_sides_share_to_the_frame_between_them():
+    parts = {"a": np.array([1.0, 0.5, 0.0, 0.2]), "b": np.array([0.0, 0.0, 0.0, 0.2]), "c": np.array([0, 0.5, 1, 0.4])}
+    bake_body._share_joint(parts, ("a", "b"), "c")
+    np.testing.assert_allclose(parts["a"], [1.0, 0.25, 0.0, 0.1])
+    np.testing.assert_allclose(parts["c_half"], [0.0, 0.5, 0.0, 0.4])
+    np.testing.assert_allclose(sum(parts.values()), [1.0, 1.0, 1.0, 0.8])
+
+
+def test_the_strongest_frames_are_kept_and_add_up():
+    frames = np.random.default_rng(1).uniform(size=(50, 62)) ** 8
+    places, weights = bake_body._strongest(frames)
+    assert (weights.sum(axis=1) == 255).all()
+    assert (places[:, 0] == frames.argmax(axis=1)).all()
+
+
+def test_what_is_straight_and_hangs_is_bound_at_zero():
+    down = {"shoulder": 0.0, "elbow": -0.3, "wrist": -0.6}
+    centres = {f"l_{name}": np.array([0.0, 0.2, z]) for name, z in down.items()}
+    centres["l_wrist"] = centres["l_wrist"] + (1e-6, 0.0, 0.0)  # bent by a hair, so that the elbow has an axis
+    for k, finger in enumerate(("index", "middle", "ring", "pinky")):
+        centres[f"l_{finger}1"] = np.array([0.03 - 0.02 * k, 0.2, -0.7])
+    found = bake_body._bind(centres)
+    assert set(found) == {f"{side}_{name}" for side in "lr" for name in ("shoulder_flexion", "shoulder_abduct",
+        "shoulder_twisting", "elbow_flexion", "elbow_twisting", "wrist_flexion", "wrist_pivot")}  # fmt: skip
+    assert max(abs(angle) for angle in found.values()) < 0.01
+
+
+@pytest.mark.parametrize(("bone", "part"), [("finger2-3", "index3"), ("head", "skullbase"), ("metacarpal2", "wrist")])
+def test_bones_find_their_part(bone: str, part: str):
+    parts = bake_body._merged({f"{bone}.L": np.array([2.0]), "root": np.array([2.0])})
+    assert parts[part if part == "skullbase" else f"l_{part}"].tolist() == [0.5]
+
+
+def test_every_frame_of_the_rig_is_named_once():
+    assert len(PLACE) == len(FRAMES) == 62

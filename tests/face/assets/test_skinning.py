@@ -1,0 +1,79 @@
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from kinesic.body.robot import Robot
+from kinesic.face.assets.body import load_figure
+from kinesic.face.assets.rig import PLACE
+from kinesic.face.assets.skinning import Skin
+
+FIGURE = load_figure()
+SKELETON = Robot.load("human").skeleton
+POINTS = FIGURE.mesh.positions
+LINEAR, DUAL = (Skin(FIGURE, SKELETON, blending=blending) for blending in ("linear", "dual"))
+ALONE = FIGURE.weights.max(axis=1).toarray().ravel() == 1.0  # moved by one frame
+
+
+def posture(**degrees: float) -> np.ndarray:
+    found = SKELETON.rest.copy()
+    for name, angle in degrees.items():
+        found[SKELETON.joint(name)] = np.radians(angle)
+    return found
+
+
+BIND = np.zeros(len(SKELETON.hinges))
+for hinge, angle in FIGURE.angles.items():
+    BIND[SKELETON.joint(hinge)] = angle
+WILD = posture(l_shoulder_flexion=150, l_shoulder_twisting=80, l_elbow_flexion=120, l_elbow_twisting=85, vl5_tilt=30)
+
+
+@pytest.mark.parametrize("skin", [LINEAR, DUAL], ids=["linear", "dual"])
+def test_at_bind_it_stands_as_it_was_made(skin: Skin):
+    moved = skin.place(POINTS, BIND) - POINTS
+    np.testing.assert_allclose(moved, np.broadcast_to(moved[0], moved.shape), atol=0.001)
+
+
+def test_what_one_frame_moves_is_moved_alike():
+    np.testing.assert_allclose(LINEAR.place(POINTS, WILD)[ALONE], DUAL.place(POINTS, WILD)[ALONE], atol=1e-9)
+
+
+@pytest.mark.parametrize("skin", [LINEAR, DUAL], ids=["linear", "dual"])
+def test_the_hand_is_where_the_skeleton_has_it(skin: Skin):
+    hand = np.flatnonzero(FIGURE.weights[:, [PLACE["l_wrist"]]].toarray().ravel() == 1.0)
+    frames, wrist = SKELETON.frames(WILD), SKELETON.segment("l_wrist")
+    there = (skin.place(POINTS, WILD)[hand] - frames.origins[wrist]) @ frames.rotations[wrist]
+    bound = SKELETON.frames(BIND)
+    here = (POINTS[hand] - FIGURE.centres["l_wrist"]) @ bound.rotations[wrist]
+    np.testing.assert_allclose(there, here, atol=1e-9)
+
+
+def test_frames_between_turn_half_way_and_without_the_twist():
+    turns, _ = LINEAR.matrices(posture(l_shoulder_flexion=80, l_shoulder_abduct=0, l_shoulder_twisting=60))
+    without, _ = LINEAR.matrices(posture(l_shoulder_flexion=40, l_shoulder_abduct=0))
+    bent = LINEAR._unbound  # half frames stand half-way at bind, too
+    half, none = PLACE["l_shoulder_half"], PLACE["l_shoulder_0"]
+    np.testing.assert_allclose(turns[half] @ bent[half].T, without[none] @ bent[none].T, atol=1e-9)
+
+
+def test_a_half_way_frame_does_not_flip_over_the_head():
+    raised = [posture(l_shoulder_flexion=flexion, l_shoulder_abduct=-40) for flexion in (160, 165, 170)]
+    halves = [LINEAR.matrices(angles)[0][PLACE["l_shoulder_half"]] for angles in raised]
+    for one, other in pairwise(halves):
+        assert np.trace(one.T @ other) > 1 + 2 * np.cos(np.radians(5))
+
+
+def test_linear_blending_keeps_the_forearm_round_at_full_twist():
+    """Frames along the bone share the twist, so that no candy wrapper forms."""
+    parts = [PLACE[f"l_elbow_{k}"] for k in range(4)]
+    of_bone = np.flatnonzero(FIGURE.weights[:, parts].sum(axis=1) > 0.98)
+    elbow, wrist = (SKELETON.segment(f"l_{name}") for name in ("elbow", "wrist"))
+
+    def radii(twist: float) -> np.ndarray:
+        angles = posture(l_elbow_flexion=90, l_elbow_twisting=twist)
+        frames = SKELETON.frames(angles)
+        bone = frames.origins[wrist] - frames.origins[elbow]
+        away = LINEAR.place(POINTS, angles)[of_bone] - frames.origins[elbow]
+        return np.linalg.norm(np.cross(away, bone / np.linalg.norm(bone)), axis=1)
+
+    assert (radii(85.0) / radii(0.0)).min() > 0.9
