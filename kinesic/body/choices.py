@@ -6,3 +6,4 @@ Gathering = Literal["complex", "lazy"]  # how key frames are filled: in every pa
 VoiceName = Literal["auto", "espeak", "durations"]  # who speaks; durations is silent and the same on every machine
 Terms = Literal["full", "lag", "none"]  # inverted of a servo: everything; what speed needs, but no torque; nothing
 Variant = Literal["female", "male"]  # the face
+Skin = Literal["female"]  # of a whole figure

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from kinesic.body.arrays import Floats
 from kinesic.body.calibration import NONE, Calibration
+from kinesic.body.choices import Skin
 from kinesic.body.servo import Drive
 from kinesic.body.skeleton import Skeleton
 
@@ -57,5 +58,6 @@ class Description:
     exclusions: tuple[Exclusion, ...]
     least_clearance: float  # [m]
     targets: Mapping[str, Floats]  # named points (3,) [m] in the world
+    skin: Skin | None = None  # None: it is drawn as it is built
     supply: Supply | None = None  # None: not described
     calibration: Calibration = NONE  # of this one's servos; its ranges are in the skeleton already

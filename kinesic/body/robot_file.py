@@ -91,6 +91,7 @@ def robot_from_tables(file: RobotFile, path: Path, calibration: Calibration = NO
         exclusions=tuple(Exclusion(frozenset(entry.pair), entry.why) for entry in file.collision.exclude),
         least_clearance=file.collision.clearance,
         targets={name: sealed(position) for name, position in file.targets.items()},
+        skin=file.robot.skin,
         supply=None if file.supply is None else Supply(file.supply.volts, file.supply.amps),
         calibration=calibration,
     )

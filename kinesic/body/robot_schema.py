@@ -5,6 +5,8 @@ from collections.abc import Mapping, Sequence
 
 import msgspec
 
+from kinesic.body.choices import Skin
+
 Triple = tuple[float, float, float]
 
 
@@ -33,6 +35,7 @@ class RobotTable(Strict):
     name: str
     extends: str | None = None  # another robot, of which this file says only what is different: see `robot_extension`
     mirror: MirrorTable | None = None
+    skin: Skin | None = None  # drawn on the skeleton, whose bodies must have the names of those of `human`
     imported: ImportTable | None = None
 
 

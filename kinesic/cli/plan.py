@@ -21,6 +21,8 @@ from kinesic.planning.motion_files import check_motion_file, save_motion
 from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.setup import Setup
 from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime
+from kinesic.report.gltf.scene import SUFFIX as SCENE
+from kinesic.report.gltf.scene import save_scene
 from kinesic.report.labels import label
 
 ENDS = ("start", "end")  # sync points that have a column
@@ -28,9 +30,9 @@ WORDS = 30  # letters of what is said
 
 
 def plan_file(file: str, planning: Planning, out: Path | None, force: bool) -> int:
-    """Plans a document or a motion, and writes the motion to a file; without one, it prints what would happen when."""
+    """Plans a document or a motion, and writes it to a file; without one, it prints what would happen when."""
     if out is not None:
-        check_motion_file(out)
+        check_motion_file(out, also=SCENE)
         check_file(out, force=force)
     with show_stages() as stage:
         stage("planning")
@@ -39,6 +41,8 @@ def plan_file(file: str, planning: Planning, out: Path | None, force: bool) -> i
     lags = planned_lags(planned)
     if out is None:
         print_timeline(planned, lags, console())
+    elif out.suffix == SCENE:
+        save_scene(planned, out, force=force)
     else:
         save_motion(planned.trajectory, known.robot, out, force=force)
     print_notices(planned, error_console())

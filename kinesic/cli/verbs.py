@@ -153,7 +153,9 @@ def _perform() -> None:
 @kinesic.command("plan")
 @click.argument("file")
 @planning
-@click.option("--out", type=click.Path(path_type=Path), help="motion.npz, .csv or .bap; without it, a timeline.")
+@click.option(
+    "--out", type=click.Path(path_type=Path), help="motion.npz, .csv or .bap, or scene.glb; without it, a timeline."
+)
 @force_option
 @done_by("plan:plan_file")
 def _plan() -> None:

@@ -59,11 +59,16 @@ def write_motion(trajectory: Sampled, robot: Robot, path: Path, *, rate: int = R
             rows.writerows([f"{value:.9g}" for value in (time, *row)] for time, row in zip(times, angles, strict=True))
 
 
-def check_motion_file(path: Path) -> None:
+def check_motion_file(path: Path, *, also: str = "") -> None:
     """Refuses a path whose suffix names no format of motions.
+
+    Args:
+        path: of the file.
+        also: a suffix that somebody else writes.
 
     Raises:
         ConfigError: it does not; names those that do.
     """
-    if path.suffix not in SUFFIXES:
-        raise ConfigError(f"{path}: cannot write {path.suffix or 'no suffix'}; known: {', '.join(SUFFIXES)}")
+    known = (*SUFFIXES, also) if also else SUFFIXES
+    if path.suffix not in known:
+        raise ConfigError(f"{path}: cannot write {path.suffix or 'no suffix'}; known: {', '.join(known)}")

@@ -138,7 +138,7 @@ def deform(mesh: Mesh, units: Mapping[str, float]) -> Floats:
     """
     rig, told = _rig(mesh), intensities(units)
     positions: Floats = mesh.positions + (mesh.deltas @ _weights(rig, told)).reshape(-1, 3)
-    turned = _gaze(told)
+    turned = gaze_rotation(told)
     for eyeball, centre in zip(rig.eyeballs, mesh.eyes, strict=True):
         positions[eyeball] = centre + (mesh.positions[eyeball] - centre) @ turned.T
     return positions
@@ -154,8 +154,8 @@ def _weights(rig: _Rig, told: Floats) -> Floats:
     return found
 
 
-def _gaze(told: Floats) -> Floats:
-    """(3, 3) rotation of the eyeballs."""
+def gaze_rotation(told: Floats) -> Floats:
+    """Gives the (3, 3) rotation of the eyeballs, for (c,) intensity of each of `CHANNELS`."""
     left, right, up, down = (told[_CHANNEL[name]] for name in ("61", "62", "63", "64"))
     aside, raised = ASIDE * (left - right), UPWARD * up - DOWNWARD * down
     cy, sy, cp, sp = math.cos(aside), math.sin(aside), math.cos(raised), math.sin(raised)

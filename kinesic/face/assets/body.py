@@ -6,7 +6,7 @@ source's A pose, in our frame, with the origin between the eyes.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 from zipfile import BadZipFile
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import CONFIGS
+from kinesic.face.assets.chart import vertex_chart
 from kinesic.face.assets.clothes import COVERED, below_neckline, garments
 from kinesic.face.assets.mesh import PARTS, Indices, Mesh, load_head, refine, seal_whole
 from kinesic.face.assets.rig import FRAMES, PLACE
@@ -24,6 +25,7 @@ from kinesic.face.display import DisplayError
 
 BODY = CONFIGS / "faces" / "body.npz"
 POSITION_STEP = 5e-5  # [m] of the file's positions
+CROP, FULL = 0.013, 0.7  # [m] that hair stands off, so far over the hairline in the chart's unit
 KEPT = 8  # frames that move a vertex at most
 
 
@@ -35,6 +37,12 @@ class Figure:
     weights: "scipy.sparse.csr_array"  # (v, frames) they add up to 1
     centres: Mapping[str, Floats]  # segment -> (3,) [m] its joint
     angles: Mapping[str, float]  # hinge -> [rad] where the skeleton stands as the mesh does
+
+    @cached_property
+    def hair(self) -> Floats:
+        """(v,) [m] that hair stands off the scalp."""
+        over = np.clip(vertex_chart(self.mesh)[:, 3] / FULL, 0.0, 1.0)
+        return sealed(CROP * np.sqrt(over) * (self.mesh.parts == PARTS.index("skin")))
 
     def subdivided(self) -> "Figure":
         """The same figure with every face cut into four."""

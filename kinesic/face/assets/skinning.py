@@ -15,7 +15,8 @@ import scipy
 from kinesic.body.arrays import Floats
 from kinesic.body.skeleton import Skeleton
 from kinesic.face.assets.body import Figure
-from kinesic.face.assets.rig import FRAMES, PLACE, Frame
+from kinesic.face.assets.rig import FINGERS, FRAMES, PLACE, Frame
+from kinesic.face.display import DisplayError
 
 Blending = Literal["linear", "dual"]
 Quaternion = tuple[float, float, float, float]  # w, x, y, z
@@ -35,21 +36,28 @@ class Skin:
             figure: whose skin it is.
             skeleton: whose segments and hinges have the names that the rig knows.
             blending: how frames are blended.
+
+        Raises:
+            DisplayError: a body or a hinge is missing.
         """
         self._figure, self._skeleton, self._blending = figure, skeleton, blending
         known = {segment.name for segment in skeleton.segments}
-        self._frames = [self._present(frame, known) for frame in FRAMES]
-        self._segments = [skeleton.segment(frame.segment) for frame in self._frames]
+        self.frames = [self._present(frame, known) for frame in FRAMES]  # (f,)
+        missing = [frame.segment for frame in self.frames if frame.segment not in known]
+        missing += [name for name in figure.angles if name not in skeleton.names]
+        if missing:
+            raise DisplayError(f"no skin without {missing[0]}: bodies and hinges must have the names of those of human")
+        self._segments = [skeleton.segment(frame.segment) for frame in self.frames]
         self._partial = [
             (k, frame, self._turns(frame))
-            for k, frame in enumerate(self._frames)
+            for k, frame in enumerate(self.frames)
             if (frame.share, frame.twist) != (1, 1)
         ]
-        self._centres = np.array([figure.centres[frame.segment] for frame in self._frames])
+        self.centres = np.array([figure.centres[frame.segment] for frame in self.frames])  # (f, 3) [m] at bind
         bind = np.zeros(len(skeleton.hinges))
         for name, angle in figure.angles.items():
             bind[skeleton.joint(name)] = angle
-        self._unbound = self._stand(bind)[0].transpose(0, 2, 1)
+        self.unbound = self.stand(bind)[0].transpose(0, 2, 1)  # (f, 3, 3) from the world to the frame, at bind
 
     def matrices(self, angles: Floats) -> tuple[Floats, Floats]:
         """Computes how each frame moves skin from the bind pose into the world, (f, 3, 3) and (f, 3) [m].
@@ -57,9 +65,9 @@ class Skin:
         Args:
             angles: (n,) [rad] in joint order.
         """
-        rotations, origins = self._stand(angles)
-        turns = rotations @ self._unbound
-        return turns, origins - np.einsum("fij,fj->fi", turns, self._centres)
+        rotations, origins = self.stand(angles)
+        turns = rotations @ self.unbound
+        return turns, origins - np.einsum("fij,fj->fi", turns, self.centres)
 
     def place(self, positions: Floats, angles: Floats) -> Floats:
         """Moves (v, 3) [m] positions of the bind pose to where they are in the world, for angles (n,) [rad]."""
@@ -78,7 +86,8 @@ class Skin:
 
     def _present(self, frame: Frame, known: set[str]) -> Frame:
         """The frame, or that of the hand where the skeleton has no such finger."""
-        return frame if frame.segment in known else Frame(frame.name, f"{frame.segment[:2]}{HAND}")
+        lacks_finger = frame.segment not in known and frame.segment[2:-1] in FINGERS
+        return Frame(frame.name, f"{frame.segment[:2]}{HAND}") if lacks_finger else frame
 
     def _turns(self, frame: Frame) -> list[tuple[int, tuple[float, ...], float]]:
         """Hinge, axis and share of its angle, for a frame that takes shares."""
@@ -88,8 +97,8 @@ class Skin:
             if hinge.segment == frame.segment
         ]
 
-    def _stand(self, angles: Floats) -> tuple[Floats, Floats]:
-        """(f, 3, 3) rotations and (f, 3) [m] origins of the rig's frames in the world."""
+    def stand(self, angles: Floats) -> tuple[Floats, Floats]:
+        """Computes (f, 3, 3) rotations and (f, 3) [m] origins of the rig's frames in the world, for (n,) [rad]."""
         stand = self._skeleton.frames(angles)
         rotations, origins = stand.rotations[self._segments], stand.origins[self._segments]
         for k, frame, turns in self._partial:

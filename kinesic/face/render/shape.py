@@ -16,7 +16,6 @@ from kinesic.face.render.camera import Camera
 from kinesic.face.render.head_pose import steady_shoulders
 
 VOLUME, THICK = 0.0035, 0.35  # [m] that hair stands off the scalp, so far over the hairline in the chart's unit
-CROP, FULL = 0.013, 0.7  # the same of a figure
 
 
 class Shape(Protocol):
@@ -54,8 +53,7 @@ class FigureShape:
         """
         self.mesh, self.angles = figure.mesh, skeleton.rest
         self._skin = Skin(figure, skeleton, blending=blending)
-        over = np.clip(vertex_chart(figure.mesh)[:, 3] / FULL, 0.0, 1.0)
-        self._hair = CROP * np.sqrt(over) * (figure.mesh.parts == PARTS.index("skin"))
+        self._hair = figure.hair
 
     def vertices(self, units: Mapping[str, float], camera: Camera) -> Floats:
         """(v, 6) positions and normals."""

@@ -1,3 +1,4 @@
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -7,6 +8,7 @@ from kinesic.body.robot import Robot
 from kinesic.face.assets.body import load_figure
 from kinesic.face.assets.rig import PLACE
 from kinesic.face.assets.skinning import Skin
+from kinesic.face.display import DisplayError
 
 FIGURE = load_figure()
 SKELETON = Robot.load("human").skeleton
@@ -51,7 +53,7 @@ def test_the_hand_is_where_the_skeleton_has_it(skin: Skin):
 def test_frames_between_turn_half_way_and_without_the_twist():
     turns, _ = LINEAR.matrices(posture(l_shoulder_flexion=80, l_shoulder_abduct=0, l_shoulder_twisting=60))
     without, _ = LINEAR.matrices(posture(l_shoulder_flexion=40, l_shoulder_abduct=0))
-    bent = LINEAR._unbound  # half frames stand half-way at bind, too
+    bent = LINEAR.unbound  # half frames stand half-way at bind, too
     half, none = PLACE["l_shoulder_half"], PLACE["l_shoulder_0"]
     np.testing.assert_allclose(turns[half] @ bent[half].T, without[none] @ bent[none].T, atol=1e-9)
 
@@ -77,3 +79,10 @@ def test_linear_blending_keeps_the_forearm_round_at_full_twist():
         return np.linalg.norm(np.cross(away, bone / np.linalg.norm(bone)), axis=1)
 
     assert (radii(85.0) / radii(0.0)).min() > 0.9
+
+
+def test_a_skeleton_with_other_names_teaches():
+    elbow = SKELETON.segment("l_elbow")
+    segments = [replace(each, name="arm") if k == elbow else each for k, each in enumerate(SKELETON.segments)]
+    with pytest.raises(DisplayError, match="no skin without l_elbow: bodies and hinges must have the names"):
+        Skin(FIGURE, replace(SKELETON, segments=tuple(segments)))

@@ -1,0 +1,142 @@
+"""A performance as a glTF scene: the skeleton as nodes, what is drawn on them, and an animation of both.
+
+Nodes carry the names of segments. The scene is glTF's: y up and z forward; one node above all others turns our frame
+into it, so that all below it is in metres in ours. Key frames are `RATE` a second; between them players interpolate.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import scipy
+
+from kinesic.body.arrays import Floats
+from kinesic.body.robot import Robot
+from kinesic.files.gltf import GltfFile
+from kinesic.files.output_file import new_file
+from kinesic.planning.face_track import faces
+from kinesic.planning.plan import Plan
+from kinesic.report.gltf.capsule_mesh import capsule_mesh, joined
+from kinesic.report.gltf.skin import add_skin
+from kinesic.version import __version__
+
+SUFFIX = ".glb"
+RATE = 30.0  # [Hz] of key frames
+TURNED = [-0.5, -0.5, -0.5, 0.5]  # x, y, z, w: our x, y, z become glTF's z, x, y
+COLOURS = ([0.78, 0.80, 0.83, 1.0], [0.16, 0.19, 0.24, 1.0])  # linear: of what moves, of what carries
+STILL = 1e-9  # [m]
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """What a scene shows, at the times of its key frames."""
+
+    times: Floats  # (m,) [s]
+    angles: Floats  # (m, n) [rad]
+    units: Sequence[Mapping[str, float]]  # m action units -> 0..1
+
+
+def save_scene(plan: Plan, path: Path, *, force: bool) -> Path:
+    """Writes what a plan performs, with its face where the robot has one, and returns the path.
+
+    Raises:
+        ConfigError: the path is a folder's, a link's or, unless forced, a file's.
+    """
+    times = np.append(np.arange(0.0, plan.duration, 1.0 / RATE), plan.duration)
+    motion = Motion(times, plan.trajectory.sample(times)[0], faces(plan, times))
+    with new_file(path, force=force) as fresh:
+        write_scene(plan.setup.robot, motion, fresh)
+    return path
+
+
+def write_scene(robot: Robot, motion: Motion, path: Path) -> None:
+    """Writes a motion of a robot: its skin where it has one, else its capsules."""
+    file = GltfFile(f"kinesic {__version__}")
+    nodes = _add_skeleton(file, robot)
+    channels = _Channels(file, motion.times)
+    _move_skeleton(channels, nodes, robot, motion.angles)
+    if robot.skin is None:
+        _add_capsules(file, nodes, robot)
+    else:
+        skin = add_skin(file, nodes, robot)
+        for node, rotations in skin.turns(motion.angles, motion.units):
+            channels.add(node, "rotation", smooth_quaternions(rotations))
+        channels.add(skin.face, "weights", skin.weights(motion.units).ravel())
+    file.add("animations", name="performance", channels=channels.rows, samplers=channels.samplers)
+    file.write(path)
+
+
+def _add_skeleton(file: GltfFile, robot: Robot) -> list[int]:
+    """Adds a node for each segment, and returns them in the skeleton's order."""
+    nodes: list[int] = []
+    children: dict[int, list[int]] = {}
+    world = file.add("nodes", name=robot.name, rotation=TURNED)
+    for segment, (parent, origin, _) in zip(robot.skeleton.segments, robot.skeleton.steps, strict=True):
+        nodes.append(file.add("nodes", name=segment.name, translation=origin.tolist()))
+        children.setdefault(world if parent < 0 else nodes[parent], []).append(nodes[-1])
+    for node, below in children.items():
+        file.entry("nodes", node)["children"] = below
+    file.show(world)
+    return nodes
+
+
+class _Channels:
+    """Channels of one animation, all with the same times."""
+
+    def __init__(self, file: GltfFile, times: Floats) -> None:
+        self._file = file
+        self._times = file.numbers(times, bounds=True)
+        self.rows: list[dict[str, object]] = []
+        self.samplers: list[dict[str, object]] = []
+
+    def add(self, node: int, path: str, values: Floats) -> None:
+        """Moves a node by a row of values for each time."""
+        output = self._file.numbers(values)
+        self.samplers.append({"input": self._times, "output": output, "interpolation": "LINEAR"})
+        if path != "weights":
+            self._file.entry("nodes", node)[path] = values[0].tolist()  # where it is without the animation
+        self.rows.append({"sampler": len(self.samplers) - 1, "target": {"node": node, "path": path}})
+
+
+def _move_skeleton(channels: _Channels, nodes: list[int], robot: Robot, angles: Floats) -> None:
+    """Turns each node as its segment turns in its parent, and shifts it where hinges are beside its origin."""
+    stand = robot.skeleton.frames(angles)
+    for k, (parent, origin, _) in enumerate(robot.skeleton.steps):
+        if parent < 0:
+            continue
+        back = stand.rotations[:, parent].transpose(0, 2, 1)
+        channels.add(nodes[k], "rotation", smooth_quaternions(back @ stand.rotations[:, k]))
+        places = np.einsum("mij,mj->mi", back, stand.origins[:, k] - stand.origins[:, parent])
+        if np.abs(places - origin).max() > STILL:
+            channels.add(nodes[k], "translation", places)
+
+
+def smooth_quaternions(rotations: Floats) -> Floats:
+    """Gives (m, 4) x, y, z, w of (m, 3, 3) rotations, none of them the long way round from the one before."""
+    found: Floats = scipy.spatial.transform.Rotation.from_matrix(rotations).as_quat()
+    flips = np.where(np.einsum("mi,mi->m", found[1:], found[:-1]) < 0.0, -1.0, 1.0)
+    found[1:] *= np.cumprod(flips)[:, None]
+    return found
+
+
+def _add_capsules(file: GltfFile, nodes: list[int], robot: Robot) -> None:
+    """Hangs the capsules of each segment on its node."""
+    materials = [
+        file.add("materials", pbrMetallicRoughness={"baseColorFactor": colour, "metallicFactor": 0.0})
+        for colour in COLOURS
+    ]
+    limbs = {name for chain, members in robot.chains.items() if chain != "torso" for name in members}
+    for node, segment in zip(nodes, robot.skeleton.segments, strict=True):
+        if not segment.capsules:
+            continue
+        surface = joined([capsule_mesh(capsule) for capsule in segment.capsules])
+        primitive = {
+            "attributes": {
+                "POSITION": file.numbers(surface.positions, target="vertices", bounds=True),
+                "NORMAL": file.numbers(surface.normals, target="vertices"),
+            },
+            "indices": file.numbers(surface.corners.ravel(), "u4", "indices"),
+            "material": materials[segment.name not in limbs],
+        }
+        file.entry("nodes", node)["mesh"] = file.add("meshes", name=segment.name, primitives=[primitive])

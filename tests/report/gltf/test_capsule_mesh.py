@@ -1,0 +1,25 @@
+import numpy as np
+import pytest
+import trimesh
+
+from kinesic.body.skeleton import Capsule
+from kinesic.report.gltf.capsule_mesh import capsule_mesh, joined
+
+
+@pytest.mark.parametrize("end", [(0.0, 0.0, 0.3), (0.2, -0.1, 0.0), (0.0, 0.0, 0.0)], ids=["upright", "across", "ball"])
+def test_a_capsule_is_closed_and_faces_outward(end: tuple[float, float, float]):
+    capsule = Capsule(np.zeros(3), np.array(end), 0.05)
+    surface = capsule_mesh(capsule)
+    mesh = trimesh.Trimesh(surface.positions, surface.corners)
+    length = float(np.linalg.norm(end))
+    assert mesh.is_watertight
+    assert mesh.volume == pytest.approx(np.pi * 0.05**2 * (length + 4 / 3 * 0.05), rel=0.06)
+    nearest = np.clip(surface.positions @ end / max(length**2, 1e-12), 0.0, 1.0)[:, None] * end
+    np.testing.assert_allclose(np.linalg.norm(surface.positions - nearest, axis=1), 0.05, atol=1e-12)
+    np.testing.assert_allclose(surface.positions - nearest, 0.05 * surface.normals, atol=1e-12)
+
+
+def test_several_are_one_surface():
+    one = capsule_mesh(Capsule(np.zeros(3), np.array([0.0, 0.0, 0.1]), 0.05))
+    both = joined([one, one])
+    assert both.corners.max() == 2 * len(one.positions) - 1

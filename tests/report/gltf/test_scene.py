@@ -1,0 +1,156 @@
+"""What is written is read back by another library, and stands where kinesic's own kinematics has it."""
+
+import json
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from kinesic.body.robot import Robot
+from kinesic.controller.perform import plan, set_up
+from kinesic.face.assets.body import load_figure
+from kinesic.face.assets.skinning import Skin
+from kinesic.report.gltf.scene import RATE, Motion, save_scene, smooth_quaternions, write_scene
+
+TO_GLTF = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # y up, z forward
+ROBOTS = {name: Robot.load(name) for name in ("upper22", "upper36", "human")}
+
+
+def wild(robot: Robot, count: int = 3) -> np.ndarray:
+    lower, upper = robot.skeleton.lower, robot.skeleton.upper
+    return np.random.default_rng(5).uniform(lower, upper, (count, len(lower)))
+
+
+def written(robot: Robot, angles: np.ndarray, path: Path, units: dict[str, float] | None = None) -> Path:
+    faces = [units or {}] * len(angles)
+    write_scene(robot, Motion(np.arange(len(angles)) / RATE, angles, faces), path)
+    return path
+
+
+def read(path: Path) -> tuple[dict, bytes]:
+    data = path.read_bytes()
+    (length,) = struct.unpack("<I", data[12:16])
+    return json.loads(data[20 : 20 + length]), data[28 + length :]
+
+
+def values(tables: dict, block: bytes, index: int) -> np.ndarray:
+    accessor = tables["accessors"][index]
+    width = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}[accessor["type"]]
+    kind = {5121: "<u1", 5123: "<u2", 5125: "<u4", 5126: "<f4"}[accessor["componentType"]]
+    found = np.zeros(accessor["count"] * width, dtype=kind)
+    if "bufferView" in accessor:
+        offset = tables["bufferViews"][accessor["bufferView"]]["byteOffset"]
+        found = np.frombuffer(block, kind, len(found), offset)
+    return found.reshape(-1, width).astype(float)
+
+
+@pytest.mark.parametrize("robot", ROBOTS.values(), ids=ROBOTS)
+def test_another_library_finds_every_segment_where_it_is(robot: Robot, tmp_path: Path):
+    angles = wild(robot, 1)
+    scene = trimesh.load(written(robot, angles, tmp_path / "robot.glb"))
+    stand = robot.skeleton.frames(angles[0])
+    for k, segment in enumerate(robot.skeleton.segments):
+        found, _ = scene.graph.get(segment.name)
+        np.testing.assert_allclose(found[:3, 3], TO_GLTF @ stand.origins[k], atol=1e-6)
+        np.testing.assert_allclose(found[:3, :3], TO_GLTF @ stand.rotations[k], atol=1e-6)
+
+
+def test_another_library_finds_the_capsules(tmp_path: Path):
+    robot = ROBOTS["upper22"]
+    scene = trimesh.load(written(robot, robot.skeleton.rest[None], tmp_path / "robot.glb"))
+    head = next(segment for segment in robot.skeleton.segments if segment.name == "skullbase").capsules[0]
+    shape = trimesh.Trimesh(scene.geometry["skullbase"].vertices, scene.geometry["skullbase"].faces)
+    assert shape.is_watertight
+    assert shape.volume == pytest.approx(np.pi * head.radius**2 * (0.04 + 4 / 3 * head.radius), rel=0.06)
+    np.testing.assert_allclose(scene.extents[1], 0.62 + 0.5, atol=0.15)  # y is up
+
+
+@pytest.mark.parametrize("robot", ROBOTS.values(), ids=ROBOTS)
+def test_the_animation_has_every_posture(robot: Robot, tmp_path: Path):
+    angles = wild(robot)
+    tables, block = read(written(robot, angles, tmp_path / "robot.glb"))
+    (animation,) = tables["animations"]
+    names = {node["name"]: k for k, node in enumerate(tables["nodes"])}
+    moved = {
+        (c["target"]["node"], c["target"]["path"]): animation["samplers"][c["sampler"]] for c in animation["channels"]
+    }
+    parents = {child: k for k, node in enumerate(tables["nodes"]) for child in node.get("children", [])}
+
+    def place(node: int, frame: int) -> tuple[np.ndarray, np.ndarray]:
+        own = tables["nodes"][node]
+        turn = own.get("rotation", [0, 0, 0, 1])
+        if (node, "rotation") in moved:
+            turn = values(tables, block, moved[node, "rotation"]["output"])[frame]
+        way = np.array(own.get("translation", [0, 0, 0]))
+        local = trimesh.transformations.quaternion_matrix(np.roll(turn, 1))[:3, :3]
+        if node not in parents:
+            return local, way
+        rotation, origin = place(parents[node], frame)
+        return rotation @ local, origin + rotation @ way
+
+    stand = robot.skeleton.frames(angles)
+    for k, segment in enumerate(robot.skeleton.segments):
+        for frame in range(len(angles)):
+            rotation, origin = place(names[segment.name], frame)
+            np.testing.assert_allclose(rotation, TO_GLTF @ stand.rotations[frame, k], atol=1e-5)
+            np.testing.assert_allclose(origin, TO_GLTF @ stand.origins[frame, k], atol=1e-5)
+    times = values(tables, block, next(iter(moved.values()))["input"])
+    np.testing.assert_allclose(times.ravel(), np.arange(len(angles)) / RATE, atol=1e-6)
+
+
+def test_the_skin_moves_as_it_is_drawn(tmp_path: Path):
+    """Joints, inverse bind matrices and weights of the file put the vertices of hands and clothes where they are."""
+    human, figure = ROBOTS["human"], load_figure()
+    angles = wild(human, 1)
+    path = written(human, angles, tmp_path / "human.glb")
+    tables, block = read(path)
+    graph = trimesh.load(path).graph
+    (skin,) = tables["skins"]
+    bound = values(tables, block, skin["inverseBindMatrices"]).reshape(-1, 4, 4).transpose(0, 2, 1)
+    joints = np.array([graph.get(tables["nodes"][node]["name"])[0] for node in skin["joints"]]) @ bound
+    (body,) = [mesh for mesh in tables["meshes"] if mesh["name"] == "hands and clothes"]
+    rest, seen = [], []
+    for primitive in body["primitives"]:
+        read_in = {name: values(tables, block, index) for name, index in primitive["attributes"].items()}
+        weights = np.concatenate([read_in["WEIGHTS_0"], read_in["WEIGHTS_1"]], axis=1) / 255.0
+        np.testing.assert_allclose(weights.sum(axis=1), 1.0, atol=1e-9)
+        places = np.concatenate([read_in["JOINTS_0"], read_in["JOINTS_1"]], axis=1).astype(int)
+        mixed = np.einsum("vk,vkij->vij", weights, joints[places])
+        rest.append(read_in["POSITION"])
+        seen.append(np.einsum("vij,vj->vi", mixed[:, :3, :3], read_in["POSITION"]) + mixed[:, :3, 3])
+    drawn = Skin(figure, human.skeleton).place(figure.mesh.positions, angles[0]) @ TO_GLTF.T
+    where = {tuple(np.round(point, 5)): k for k, point in enumerate(figure.mesh.positions.astype("f4").astype(float))}
+    known = [(where[key], k) for k, key in enumerate(map(tuple, np.round(np.concatenate(rest), 5))) if key in where]
+    own, theirs = np.array(known).T
+    assert len(own) > 5000
+    np.testing.assert_allclose(np.concatenate(seen)[theirs], drawn[own], atol=2e-5)
+
+
+def test_the_face_has_morph_targets(tmp_path: Path):
+    human = ROBOTS["human"]
+    tables, block = read(written(human, human.skeleton.rest[None], tmp_path / "human.glb", {"26": 1.0}))
+    (face,) = [mesh for mesh in tables["meshes"] if mesh["name"] == "face"]
+    names = face["extras"]["targetNames"]
+    assert {len(primitive["targets"]) for primitive in face["primitives"]} == {len(names)}
+    (animation,) = tables["animations"]
+    (weights,) = [c for c in animation["channels"] if c["target"]["path"] == "weights"]
+    shown = values(tables, block, animation["samplers"][weights["sampler"]]["output"]).ravel()
+    assert {name for name, weight in zip(names, shown, strict=True) if weight} == {"jawOpen"}
+
+
+def test_quaternions_never_go_the_long_way_round():
+    turns = np.linspace(0.0, 4 * np.pi, 50)
+    rotations = np.array([[[np.cos(t), -np.sin(t), 0], [np.sin(t), np.cos(t), 0], [0, 0, 1]] for t in turns])
+    found = smooth_quaternions(rotations)
+    assert (np.einsum("mi,mi->m", found[1:], found[:-1]) > 0.9).all()
+
+
+def test_a_plan_is_written_as_a_whole(tmp_path: Path):
+    bml = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" stroke="1"/></bml>'
+    planned = plan(bml, set_up())
+    tables, block = read(save_scene(planned, tmp_path / "nod.glb", force=False))
+    last = values(tables, block, tables["animations"][0]["samplers"][0]["input"]).max()
+    assert last == pytest.approx(planned.duration, abs=1e-5)
+    assert tables["asset"]["generator"].startswith("kinesic ")
