@@ -19,6 +19,7 @@ import numpy as np
 import scipy
 
 from kinesic.body.arrays import Floats
+from kinesic.body.rotation import about
 from kinesic.face.assets.bake import Source, Whole, eye_centres, head_faces, read_source, read_variant, to_our_frame
 from kinesic.face.assets.body import BODY, KEPT, POSITION_STEP
 from kinesic.face.assets.mesh import PARTS
@@ -58,6 +59,7 @@ CENTRES = {  # segment -> groups of the source in whose middle its joint is
     "S_wrist": ("joint-S-hand",),
     **{f"S_{finger}{j}": (f"joint-S-finger-{k + 1}-{j}",) for k, finger in enumerate(FINGERS) for j in (1, 2, 3, 4)},
 }
+THUMB = {"abduct": 25.0, "flexion1": 22.7, "flexion2": 16.4}  # [deg] as the source holds it, by a fit of a plane
 SKULLBASE = 0.55  # of the way from the neck's joint to the head's: the middle of the neck
 
 Columns = dict[str, Floats]  # part of the body -> (v,) how much it moves each vertex
@@ -238,14 +240,29 @@ def _bind(centres: Centres) -> Mapping[str, float]:
     across = np.cross(knuckles[0] - knuckles[-1], hand)  # out of the back of the hand
     shoulder = _upright(upper, -np.cross(upper, fore))
     elbow, wrist = _upright(fore, across), _upright(hand, across)
-    turn = scipy.spatial.transform.Rotation.from_matrix
+    turn, turned = scipy.spatial.transform.Rotation.from_matrix, scipy.spatial.transform.Rotation.from_euler
     flexion, abduct, twisting = turn(shoulder).as_euler("YXZ")
     found |= {"shoulder_flexion": -flexion, "shoulder_abduct": abduct, "shoulder_twisting": twisting}
     flexion, _, twisting = turn(shoulder.T @ elbow).as_euler("YXZ")
     found |= {"elbow_flexion": -flexion, "elbow_twisting": twisting}
     flexion, pivot, _ = turn(elbow.T @ wrist).as_euler("XYZ")
     found |= {"wrist_flexion": -flexion, "wrist_pivot": pivot}
+    hand_frame = elbow @ turned("XY", [flexion, pivot]).as_matrix()
+    for finger in FINGERS[1:]:
+        joints = [(centres[f"l_{finger}{k}"] - centres["l_wrist"]) @ hand_frame for k in (1, 2, 3, 4)]
+        found |= {f"{finger}_{name}": angle for name, angle in _finger(np.array(joints)).items()}
+    found |= {f"thumb_{name}": np.radians(angle) for name, angle in THUMB.items()}
     return {f"{side}_{name}": float(angle) for name, angle in found.items() for side in SIDES.values()}
+
+
+def _finger(joints: Floats) -> Mapping[str, float]:
+    """[rad] how a finger stands whose four joints are at (4, 3) in the frame of the hand: spread and three bends."""
+    bones = np.diff(joints, axis=0)
+    spread = float(np.arctan2(bones[0, 0], -bones[0, 2]))
+    back = about(np.array([0.0, -1.0, 0.0]), -spread)
+    bends = np.arctan2(-(bones @ back.T)[:, 1], -(bones @ back.T)[:, 2])
+    first, second, third = np.diff(bends, prepend=0.0).tolist()
+    return {"abduct": spread, "flexion1": first, "flexion2": second, "flexion3": third}
 
 
 def _upright(down: Floats, left: Floats) -> Floats:

@@ -13,6 +13,7 @@ import numpy as np
 import scipy
 
 from kinesic.body.arrays import Floats
+from kinesic.body.rotation import about
 from kinesic.body.skeleton import Skeleton
 from kinesic.face.assets.body import Figure
 from kinesic.face.assets.rig import FINGERS, FRAMES, PLACE, Frame
@@ -44,7 +45,7 @@ class Skin:
         known = {segment.name for segment in skeleton.segments}
         self.frames = [self._present(frame, known) for frame in FRAMES]  # (f,)
         missing = [frame.segment for frame in self.frames if frame.segment not in known]
-        missing += [name for name in figure.angles if name not in skeleton.names]
+        missing += [name for name in figure.angles if name not in skeleton.names and _finger_of(name) is None]
         if missing:
             raise DisplayError(f"no skin without {missing[0]}: bodies and hinges must have the names of those of human")
         self._segments = [skeleton.segment(frame.segment) for frame in self.frames]
@@ -54,10 +55,7 @@ class Skin:
             if (frame.share, frame.twist) != (1, 1)
         ]
         self.centres = np.array([figure.centres[frame.segment] for frame in self.frames])  # (f, 3) [m] at bind
-        bind = np.zeros(len(skeleton.hinges))
-        for name, angle in figure.angles.items():
-            bind[skeleton.joint(name)] = angle
-        self.unbound = self.stand(bind)[0].transpose(0, 2, 1)  # (f, 3, 3) from the world to the frame, at bind
+        self.unbound = self._bound().transpose(0, 2, 1)  # (f, 3, 3) from the world to the frame, at bind
 
     def matrices(self, angles: Floats) -> tuple[Floats, Floats]:
         """Computes how each frame moves skin from the bind pose into the world, (f, 3, 3) and (f, 3) [m].
@@ -86,8 +84,23 @@ class Skin:
 
     def _present(self, frame: Frame, known: set[str]) -> Frame:
         """The frame, or that of the hand where the skeleton has no such finger."""
-        lacks_finger = frame.segment not in known and frame.segment[2:-1] in FINGERS
+        lacks_finger = frame.segment not in known and _finger_of(frame.segment) is not None
         return Frame(frame.name, f"{frame.segment[:2]}{HAND}") if lacks_finger else frame
+
+    def _bound(self) -> Floats:
+        """(f, 3, 3) rotations of the frames at bind, where fingers are not coupled as the skeleton's are."""
+        skeleton, angles = self._skeleton, self._figure.angles
+        found, _ = self.stand(np.array([angles.get(name, 0.0) for name in skeleton.names]))
+        names = [*skeleton.names, *(coupling.name for coupling in skeleton.couplings)]
+        turned = dict(zip(self._segments, found, strict=True))
+        for k, frame in enumerate(self.frames):
+            if _finger_of(frame.segment) is not None:
+                parent, _, turns = skeleton.steps[self._segments[k]]
+                rotation = turned[parent]
+                for turn, _ in turns:
+                    rotation = rotation @ about(skeleton.axes[turn], angles.get(names[turn], 0.0))
+                found[k] = turned[self._segments[k]] = rotation
+        return found
 
     def _turns(self, frame: Frame) -> list[tuple[int, tuple[float, ...], float]]:
         """Hinge, axis and share of its angle, for a frame that takes shares."""
@@ -111,6 +124,11 @@ class Skin:
             parent = self._skeleton.steps[self._segments[k]][0]
             rotations[k] = stand.rotations[parent] @ _matrix(_product(_power(swing, frame.share), twist))
         return rotations, origins
+
+
+def _finger_of(name: str) -> str | None:
+    """Which finger a segment or a hinge belongs to; None where to none."""
+    return next((finger for finger in FINGERS if name[2:].startswith(finger)), None)
 
 
 def _about(axis: Sequence[float], angle: float) -> Quaternion:

@@ -24,15 +24,15 @@ def posture(**degrees: float) -> np.ndarray:
     return found
 
 
-BIND = np.zeros(len(SKELETON.hinges))
-for hinge, angle in FIGURE.angles.items():
-    BIND[SKELETON.joint(hinge)] = angle
+BIND = np.array([FIGURE.angles.get(name, 0.0) for name in SKELETON.names])
+FINGERS = [place for name, place in PLACE.items() if name.endswith(("1", "2", "3")) and "_" not in name[2:]]
+STIFF = np.flatnonzero(FIGURE.weights[:, FINGERS].sum(axis=1) == 0.0)  # no finger moves them
 WILD = posture(l_shoulder_flexion=150, l_shoulder_twisting=80, l_elbow_flexion=120, l_elbow_twisting=85, vl5_tilt=30)
 
 
 @pytest.mark.parametrize("skin", [LINEAR, DUAL], ids=["linear", "dual"])
 def test_at_bind_it_stands_as_it_was_made(skin: Skin):
-    moved = skin.place(POINTS, BIND) - POINTS
+    moved = (skin.place(POINTS, BIND) - POINTS)[STIFF]
     np.testing.assert_allclose(moved, np.broadcast_to(moved[0], moved.shape), atol=0.001)
 
 
@@ -86,3 +86,28 @@ def test_a_skeleton_with_other_names_teaches():
     segments = [replace(each, name="arm") if k == elbow else each for k, each in enumerate(SKELETON.segments)]
     with pytest.raises(DisplayError, match="no skin without l_elbow: bodies and hinges must have the names"):
         Skin(FIGURE, replace(SKELETON, segments=tuple(segments)))
+
+
+def test_fingers_are_where_the_skeleton_has_them():
+    """The skin of each finger's last part lies about its segment, and turns with it."""
+    bent = posture(l_index_flexion1=80, l_pinky_flexion1=40, r_thumb_abduct=70)
+    frames, points = SKELETON.frames(bent), LINEAR.place(POINTS, bent)
+    for name in ("l_index3", "l_pinky2", "r_thumb3", "r_middle1"):
+        own = np.flatnonzero(FIGURE.weights[:, [PLACE[name]]].toarray().ravel() > 0.9)
+        k = SKELETON.segment(name)
+        there = (points[own] - frames.origins[k]) @ frames.rotations[k]
+        (capsule,) = SKELETON.segments[k].capsules
+        bone = capsule.end - capsule.start
+        along = np.clip(there @ bone / (bone @ bone), 0.0, 1.0)[:, None] * bone
+        assert abs(np.median(np.linalg.norm(there - along, axis=1)) - capsule.radius) < 0.004, name
+
+
+def test_a_skeleton_without_fingers_moves_the_hand_as_a_whole():
+    fingers = set(Robot.load("human").chains["l_fingers"]) | set(Robot.load("human").chains["r_fingers"])
+    upper = tuple(each for each in SKELETON.segments if each.name not in fingers)
+    names = {segment.name for segment in upper}
+    hinges = tuple(each for each in SKELETON.hinges if each.segment in names)
+    stiff = replace(SKELETON, segments=upper, hinges=hinges, couplings=())
+    turns, ways = Skin(FIGURE, stiff).matrices(stiff.rest)
+    np.testing.assert_allclose(turns[PLACE["l_index2"]], turns[PLACE["l_wrist"]])
+    np.testing.assert_allclose(ways[PLACE["l_index2"]], ways[PLACE["l_wrist"]])
