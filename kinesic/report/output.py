@@ -14,6 +14,7 @@ from kinesic.controller.soundtrack import sound, write_wav
 from kinesic.files.output_file import new_file, write_text
 from kinesic.files.output_folder import new_folder
 from kinesic.planning.face_track import asks_face, commands_with_face
+from kinesic.report.figure_film import FigureFilm
 from kinesic.report.films import FACE_RATE, FaceFilm, FilmJob, FilmProcesses, TwinFilm, draw_films
 from kinesic.report.page import Recordings, write_page
 from kinesic.report.report import Json
@@ -93,7 +94,11 @@ def add_films(
     robot = plan.setup.robot
     with TemporaryDirectory() as place:
         film, face = (Path(place) / name for name in ("film.webp", "face.webp"))
-        jobs: dict[Path, FilmJob] = {film: TwinFilm(robot, measured.times, measured.angles)}
+        jobs: dict[Path, FilmJob] = {
+            film: TwinFilm(robot, measured.times, measured.angles)
+            if robot.skin is None
+            else FigureFilm.of(plan, measured.times, measured.angles)
+        }
         if asks_face(plan):
             times = command_times(plan.duration, rate=FACE_RATE)
             jobs[face] = FaceFilm.of(robot, commands_with_face(plan, times))

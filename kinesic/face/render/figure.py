@@ -14,12 +14,13 @@ from kinesic.face.assets.skinning import Blending
 from kinesic.face.display import DisplayError, offscreen
 from kinesic.face.render.camera import LIGHTS, Camera, Lights
 from kinesic.face.render.portrait import LARGEST, Pixels
-from kinesic.face.render.presets import NORMAL, Occlusion, Preset, Shadow
+from kinesic.face.render.presets import DRAFT, NORMAL, Occlusion, Preset, Shadow
 from kinesic.face.render.shape import FigureShape
 
 STANDING = Camera(distance=4.2, field_deg=26.0, pivot=(0.05, 0.0, 0.83))  # from head to foot
-UPPER = Camera(distance=3.0, field_deg=23.0, pivot=(0.05, 0.0, 1.12))  # from the hips up, with room for both arms
+UPPER = Camera(distance=2.9, field_deg=23.0, pivot=(0.05, 0.0, 1.24))  # from the hips up, with room for both arms
 SHADOW = Shadow(lamp=0.3, away=4.0, reach=1.0, deep=1.2, side=1024, sharpest=0.012)
+FILMED = replace(DRAFT, name="filmed", wrinkles=True, smooth=True, shadow=Shadow(blockers=3, taps=4), coarse=3)
 HOLLOW = 0.05  # [m] what darkens a hollow
 
 
@@ -64,9 +65,7 @@ class FigurePortrait:
             self.pipeline = Pipeline(self._context, drawn, preset=figure_preset(preset), size=size, lights=lights)
             self._opened = opened.pop_all()
 
-    def draw(
-        self, angles: Floats, units: Mapping[str, float], camera: Camera = STANDING, *, gain: float = 1.0
-    ) -> Pixels:
+    def draw(self, angles: Floats, units: Mapping[str, float], camera: Camera = UPPER, *, gain: float = 1.0) -> Pixels:
         """Draws the figure in a posture.
 
         Args:
@@ -102,7 +101,7 @@ def figure_preset(preset: Preset) -> Preset:
         focus=None,
         eyeshade=False,
         occlusion=preset.occlusion and _wide(preset.occlusion),
-        shadow=preset.shadow and SHADOW,
+        shadow=preset.shadow and replace(SHADOW, blockers=preset.shadow.blockers, taps=preset.shadow.taps),
     )
 
 

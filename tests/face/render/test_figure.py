@@ -28,7 +28,7 @@ def posture(**degrees: float) -> np.ndarray:
 
 def seen(figure: FigurePortrait, angles: np.ndarray) -> np.ndarray:
     """(height, width) parts, first row on top: 0 background, 1 skin, 6 cloth."""
-    figure.draw(angles, {})
+    figure.draw(angles, {}, STANDING)
     with figure.pipeline.geometry.context:
         return figure.pipeline.geometry.parts()
 
@@ -50,7 +50,7 @@ def test_a_raised_arm_is_seen_where_it_is(figure: FigurePortrait):
 
 
 def test_the_face_moves(figure: FigurePortrait):
-    still, smiling = (figure.draw(SKELETON.rest, units).astype(int) for units in ({}, {"26": 1.0, "12": 1.0}))
+    still, smiling = (figure.draw(SKELETON.rest, units, STANDING).astype(int) for units in ({}, {"26": 1.0, "12": 1.0}))
     changed = np.flatnonzero((np.abs(still - smiling) > 12).any(axis=(1, 2)))
     assert len(changed)
     assert changed.max() < 0.3 * SIZE[1]  # first row on top
@@ -65,7 +65,7 @@ def test_it_is_drawn_the_same_twice(figure: FigurePortrait):
 def test_shadow_and_occlusion_reach_the_whole_figure(drawable: None):
     with FigurePortrait(SKELETON, preset=DRAFT, size=SIZE) as plain, FigurePortrait(SKELETON, size=SIZE) as shaded:
         hanging = posture(l_elbow_flexion=100, r_elbow_flexion=100)
-        darker = plain.draw(hanging, {}).astype(int) - shaded.draw(hanging, {})
+        darker = plain.draw(hanging, {}, STANDING).astype(int) - shaded.draw(hanging, {}, STANDING)
     assert (darker[50:110] > 20).any()  # under the arms
     assert (darker[110:] > 6).any()  # on the legs, which are dark
 
