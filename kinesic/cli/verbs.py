@@ -142,11 +142,12 @@ def _render_gestures() -> None:
     "Prints the report as JSON.",
     click.option("--film/--no-film", default=True, help="Films of the twin and of the face, where OpenGL works."),
 )
-@done_by("perform:perform_file")
+@done_by("several_robots:perform_document")
 def _perform() -> None:
     """Performs FILE (BML, a .bap motion, or - for BML from standard input) and writes a report.
 
-    On servos it is performed after the twin has performed it without a failed check.
+    On servos it is performed after the twin has performed it without a failed check. --robot A,B performs it with
+    several robots, and films them side by side.
     """
 
 

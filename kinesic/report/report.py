@@ -298,4 +298,5 @@ def _timing(performance: Performance, checking: float) -> dict[str, Json]:
         "dry_run_ms": 1000 * dry,
         "real_time_factor": duration / dry if dry else 0.0,
         "duration_s": duration,
+        "zero_s": performance.plan.trajectory.zero,  # when block time is 0
     }

@@ -1,0 +1,112 @@
+"""`kinesic perform --robot A,B`: one document by several robots, a report of each, and a film of them side by side."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, overload
+
+import click
+import numpy as np
+
+from kinesic.body.config import ConfigError, locate
+from kinesic.cli.options import Output, Performers, Planning, TwinOptions
+from kinesic.cli.perform import perform_file
+from kinesic.cli.plan import document_name
+from kinesic.face.show.files import SideFilm, save_film
+from kinesic.files.output_folder import check_folder
+from kinesic.report.output import default_folder
+
+if TYPE_CHECKING:
+    from kinesic.face.render.portrait import Pixels
+
+FILM = "film.webp"
+HEIGHT, ASPECT = 720, 4 / 3  # [pixels] of the film, and width to height of each robot's part of it
+RATE = 24.0  # [Hz]
+
+
+def perform_document(
+    file: str, planning: Planning, performers: Performers, way: TwinOptions, output: Output, film: bool
+) -> int:
+    """Performs a document with one robot, or with several whose names have commas between them."""
+    perform = perform_with_several if "," in planning.robot else perform_file
+    return perform(file, planning, performers, way, output, film)
+
+
+def perform_with_several(
+    file: str, planning: Planning, performers: Performers, way: TwinOptions, output: Output, film: bool
+) -> int:
+    """Performs a document with each robot of a list, into a folder of its own, and films them side by side.
+
+    Raises:
+        ConfigError: a robot is unknown, named twice, or more is asked than several robots can do.
+    """
+    robots = planning.robot.split(",")
+    _check(robots, performers, output)
+    if file == "-":
+        raise ConfigError("standard input is read once: several robots need a file")
+    folder = output.out or default_folder(document_name(file))
+    places = [folder / Path(robot).stem for robot in robots]
+    for place in places:
+        check_folder(place, force=output.force)
+    beside = folder / FILM
+    if beside.exists() and not output.force:
+        raise ConfigError(f"{beside}: there already; --force replaces it")
+    code = 0
+    for robot, place in zip(robots, places, strict=True):
+        alone = replace(planning, robot=robot)
+        code = max(code, perform_file(file, alone, performers, way, replace(output, out=place), film))
+    if film and all((place / FILM).exists() for place in places):
+        save_film(_Beside(places), beside, rate=RATE)
+        click.echo(f"side by side: {beside}")
+    return code
+
+
+def _check(robots: Sequence[str], performers: Performers, output: Output) -> None:
+    for robot in robots:
+        locate("robot", robot)
+    if len({Path(robot).stem for robot in robots}) < len(robots):
+        raise ConfigError(f"--robot {','.join(robots)}: each robot may be named once")
+    if performers.sinks != {"twin"}:
+        raise ConfigError("several robots perform in the twin alone: name one robot for --on servos or face")
+    if output.as_json:
+        raise ConfigError("--json tells of one robot: name one, or read report.json of each")
+
+
+class _Beside(Sequence["Pixels"]):
+    """Pictures of several films next to one another, each put together when it is asked for; block zero is the same."""
+
+    def __init__(self, places: Sequence[Path]) -> None:
+        self._films = [SideFilm(place / FILM, HEIGHT) for place in places]
+        timings = [json.loads((place / "report.json").read_text(encoding="utf-8"))["timing"] for place in places]
+        first = max(timing["zero_s"] for timing in timings)
+        self._waits = [first - timing["zero_s"] for timing in timings]
+        ends = [wait + timing["duration_s"] for wait, timing in zip(self._waits, timings, strict=True)]
+        self._count = int(max(ends) * RATE) + 1
+
+    def __len__(self) -> int:
+        return self._count
+
+    @overload
+    def __getitem__(self, index: int) -> "Pixels": ...
+
+    @overload
+    def __getitem__(self, index: slice) -> "Sequence[Pixels]": ...
+
+    def __getitem__(self, index: int | slice) -> "Pixels | Sequence[Pixels]":
+        if isinstance(index, slice):
+            return [self[k] for k in range(*index.indices(len(self)))]
+        if not 0 <= index < len(self):
+            raise IndexError(index)
+        time = index / RATE
+        return np.concatenate(
+            [_middle(film.at(max(time - wait, 0.0))) for film, wait in zip(self._films, self._waits, strict=True)],
+            axis=1,
+        )
+
+
+def _middle(picture: "Pixels") -> "Pixels":
+    """The part of a picture that is as wide as each robot's is."""
+    width = min(round(HEIGHT * ASPECT), picture.shape[1])
+    left = (picture.shape[1] - width) // 2
+    return picture[:, left : left + width]

@@ -1,0 +1,68 @@
+"""`kinesic perform --robot A,B`."""
+
+import json
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from kinesic.cli import several_robots
+from kinesic.cli.several_robots import _Beside
+
+NOD = b'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" start="0.2"/></bml>'
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    made = tmp_path_factory.mktemp("several")
+    (made / "nod.bml").write_bytes(NOD)
+    return made
+
+
+def test_each_robot_has_a_report_of_its_own(kinesic_in, folder):
+    ended = kinesic_in(folder, "perform", "nod.bml", "--robot", "upper22,human", "--out", "both", "--no-film")
+    assert ended.code == 0, ended.err
+    reports = [json.loads((folder / "both" / name / "report.json").read_text()) for name in ("upper22", "human")]
+    assert [report["robot"] for report in reports] == ["upper22", "human"]
+    assert all(report["timing"]["zero_s"] >= 0.0 for report in reports)
+    assert not (folder / "both" / "film.webp").exists()
+    again = kinesic_in(folder, "perform", "nod.bml", "--robot", "upper22,human", "--out", "both", "--no-film")
+    assert again.code == 2
+    assert "--force" in again.err
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (("nod.bml", "--robot", "upper22,humon"), "no robot humon; did you mean human?"),
+        (("nod.bml", "--robot", "human,human"), "each robot may be named once"),
+        (("nod.bml", "--robot", "upper22,human", "--on", "servos"), "name one robot for --on servos or face"),
+        (("nod.bml", "--robot", "upper22,human", "--json"), "--json tells of one robot"),
+        (("-", "--robot", "upper22,human"), "several robots need a file"),
+    ],
+)
+def test_what_several_robots_cannot_do_is_said_before_anything_moves(kinesic_in, folder, given, message: str):
+    ended = kinesic_in(folder, "perform", *given)
+    assert ended.code == 2
+    assert message in ended.err
+
+
+def test_films_stand_side_by_side_with_block_zero_at_the_same_time(tmp_path, monkeypatch):
+    """Each film turns from black to its colour at block zero; so does the whole, in both parts at once."""
+    monkeypatch.setattr(several_robots, "HEIGHT", 12)
+    for name, zero, width, colour in (("a", 0.5, 16, (250, 0, 0)), ("b", 0.25, 30, (0, 0, 250))):
+        (tmp_path / name).mkdir()
+        timing = {"timing": {"zero_s": zero, "duration_s": 1.0}}
+        (tmp_path / name / "report.json").write_text(json.dumps(timing))
+        black, bright = Image.new("RGB", (width, 12)), Image.new("RGB", (width, 12), colour)
+        durations = [round(1000 * zero), 1000 - round(1000 * zero)]
+        black.save(
+            tmp_path / name / "film.webp", save_all=True, append_images=[bright], duration=durations, lossless=True
+        )
+    pictures = np.array(list(_Beside([tmp_path / "a", tmp_path / "b"])))
+    assert pictures.shape[1:3] == (12, 16 + 16), "the wider film shows its middle"
+    left, right = pictures[:, :, :16].max(axis=(1, 2, 3)) > 99, pictures[:, :, 16:].max(axis=(1, 2, 3)) > 99
+    assert (left == right).all()
+    assert not left[11]
+    assert left[12:].all()
+    assert len(pictures) == 31  # the second has waited a quarter of a second, so that it ends at 1.25 s
