@@ -26,6 +26,7 @@ RATE = 30.0  # [Hz] of key frames
 TURNED = [-0.5, -0.5, -0.5, 0.5]  # x, y, z, w: our x, y, z become glTF's z, x, y
 COLOURS = ([0.78, 0.80, 0.83, 1.0], [0.16, 0.19, 0.24, 1.0])  # linear: of what moves, of what carries
 STILL = 1e-9  # [m]
+NEAR = 0.01  # key frames: nearer to the end there is none
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,11 +44,16 @@ def save_scene(plan: Plan, path: Path, *, force: bool) -> Path:
     Raises:
         ConfigError: the path is a folder's, a link's or, unless forced, a file's.
     """
-    times = np.append(np.arange(0.0, plan.duration, 1.0 / RATE), plan.duration)
+    times = key_times(plan.duration)
     motion = Motion(times, plan.trajectory.sample(times)[0], faces(plan, times))
     with new_file(path, force=force) as fresh:
         write_scene(plan.setup.robot, motion, fresh)
     return path
+
+
+def key_times(duration: float) -> Floats:
+    """Gives (m,) [s] the times of key frames: 0, then `RATE` a second, and the end, all apart."""
+    return np.append(np.arange(max(np.ceil(duration * RATE - NEAR), 1.0)) / RATE, duration)
 
 
 def write_scene(robot: Robot, motion: Motion, path: Path) -> None:

@@ -12,7 +12,7 @@ from kinesic.body.robot import Robot
 from kinesic.controller.perform import plan, set_up
 from kinesic.face.assets.body import load_figure
 from kinesic.face.assets.skinning import Skin
-from kinesic.report.gltf.scene import RATE, Motion, save_scene, smooth_quaternions, write_scene
+from kinesic.report.gltf.scene import RATE, Motion, key_times, save_scene, smooth_quaternions, write_scene
 
 TO_GLTF = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # y up, z forward
 ROBOTS = {name: Robot.load(name) for name in ("upper22", "upper36", "human")}
@@ -154,3 +154,12 @@ def test_a_plan_is_written_as_a_whole(tmp_path: Path):
     last = values(tables, block, tables["animations"][0]["samplers"][0]["input"]).max()
     assert last == pytest.approx(planned.duration, abs=1e-5)
     assert tables["asset"]["generator"].startswith("kinesic ")
+
+
+@pytest.mark.parametrize("duration", [11.2, 0.01, 1 / 30, 1.0, 2.0333334, 100 / 30 + 1e-9])
+def test_key_frames_are_apart_and_reach_the_end(duration: float):
+    times = key_times(duration).astype("f4")
+    assert times[0] == 0.0
+    assert times[-1] == np.float32(duration)
+    assert (np.diff(times) > 1e-4).all()
+    assert (np.diff(times) < 1.02 / RATE).all()
