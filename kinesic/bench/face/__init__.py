@@ -45,6 +45,11 @@ def expected_figures() -> Iterator[tuple[str, str, float | None, Better]]:
             yield f"face.fps.{preset}_{width}x{height}", "Hz", FASTEST if normal else None, "higher"
             yield f"face.fps.{preset}_{width}x{height}_cpu", "ms", None, "lower"
     yield "face.fps.covered", "%", 40.0, "higher"
+    yield "face.figure.draft_512x512", "Hz", FASTEST, "higher"
+    yield "face.figure.normal_512x512", "Hz", None, "higher"
+    yield "face.figure.filmed_1280x720", "Hz", None, "higher"
+    yield "face.figure.linear_ms", "ms", None, "lower"
+    yield "face.figure.dual_ms", "ms", None, "lower"
     for estimator in get_args(Estimator):
         for size in SIZES:
             for kind in ("exact", "separable"):
@@ -72,10 +77,11 @@ def expected_figures() -> Iterator[tuple[str, str, float | None, Better]]:
 
 
 def _measured() -> dict[str, float]:
-    from kinesic.bench.face import frame_rate, occlusion, scattering, wrinkles  # noqa: PLC0415 - they need the optional library, which is there now
+    from kinesic.bench.face import figure, frame_rate, occlusion, scattering, wrinkles  # noqa: PLC0415 - they need the optional library, which is there now
 
     return {
         **frame_rate.frames(PICTURES),
+        **figure.measure_figure(),
         **occlusion.occlusion(SIZES),
         **scattering.scattering(),
         **wrinkles.measure_law_violations(),

@@ -73,6 +73,17 @@ def test_frames_are_counted_for_every_preset(monkeypatch: pytest.MonkeyPatch):
     assert found["face.fps.covered"] > 40.0
 
 
+@drawable
+def test_a_figure_is_drawn_and_its_skin_follows(monkeypatch: pytest.MonkeyPatch):
+    from kinesic.bench.face import figure  # noqa: PLC0415 - needs the optional library
+
+    monkeypatch.setattr(figure, "FRAMES", 2)
+    monkeypatch.setattr(figure, "DRAWN", dict.fromkeys(figure.DRAWN, (figure.DRAFT, (64, 64))))
+    found = figure.measure_figure()
+    assert found.keys() == {name for name, *_ in face.expected_figures() if name.startswith("face.figure.")}
+    assert min(found.values()) > 0.0
+
+
 def test_colours_are_apart_as_people_see_them():
     pytest.importorskip("moderngl")
     from kinesic.bench.face.occlusion import difference, lab  # noqa: PLC0415 - needs the optional library
