@@ -162,7 +162,7 @@ def test_lerobot_reads_and_moves_them(port: Path):
     [
         (("--baud", "1000001"), "--baud is 1000001, must be one of 9600, 57600"),
         (("--faults", "nowhere.toml"), "nowhere.toml: no such file"),
-        (("--robot", "upper23"), "no robot upper23; did you mean upper22?"),
+        (("--robot", "upper2"), "no robot upper2; did you mean upper22?"),
         (("--physics", "magic"), "'magic' is not one of 'servo', 'twin'"),
     ],
 )
