@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 FILM = "film.webp"
 HEIGHT, ASPECT = 720, 4 / 3  # [pixels] of the film, and width to height of each robot's part of it
 RATE = 24.0  # [Hz]
+MOST_PICTURES = 320  # of one film, as its writer may hold them all; a longer one has fewer a second
 
 
 def perform_document(
@@ -57,7 +58,8 @@ def perform_with_several(
         alone = replace(planning, robot=robot)
         code = max(code, perform_file(file, alone, performers, way, replace(output, out=place), film))
     if film and all((place / FILM).exists() for place in places):
-        save_film(_Beside(places), beside, rate=RATE)
+        pictures = _Beside(places)
+        save_film(pictures, beside, rate=pictures.rate)
         click.echo(f"side by side: {beside}")
     return code
 
@@ -82,7 +84,8 @@ class _Beside(Sequence["Pixels"]):
         first = max(timing["zero_s"] for timing in timings)
         self._waits = [first - timing["zero_s"] for timing in timings]
         ends = [wait + timing["duration_s"] for wait, timing in zip(self._waits, timings, strict=True)]
-        self._count = int(max(ends) * RATE) + 1
+        self.rate = min(RATE, MOST_PICTURES / max(ends))  # [Hz]
+        self._count = int(max(ends) * self.rate) + 1
 
     def __len__(self) -> int:
         return self._count
@@ -98,7 +101,7 @@ class _Beside(Sequence["Pixels"]):
             return [self[k] for k in range(*index.indices(len(self)))]
         if not 0 <= index < len(self):
             raise IndexError(index)
-        time = index / RATE
+        time = index / self.rate
         return np.concatenate(
             [_middle(film.at(max(time - wait, 0.0))) for film, wait in zip(self._films, self._waits, strict=True)],
             axis=1,

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 SIZE = (1280, 720)  # [pixels]
 RATE = 24.0  # [Hz]
-MOST_PICTURES = 720  # of one film; a longer one has fewer a second
+MOST_PICTURES = 480  # of one film, as its writer may hold them all; a longer one has fewer a second
 
 
 @dataclass(frozen=True, eq=False)

@@ -35,8 +35,8 @@ def test_a_long_one_has_fewer_pictures_a_second():
     planned = plan(SMILE, set_up("human"))
     times = np.array([0.0, 100.0])
     long = FigureFilm.of(planned, times, np.stack([planned.setup.robot.skeleton.rest] * 2))
-    assert len(long.angles) <= 721
-    assert long.rate == pytest.approx(7.2)
+    assert len(long.angles) <= 481
+    assert long.rate == pytest.approx(4.8)
 
 
 def test_it_is_drawn_picture_by_picture(film: FigureFilm, tmp_path: Path):
