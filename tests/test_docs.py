@@ -12,7 +12,7 @@ import pytest
 
 from kinesic.body.robot import Robot
 from kinesic.controller.perform import perform, set_up
-from kinesic.expressivity.lexicon.form import SHAPES
+from kinesic.expressivity.lexicon.hand_shapes import hand_shapes
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.hardware.protocol.servo_map import ServoMap
 from kinesic.report.checks import checks
@@ -114,7 +114,7 @@ def test_the_example_of_names_is_a_lexicon(tmp_path: Path):
 
 def test_the_gesture_page_describes_every_shape():
     page = (ROOT / "docs" / "my-gestures.md").read_text(encoding="utf-8")
-    assert all(f"| `{name}` | {shape.says} |" in page for name, shape in SHAPES.items())
+    assert all(f"| `{name}` | {shape.says} |" in page for name, shape in hand_shapes().items())
 
 
 def test_the_report_page_names_every_check():

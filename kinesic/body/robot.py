@@ -34,6 +34,13 @@ class RobotArm:
     wrist: int  # index of the hand's segment
     palm: Site
     lifting: tuple[int, ...]  # its hinges that raise the shoulder
+    fingers: tuple[int, ...]  # the hinges of its fingers, in joint order
+    bodies: frozenset[str]  # its segments, and its fingers as `Robot.bodies` has them
+
+    @property
+    def moving(self) -> tuple[int, ...]:
+        """All hinges that the hand needs: those of the arm and of the fingers."""
+        return (*self.joints, *self.fingers)
 
     @classmethod
     def of(cls, robot: Description, side: Side) -> "RobotArm":
@@ -42,7 +49,10 @@ class RobotArm:
         shoulder, elbow, wrist = (skeleton.segment(name) for name in segments[-3:])
         joints = skeleton.joints_of(segments)
         lifting = tuple(k for k in joints if skeleton.names[k].endswith(LIFTING))
-        return cls(segments, joints, shoulder, elbow, wrist, robot.sites[f"{side}_palm"], lifting)
+        fingers = skeleton.joints_of(robot.chains.get(f"{side}_fingers", ()))
+        bodies = frozenset((*segments, f"{side}_fingers"))
+        palm = robot.sites[f"{side}_palm"]
+        return cls(segments, joints, shoulder, elbow, wrist, palm, lifting, fingers, bodies)
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,6 +112,11 @@ class Robot(Description):
     @cached_property
     def _joints(self) -> Mapping[str, tuple[int, ...]]:
         return {chain: self.skeleton.joints_of(segments) for chain, segments in self.chains.items()}
+
+    def part_joints(self, part: PartName) -> tuple[int, ...]:
+        """Finds the indices of the hinges that move with a part; a hand takes arm and fingers."""
+        fingers = self.joints(f"{part[0]}_fingers") if part.endswith("_hand") else ()
+        return (*self.joints(CHAINS[part]), *fingers)
 
     def fingers(self, side: Side) -> tuple[str, ...]:
         """Lists the segments of a hand's fingers; none of a hand without."""

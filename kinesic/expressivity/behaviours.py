@@ -16,16 +16,17 @@ from kinesic.bml.block import (
     TimedBehaviour,
     Torso,
 )
-from kinesic.body.robot import SIDES, Side
+from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.expressivity import gaze, trunk
 from kinesic.expressivity.context import BlockContext
 from kinesic.expressivity.gather import TOGETHER
+from kinesic.expressivity.hands.fingers import lacking_shapes
 from kinesic.expressivity.hands.poses import REST, Poses, pointing_poses, poses
 from kinesic.expressivity.hands.strokes import Stroke
 from kinesic.expressivity.head import head_form, head_layer
 from kinesic.expressivity.keyframes import Outcome
 from kinesic.expressivity.lexicon.body_form import NO_BODY, BodyForm
-from kinesic.expressivity.lexicon.form import PLAIN_SHAPES, GestureForm, Match
+from kinesic.expressivity.lexicon.form import GestureForm, Match
 from kinesic.expressivity.lexicon.lexicon import mirror_form
 from kinesic.expressivity.turns import UPRIGHT, Layer, exclusive, pass_layer
 
@@ -70,6 +71,7 @@ def gesture_move(timed: TimedBehaviour, action: Gesture, context: BlockContext) 
         near = ", ".join(context.lexicon.near(action.lexeme))
         hint = f"near to it: {near}, which may mean something else" if near else "`kinesic gestures list` shows all"
         return drop_behaviour(f"the lexicon has no gesture for {action.lexeme}; {hint}")
+    match = _for_hands(match, action, context)
     form = match.form
     if not form.keys and not form.rest:
         return drop_behaviour(f"gesture {form.id} has no stroke")
@@ -85,7 +87,7 @@ def gesture_move(timed: TimedBehaviour, action: Gesture, context: BlockContext) 
         if (deviation := context.deviations.get(timed.behaviour.id)) is not None:
             options = deviation.order_hands(options)
     works = tuple(poses(option, context.robot, manner) if option.keys else hanging_arms(SIDES) for option in options)
-    outcome, warnings = _match_outcome(match)
+    outcome, warnings = _match_outcome(match, context.robot)
     halves = action.mode == "unspecified"
     series = COUNTING if halves and form.id.startswith(f"{COUNTING}_") else ""
     importance = 2 if timed.behaviour.required else 0 if form.category == "beat" else 1
@@ -93,10 +95,19 @@ def gesture_move(timed: TimedBehaviour, action: Gesture, context: BlockContext) 
     return Move(outcome, strokes=(stroke,), warnings=(*warnings, *unmet))
 
 
-def _match_outcome(match: Match) -> tuple[Outcome, tuple[BehaviourWarning, ...]]:
-    """Says how much of what a lexeme means is performed: not the hand shapes, as no robot of ours moves fingers."""
+def _for_hands(match: Match, action: Gesture, context: BlockContext) -> Match:
+    """The gesture that this one names for a hand that cannot make its shapes, if it is such a hand."""
+    form = match.form
+    if not form.fallback or not lacking_shapes(form.shapes, context.robot):
+        return match
+    other = context.lexicon.find(form.fallback, action.mode)
+    return match if other is None else replace(other, substitute=f"{form.id} needs fingers; {other.form.id} is done")
+
+
+def _match_outcome(match: Match, robot: Robot) -> tuple[Outcome, tuple[BehaviourWarning, ...]]:
+    """Says how much of what a lexeme means is performed: not the hand shapes for which the robot lacks fingers."""
     named = f"a synonym of {match.form.id}" if match.kind == "synonym" and not match.substitute else ""
-    shapes = [f'"{shape}"' for shape in match.form.shapes if shape not in PLAIN_SHAPES]
+    shapes = [f'"{shape}"' for shape in lacking_shapes(match.form.shapes, robot)]
     lacking = f"hand shape{'s' * (len(shapes) > 1)} {' and '.join(shapes)} need{'s' * (len(shapes) == 1)} fingers"
     why = "; ".join(filter(None, (match.substitute, lacking * bool(shapes), named)))
     if match.substitute:

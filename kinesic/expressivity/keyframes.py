@@ -60,6 +60,15 @@ class Hand:
     effort: float = 0.0  # 0 the shoulder stays .. 1 the arm pulls it along
     passing: bool = False  # on a path: the elbow comes along as it is
     lift: float = 0.0  # [rad] that the shoulder rises, wherever the hand is
+    shape: str | None = None  # name of a hand shape; None: relaxed
+
+
+@dataclass(frozen=True, eq=False)
+class FingerKey:
+    """The fingers of one hand at one time."""
+
+    time: float  # [s] block time
+    angles: Floats  # (f,) [rad] of the hand's finger drives, in joint order
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,3 +100,4 @@ class KeyFrames:
     uses: Mapping[str, frozenset[PartName]] = field(default_factory=dict)  # behaviour id -> the parts it moves
     notices: tuple[Notice, ...] = ()  # those of the timeline included
     bodies: Mapping[str, BodyMove] = field(default_factory=dict)  # id of a gesture -> what the body does beside it
+    fingers: Mapping[Side, tuple[FingerKey, ...]] = field(default_factory=dict)  # of hands whose fingers move

@@ -45,6 +45,7 @@ from kinesic.expressivity.face.tracks import outcome
 from kinesic.expressivity.gather import HANDS, PRIORITIES, Sequences, SyncPoint, gather_frames
 from kinesic.expressivity.hands.coarticulation import NO_CLASHES
 from kinesic.expressivity.hands.engaged import Clashes
+from kinesic.expressivity.hands.fingers import finger_keys
 from kinesic.expressivity.hands.phases import Arranged, arrange_hands
 from kinesic.expressivity.idle import add_idle_motion
 from kinesic.expressivity.keyframes import KeyFrames, Outcome
@@ -95,8 +96,9 @@ def keyframes(
     ]
     beside = _whole_body(timeline, context, moves, hands)
     sequences = _sequences(timeline, context, moves, hands, beside)
+    fingers = finger_keys(sequences.hands, hands.works, context.pace)
     frames = gather_frames(sequences, syncs, context.robot, PRIORITIES[context.shared.gathering])
-    return KeyFrames(timeline, frames, outcomes, uses, (*timeline.notices, *notices), beside.moves)
+    return KeyFrames(timeline, frames, outcomes, uses, (*timeline.notices, *notices), beside.moves, fingers)
 
 
 def _whole_body(timeline: Timeline, context: BlockContext, moves: Mapping[str, Move], hands: Arranged) -> WholeBody:

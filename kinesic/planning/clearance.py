@@ -129,6 +129,6 @@ def _culprit(
     pair: tuple[str, str], at: float, spans_of: Mapping[str, tuple[float, float]], frames: KeyFrames, robot: Robot
 ) -> str:
     """The behaviour of these parts that is nearest in time; where none is theirs, the nearest of all."""
-    parts = {f"{side}_hand" for side in SIDES if set(pair) & set(robot.arm(side).segments)} or {"torso", "head"}
+    parts = {f"{side}_hand" for side in SIDES if set(pair) & robot.arm(side).bodies} or {"torso", "head"}
     away = {name: max(start - at, at - end, 0.0) for name, (start, end) in spans_of.items()}
     return min(away, key=lambda name: (not frames.uses.get(name, frozenset()) & parts, away[name], name))

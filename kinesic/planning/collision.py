@@ -129,7 +129,7 @@ def clear_hands(angles: Floats, hands: Mapping[Side, Hand], robot: Robot, distan
     if not moving:
         return angles
     gaps = distances.gaps(angles[None])[0]
-    asked = {touched_pair(side, hand.touch, robot) for side, hand in moving.items() if hand.touch is not None}
+    asked = {touched_pair(side, hand.touch, robot, gaps) for side, hand in moving.items() if hand.touch is not None}
     touching = tuple(sorted(pair for pair in asked if pair is not None and gaps[pair] <= NEAR_ENOUGH))
     if gaps.min(initial=HOVER) >= HOVER and not touching:
         return angles
@@ -139,11 +139,24 @@ def clear_hands(angles: Floats, hands: Mapping[Side, Hand], robot: Robot, distan
     return angles if found is None else found
 
 
-def touched_pair(side: Side, touch: Touch, robot: Robot) -> int | None:
-    """Finds the counted pair of a hand and what it touches, by index; None when this pair does not count."""
-    hand, part = robot.arm(side).segments[-1], _segment(side, touch, robot)
-    found = [k for k, pair in enumerate(robot.counted_pairs) if set(pair) == {hand, part}]
-    return found[0] if found else None
+def touched_pair(side: Side, touch: Touch, robot: Robot, gaps: Floats) -> int | None:
+    """Finds the counted pair with which a hand touches something: its fingers or its palm, whichever is nearer.
+
+    Args:
+        side: of the hand.
+        touch: what it is laid on.
+        robot: whose hand it is.
+        gaps: (p,) [m] of all counted pairs.
+
+    Returns:
+        Index of the pair; None when none of them counts.
+    """
+    part, other = _segment(side, touch, robot), f"{OTHER_SIDE[side]}_fingers"
+    hand, parts = {robot.arm(side).segments[-1], f"{side}_fingers"}, {part, other} if touch == "hand" else {part}
+    found = [
+        k for k, (a, b) in enumerate(robot.counted_pairs) if (a in hand and b in parts) or (b in hand and a in parts)
+    ]
+    return min(found, key=lambda k: float(gaps[k]), default=None)
 
 
 def _segment(side: Side, touch: Touch, robot: Robot) -> str | None:

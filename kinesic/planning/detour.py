@@ -210,7 +210,7 @@ def _changes(course: PostureCourse, time: float, distances: Distances, least: fl
     """Tries changes at a block time where the motion comes too near."""
     gaps = distances.gaps(course.at(time)[None])[0]
     close = {segment for k in np.flatnonzero(gaps < least) for segment in course.robot.counted_pairs[k]}
-    arms = [arm.joints for side in SIDES if close & set((arm := course.robot.arm(side)).segments)]
+    arms = [arm.joints for side in SIDES if close & (arm := course.robot.arm(side)).bodies]
     near = [course.near(arm, time) for arm in arms]
     free = [arm for arm, key in zip(arms, near, strict=True) if key is None]
     if free:

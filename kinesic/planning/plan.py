@@ -25,6 +25,7 @@ from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.certify import certify
 from kinesic.planning.clashes import ClashFinder
 from kinesic.planning.clearance import REPAIRS, Conditioner, culprits, keep_clear
+from kinesic.planning.finger_postures import with_finger_keys
 from kinesic.planning.motion_files import save_motion
 from kinesic.planning.postures import Postures, postures
 from kinesic.planning.setup import Setup
@@ -198,6 +199,7 @@ def _plan_once(
             if budget.spent or finder.spent:
                 without |= thin_out(frames, clashing, FEWER if finder.crowded else 1.0)
             continue
+        asked = replace(asked, postures=with_finger_keys(asked.postures, frames.fingers, setup.robot))
         repairs = 0 if budget.spent else REPAIRS
         solved, motion, times, clearance = keep_clear(
             asked, setup, find_bonds(timeline), conditioned=bounded, repairs=repairs

@@ -16,6 +16,7 @@ from kinesic.ik.torso import lean_torso
 from kinesic.motion.keys import LEAST_GAP, PLAIN, KeyPosture, Passage
 from kinesic.planning.arm_postures import turn_reach, with_arms
 from kinesic.planning.collision import clear_hands
+from kinesic.planning.finger_postures import set_fingers
 from kinesic.planning.torso import set_turn, torso_turn, volume
 
 
@@ -42,6 +43,7 @@ def postures(keyframes: KeyFrames, robot: Robot, distances: Distances) -> Postur
         leaning = any(bool(np.any(leans[j])) for j in range(max(0, k - 1), min(len(leans), k + 2)))
         keyed = _keyed(frame, robot, leaning, ends=k in (0, len(leans) - 1))
         angles = angles.copy()
+        set_fingers(angles, frame.time, keyframes.fingers, robot)
         _set_torso(angles, frame, leans[k], robot)
         hands = {side: hand for side, hand in frame.hands.items() if keyed[robot.arm(side).joints[0]]}
         wanted = {side: _in_world(hand, side, frame, angles, robot) for side, hand in hands.items()}

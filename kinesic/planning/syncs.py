@@ -11,7 +11,7 @@ from kinesic.bml.block import Block, Notice, NoticeType, Precedence, SyncRef, Ti
 from kinesic.bml.timing.constraints import point_of, ties
 from kinesic.body.arrays import Floats
 from kinesic.body.config import suggestion
-from kinesic.body.robot import CHAINS, SIDES, Robot, Side
+from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.motion.condition import Conditioned
 from kinesic.motion.key_times import Bottleneck
@@ -149,7 +149,7 @@ def shift_notices(
 def limit_met(sync: SyncTime, frames: KeyFrames, motion: Conditioned, robot: Robot) -> Bottleneck | None:
     """Finds the limit that was met nearest to a sync point, at best by a hinge of its own behaviour."""
     parts = frames.uses.get(sync.behaviour, frozenset())
-    own = {joint for part in parts for joint in robot.joints(CHAINS[part])}
+    own = {joint for part in parts for joint in robot.part_joints(part)}
 
     def away(pair: Pair) -> tuple[float, bool]:
         begin, end = motion.asked[list(pair)]

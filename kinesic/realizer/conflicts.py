@@ -44,8 +44,8 @@ def _too_near(coming: Trajectory, work: Overlay, setup: Setup) -> MergeFailure |
     pair, at = clearance.pairs[worst], float(times[worst]) + work.cut * STEP
     hinges = np.zeros(len(robot.skeleton.hinges), dtype=np.bool_)
     for side in SIDES:
-        if set(pair) & set(robot.arm(side).segments):
-            hinges[list(robot.arm(side).joints)] = True
+        if set(pair) & robot.arm(side).bodies:
+            hinges[list(robot.arm(side).moving)] = True
     name = _nearest(work, hinges, at)
     return MergeFailure(name, f"brings {pair[0]} within {1000 * distance:.0f} mm of {pair[1]} beside what runs")
 

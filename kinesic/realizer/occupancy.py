@@ -8,7 +8,7 @@ import numpy as np
 
 from kinesic.bml.block import Action, Gaze, Gesture, Head, HeadDirectionShift, Pointing
 from kinesic.body.arrays import Flags, Floats, sealed
-from kinesic.body.robot import CHAINS, SIDES, PartName, Robot
+from kinesic.body.robot import SIDES, PartName, Robot
 from kinesic.expressivity.behaviours import stays
 from kinesic.motion.trajectory import STEP
 from kinesic.planning.plan import Plan
@@ -120,7 +120,7 @@ def still_occupied(occupancy: Iterable[Occupancy], time: float) -> tuple[Occupan
 def _hinges(parts: frozenset[PartName], robot: Robot) -> Flags:
     found = np.zeros(len(robot.skeleton.hinges), dtype=np.bool_)
     for part in parts:
-        found[list(robot.joints(CHAINS[part]))] = True
+        found[list(robot.part_joints(part))] = True
     return found
 
 
@@ -140,8 +140,8 @@ def _roles(action: Action, parts: frozenset[PartName]) -> frozenset[Role]:
 
 
 def arm_hinges(role: Role, robot: Robot) -> tuple[int, ...]:
-    """Lists the hinges of a hand's arm, in joint order."""
-    sides = {f"{side}_hand": robot.arm(side).joints for side in SIDES}
+    """Lists the hinges of a hand: those of its arm, then those of its fingers."""
+    sides = {f"{side}_hand": robot.arm(side).moving for side in SIDES}
     return sides[role]
 
 

@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.body.robot import SIDES, Robot
+from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.sim.model import capsule_name, describe
 from kinesic.sim.scene_layout import VIEW_ANGLE, VIEW_FROM, View, rods, view_of
 
@@ -67,7 +67,9 @@ def parts(robot: Robot) -> dict[str, Part]:
     limbs = {segment for side in SIDES for segment in robot.arm(side).segments}
     limbs |= set(robot.chains.get("neck", ()))
     painted: dict[str, Part] = {s.name: "limb" if s.name in limbs else "trunk" for s in robot.skeleton.segments}
-    return painted | {robot.arm("l").segments[-1]: "l_hand", robot.arm("r").segments[-1]: "r_hand"}
+    colours: dict[Side, Part] = {"l": "l_hand", "r": "r_hand"}
+    hands = {side: (robot.arm(side).segments[-1], *robot.fingers(side)) for side in SIDES}
+    return painted | {name: colours[side] for side, names in hands.items() for name in names}
 
 
 def eyeballs(robot: Robot) -> tuple[Eyeball, ...]:

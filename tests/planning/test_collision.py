@@ -12,6 +12,7 @@ ROBOT = Robot.load()
 DISTANCES = CapsuleDistances(ROBOT)
 ARMS = [*ROBOT.joints("l_arm"), *ROBOT.joints("r_arm")]
 LEAST = 0.015
+GAPS = DISTANCES.gaps(ROBOT.skeleton.rest[None])[0]  # [m] of all counted pairs at rest
 
 
 def near_ones(count):
@@ -105,13 +106,13 @@ REST = resting_hands(ROBOT)
     ],
 )
 def test_words_name_segments(touch, segment):
-    pair = touched_pair("l", touch, ROBOT)
+    pair = touched_pair("l", touch, ROBOT, GAPS)
     assert set(ROBOT.counted_pairs[pair]) == {"l_wrist", segment}
 
 
 def test_a_hand_far_from_what_it_touches_stays():
     angles = ROBOT.skeleton.rest
-    assert DISTANCES.gaps(angles[None])[0][touched_pair("l", "hand", ROBOT)] > NEAR_ENOUGH
+    assert DISTANCES.gaps(angles[None])[0][touched_pair("l", "hand", ROBOT, GAPS)] > NEAR_ENOUGH
     hands = {side: Hand(REST[side], touch="hand") for side in ("l", "r")}
     assert np.array_equal(clear_hands(angles, hands, ROBOT, DISTANCES), angles)
 

@@ -14,6 +14,7 @@ from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.expressivity.keyframes import Hand
 from kinesic.expressivity.lexicon.body_form import NO_BODY, BodyForm
 from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
+from kinesic.expressivity.lexicon.hand_shapes import FingerMotion
 from kinesic.expressivity.lexicon.paths import HandPath
 from kinesic.expressivity.lexicon.space import EASE, direction_in_world, extend_position, to_world, widen_key
 from kinesic.expressivity.style.effort import PLAIN_NATURE, Nature
@@ -41,6 +42,7 @@ class Poses:
     again: tuple[int, ...] = ()  # the keys that fall on `stroke:2`, `stroke:3` and so on
     nature: Nature = PLAIN_NATURE  # of the gesture
     body: BodyForm = NO_BODY  # what the rest of the body does
+    fingers: FingerMotion | None = None  # what fingers do while the stroke lasts
 
     @property
     def count(self) -> int:
@@ -129,6 +131,7 @@ def poses(form: GestureForm, robot: Robot, manner: Expressivity) -> Poses:
         again,
         nature,
         form.body,
+        form.fingers,
     )
 
 
@@ -144,9 +147,8 @@ def pointing_poses(target: Floats, side: Side, robot: Robot) -> Poses:
     distance = float(np.linalg.norm(target - centre))
     line = (target - centre) / distance if distance > 0 else np.array([1.0, 0.0, 0.0])
     reach = min(_POINTING_REACH * robot.arm_length, _TARGET_REACH * distance)
-    hand = Hand(Reach(sealed(centre + reach * line), pointing=sealed(line)), aim=sealed(target))
-    nature = Nature("deictic", dynamic=False)
-    return Poses({side: (withdrawn(hand, robot, side), hand)}, stroke=1, nature=nature)
+    hand = Hand(Reach(sealed(centre + reach * line), pointing=sealed(line)), aim=sealed(target), shape="index")
+    return Poses({side: (withdrawn(hand, robot, side), hand)}, stroke=1, nature=Nature("deictic", dynamic=False))
 
 
 def withdrawn(hand: Hand, robot: Robot, side: Side) -> Hand:
@@ -210,6 +212,7 @@ def between(a: Hand, b: Hand, share: float, rest: Reach) -> Hand:
         a.openness + share * (b.openness - a.openness),
         a.effort + share * (b.effort - a.effort),
         lift=a.lift + share * (b.lift - a.lift),
+        shape=nearest.shape,
     )
 
 
@@ -302,6 +305,7 @@ def _in_world(pose: HandPose, side: Side, robot: Robot, manner: Expressivity) ->
         touch=pose.touch,
         openness=openness + (1.0 - openness) * manner.openness,
         effort=max(0.0, manner.power),
+        shape=pose.shape,
     )
 
 

@@ -14,7 +14,8 @@ from kinesic.body.config import ConfigError, read_toml, suggestion
 from kinesic.body.robot import Side
 from kinesic.expressivity.keyframes import Touch
 from kinesic.expressivity.lexicon.body_table import PLAIN_TABLE, Bodies, BodyTable, body_form, overlay_table
-from kinesic.expressivity.lexicon.form import GestureForm, HandPose, HandShape, StrokeKey
+from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
+from kinesic.expressivity.lexicon.hand_shapes import FingerMotion, find_shape, finger_motions, hand_shapes
 from kinesic.expressivity.lexicon.paths import HandPath, Kind, Variation, shape_path
 from kinesic.expressivity.lexicon.senses import Sense
 from kinesic.expressivity.lexicon.space import position
@@ -58,7 +59,7 @@ class HandTable(StrictTable):
     at: tuple[str | float, str | float, str | float]  # outward, up, forward: sectors or [arm lengths]
     palm: str | None = None  # direction words such as "up" or "forward in"
     pointing: str | None = None  # direction words
-    shape: HandShape | None = None
+    shape: str | None = None  # of `configs/hands.toml`, or another name of it
     openness: float = 0.0  # 0..1
     fixed: list[AxisName] = []  # axes that spatial extent leaves alone
     touch: Touch | None = None  # what the hand is laid on
@@ -84,6 +85,8 @@ class GestureTable(StrictTable):
     says: str = ""  # what is done and what it means, in one line
     tempo: str = "neutral"  # one of `Tempo`
     body: BodyTable = PLAIN_TABLE  # goes over that of the category
+    fingers: str = ""  # what fingers do while the stroke lasts: a motion of `configs/hands.toml`
+    fallback: str = ""  # id of the gesture for a hand that cannot make its shapes
 
 
 class ClassTable(StrictTable):
@@ -162,13 +165,22 @@ def _entry(table: GestureTable, category: str, path: Path, bodies: Bodies) -> tu
         if not keys:
             raise ValueError("has no keys, needs at least one")
         _check_paths(keys)
-        tempo = _tempo(table.tempo)
+        tempo, fingers = _tempo(table.tempo), _fingers(table.fingers)
         body = body_form(overlay_table(table.body, bodies.get(category, PLAIN_TABLE)))
     except ValueError as error:
         raise ConfigError(f"{path}: gesture {table.id}: {error}") from None
     own_words = [word for word in table.id.split("_") if word not in table.meanings]
-    form = GestureForm(table.id, category, keys, rest=category == "rest", tempo=tempo, body=body)
+    form = GestureForm(
+        table.id, category, keys, category == "rest", tempo, body=body, fingers=fingers, fallback=table.fallback
+    )
     return form, Sense((*table.meanings, *own_words), category, table.says)
+
+
+def _fingers(written: str) -> FingerMotion | None:
+    known = finger_motions()
+    if written and written not in known:
+        raise ValueError(f"fingers is {written!r}{suggestion(written, list(known))}")
+    return known.get(written)
 
 
 def _tempo(written: str) -> Tempo:
@@ -222,6 +234,8 @@ def _pose(table: HandTable, path: PathTable | None) -> HandPose:
     """The hand comes by its own path or that of its key."""
     if not 0.0 <= table.openness <= 1.0:
         raise ValueError(f"openness is {table.openness:g}, outside [0, 1]")
+    if table.shape is not None and find_shape(table.shape) is None:
+        raise ValueError(f"there is no hand shape {table.shape!r}{suggestion(table.shape, list(hand_shapes()))}")
     forward, outward, up = (axis in table.fixed for axis in _AXES)
     return HandPose(
         position(*table.at),

@@ -9,7 +9,7 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.body.skeleton import Frames
-from kinesic.expressivity.lexicon.form import SHAPES, Shape
+from kinesic.expressivity.lexicon.hand_shapes import Shape, find_shape, hand_shapes
 
 Colour = tuple[float, float, float]
 
@@ -73,10 +73,10 @@ def silhouette(robot: Robot, angles: Floats, shapes: Mapping[Side, str | None]) 
             ends = frames.origins[k] + np.stack([capsule.start, capsule.end]) @ frames.rotations[k].T
             lines.append(_line(ends, 2 * capsule.radius, owner))
     for side in SIDES:
-        k = robot.arm(side).wrist
+        k, shape = robot.arm(side).wrist, find_shape(shapes.get(side) or "") or hand_shapes()["relaxed"]
         lines += [
             _line(frames.origins[k] + points @ frames.rotations[k].T, width, side)
-            for points, width in hand_outline(robot, side, SHAPES.get(shapes.get(side) or "", SHAPES["relaxed"]))
+            for points, width in hand_outline(robot, side, shape)
         ]
     return sorted(lines, key=lambda line: line.depth) + _eyes(robot, frames)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from kinesic.expressivity.lexicon.form import SHAPES
+from kinesic.expressivity.lexicon.hand_shapes import hand_shapes
 from kinesic.studies.gestures.isolated import STROKE, document, key_postures, plan_gesture, stroke_error
 from kinesic.studies.gestures.sheet import draw_gesture_sheet, draw_strip
 from kinesic.studies.gestures.silhouette import PALE, depth, hand_outline, pale, project, silhouette
@@ -68,7 +68,7 @@ def test_left_is_seen_on_the_right_and_up_is_up():
 
 def test_fingers_are_straight_or_bent_towards_the_palm(known):
     site = known.robot.sites["l_palm"]
-    flat, fist = (hand_outline(known.robot, "l", SHAPES[name]) for name in ("flat", "fist"))
+    flat, fist = (hand_outline(known.robot, "l", hand_shapes()[name]) for name in ("flat", "fist"))
     for (straight, _), (bent, _) in list(zip(flat, fist, strict=True))[1:5]:
         assert np.linalg.norm(straight[-1] - straight[0]) > np.linalg.norm(bent[-1] - bent[0])
         assert (straight[-1] - straight[0]) @ site.facing == pytest.approx(0.0, abs=1e-9)
@@ -76,7 +76,7 @@ def test_fingers_are_straight_or_bent_towards_the_palm(known):
 
 
 def test_thumbs_mirror_each_other(known):
-    left, right = (hand_outline(known.robot, side, SHAPES["thumb"])[-1][0] for side in ("l", "r"))
+    left, right = (hand_outline(known.robot, side, hand_shapes()["thumb"])[-1][0] for side in ("l", "r"))
     assert left == pytest.approx(right * [1, -1, 1], abs=1e-9)
 
 
