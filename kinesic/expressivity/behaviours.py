@@ -54,6 +54,7 @@ class Move:
     torso: tuple[Layer, ...] = ()
     strokes: tuple[Stroke, ...] = ()
     warnings: tuple[BehaviourWarning, ...] = ()
+    shapes: tuple[str, ...] = ()  # names of the hand shapes that are asked for
 
 
 def drop_behaviour(why: str, type: NoticeType = NoticeType.CANNOT_CREATE_BEHAVIOR) -> Move:
@@ -92,7 +93,7 @@ def gesture_move(timed: TimedBehaviour, action: Gesture, context: BlockContext) 
     series = COUNTING if halves and form.id.startswith(f"{COUNTING}_") else ""
     importance = 2 if timed.behaviour.required else 0 if form.category == "beat" else 1
     stroke = Stroke(timed.behaviour.id, timed.times, works, form.rest, manner, halves, importance, series)
-    return Move(outcome, strokes=(stroke,), warnings=(*warnings, *unmet))
+    return Move(outcome, strokes=(stroke,), warnings=(*warnings, *unmet), shapes=form.shapes)
 
 
 def _for_hands(match: Match, action: Gesture, context: BlockContext) -> Match:
@@ -143,7 +144,7 @@ def pointing_move(timed: TimedBehaviour, action: Pointing, context: BlockContext
     manner = context.manner(timed.behaviour, "gesture")
     importance = 2 if timed.behaviour.required else 1
     stroke = Stroke(timed.behaviour.id, timed.times, options[action.mode], manner=manner, importance=importance)
-    return Move(strokes=(stroke,))
+    return Move(strokes=(stroke,), shapes=("index",))
 
 
 def _weigh_body(body: BodyForm, timed: TimedBehaviour, context: BlockContext) -> BodyForm:

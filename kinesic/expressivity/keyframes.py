@@ -101,3 +101,4 @@ class KeyFrames:
     notices: tuple[Notice, ...] = ()  # those of the timeline included
     bodies: Mapping[str, BodyMove] = field(default_factory=dict)  # id of a gesture -> what the body does beside it
     fingers: Mapping[Side, tuple[FingerKey, ...]] = field(default_factory=dict)  # of hands whose fingers move
+    shapes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # behaviour id -> hand shapes asked for

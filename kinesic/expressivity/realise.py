@@ -96,9 +96,10 @@ def keyframes(
     ]
     beside = _whole_body(timeline, context, moves, hands)
     sequences = _sequences(timeline, context, moves, hands, beside)
+    shapes = {id: move.shapes for id, move in moves.items() if move.shapes}
     fingers = finger_keys(sequences.hands, hands.works, context.pace)
     frames = gather_frames(sequences, syncs, context.robot, PRIORITIES[context.shared.gathering])
-    return KeyFrames(timeline, frames, outcomes, uses, (*timeline.notices, *notices), beside.moves, fingers)
+    return KeyFrames(timeline, frames, outcomes, uses, (*timeline.notices, *notices), beside.moves, fingers, shapes)
 
 
 def _whole_body(timeline: Timeline, context: BlockContext, moves: Mapping[str, Move], hands: Arranged) -> WholeBody:

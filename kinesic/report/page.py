@@ -24,6 +24,7 @@ from kinesic.report.plots.spark import spark
 from kinesic.report.replay import replay_data
 from kinesic.report.report import Json
 from kinesic.report.scene import SCENE_SCRIPTS, TEMPLATES, read_scripts
+from kinesic.report.shapes import shapes_made
 from kinesic.report.transcript import transcribe
 
 FILM_TYPES = {".webp": "image/webp", ".png": "image/png", ".gif": "image/gif"}
@@ -127,7 +128,12 @@ def _template() -> Template:
         lstrip_blocks=True,
     )
     environment.filters |= {"number": format_number, "shift": shift, "spark": spark}
-    environment.filters |= {"breakable": breakable, "departure": style_departures, "body": body_beside}
+    environment.filters |= {
+        "breakable": breakable,
+        "departure": style_departures,
+        "body": body_beside,
+        "shapes": shapes_made,
+    }
     return environment.get_template("page.jinja")
 
 

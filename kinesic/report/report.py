@@ -14,6 +14,7 @@ from kinesic.body.robot import SIDES
 from kinesic.controller.performance import Performance
 from kinesic.controller.smoothness import dimensionless_jerk, spectral_arc_length
 from kinesic.controller.synchrony import median_lag
+from kinesic.expressivity.hands.fingers import lacking_shapes
 from kinesic.expressivity.keyframes import BodyMove
 from kinesic.expressivity.style.resolve import resolve_numbers
 from kinesic.expressivity.style.style import Style
@@ -124,9 +125,17 @@ def _behaviours(performance: Performance) -> list[Json]:
                 "why": "; ".join(reasons),
                 "manner": _manner(behaviour, plan),
                 "body": _body(plan.keyframes.bodies.get(behaviour.id)),
+                "shapes": _shapes(plan, behaviour.id),
             }
         )
     return found
+
+
+def _shapes(plan: Plan, behaviour: str) -> dict[str, Json] | None:
+    """Which hand shapes a behaviour asks for, and which of them the hand can make; None where it asks for none."""
+    asked = plan.keyframes.shapes.get(behaviour, ())
+    lacking = lacking_shapes(asked, plan.setup.robot)
+    return {"asked": list(asked), "made": [shape for shape in asked if shape not in lacking]} if asked else None
 
 
 def _whole_body(plan: Plan) -> dict[str, Json]:

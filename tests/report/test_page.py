@@ -96,7 +96,7 @@ def test_the_document_is_on_the_page_with_the_fate_of_each_behaviour(known: Setu
 def test_page_holds_every_table(text: str, data: dict[str, Json]) -> None:
     words = "".join(Outline(text).words)
     for row in (*data["checks"], *data["behaviours"], *data["warnings"]):
-        shown = [value for name, value in row.items() if name not in ("manner", "body") and not isinstance(value, bool)]
+        shown = [value for value in row.values() if not isinstance(value, bool | dict | None)]
         assert all(format_number(value) in words for value in shown)
     for name in data["tracking"]["per_joint"]:
         assert name in words

@@ -20,8 +20,8 @@ from kinesic.expressivity.style.pace import Pace
 from kinesic.motion.double_s import least_rest_times
 
 LAG = 0.045  # [s] by which fingers follow the wrist
-EASE = 0.35  # [s] that a change takes, where there is time
-HASTE = 1.15  # times the shortest time that servos need, which it takes at least
+EASE = 0.40  # [s] that a change takes, where there is time
+HASTE = 1.5  # times the shortest time that servos need, which it takes at least
 QUARTERS = 4  # keys of a turn of a motion
 BREATH = 0.02  # [s] between keys at least
 RELAXED = 0.7  # how straight a finger without a drive of its own is
