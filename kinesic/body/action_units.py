@@ -16,6 +16,7 @@ FaceSide = Literal["left", "right", "both"]
 ASIDE = radians(35)  # that eyes at full intensity look to a side
 UPWARD = radians(25)
 DOWNWARD = radians(30)
+INWARD = radians(15)  # that each eye turns towards the nose: at full intensity both meet a few centimetres before it
 
 
 @dataclass(frozen=True)
@@ -67,6 +68,7 @@ UNITS: Mapping[int, ActionUnit] = MappingProxyType(
             ActionUnit(62, "eyes turn right", sided=False),
             ActionUnit(63, "eyes up", sided=False),
             ActionUnit(64, "eyes down", sided=False),
+            ActionUnit(66, "cross-eye", sided=False),
         )
     }
 )

@@ -105,12 +105,17 @@ def look_time(look: Aim, pace: Pace, temporal: float = 0.0) -> float:
 
 def towards(place: Floats, robot: Robot) -> Turn:
     """Finds the rotation of a gaze from upright to a place (3,) [m] in the world."""
+    x, y, z = from_eyes(place, robot)
+    return Turn(torsion=atan2(y, x), tilt=atan2(-z, hypot(x, y)))
+
+
+def from_eyes(place: Floats, robot: Robot) -> Floats:
+    """Finds the way (3,) [m] from the eyes of a robot upright to a place in the world."""
     frames = robot.skeleton.resting
     k = robot.skeleton.segment(robot.chains["neck"][-1])
     eyes = robot.sites.get("eyes")
     inside = np.zeros(3) if eyes is None else eyes.position
-    x, y, z = place - (frames.origins[k] + frames.rotations[k] @ inside)
-    return Turn(torsion=atan2(y, x), tilt=atan2(-z, hypot(x, y)))
+    return np.asarray(place - (frames.origins[k] + frames.rotations[k] @ inside))
 
 
 def _usual_time(turn: Turn, speed: float) -> float:

@@ -1,4 +1,4 @@
-"""Measures the face: what occlusion costs and misses, its skin, its wrinkles and its frame rate."""
+"""Measures the face: what occlusion costs and misses, its skin, its wrinkles, its lids and its frame rate."""
 
 # A machine without OpenGL has every figure's name, and a reason instead of its value.
 
@@ -74,10 +74,12 @@ def expected_figures() -> Iterator[tuple[str, str, float | None, Better]]:
     yield "face.wrinkle.mirror", "", 0.003, "lower"
     yield "face.wrinkle.back", "count", 0.0, "lower"
     yield "face.wrinkle.steepest", "deg", 65.0, "lower"
+    yield "face.lids.uneven", "", 0.1, "lower"
+    yield "face.lids.outside", "count", 0.0, "lower"
 
 
 def _measured() -> dict[str, float]:
-    from kinesic.bench.face import figure, frame_rate, occlusion, scattering, wrinkles  # noqa: PLC0415 - they need the optional library, which is there now
+    from kinesic.bench.face import eyes, figure, frame_rate, occlusion, scattering, wrinkles  # noqa: PLC0415 - they need the optional library, which is there now
 
     return {
         **frame_rate.frames(PICTURES),
@@ -85,6 +87,7 @@ def _measured() -> dict[str, float]:
         **occlusion.occlusion(SIZES),
         **scattering.scattering(),
         **wrinkles.measure_law_violations(),
+        **eyes.measure_eyes(),
     }
 
 

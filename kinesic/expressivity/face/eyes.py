@@ -13,11 +13,11 @@ from math import degrees, radians
 import numpy as np
 
 from kinesic.bml.block import Gaze, HeadDirectionShift, Timeline
-from kinesic.body.action_units import ASIDE, DOWNWARD, UPWARD, channels
+from kinesic.body.action_units import ASIDE, DOWNWARD, INWARD, UPWARD, channels
 from kinesic.body.arrays import Floats
 from kinesic.expressivity.behaviours import stays
 from kinesic.expressivity.context import BlockContext
-from kinesic.expressivity.gaze import STRAIGHT, aim
+from kinesic.expressivity.gaze import STRAIGHT, aim, from_eyes
 from kinesic.expressivity.keyframes import BodyMove
 from kinesic.expressivity.turns import add_turns
 from kinesic.motion.easing import ease
@@ -27,6 +27,8 @@ LEAST_GAP, MEAN_GAP = 1.2, 4.0  # [s] between blinks
 WIDE_TURN = radians(20)  # of the gaze, that brings a blink with it
 FLITTING = radians(2.5)  # spread of saccades about what is looked at
 EARLY = 0.3  # [s] that eyes leave before a stroke for what it shows
+HALF_APART = 0.03  # [m] of the eyes from the middle between them
+VERGENCE = 0.16  # [s] that eyes take to meet nearer or farther away
 LEAST_REST, MEAN_REST = 0.5, 1.6  # [s] that eyes rest between them
 
 
@@ -38,11 +40,17 @@ class GazeDirection:
     left: float  # [rad] in the world, + left
     up: float  # [rad] + up
     end: float = np.inf  # [s] when the eyes leave it
+    away: float = np.inf  # [m] how far from the eyes what is looked at is
 
     @property
     def angle(self) -> float:
         """[rad] off straight ahead."""
         return float(np.hypot(self.left, self.up))
+
+    @property
+    def inward(self) -> float:
+        """[rad] that each eye turns towards the other, to meet it at what is looked at."""
+        return float(np.arctan(HALF_APART / self.away))
 
 
 AHEAD = GazeDirection(-np.inf, 0.0, 0.0)  # where eyes are, whatever the head does, when nothing else is looked at
@@ -86,7 +94,9 @@ def looks(timeline: Timeline, context: BlockContext) -> tuple[GazeDirection, ...
             base = aimed if stays(action) else base
             end = np.inf if stays(action) else timed.times["relax"]
             there = add_turns(aimed.head, aimed.eyes)
-            found.append(GazeDirection(timed.times["start"], there.torsion, -there.tilt, end))
+            place = context.find_target(action.target) if action.target else None
+            away = np.inf if place is None else float(np.linalg.norm(from_eyes(place, context.robot)))
+            found.append(GazeDirection(timed.times["start"], there.torsion, -there.tilt, end, away))
     return tuple(found)
 
 
@@ -183,6 +193,23 @@ def looking(looks: Sequence[GazeDirection], times: Floats, head: Floats) -> Floa
         wanted = np.array([look.left, look.up]) - head
         found += there[:, None] * (wanted - found)
     return found
+
+
+def meeting(looks: Sequence[GazeDirection], times: Floats) -> Mapping[str, Floats]:
+    """Turns both eyes towards what is near: key of Command.face -> (m,) 0..1 at (m,) times [s].
+
+    Args:
+        looks: of the gaze, in order; a later one takes the place of an earlier one.
+        times: (m,) [s].
+    """
+    found = np.zeros(len(times))
+    for look in looks:
+        begun, left = (
+            np.zeros(len(times)) if moment == np.inf else ease("minimum_jerk", (times - moment) / VERGENCE)
+            for moment in (look.start, look.end)
+        )
+        found += (begun - left) * (look.inward - found)
+    return {"66": np.clip(found / INWARD, 0.0, 1.0)}
 
 
 def gaze_units(angles: Floats) -> Mapping[str, Floats]:

@@ -16,7 +16,7 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import NO_FACE
 from kinesic.body.utterance import Utterance
 from kinesic.expressivity.face.expressions import BRIDGED, Envelope, Expression, expression
-from kinesic.expressivity.face.eyes import AHEAD, Eyes, blink_times, blinking, flitting, gaze_units, looking
+from kinesic.expressivity.face.eyes import AHEAD, Eyes, blink_times, blinking, flitting, gaze_units, looking, meeting
 from kinesic.expressivity.face.visemes import SEAL, visemes
 from kinesic.expressivity.keyframes import BodyMove, Outcome
 from kinesic.expressivity.style.style import Expressivity, Style
@@ -186,3 +186,4 @@ def _eyes(times: Floats, eyes: Eyes, onsets: Sequence[float]) -> Iterator[Channe
         if habits.blinks:
             yield blinking(blink_times(span, ordered, habits.seed, also=onsets), times)
     yield gaze_units(angles)
+    yield meeting(ordered, times)

@@ -12,8 +12,19 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from kinesic.body.action_units import ASIDE, CHANNELS, DOWNWARD, UNITS, UPWARD, channels, face_keys, unknown_unit
+from kinesic.body.action_units import (
+    ASIDE,
+    CHANNELS,
+    DOWNWARD,
+    INWARD,
+    UNITS,
+    UPWARD,
+    channels,
+    face_keys,
+    unknown_unit,
+)
 from kinesic.body.arrays import Floats, sealed
+from kinesic.face.assets.lids import Lids, lids
 from kinesic.face.assets.mesh import Mesh
 from kinesic.face.display import DisplayError
 
@@ -57,11 +68,13 @@ SHAPES: Mapping[int, Mapping[str, float]] = {
     62: {"eyeLookInLeft": 1.0, "eyeLookOutRight": 1.0},
     63: {"eyeLookUpLeft": 1.0, "eyeLookUpRight": 1.0},
     64: {"eyeLookDownLeft": 1.0, "eyeLookDownRight": 1.0},
+    66: {"eyeLookInLeft": 0.4, "eyeLookInRight": 0.4},
 }
 SEALS = ("24", "28")  # action units that hold the lips together, whatever the jaw does
 PRESSURE = 0.04  # weight of mouthClose beyond what the jaw needs: no slit is left
 PARTING = ("mouthLowerDownLeft", "mouthLowerDownRight", "mouthUpperUpLeft", "mouthUpperUpRight", "mouthFunnel")
 LIDS = ("eyeWide", "eyeSquint", "eyeLookDown", "eyeLookUp", "eyeLookIn", "eyeLookOut")  # that a closing lid undoes
+BLINK = "eyeBlink"  # a shape of which only is used which vertices it moves: lids slide instead
 
 _CHANNEL = {name: place for place, name in enumerate(CHANNELS)}
 
@@ -88,6 +101,7 @@ class _Rig:
     mixing: Floats  # (s, c)
     shape: Mapping[str, int]  # name -> place
     eyeballs: tuple[NDArray[np.intp], NDArray[np.intp]]  # vertices of the left and of the right
+    lids: tuple[Lids, Lids]
 
 
 def intensities(units: Mapping[str, float]) -> Floats:
@@ -112,22 +126,26 @@ def intensities(units: Mapping[str, float]) -> Floats:
 
 
 def shape_weights(mesh: Mesh, units: Mapping[str, float]) -> Floats:
-    """Gives the weights 0..1 of a mesh's shapes, (s,).
+    """Gives the weights 0..1 of a mesh's shapes, (s,), for who has shapes alone.
 
-    Weights of one shape add up to at most 1. A closing lid undoes what else moves it, as does a closed mouth with
-    parted lips: pressed lips stay together on a dropped jaw.
+    Weights of one shape add up to at most 1. A closed mouth undoes what parts the lips: pressed lips stay together on
+    a dropped jaw. A closing lid, which `deform` slides over the eyeball instead, undoes what else moves it.
 
     Raises:
         DisplayError: an unknown unit, or an intensity outside 0..1.
     """
-    return _weights(_rig(mesh), intensities(units))
+    rig = _rig(mesh)
+    found = _weights(rig, intensities(units))
+    for side in SIDES.values():
+        found[[rig.shape[f"{lid}{side}"] for lid in LIDS]] *= 1.0 - found[rig.shape[f"{BLINK}{side}"]]
+    return found
 
 
 def deform(mesh: Mesh, units: Mapping[str, float]) -> Floats:
     """Moves the vertices of a mesh to where they are when it shows some action units, (v, 3) [m].
 
-    Skin, teeth, tongue and lashes are moved by shapes; the eyeballs turn about their centres, by up to `ASIDE`,
-    `UPWARD` and `DOWNWARD`.
+    Skin, teeth and tongue are moved by shapes; the eyeballs turn about their centres, by up to `ASIDE`, `UPWARD`,
+    `DOWNWARD` and `INWARD`, and the lids slide over them.
 
     Args:
         mesh: of the head, subdivided or not.
@@ -137,11 +155,32 @@ def deform(mesh: Mesh, units: Mapping[str, float]) -> Floats:
         DisplayError: an unknown unit, or an intensity outside 0..1.
     """
     rig, told = _rig(mesh), intensities(units)
-    positions: Floats = mesh.positions + (mesh.deltas @ _weights(rig, told)).reshape(-1, 3)
-    turned = gaze_rotation(told)
-    for eyeball, centre in zip(rig.eyeballs, mesh.eyes, strict=True):
+    if not told.any():
+        return mesh.positions.copy()
+    weights = _weights(rig, told)
+    shut = [rig.shape[f"{BLINK}{side}"] for side in SIDES.values()]
+    closing = weights[shut]
+    weights[shut] = 0.0
+    positions: Floats = mesh.positions + (mesh.deltas @ weights).reshape(-1, 3)
+    for number, (eyeball, centre, closer) in enumerate(zip(rig.eyeballs, mesh.eyes, rig.lids, strict=True)):
+        turned = gaze_rotation(told, number)
         positions[eyeball] = centre + (mesh.positions[eyeball] - centre) @ turned.T
+        closer.close(positions, closing[number], turned[:, 0])
     return positions
+
+
+def gaze_rotation(told: Floats, number: int) -> Floats:
+    """(3, 3) rotation of the left (0) or the right (1) eyeball.
+
+    Args:
+        told: (c,) intensity of each of `CHANNELS`.
+        number: of the eyeball.
+    """
+    left, right, up, down, inward = (told[_CHANNEL[name]] for name in ("61", "62", "63", "64", "66"))
+    aside = ASIDE * (left - right) + INWARD * inward * (2 * number - 1)
+    raised = UPWARD * up - DOWNWARD * down
+    cy, sy, cp, sp = math.cos(aside), math.sin(aside), math.cos(raised), math.sin(raised)
+    return np.array([[cy * cp, -sy, -cy * sp], [sy * cp, cy, -sy * sp], [sp, 0.0, cp]])
 
 
 def _weights(rig: _Rig, told: Floats) -> Floats:
@@ -149,17 +188,7 @@ def _weights(rig: _Rig, told: Floats) -> Floats:
     seal = max(told[_CHANNEL[name]] for name in SEALS)
     found[[rig.shape[name] for name in PARTING]] *= 1.0 - seal
     found[rig.shape["mouthClose"]] = seal * min(found[rig.shape["jawOpen"]] + PRESSURE, 1.0)
-    for side in SIDES.values():
-        found[[rig.shape[f"{lid}{side}"] for lid in LIDS]] *= 1.0 - found[rig.shape[f"eyeBlink{side}"]]
     return found
-
-
-def gaze_rotation(told: Floats) -> Floats:
-    """Gives the (3, 3) rotation of the eyeballs, for (c,) intensity of each of `CHANNELS`."""
-    left, right, up, down = (told[_CHANNEL[name]] for name in ("61", "62", "63", "64"))
-    aside, raised = ASIDE * (left - right), UPWARD * up - DOWNWARD * down
-    cy, sy, cp, sp = math.cos(aside), math.sin(aside), math.cos(raised), math.sin(raised)
-    return np.array([[cy * cp, -sy, -cy * sp], [sy * cp, cy, -sy * sp], [sp, 0.0, cp]])
 
 
 @lru_cache(maxsize=8)
@@ -167,4 +196,5 @@ def _rig(mesh: Mesh) -> _Rig:
     eyes = mesh.vertices("eyes")
     is_left = mesh.positions[eyes, 1] > 0.0
     shape = {name: place for place, name in enumerate(mesh.shapes)}
-    return _Rig(shape_mixing(mesh.shapes), shape, (eyes[is_left], eyes[~is_left]))
+    closing = (lids(mesh, "Left", 0), lids(mesh, "Right", 1))
+    return _Rig(shape_mixing(mesh.shapes), shape, (eyes[is_left], eyes[~is_left]), closing)

@@ -59,7 +59,8 @@ class Geometry:
         self.drawn_on, self.place = drawn_on, vertex_chart(drawn_on)
         skin = mesh.parts == PARTS.index("skin")
         self._sources, on_chart, triangles = unroll(self.place, mesh.triangles)
-        fixed = np.column_stack([on_chart, mesh.parts[self._sources], mesh.tips[self._sources]])
+        detail = mesh.tips + (mesh.parts == PARTS.index("eyes")) * (mesh.positions[:, 1] < 0.0)
+        fixed = np.column_stack([on_chart, mesh.parts[self._sources], detail[self._sources]])
         self._moving = context.buffer(reserve=len(fixed) * 6 * 4, dynamic=True)
         first = mesh.triangles[:, 0]
         thin, cloth = (mesh.parts[first] == PARTS.index(part) for part in ("lashes", "cloth"))
@@ -80,9 +81,11 @@ class Geometry:
         self._shaders = (skins, organs, film, cloths)
         self._solid = (self.drawn(skins, "skin"), self.drawn(organs, "organs"))
         self.thin: tuple[Layer, ...] = ("lashes", "film") if shaded else ("lashes",)
-        self._open = [self.drawn(film if each == "film" else organs, each) for each in self.thin]
+        self._open = [self.drawn(film, "film")] if shaded else []
         if self.dressed:
             self._open.append(self.drawn(cloths, "cloth"))  # seen from both sides
+        eyes = mesh.vertices("eyes")
+        self._balls = [eyes[mesh.positions[eyes, 1] > 0.0], eyes[mesh.positions[eyes, 1] < 0.0]]
 
     def drawn(self, shader: moderngl.Program, layer: Layer) -> moderngl.VertexArray:
         """Gives one of the layers, for a program with the vertex shader `geometry`."""
@@ -102,6 +105,8 @@ class Geometry:
         self.covered = self.rectangle(self.on_screen) if "film" not in self._layers else (0, 0, *self.size)
         for shader in self._shaders:
             set_uniforms(shader, {"view": view.T, "projection": projection.T})
+        balls = [self._turned(ball, vertices) @ view[:3, :3].T for ball in self._balls]
+        set_uniforms(self._shaders[1], {"balls": np.array(balls)})
         self._iris.use(0)
         self._shaders[1]["iris"] = 0
         self._emptied.clear()
@@ -134,6 +139,11 @@ class Geometry:
         low = np.clip(np.floor(points.min(axis=1)).astype(int) - MARGIN, 0, self.size)
         high = np.clip(np.ceil(points.max(axis=1)).astype(int) + MARGIN, 0, self.size)
         return int(low[0]), int(low[1]), int(high[0] - low[0]), int(high[1] - low[1])
+
+    def _turned(self, ball: NDArray[np.intp], vertices: Floats) -> Floats:
+        """(3, 3) where forward, left and up of an eyeball point, one row each: its normals against those at rest."""
+        rest = self.place[ball][:, [2, 0, 1]]
+        return np.asarray(np.linalg.lstsq(rest, vertices[ball, 3:], rcond=None)[0])
 
     def _pixels(self, positions: Floats, onto: Floats) -> Floats:
         """(2, v) where a (4, 4) matrix puts (v, 3) positions on the screen."""

@@ -15,6 +15,7 @@ from kinesic.face.assets.mesh import Mesh
 from kinesic.face.assets.paint import Complexion, iris, skin
 from kinesic.face.render.camera import Camera, Lights
 from kinesic.face.render.geometry import Geometry, PositionPass
+from kinesic.face.render.lashes import LashPass
 from kinesic.face.render.occlusion import OcclusionPass
 from kinesic.face.render.passes import ScreenPass, Size, Stored, Target, Value, store_pixels, texture
 from kinesic.face.render.post import PostProcessing, ScatterPass
@@ -62,6 +63,7 @@ class Pipeline:
         lit = Target(context, drawn, ("4f1", *kept), geometry.depth)
         self._light = ScreenPass(context, lit, "form", "surface", "compose", "light", defines={"KEPT": len(kept)})
         self.scatter = ScatterPass(context, geometry, lit, preset.scattering) if preset.scattering else None
+        self._lashes = LashPass(context, geometry, lit.textures[0])
         self._backdrop = Target(context, drawn, ("4f1",), None)
         ScreenPass(context, self._backdrop, "compose", "backdrop", where="everywhere").draw({}, {"backdrop": BACKDROP})
         self._finish = PostProcessing(context, geometry, preset, size)
@@ -96,6 +98,7 @@ class Pipeline:
         self._light.draw(inputs, values)
         if self.scatter:
             self.scatter.draw(bent, scale)
+        self._lashes.draw(camera)
         return self._finish.draw(picture, camera)
 
     def reach(self, camera: Camera) -> moderngl.Texture:

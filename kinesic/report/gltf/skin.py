@@ -46,9 +46,9 @@ class AddedSkin:
         bodies = self._robot.skeleton.frames(angles).rotations
         for frame, (node, parent) in self._joints.items():
             yield node, bodies[:, parent].transpose(0, 2, 1) @ stands[:, frame]
-        gaze = np.array([gaze_rotation(intensities(row)) for row in units])
-        for node in self._eyes:
-            yield node, gaze
+        shown = [intensities(row) for row in units]
+        for number, node in enumerate(self._eyes):
+            yield node, np.array([gaze_rotation(row, number) for row in shown])
 
     def weights(self, units: Sequence[Mapping[str, float]]) -> Floats:
         """(m, s) weights of the morph targets."""

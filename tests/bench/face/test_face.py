@@ -19,7 +19,7 @@ def test_without_opengl_every_figure_has_a_reason(monkeypatch: pytest.MonkeyPatc
     assert {figure.why for figure in figures} == {"no OpenGL here"}
     names = [figure.name for figure in figures]
     assert len(set(names)) == len(names)
-    for stem in ("face.fps.", "face.occlusion.", "face.scattering.", "face.wrinkle."):
+    for stem in ("face.fps.", "face.occlusion.", "face.scattering.", "face.wrinkle.", "face.lids."):
         assert any(name.startswith(stem) for name in names)
 
 
@@ -33,6 +33,15 @@ def test_the_laws_of_wrinkles_hold():
     for name, goal in wanted.items():
         assert goal is not None
         assert found[name] <= goal, name
+
+
+@drawable
+def test_lids_close_evenly_and_no_eyeball_shows_through_them():
+    from kinesic.bench.face.eyes import measure_eyes  # noqa: PLC0415 - needs the optional library
+
+    found = measure_eyes(40)
+    assert 0.0 < found["face.lids.uneven"] <= 0.1
+    assert found["face.lids.outside"] == 0.0
 
 
 @drawable

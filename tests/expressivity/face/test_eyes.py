@@ -3,7 +3,7 @@ import pytest
 
 from kinesic.bml.parse import parse
 from kinesic.bml.schedule import schedule
-from kinesic.body.action_units import ASIDE, DOWNWARD, UPWARD
+from kinesic.body.action_units import ASIDE, DOWNWARD, INWARD, UPWARD
 from kinesic.expressivity.face.eyes import (
     CLOSING,
     FLITTING,
@@ -18,6 +18,7 @@ from kinesic.expressivity.face.eyes import (
     headings,
     looking,
     looks,
+    meeting,
 )
 
 TIMES = np.arange(0.0, 10.0, 0.005)
@@ -115,3 +116,13 @@ def test_headings_are_left_and_up():
     np.testing.assert_allclose(found, [[0.0, 0.0], [np.pi / 4, 0.0], [0.0, np.pi / 4]])
     assert found.shape == (3, 2)
     assert found[1, 0] == pytest.approx(np.pi / 4)
+
+
+def test_eyes_meet_at_what_is_near_and_part_again():
+    near, far = GazeDirection(1.0, 0.0, 0.0, 3.0, 0.25), GazeDirection(5.0, 0.2, 0.0, away=2.0)
+    inward = meeting([near, far], TIMES)["66"] * INWARD
+    assert inward[TIMES < 1.0].max() == 0.0
+    np.testing.assert_allclose(inward[(TIMES > 1.2) & (TIMES < 3.0)], np.arctan(0.03 / 0.25))
+    np.testing.assert_allclose(inward[TIMES > 5.3], np.arctan(0.03 / 2.0))
+    assert np.abs(inward[(TIMES > 3.3) & (TIMES < 5.0)]).max() < 1e-12
+    assert GazeDirection(0.0, 0.0, 0.0).inward == 0.0

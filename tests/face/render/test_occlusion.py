@@ -89,7 +89,7 @@ def test_separable_is_near_to_exact_on_a_face(portrait: Portrait, estimator: Est
     told = replace(FINE, estimator=estimator)
     (separable, face), (exact, _) = of_face(portrait, told), of_face(portrait, replace(told, exact=True))
     error = np.sqrt(np.mean((separable - exact)[face] ** 2))
-    assert error <= (0.02 if estimator == "angular" else 0.05)
+    assert error <= (0.025 if estimator == "angular" else 0.05)
     assert np.corrcoef(separable[face], exact[face])[0, 1] > 0.95
 
 

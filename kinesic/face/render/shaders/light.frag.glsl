@@ -12,6 +12,7 @@ uniform float threshold;  // of openness, over which the surface is even
 
 const float FURROW = 0.1;  // height of a wrinkle that counts
 const float EDGE = 0.02;   // share of the key's light that is neither light nor shadow
+const float WET = 0.6;     // openness of an eye at least: what is around is seen in its corner, too
 const vec3 BLEED = vec3(0.55, 0.10, 0.05);  // light that comes through the skin round a fold
 const vec3 SEEP = vec3(0.14, 0.07, 0.06);  // of the key, into its shadow on skin
 const vec3 WRAP = vec3(0.30, 0.14, 0.10);
@@ -37,7 +38,7 @@ void main() {
     vec3 wrap = WRAP * is_skin, spent = mix(vec3(1.0), 1.0 / ((1.0 + WRAP) * (1.0 + WRAP)), is_skin);
     vec4 arrives = textureLod(reach, uv, 0.0);
     vec3 key = arrives.rgb;
-    float around = arrives.a;
+    float around = is_eye ? max(arrives.a, WET) : arrives.a;
     vec3 reached = around + BLEED * is_skin * around * (1.0 - around);
     vec3 direct = vec3(0.0);
     float gloss = 0.0, frontal = dot(n, eye);
@@ -47,11 +48,11 @@ void main() {
         direct += shone * max(toward + wrap, 0.0);
         float half_way = max(toward + frontal, 0.0);  // cosine, but for the length of the vector half way
         float wide = eighth(half_way * half_way / (2.0 + 2.0 * dot(towards[k], eye))), narrow = eighth(wide * wide);
-        gloss += dot(shone, vec3(1.0 / 3.0)) * clamp(6.0 * toward, 0.0, 1.0) * (is_eye ? 1.8 * narrow : 0.16 * wide);
+        gloss += dot(shone, vec3(1.0 / 3.0)) * clamp(6.0 * toward, 0.0, 1.0) * (is_eye ? 2.4 * narrow : 0.16 * wide);
     }
     vec3 light = mix(ground, sky, 0.5 + 0.5 * n.y) * reached + direct * spent * (0.35 + 0.65 * reached);
     float grazing = 1.0 - max(frontal, 0.0);
-    gloss *= own.a * around * (1.0 + 2.0 * grazing * grazing * grazing);
+    gloss *= own.a * (is_eye ? 1.0 : around) * (1.0 + 2.0 * grazing * grazing * grazing);
     vec4 lit = vec4(light, gloss);
     vec3 root = floor(255.0 * own.rgb + 0.5) / 255.0;  // as it is kept: where light spreads by nothing, nothing changes
     picture = composed(lit, root);
