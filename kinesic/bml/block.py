@@ -211,6 +211,7 @@ class Behaviour:
     manner: Manner = Manner()
     required: bool = False
     agent: str | None = None  # who else performs it; None: this robot
+    reason: str = ""  # why it is asked for, for people; empty: the document does not say
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from kinesic.bml.composition import command_of, composition_of, is_command
 from kinesic.bml.reading.dialect_words import in_own_words
 from kinesic.bml.reading.document import read_document
 from kinesic.bml.reading.elements import ACTIONS, richest
-from kinesic.bml.reading.manner import manners_of, read_manner
+from kinesic.bml.reading.manner import manners_of, read_manner, reason_of
 from kinesic.bml.reading.namespaces import core_attributes, is_core, namespace
 from kinesic.bml.reading.reader import BehaviourElement, DocumentReading
 from kinesic.bml.reading.references import Constraint, Names, ReferenceReader, check_references
@@ -150,7 +150,16 @@ def _bare(named: BehaviourElement, required: bool, reading: DocumentReading) -> 
     action: Action = ACTIONS[element.local](named, reading) if known else command or Custom(element.name)
     manner = read_manner(named, action, reading)
     agent = named.word(*AGENTS) or None
-    return Behaviour(named.id, element.written, action, element.place, manner=manner, required=required, agent=agent)
+    return Behaviour(
+        named.id,
+        element.written,
+        action,
+        element.place,
+        manner=manner,
+        required=required,
+        agent=agent,
+        reason=reason_of(element),
+    )
 
 
 def _names(block: str, behaviours: list[Behaviour], known_blocks: Collection[str]) -> Names:

@@ -1,6 +1,7 @@
 """`kinesic perform`: one document in the twin, with a report, and then on servos."""
 
 import json
+import tempfile
 from contextlib import nullcontext
 from pathlib import Path
 from time import perf_counter
@@ -10,7 +11,7 @@ import click
 from kinesic.cli.ending_signals import STOPPED
 from kinesic.cli.options import FAULT, Output, Performers, Planning, TwinOptions
 from kinesic.cli.plain_words import printable
-from kinesic.cli.plan import document_name, is_motion, parse_document, plan_motion
+from kinesic.cli.plan import document_name, is_motion, parse_document, plan_motion, write_bml
 from kinesic.cli.playback import follow_servos, perform_on_servos, play_whole, preview_window, write_live
 from kinesic.cli.progress import Stage, share_of, show_stages
 from kinesic.cli.servos.ports import all_ports
@@ -74,6 +75,21 @@ def perform_file(
     if live is not None and live.ending == "failed":
         return FAULT
     return 0 if data["ok"] else 1
+
+
+def say_text(
+    text: str, planning: Planning, performers: Performers, way: TwinOptions, output: Output, film: bool, to: str
+) -> int:
+    """Writes BML for a text and performs it; only prints it, if that is wanted."""
+    known = planning.set_up()
+    bml = write_bml(text, known)
+    if to == "bml":
+        click.echo(bml, nl=False)
+        return 0
+    with tempfile.TemporaryDirectory(prefix="kinesic-say-") as folder:
+        document = Path(folder) / "said.bml"
+        document.write_text(bml, encoding="utf-8")
+        return perform_file(str(document), planning, performers, way, output, film)
 
 
 def _print_report(performances: tuple[Performance, ...], live: ServoRun | None, data: dict[str, Json]) -> None:

@@ -15,6 +15,7 @@ from kinesic.cli.summary import print_notices
 from kinesic.cli.terminal import console, error_console, quote_text
 from kinesic.controller.synchrony import StrokeLag, median_lag, planned_lags
 from kinesic.files.output_file import check_file
+from kinesic.intent.author import author
 from kinesic.planning.bap import SUFFIX, read_bap
 from kinesic.planning.imported_motion import plan_imported
 from kinesic.planning.motion_files import check_motion_file, save_motion
@@ -27,6 +28,7 @@ from kinesic.report.labels import label
 
 ENDS = ("start", "end")  # sync points that have a column
 WORDS = 30  # letters of what is said
+TEXT = ".txt"  # of a file with plain text, for which BML is written
 
 
 def plan_file(file: str, planning: Planning, out: Path | None, force: bool) -> int:
@@ -65,12 +67,19 @@ def is_motion(file: str) -> bool:
 
 
 def parse_document(file: str, known: Setup) -> Block:
-    """Reads BML from a file, or from standard input for `-`.
+    """Reads BML from a file, or from standard input for `-`; of a plain text (.txt), the BML that is written for it.
 
     Raises:
         BmlError: there is no such file, or the document is refused.
     """
-    return parse(read_input(file), source=document_name(file), dialect=known.dialect, performer=known.character)
+    read = read_input(file)
+    written = write_bml(read.decode("utf-8", "replace"), known) if file.lower().endswith(TEXT) else read
+    return parse(written, source=document_name(file), dialect=known.dialect, performer=known.character)
+
+
+def write_bml(text: str, known: Setup) -> str:
+    """Writes BML that says a text and performs what it means, with the seed and in the style of a setup."""
+    return author(text, known.lexicon, known.style, seed=known.idling.seed)
 
 
 def plan_motion(file: str, known: Setup) -> Plan:

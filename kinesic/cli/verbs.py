@@ -45,6 +45,12 @@ TEXT_HELP = "BML that is compared as gestures are, with its words as captions; r
 FREE_HELP = "Figures that may differ from the data sheets; repeat it. mass only without stall."
 
 lexicon_option = click.option("--lexicon", type=click.Path(path_type=Path), help="TOML, or Greta's gestuary XML.")
+report_output = output(
+    "Folder of the report (default: out/NAME-TIME).",
+    FORCE_HELP,
+    "Prints the report as JSON.",
+    click.option("--film/--no-film", default=True, help="Films of the twin and of the face, where OpenGL works."),
+)
 player_option = click.option("--robot", default="upper22", help="Who plays them.")
 
 
@@ -136,12 +142,7 @@ def _render_gestures() -> None:
 @planning
 @performers(ON_HELP)
 @twin_options
-@output(
-    "Folder of the report (default: out/NAME-TIME).",
-    FORCE_HELP,
-    "Prints the report as JSON.",
-    click.option("--film/--no-film", default=True, help="Films of the twin and of the face, where OpenGL works."),
-)
+@report_output
 @done_by("several_robots:perform_document")
 def _perform() -> None:
     """Performs FILE (BML, a .bap motion, or - for BML from standard input) and writes a report.
@@ -198,6 +199,18 @@ def _assess_robot() -> None:
 @done_by("robots:import_robot")
 def _import_robot() -> None:
     """Maps the hinges of an MJCF or URDF humanoid, and writes a robot's TOML to edit."""
+
+
+@kinesic.command("say")
+@click.argument("text")
+@planning
+@performers(ON_HELP)
+@twin_options
+@report_output
+@click.option("--to", type=click.Choice(["performance", "bml"]), default="performance", help="bml: only prints it.")
+@done_by("perform:say_text")
+def _say() -> None:
+    """Says TEXT (English) with gestures, head, face and gaze for what it means; each has its reason in the BML."""
 
 
 @kinesic.command("serve")

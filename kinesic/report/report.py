@@ -123,6 +123,7 @@ def _behaviours(performance: Performance) -> list[Json]:
                 "type": behaviour.type,
                 "outcome": outcome.kind,
                 "why": "; ".join(reasons),
+                "reason": behaviour.reason,
                 "manner": _manner(behaviour, plan),
                 "body": _body(plan.keyframes.bodies.get(behaviour.id)),
                 "shapes": _shapes(plan, behaviour.id),

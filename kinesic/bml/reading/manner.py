@@ -17,6 +17,7 @@ from kinesic.bml.reading.tree import Element
 from kinesic.body.config import names_of, suggestion
 
 GRETA_OPENNESS = (-0.7, 1.13)
+REASON = "reason"  # attribute of our namespace: why a behaviour is asked for, in words for people
 
 _FIELDS = {
     "SPC.value": "spatial",
@@ -66,6 +67,12 @@ def manners_of(bml: Element, reading: DocumentReading) -> dict[Modality, Manner]
     return manners
 
 
+def reason_of(element: Element) -> str:
+    """Reads `kinesic:reason`: why a behaviour is asked for; empty when its document does not say."""
+    said = (text for name, text in own_attributes(element).items() if name.rpartition(":")[2] == REASON)
+    return " ".join(next(said, "").split())
+
+
 def openness_of(greta: float) -> float:
     """Converts Greta's openness to our scale: 0 and below is the elbow at the body, 1.13 an elbow far out."""
     return min(max(greta / GRETA_OPENNESS[1], 0.0), 1.0)
@@ -109,7 +116,7 @@ def _said(element: Element) -> Iterator[tuple[str, str, Place]]:
     for child in description.children if description is not None else ():
         yield child.name, child.text.strip(), child.place
     for name, text in own_attributes(element).items():
-        if name.rpartition(":")[2] != PAUSE:
+        if name.rpartition(":")[2] not in (PAUSE, REASON):
             yield name, text.strip(), element.place
 
 

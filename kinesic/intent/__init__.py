@@ -1,0 +1,1 @@
+"""From meaning to behaviour: plain text and FML become intents, intents become behaviours, behaviours become BML."""

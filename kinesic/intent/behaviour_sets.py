@@ -1,0 +1,129 @@
+"""The lexicon of intentions: which behaviours may show an intent, which of them must, and which exclude one another."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Literal
+
+import msgspec
+
+from kinesic.body.config import CONFIGS, ConfigError, read_toml, suggestion
+
+Channel = Literal["gesture", "head", "face", "gaze", "torso"]
+CHANNELS: tuple[Channel, ...] = ("gesture", "head", "face", "gaze", "torso")
+OWN = (CONFIGS / "intents" / "behaviours.toml", CONFIGS / "intents" / "fml.toml")
+NONE = "none"  # a choice that shows nothing
+
+
+class _Choice(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+    name: str
+    probability: float | None = None
+    amount: float | None = None
+    repetition: int | None = None
+
+
+class _Set(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+    gesture: list[str | _Choice] = []
+    head: list[str | _Choice] = []
+    face: list[str | _Choice] = []
+    gaze: list[str | _Choice] = []
+    torso: list[str | _Choice] = []
+    core: list[Channel] = []
+    same: str = ""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One way to show a signal."""
+
+    lexeme: str  # in words of BML; `none`: it is not shown
+    probability: float  # 0..1, of all choices of its signal together 1
+    amount: float | None = None  # 0..1 as BML has it; None: as is usual
+    repetition: int | None = None
+
+
+@dataclass(frozen=True)
+class Signal:
+    """What one part of the body does."""
+
+    id: str
+    channel: Channel
+    choices: tuple[Choice, ...]
+    longest: float = 60.0  # [s] that it lasts at most
+    begins: float = 0.0  # probability that a sequence begins with it
+
+
+@dataclass(frozen=True)
+class Implication:
+    """Where a signal is shown, others are shown too, or are not."""
+
+    present: str
+    then_present: frozenset[str] = frozenset()
+    then_absent: frozenset[str] = frozenset()
+
+
+@dataclass(frozen=True)
+class BehaviourSet:
+    """All that may show an intent."""
+
+    name: str
+    signals: tuple[Signal, ...]
+    core: frozenset[str] = frozenset()  # ids of signals without which it is not shown
+    implications: tuple[Implication, ...] = ()
+    is_sequence: bool = False  # one signal after the other, while the intent lasts
+
+
+@dataclass(frozen=True, eq=False)
+class BehaviourSets:
+    """Behaviour sets by the names of the intents that they show; `emotion-*` is for all emotions without one."""
+
+    sets: Mapping[str, BehaviourSet]
+
+    def find(self, name: str) -> BehaviourSet | None:
+        """Finds the set of an intent: its own in any case of its letters, or that of its whole kind; None without."""
+        lowered = name.lower()
+        parts = lowered.split("-")
+        wild = ("-".join([*parts[:count], "*"]) for count in range(len(parts) - 1, 0, -1))
+        return next((self._lowered[each] for each in (lowered, *wild) if each in self._lowered), None)
+
+    @cached_property
+    def _lowered(self) -> Mapping[str, BehaviourSet]:
+        return {name.lower(): each for name, each in self.sets.items()}
+
+
+@lru_cache(maxsize=2)
+def own_sets() -> BehaviourSets:
+    """Reads the sets that come with kinesic: of the functions that text has, and of FML-APML's intentions.
+
+    Raises:
+        ConfigError: a file is wrong.
+    """
+    tables: dict[str, _Set] = {}
+    for path in OWN:
+        tables |= read_toml(path, dict[str, _Set])
+    return BehaviourSets({name: _behaviour_set(name, table, tables) for name, table in tables.items()})
+
+
+def _behaviour_set(name: str, table: _Set, tables: Mapping[str, _Set]) -> BehaviourSet:
+    if table.same:
+        if table.same not in tables or tables[table.same].same:
+            raise ConfigError(f"behaviour set {name} is the same as {table.same}{suggestion(table.same, list(tables))}")
+        table = tables[table.same]
+    signals = []
+    for channel in CHANNELS:
+        choices: list[str | _Choice] = getattr(table, channel)
+        if choices:
+            signals.append(Signal(channel, channel, _weighed(choices)))
+    return BehaviourSet(name, tuple(signals), frozenset(table.core))
+
+
+def _weighed(written: list[str | _Choice]) -> tuple[Choice, ...]:
+    """Choices with their probabilities; those that say nothing share what the others leave."""
+    choices = [_Choice(each) if isinstance(each, str) else each for each in written]
+    said = sum(each.probability or 0.0 for each in choices)
+    silent = sum(each.probability is None for each in choices)
+    rest = max(0.0, 1.0 - said) / silent if silent else 0.0
+    return tuple(
+        Choice(each.name, rest if each.probability is None else each.probability, each.amount, each.repetition)
+        for each in choices
+    )

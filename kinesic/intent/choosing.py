@@ -1,0 +1,173 @@
+"""Chooses what shows each intent: behaviours from its set, within a budget, none in another's way."""
+
+import random
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from kinesic.intent.behaviour_sets import NONE, BehaviourSet, BehaviourSets, Channel, Choice, Signal
+from kinesic.intent.budget import Budget
+from kinesic.intent.intents import Intent
+
+RECENT = 3  # gestures within which none is repeated
+NEED = 0.05  # certainty that a core signal has more
+NODS = "NOD"
+DENIALS = frozenset({"negation", "negative"})  # intents in whose reach the head does not nod
+
+
+@dataclass(frozen=True)
+class ChosenBehaviour:
+    """A behaviour that shows an intent."""
+
+    channel: Channel
+    lexeme: str
+    intent: Intent
+    amount: float | None = None
+    repetition: int | None = None
+    longest: float = 60.0  # [s]
+
+
+@dataclass(frozen=True)
+class Omission:
+    """A signal, or a whole intent, that is not shown, and why."""
+
+    intent: Intent
+    channel: Channel | None  # None: nothing of it is shown
+    why: str
+
+
+@dataclass(frozen=True)
+class Selection:
+    """What shows the intents of a text, in the order of their strokes, and what was left out."""
+
+    behaviours: tuple[ChosenBehaviour, ...]
+    omissions: tuple[Omission, ...]
+
+
+@dataclass(frozen=True)
+class _Candidate:
+    """A signal that an intent asks for."""
+
+    intent: Intent
+    signal: Signal
+    weight: float  # certainty, and more where it is needed
+    choices: tuple[Choice, ...]
+
+
+def choose_behaviours(intents: Sequence[Intent], sets: BehaviourSets, budget: Budget, *, seed: int = 0) -> Selection:
+    """Chooses behaviours for all intents; the same intents, sets, budget and seed have the same behaviours.
+
+    What is most certain goes first. Each channel has its own least distance; of gestures there are no more than the
+    budget has, none like one of the two before it, and where a negation reaches no head nods.
+    """
+    chance = random.Random(seed)
+    omitted: list[Omission] = []
+    wanted: dict[Channel, list[_Candidate]] = {"gesture": [], "head": [], "face": [], "gaze": [], "torso": []}
+    for intent in intents:
+        found = sets.find(intent.name)
+        if found is None:
+            omitted.append(Omission(intent, None, f"no behaviour set is called {intent.name}"))
+            continue
+        candidates = list(_candidates(intent, found, chance))
+        for each in candidates:
+            wanted[each.signal.channel].append(each)
+        if not candidates:
+            omitted.append(Omission(intent, None, f"the set of {intent.name} is empty"))
+    chosen: list[ChosenBehaviour] = []
+    for channel, all_of_it in wanted.items():
+        kept = _spaced(all_of_it, channel, intents, budget, omitted)
+        chosen += _with_lexemes(kept, channel, chance, omitted)
+    chosen.sort(key=lambda each: (each.intent.stroke.seconds, each.channel))
+    return Selection(tuple(chosen), tuple(omitted))
+
+
+def _candidates(intent: Intent, found: BehaviourSet, chance: random.Random) -> Iterable[_Candidate]:
+    """The signals of a set that are to be shown: its core, and others as its implications allow."""
+    signals = found.signals
+    if intent.lexemes:
+        pictured = tuple(Choice(lexeme, 1.0 / len(intent.lexemes)) for lexeme in intent.lexemes)
+        signals = (*(each for each in signals if each.channel != "gesture"), Signal("gesture", "gesture", pictured))
+    shown = {each.id: each for each in signals if not _is_absent(each, chance)}
+    shown |= {each.id: each for each in signals if each.id in found.core}
+    for rule in found.implications:
+        if rule.present in shown:
+            shown |= {each.id: each for each in signals if each.id in rule.then_present}
+            shown = {id: each for id, each in shown.items() if id not in rule.then_absent or id in found.core}
+    for signal in shown.values():
+        choices = tuple(each for each in signal.choices if each.lexeme.lower() != NONE)
+        if choices:
+            weight = intent.certainty + NEED * (signal.id in found.core)
+            yield _Candidate(intent, signal, weight, choices)
+
+
+def _is_absent(signal: Signal, chance: random.Random) -> bool:
+    """Draws whether the choice of a signal is to show nothing."""
+    nothing = sum(choice.probability for choice in signal.choices if choice.lexeme.lower() == NONE)
+    return nothing > 0.0 and chance.random() < nothing
+
+
+def _spaced(
+    candidates: Sequence[_Candidate],
+    channel: Channel,
+    intents: Sequence[Intent],
+    budget: Budget,
+    omitted: list[Omission],
+) -> list[_Candidate]:
+    """Keeps the most certain ones that are far enough apart and within the budget, in their order in time."""
+    denied = [(each.start.seconds, each.end.seconds) for each in intents if each.name in DENIALS]
+    kept: list[_Candidate] = []
+    for each in sorted(candidates, key=lambda each: -each.weight):
+        why = _hindrance(each, channel, kept, denied, budget)
+        if why:
+            omitted.append(Omission(each.intent, channel, why))
+        else:
+            kept.append(each)
+    return sorted(kept, key=lambda each: each.intent.stroke.seconds)
+
+
+def _hindrance(
+    candidate: _Candidate,
+    channel: Channel,
+    kept: Sequence[_Candidate],
+    denied: Sequence[tuple[float, float]],
+    budget: Budget,
+) -> str:
+    """Says what stands against a candidate; empty where nothing does."""
+    intent, at = candidate.intent, candidate.intent.stroke.seconds
+    if channel == "gesture" and len(kept) >= budget.gestures:
+        return f"the budget of {budget.gestures} gestures is spent on what is more certain"
+    if intent.certainty < budget.least_certainty.get(channel, 0.0):
+        return f"{intent.certainty:.2f} is too uncertain for the {channel}"
+    nods = channel == "head" and all(choice.lexeme == NODS for choice in candidate.choices)
+    if nods and any(begin - budget.gaps["head"] <= at <= end + budget.gaps["head"] for begin, end in denied):
+        return "nobody nods while he says no"
+    for other in kept:
+        gap = abs(other.intent.stroke.seconds - at)
+        if gap < budget.gaps[channel]:
+            return f"{gap:.1f} s from {other.intent.name}, which is more certain, is too near for the {channel}"
+        if _covers(other.intent, candidate.intent, channel):
+            return f"the {channel} shows {other.intent.name} meanwhile"
+    return ""
+
+
+def _covers(one: Intent, other: Intent, channel: Channel) -> bool:
+    """Whether two intents need the face or the head at the same time, one of them for more than a word."""
+    if channel not in ("face", "head") or not {one.name.partition("-")[0], other.name.partition("-")[0]} & {"emotion"}:
+        return False
+    return one.start.seconds < other.end.seconds and other.start.seconds < one.end.seconds
+
+
+def _with_lexemes(
+    kept: Sequence[_Candidate], channel: Channel, chance: random.Random, omitted: list[Omission]
+) -> Iterable[ChosenBehaviour]:
+    """Draws a choice for each candidate; of gestures one that was not among the last ones."""
+    recent: list[str] = []
+    for each in kept:
+        free = [choice for choice in each.choices if channel != "gesture" or choice.lexeme not in recent]
+        if not free:
+            why = f"{each.choices[0].lexeme} was among the last {RECENT - 1} gestures"
+            omitted.append(Omission(each.intent, channel, why))
+            continue
+        weights = [max(choice.probability, 1e-6) for choice in free]
+        drawn = chance.choices(free, weights)[0]
+        recent = [*recent, drawn.lexeme][-(RECENT - 1) :]
+        yield ChosenBehaviour(channel, drawn.lexeme, each.intent, drawn.amount, drawn.repetition, each.signal.longest)

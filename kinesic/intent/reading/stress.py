@@ -1,0 +1,104 @@
+"""Finds the syllables of an English word, and the one that is stressed, by its letters alone."""
+
+import re
+
+_VOWELS = re.compile(r"[aeiouy]+")
+_SILENT_END = re.compile(
+    r"(?<![aeiouyl])e$|(?<![aeiouylxszcgh])es$|(?<=[aeiouyr])les?$|(?<![dt])(?<=[^aeiouy])ed$|(?<=[aeiou])ed$"
+)
+_SPLIT = re.compile(
+    r"i(?=a(?!r?ge)|o(?!u|n)|u)|(?<=[^q])u(?=[aeio](?!u))(?=al|at|ou|it|en)|e(?=o|at[ei])|y(?=i)|a(?=o)"
+)
+_DIGITS = re.compile(r"\d+")
+_BEFORE_LAST = re.compile(  # endings that draw the stress to the syllable before them
+    r"(tion|sion|cian|cious|tious|cial|tial|ics?|ical(ly)?|ity|ify|ian|ions?|ious(ly)?|eous|iar|ient|ience)$"
+)
+_ON_LAST = re.compile(r"(ee|eer|ese|ette|esque|oon|self|selves|ade|aire)$")
+_PREFIX = re.compile(  # first syllables that are weak before another one
+    r"^(a(?=bout|bove|cc|cr|dd|djust|dm|dv|ff|fr|gain|gg|go|gree|head|lert|live|lone|long|mong|maz|nn|noth|part|pp|rou"
+    r"|rr(?!o)|sc|sh|sid|sk|sl|ss|st|tt|void|wa|way)|be(?=[^aeiou]+[aeiou])|com(?=[bmp][aeiloru])|con(?=[^aeiou]+)"
+    r"|de(?=[^aeiou]+[aeiouy])|di(?=gest|rect|vid|vor)|dis|e(?=n|x|mb|mp|con|lat|lim|ras|vap)n?|for(?=b|g)|fru|im"
+    r"|in(?=[^aeiou]+[aeiou]..)|mis|ob|op(?=p)|per(?=[^aeiou][aeiou]..)|po(?=lite|ss)|pre|pro(?=[^aeiou]+[aeiou]..)"
+    r"|re(?=[^aeiou]+[aeiouy])|se(?=cur|lec|ren)|sub|suc(?=c)|sup(?=p)|sug(?=g)|sur(?=[pr])|to(?=[dgmnw])|trans|un|up)"
+)
+_FIRST_WORDS = """
+able absence absent accurate acid action addict address adult angry answer any apple army arrogance arrogant attic
+beauty beaver beckon beg being belief belly berry better beverage body combat comfort comment common compass
+competent complex complicate complicated concentrate concept concert conduct confidence confident congress conquer
+conscious constant construct contact contemplate content contest context continent contour contract contrary
+contrast danger day decade decent definite definitely delicate demon demonstrate density dentist desert desperate
+desperately detail detective devil digit distance distant district edge edit effort either emphasis emphasize empire
+empty enemy energy engine english enter entrance entry envy error even evening event every excellent exercise exit
+expert extra extract forest income increase index indicate industry infant influence inner input insect insert
+insight instance instant instinct instrument interest interesting interrupt interval interview miserable mission
+mister never object obstacle obvious offer office often only open operate opposite order over people percent perfect
+permanent person precious pregnant present pressure pretty process product profit program programme project promise
+prosper provident public ready real really reason recent recipe record rectangle region regular relative rent rescue
+resolute rest restaurant sentence separate subject subsequent substance substitute subtle suburb suffer transfer
+transit transport uncle under union unit universe update upper upward
+"""
+_FIRST = frozenset(_FIRST_WORDS.split())  # they begin as if they had a prefix, and are stressed there
+_SECOND_WORDS = """
+ability advice afraid agenda alarm allow alright alternative amen among analysis another antique anxiety apologize
+apology appear aside asleep astronomer away banana became because become before begin behind belief believe belong
+below beneath beside besides between beyond bizarre canoe career catastrophe cathedral cigar computer create
+creative delicious despite dessert detective develop device economy eleven else enormous enough evaluate event
+eventually example farewell fatigue goodbye guitar hello horizon hotel however hurray idea ignore imagine important
+incredible inside instead july machine magnificent majority manipulate material minority mistake museum myself
+necessity november october okay outside parade particular perhaps piano police postpone potato relate ridiculous
+romance romantic salute september sincere superb technique technology terrain themselves tomato tomorrow tonight
+tornado toward towards triumphant unique upset variety whatever whenever wherever whoever within without
+"""
+_SECOND = frozenset(
+    _SECOND_WORDS.split()
+)  # stressed on the second syllable, which neither their endings nor their prefixes say
+_WEAK_ENDINGS = re.compile(r"(ing|er|ers|ed|es|ly|ness|ment|ments|ful|less|able|ible|(?<!s)s)$")
+
+
+def count_syllables(word: str) -> int:
+    """Counts the syllables of a word, at least one; of a number, about those of its name."""
+    digits = _DIGITS.search(word)
+    if digits:
+        return max(1, round(1.5 * len(digits[0])))
+    return max(1, len(_nuclei(word)))
+
+
+def stressed_syllable(word: str) -> int:
+    """Finds which syllable of a word is stressed, from 0.
+
+    Endings decide first (`-tion`, `-ity`, `-self`), then weak prefixes (`about`, `begin`, `remember`), else the first
+    syllable is stressed, as in most English words.
+    """
+    letters = word.lower()
+    count = count_syllables(letters)
+    if count == 1 or _DIGITS.search(letters):
+        return 0
+    if letters in _FIRST:
+        return 0
+    if letters in _SECOND:
+        return 1
+    if _ON_LAST.search(letters):
+        return count - 1
+    ending = _BEFORE_LAST.search(letters)
+    if ending:
+        return max(0, count - 1 - max(1, len(_nuclei(ending[0]))))
+    stem = _stem(letters)
+    if stem in _FIRST:
+        return 0
+    if stem in _SECOND:
+        return 1
+    return 1 if _PREFIX.match(letters) and count > 1 and count_syllables(stem) > 1 else 0
+
+
+def _stem(letters: str) -> str:
+    """The word without endings that never take the stress."""
+    while (shorter := _WEAK_ENDINGS.sub("", letters)) != letters and len(shorter) > 2:
+        letters = shorter
+    return letters
+
+
+def _nuclei(word: str) -> list[str]:
+    """Groups of vowels that sound, a silent e at the end left out."""
+    letters = re.sub(r"[^a-z]", "", word.lower())
+    heard = _SILENT_END.sub("", letters) if len(_VOWELS.findall(letters)) > 1 else letters
+    return _VOWELS.findall(_SPLIT.sub(lambda found: f"{found[0]}-", heard))

@@ -1,0 +1,162 @@
+"""Reads plain text: words, phrases and sentences, what the writer stresses, where he pauses, and emoticons."""
+
+import re
+from dataclasses import dataclass, field
+from functools import lru_cache
+
+from kinesic.intent.reading.language import Language
+from kinesic.intent.reading.passage import Kind, Passage, Word
+
+LEAST_CAPITALS = 2  # letters of a word in capitals that is stressed
+SHOUTED = 0.7  # share of letters in capitals beyond which they stress nothing
+LEAST_PHRASE = 4  # words before a conjunction that begins a phrase of its own
+LONGEST_BREAK = 10.0  # [s] that a text may ask for
+DASH, ELLIPSIS = 0.15, 0.4  # [s] of silence beside that of the voice
+
+_BREAK = re.compile(r"<break\b[^>]*?time\s*=\s*[\"'](\d+\.?\d*|\.\d+)(ms|s)[\"'][^>]*>")
+_TAG = re.compile(r"<(/?)([A-Za-z][\w:-]*)\b[^<>]*>")
+_CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f\ufeff\ufffe\uffff\ud800-\udfff]")
+_TOKENS = r"""
+    (?P<silence>\x02\d+\.\d+\x03)
+    | (?P<open>\x04) | (?P<close>\x05)
+    | (?P<stars>\*{{1,3}}|(?<!\w)_(?=\w)|(?<=\w)_(?!\w))
+    | (?P<emoticon>{emoticon})
+    | (?P<ellipsis>\.{{2,}}|\u2026)
+    | (?P<dash>\s[-\u2013\u2014]{{1,2}}\s|\u2014|--)
+    | (?P<word>\d+(?:[.,:]\d+)*(?:st|nd|rd|th|%)?|[^\W\d_]+(?:['\u2019\-][^\W\d_]+)*)
+    | (?P<stop>[.!?\u3002\uff01\uff1f]+["'\u201d\u2019)]*)
+    | (?P<comma>[,;:\u3001\uff0c])
+    | (?P<other>\s+|.)
+"""
+
+
+def read_text(text: str, language: Language) -> Passage:
+    """Splits a text into words, phrases and sentences.
+
+    `*word*`, `_word_`, CAPITALS and SSML's <emphasis> are stressed; dashes, ellipses and SSML's <break> are pauses;
+    emoticons are feelings of their sentence, and are not said.
+
+    Args:
+        text: as somebody wrote it, also with the tags of SSML.
+        language: its abbreviations, emoticons, closed classes and conjunctions.
+    """
+    reading = _Reading(language, is_shouted=_is_shouted(text))
+    for token in _tokens(language.emoticon).finditer(_without_tags(_CONTROLS.sub(" ", text))):
+        reading.take(token.lastgroup or "", token[0])
+    return reading.passage()
+
+
+@lru_cache(maxsize=16)
+def _tokens(emoticon: str) -> re.Pattern[str]:
+    spaced = emoticon.replace(" ", r"\ ").replace("#", r"\#")
+    return re.compile(_TOKENS.format(emoticon=spaced), re.VERBOSE | re.DOTALL)
+
+
+def _without_tags(text: str) -> str:
+    """The text with SSML's stress and breaks as control characters, and without other tags."""
+
+    def silence(found: re.Match[str]) -> str:
+        seconds = float(found[1]) / (1000 if found[2] == "ms" else 1)
+        return f"\x02{min(seconds, LONGEST_BREAK):.3f}\x03"
+
+    def tag(found: re.Match[str]) -> str:
+        return ("\x05" if found[1] else "\x04") if found[2].lower() == "emphasis" else " "
+
+    return _TAG.sub(tag, _BREAK.sub(silence, text)) if "<" in text else text
+
+
+def _is_shouted(text: str) -> bool:
+    letters = [letter for letter in text if letter.isalpha()]
+    return len(letters) > LEAST_CAPITALS and sum(map(str.isupper, letters)) > SHOUTED * len(letters)
+
+
+@dataclass
+class _Reading:
+    """A text while it is read."""
+
+    language: Language
+    is_shouted: bool
+    words: list[Word] = field(default_factory=list)
+    kinds: list[Kind] = field(default_factory=list)
+    between: str = ""  # since the last word
+    silence: float = 0.0  # [s] likewise
+    is_phrase_over: bool = False
+    is_stressed: bool = False
+    feelings: list[tuple[int, str]] = field(default_factory=list)
+
+    def take(self, kind: str, text: str) -> None:
+        """Takes one token."""
+        match kind:
+            case "word":
+                self._add_word(text)
+            case "open":
+                self.is_stressed = True
+            case "close":
+                self.is_stressed = False
+            case "stars":
+                self.is_stressed = not self.is_stressed
+            case "silence":
+                self.silence += float(text.strip("\x02\x03"))
+                self.is_phrase_over = True
+            case "emoticon":
+                self.feelings.append((max(len(self.kinds) - (not self._is_open()), 0), self.language.emoticons[text]))
+            case "ellipsis" | "dash":
+                self.silence += ELLIPSIS if kind == "ellipsis" else DASH
+                self.between += "... " if kind == "ellipsis" else ", "
+                self.is_phrase_over = True
+            case "stop":
+                self._stop(text)
+            case _:
+                self.between += " " if text.isspace() else text
+                self.is_phrase_over |= kind == "comma" or text in "()[]\u201c\u201d"
+
+    def passage(self) -> Passage:
+        """Returns what was read."""
+        if self._is_open():
+            self.kinds.append("statement")
+        last = max(len(self.kinds) - 1, 0)
+        feelings = tuple((min(sentence, last), feeling) for sentence, feeling in self.feelings if self.kinds)
+        tail = " ".join(self.between.split())
+        return Passage(tuple(self.words), tuple(self.kinds), tail, self.silence, feelings, self.language.tag)
+
+    def _is_open(self) -> bool:
+        """Whether the last word is of a sentence that has not ended."""
+        return bool(self.words) and self.words[-1].sentence == len(self.kinds)
+
+    def _add_word(self, text: str) -> None:
+        plain = text.replace("\u2019", "'").lower()
+        is_loud = len(text) >= LEAST_CAPITALS and text.isupper() and not self.is_shouted
+        is_loud = is_loud and not self.language.has("acronym", plain)
+        word = Word(
+            text=text.lower() if is_loud or (self.is_shouted and len(text) > 1) else text,
+            plain=plain,
+            before=re.sub(r"\s+", " ", self.between),
+            sentence=len(self.kinds),
+            phrase=self._phrase(plain),
+            is_content=not self.language.has("function", plain),
+            emphatic=is_loud or self.is_stressed,
+            pause=self.silence,
+        )
+        self.words.append(word)
+        self.between, self.silence, self.is_phrase_over = "", 0.0, False
+
+    def _phrase(self, plain: str) -> int:
+        """The phrase of the next word: a conjunction begins one where the last has some words already."""
+        if not self.words:
+            return 0
+        last = self.words[-1].phrase
+        size = sum(word.phrase == last for word in self.words[-LEAST_PHRASE:])
+        begins = self.language.has("conjunction", plain) and size == LEAST_PHRASE
+        return last + (self.is_phrase_over or begins)
+
+    def _stop(self, text: str) -> None:
+        last = self.words[-1].plain if self.words else ""
+        self.between += text
+        is_short = self.language.has("abbreviation", last) or (len(last) == 1 and last.isalpha() and last != "i")
+        if text == "." and (is_short or not self._is_open()):
+            return
+        if self._is_open():
+            self.kinds.append("question" if "?" in text else "exclamation" if "!" in text else "statement")
+        elif self.kinds and "?" in text:
+            self.kinds[-1] = "question"
+        self.is_phrase_over = True

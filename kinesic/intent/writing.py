@@ -1,0 +1,133 @@
+"""Writes BML: what is said with sync points on its words, and behaviours, each with the reason for it."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from xml.sax.saxutils import escape, quoteattr
+
+from kinesic.intent.choosing import ChosenBehaviour
+from kinesic.intent.intents import Moment
+from kinesic.intent.reading.passage import SPEECH, Passage, mark
+
+NAMESPACES = 'xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:kinesic="urn:kinesic"'
+LETTERS = {"gesture": "g", "head": "h", "face": "f", "gaze": "l", "torso": "t"}  # that ids begin with
+DIRECTIONS = frozenset({"LEFT", "RIGHT", "UP", "DOWN", "UPLEFT", "UPRIGHT", "DOWNLEFT", "DOWNRIGHT"})
+ASIDE = 20.0  # [deg] that eyes look aside with amount 1
+LEAST_FACE, LEAST_LOOK, LEAST_TILT = 0.8, 0.7, 0.8  # [s]
+SOON = 0.1  # [s] that a face sets out before its word
+LINE = 100  # letters of a line of speech, about
+
+
+def write_text(passage: Passage, behaviours: Sequence[ChosenBehaviour], *, block: str = "said") -> str:
+    """Writes a block that says a text and performs what was chosen for it."""
+    elements = list(write_behaviours(behaviours))
+    used = "\n".join(elements)
+    lines = [
+        f'<bml {NAMESPACES} id="{block}">',
+        f'  <speech id="{SPEECH}" language={quoteattr(passage.language)}>',
+        f"    <text>{_spoken(passage, used)}</text>",
+        "  </speech>",
+        *(f"  {element}" for element in elements),
+        "</bml>",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def write_behaviours(behaviours: Iterable[ChosenBehaviour]) -> Iterator[str]:
+    """Writes each behaviour as an element of BML."""
+    counts: dict[str, int] = {}
+    for each in behaviours:
+        letter = LETTERS[each.channel]
+        counts[letter] = counts.get(letter, 0) + 1
+        yield _element(each, f"{letter}{counts[letter]}")
+
+
+def shift(moment: Moment, seconds: float) -> str:
+    """Writes the reference of a moment so many seconds later, or earlier."""
+    reference, sign, offset = _parted(moment.reference)
+    later = (float(f"{sign}{offset}") if offset else 0.0) + seconds
+    if not reference:
+        return f"{later:.2f}"
+    return reference if abs(later) < 0.005 else f"{reference}{later:+.2f}"
+
+
+def _parted(reference: str) -> tuple[str, str, str]:
+    """A reference without its offset, the sign of the offset, and the offset."""
+    bare = reference.replace(" ", "")
+    for sign in "+-":
+        before, found, offset = bare.rpartition(sign)
+        if found and offset.replace(".", "", 1).isdigit():
+            return before, sign, offset
+    return ("", "", bare) if bare.replace(".", "", 1).isdigit() else (bare, "", "")
+
+
+def _element(each: ChosenBehaviour, id: str) -> str:
+    intent = each.intent
+    written = {"id": id}
+    match each.channel:
+        case "gesture":
+            name = "gesture"
+            written |= {"lexeme": each.lexeme, "stroke": shift(intent.stroke, 0.0)}
+        case "head" if each.lexeme in ("NOD", "SHAKE"):
+            name = "head"
+            written |= {"lexeme": each.lexeme, **_numbers(each), "stroke": shift(intent.stroke, 0.0)}
+        case "head":
+            name = "head"
+            written |= {"lexeme": each.lexeme, **_numbers(each), **_span(each, LEAST_TILT)}
+        case "face":
+            name = "faceLexeme"
+            written |= {"lexeme": each.lexeme, **_numbers(each), **_span(each, LEAST_FACE)}
+        case "gaze":
+            name = "gaze"
+            written |= {**_look(each), **_span(each, LEAST_LOOK)}
+        case "torso":
+            name = "torso"
+            written |= {"lexeme": each.lexeme, **_numbers(each), **_span(each, LEAST_FACE)}
+    written |= intent.manner
+    if intent.style and each.channel == "gesture":
+        written["kinesic:style"] = intent.style
+    written["kinesic:reason"] = f"{intent.reason} ({intent.name}, {intent.certainty:.2f})"
+    return f"<{name} {' '.join(f'{key}={quoteattr(value)}' for key, value in written.items())}/>"
+
+
+def _numbers(each: ChosenBehaviour) -> dict[str, str]:
+    numbers = {"amount": each.amount, "repetition": each.repetition}
+    return {name: f"{number:g}" for name, number in numbers.items() if number is not None}
+
+
+def _span(each: ChosenBehaviour, least: float) -> dict[str, str]:
+    """From the start of an intent to its end, but at least so many seconds [s], and no longer than its signal lasts."""
+    start, end = each.intent.start, each.intent.end
+    seconds = min(max(end.seconds - start.seconds, least), each.longest)
+    if seconds == end.seconds - start.seconds:
+        return {"start": shift(start, -SOON), "end": shift(end, 0.0)}
+    return {"start": shift(start, -SOON), "end": shift(start, seconds - SOON)}
+
+
+def _look(each: ChosenBehaviour) -> dict[str, str]:
+    if each.intent.target:
+        return {"target": each.intent.target}
+    direction = each.lexeme.upper()
+    if direction not in DIRECTIONS:
+        return {"target": each.lexeme}
+    angle = ASIDE * (0.5 if each.amount is None else each.amount)
+    return {"influence": "EYES", "offsetAngle": f"{angle:g}", "offsetDirection": direction}
+
+
+def _spoken(passage: Passage, used: str) -> str:
+    """What is said, with a sync point before each word that a behaviour is tied to."""
+    pieces: list[str] = []
+    length = 0
+    for k, word in enumerate(passage.words):
+        between = escape(word.before)
+        if length > LINE and between.endswith(" "):
+            between, length = f"{between.rstrip()}\n      ", 0
+        pause = f'<break time="{word.pause:g}s"/>' if word.pause else ""
+        sync = f'<sync id="{mark(k)}"/>' if _is_used(mark(k), used) else ""
+        said = f'<emphasis level="strong">{escape(word.text)}</emphasis>' if word.emphatic else escape(word.text)
+        pieces.append(f"{between}{pause}{sync}{said}")
+        length += len(word.before) + len(sync) + len(said)
+    pause = f'<break time="{passage.tail_pause:g}s"/>' if passage.tail_pause else ""
+    return f"{''.join(pieces)}{escape(passage.tail)}{pause}"
+
+
+def _is_used(name: str, used: str) -> bool:
+    return any(f"{SPEECH}:{name}{end}" in used for end in ('"', "+", "-"))

@@ -1,0 +1,18 @@
+import json
+
+TEXT = "Hello! There were three big boxes."
+
+
+def test_say_prints_bml_that_plan_reads(kinesic):
+    said = kinesic("say", TEXT, "--to", "bml")
+    assert said.code == 0
+    assert "kinesic:reason=" in said.out
+    assert kinesic("plan", "-", stdin=said.out.encode()).code == 0
+
+
+def test_a_text_file_is_performed_with_reasons(kinesic, tmp_path):
+    (tmp_path / "story.txt").write_text(TEXT)
+    ended = kinesic("perform", tmp_path / "story.txt", "--no-film", "--json", "--voice", "durations")
+    rows = json.loads(ended.out)["behaviours"]
+    assert all(row["reason"] for row in rows if row["type"] != "speech")
+    assert "dropped" not in {row["outcome"] for row in rows}

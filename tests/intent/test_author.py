@@ -1,0 +1,89 @@
+import re
+
+import pytest
+
+from kinesic.bml.parse import parse
+from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.expressivity.style.style import Style
+from kinesic.intent.author import author, plan_behaviours
+from kinesic.intent.behaviour_sets import own_sets
+from kinesic.intent.reading.language import load_language
+from kinesic.intent.reading.stress import count_syllables, stressed_syllable
+from kinesic.intent.reading.words import read_text
+
+BOXES = "No, I did not say that! There were three big boxes, and you took the small one."
+
+
+@pytest.fixture(scope="module")
+def lexicon():
+    return Lexicon.load()
+
+
+def chosen(text, lexicon, style="neutral"):
+    return plan_behaviours(text, lexicon, Style.load(style))[1].behaviours
+
+
+def test_a_text_becomes_bml_that_gives_a_reason_for_each_behaviour(lexicon):
+    block = parse(author(BOXES, lexicon, Style.load("neutral")))
+    assert block.notices == ()
+    acts = [each for each in block.behaviours if each.type != "speech"]
+    assert all(each.reason for each in acts)
+    assert "large" in {each.action.lexeme for each in acts if each.type == "gesture"}
+
+
+def test_the_same_text_has_the_same_bml(lexicon):
+    assert author(BOXES, lexicon, Style.load("sad"), seed=3) == author(BOXES, lexicon, Style.load("sad"), seed=3)
+
+
+def test_who_denies_shakes_the_head_and_does_not_nod(lexicon):
+    heads = [each for each in chosen("I have never seen this old house before.", lexicon) if each.channel == "head"]
+    assert "SHAKE" in {each.lexeme for each in heads}
+    assert "NOD" not in {each.lexeme for each in heads}
+
+
+def test_there_points_only_where_it_is_a_place(lexicon):
+    for text, points in (("There were some trees.", False), ("Put the lamp over there.", True)):
+        names = {each.intent.name for each in chosen(text, lexicon) if each.channel == "gesture"}
+        assert ("world-place-there" in names) is points
+
+
+def test_gestures_keep_the_budget_and_do_not_repeat(lexicon):
+    text = " ".join([BOXES, "Hello, my friends, and welcome to the old town."] * 8)
+    passage, selection = plan_behaviours(text, lexicon, Style.load("neutral"))
+    hands = [each for each in selection.behaviours if each.channel == "gesture"]
+    assert 5 <= 100 * len(hands) / len(passage.words) <= 10
+    names = [each.lexeme for each in hands]
+    assert all(len(set(names[k : k + 3])) == len(names[k : k + 3]) for k in range(len(names)))
+
+
+def test_markup_and_emoticons_are_not_said(lexicon):
+    bml = author("I am *so* glad :) <b>really</b> & NOT sad", lexicon, Style.load("neutral"))
+    said = re.sub(r"<[^>]*>", "", bml[bml.index("<text>") : bml.index("</text>")])
+    assert said.split() == ["I", "am", "so", "glad", "really", "&amp;", "not", "sad"]
+    assert bml.count("<emphasis") == 2
+
+
+@pytest.mark.parametrize("text", ["", "...", "?!", "\x00<<<", "a", "*", ":)", "1,000.5%", "\u6f22\u5b57", "x" * 500])
+def test_any_text_becomes_a_block(lexicon, text):
+    assert parse(author(text, lexicon, Style.load("neutral"))).behaviours
+
+
+def test_abbreviations_end_no_sentence():
+    assert len(read_text("Dr. Smith came, e.g. by train. He left.", load_language()).kinds) == 2
+
+
+def test_stress_is_found_by_letters():
+    words = {"banana": 1, "elephant": 0, "information": 2, "remember": 1, "yes": 0, "myself": 1}
+    assert {word: stressed_syllable(word) for word in words} == words
+    assert count_syllables("boxes") == 2
+
+
+def test_every_gesture_of_the_sets_is_in_the_lexicon(lexicon):
+    sets = own_sets().sets.values()
+    names = {c.lexeme for each in sets for s in each.signals if s.channel == "gesture" for c in s.choices}
+    assert names <= set(lexicon.forms_by_id)
+
+
+def test_every_rule_has_a_behaviour_set():
+    rules = [rule for found in load_language().rules.values() for rule in found]
+    assert [rule.intent for rule in rules if own_sets().find(rule.intent) is None] == []
