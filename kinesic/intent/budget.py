@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from kinesic.expressivity.style.style import Style
 from kinesic.intent.behaviour_sets import Channel
 
-FIRST, PER_WORD = 1.5, 0.065  # gestures that a text begins with, and for each of its words: about 8 in 100 words
+FIRST, PER_WORD = 1.0, 0.065  # gestures that a text begins with, and for each of its words: about 8 in 100 words
 LIVELY = 0.5  # share of them that full activation, size and power add
 GAPS: Mapping[Channel, float] = {"gesture": 1.3, "head": 0.9, "face": 1.0, "gaze": 1.2, "torso": 2.5}  # [s]
 LEAST: Mapping[Channel, float] = {"gaze": 0.3}  # certainty below which a channel keeps still
