@@ -11,6 +11,7 @@ from kinesic.bml.parse import parse
 from kinesic.bml.reading.elements import ACTIONS
 from kinesic.bml.reading.fragments import REWRITTEN, WORDS
 from kinesic.bml.reading.json_words import REWRITES
+from kinesic.bml.reading.manner import REASON
 from kinesic.bml.reading.namespaces import COMPOSING_ATTRIBUTES
 from kinesic.bml.reading.script import PAUSE
 from kinesic.bml.reading.vocabulary import ATTRIBUTES, INSIDE
@@ -73,7 +74,7 @@ def test_the_page_lists_what_blocks_do_to_one_another() -> None:
 
 def test_the_page_lists_our_own_attributes() -> None:
     listed = set(re.findall(r"`kinesic:(\w+)`", section("Elements inside")))
-    assert listed == {"style", PAUSE, *RANGES}
+    assert listed == {"style", REASON, PAUSE, *RANGES}
 
 
 def test_the_page_lists_every_dialect_and_warning() -> None:
