@@ -1,17 +1,17 @@
 """`kinesic perform`: one document in the twin, with a report, and then on servos."""
 
 import json
-import tempfile
 from contextlib import nullcontext
 from pathlib import Path
 from time import perf_counter
 
 import click
 
+from kinesic.bml.block import Block
 from kinesic.cli.ending_signals import STOPPED
 from kinesic.cli.options import FAULT, Output, Performers, Planning, TwinOptions
 from kinesic.cli.plain_words import printable
-from kinesic.cli.plan import document_name, is_motion, parse_document, plan_motion, write_bml
+from kinesic.cli.plan import document_name, is_motion, parse_document, parse_text, plan_motion, write_bml
 from kinesic.cli.playback import follow_servos, perform_on_servos, play_whole, preview_window, write_live
 from kinesic.cli.progress import Stage, share_of, show_stages
 from kinesic.cli.servos.ports import all_ports
@@ -34,9 +34,19 @@ from kinesic.sim.servo_factors import read_twins
 
 
 def perform_file(
-    file: str, planning: Planning, performers: Performers, way: TwinOptions, output: Output, film: bool
+    file: str,
+    planning: Planning,
+    performers: Performers,
+    way: TwinOptions,
+    output: Output,
+    film: bool,
+    *,
+    text: str | None = None,
 ) -> int:
-    """Performs a document or a motion in the twin, reports, and then performs on the servos where no check failed."""
+    """Performs a document or a motion in the twin, reports, and then performs on the servos where no check failed.
+
+    With a plain text that text is performed, and `file` is its name.
+    """
     source = document_name(file)
     folder = output.out or default_folder(source)
     check_folder(folder, force=output.force)
@@ -44,7 +54,7 @@ def perform_file(
         stage("reading the robot")
         known = planning.set_up()
         paths = all_ports(performers.ports, Manifest.of(known.robot).bauds) if "servos" in performers.sinks else {}
-        performance, *beside = _performed(file, known, way, stage)
+        performance, *beside = _performed(file, known, way, stage, text)
         stage("writing the report")
         data = report(performance, source=source, seed=known.idling.seed, beside=beside)
         written = write_report(performance, data, folder, film=film, force=output.force)
@@ -81,15 +91,10 @@ def say_text(
     text: str, planning: Planning, performers: Performers, way: TwinOptions, output: Output, film: bool, to: str
 ) -> int:
     """Writes BML for a text and performs it; only prints it, if that is wanted."""
-    known = planning.set_up()
-    bml = write_bml(text, known)
     if to == "bml":
-        click.echo(bml, nl=False)
+        click.echo(write_bml(text, planning.set_up()), nl=False)
         return 0
-    with tempfile.TemporaryDirectory(prefix="kinesic-say-") as folder:
-        document = Path(folder) / "said.bml"
-        document.write_text(bml, encoding="utf-8")
-        return perform_file(str(document), planning, performers, way, output, film)
+    return perform_file("said", planning, performers, way, output, film, text=text)
 
 
 def _print_report(performances: tuple[Performance, ...], live: ServoRun | None, data: dict[str, Json]) -> None:
@@ -101,11 +106,14 @@ def _print_report(performances: tuple[Performance, ...], live: ServoRun | None, 
     screen.print(printable(verdict(data)), highlight=False, markup=False, soft_wrap=True)
 
 
-def _performed(file: str, known: Setup, way: TwinOptions, stage: Stage) -> tuple[Performance, ...]:
-    """Plans a document, and performs it in the twins."""
+def _performed(file: str, known: Setup, way: TwinOptions, stage: Stage, text: str | None) -> tuple[Performance, ...]:
+    """Plans a document, or a plain text, and performs it in the twins."""
     stage("planning")
     begun = perf_counter()
-    block = None if is_motion(file) else parse_document(file, known)
+    if text is not None:
+        block: Block | None = parse_text(text, known, source=file)
+    else:
+        block = None if is_motion(file) else parse_document(file, known)
     parsed = perf_counter() - begun
     planned = plan_motion(file, known) if block is None else plan_block(block, known)
     return dry_runs(

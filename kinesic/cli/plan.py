@@ -73,8 +73,20 @@ def parse_document(file: str, known: Setup) -> Block:
         BmlError: there is no such file, or the document is refused.
     """
     read = read_input(file)
-    written = write_bml(read.decode("utf-8", "replace"), known) if file.lower().endswith(TEXT) else read
-    return parse(written, source=document_name(file), dialect=known.dialect, performer=known.character)
+    if file.lower().endswith(TEXT):
+        return parse_text(read.decode("utf-8", "replace"), known, source=file)
+    return parse(read, source=document_name(file), dialect=known.dialect, performer=known.character)
+
+
+def parse_text(text: str, known: Setup, *, source: str) -> Block:
+    """Reads the BML that is written for a plain text.
+
+    Args:
+        text: that is said.
+        known: says in which style, and with which seed.
+        source: name of the text in messages and reports.
+    """
+    return parse(write_bml(text, known), source=source, dialect=known.dialect, performer=known.character)
 
 
 def write_bml(text: str, known: Setup) -> str:

@@ -4,7 +4,7 @@ import json
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, overload
+from typing import TYPE_CHECKING
 
 import click
 import numpy as np
@@ -14,6 +14,8 @@ from kinesic.cli.options import Output, Performers, Planning, TwinOptions
 from kinesic.cli.perform import perform_file
 from kinesic.cli.plan import document_name
 from kinesic.face.show.files import SideFilm, save_film
+from kinesic.face.show.pictures import LazyPictures
+from kinesic.files.output_file import check_file, new_file
 from kinesic.files.output_folder import check_folder
 from kinesic.report.output import default_folder
 
@@ -51,15 +53,16 @@ def perform_with_several(
     for place in places:
         check_folder(place, force=output.force)
     beside = folder / FILM
-    if beside.exists() and not output.force:
-        raise ConfigError(f"{beside}: there already; --force replaces it")
+    if folder.is_dir():
+        check_file(beside, force=output.force)
     code = 0
     for robot, place in zip(robots, places, strict=True):
         alone = replace(planning, robot=robot)
         code = max(code, perform_file(file, alone, performers, way, replace(output, out=place), film))
     if film and all((place / FILM).exists() for place in places):
-        pictures = _Beside(places)
-        save_film(pictures, beside, rate=pictures.rate)
+        film_beside = _Beside(places)
+        with new_file(beside, force=output.force) as fresh:
+            save_film(film_beside.pictures, fresh, rate=film_beside.rate)
         click.echo(f"side by side: {beside}")
     return code
 
@@ -75,8 +78,8 @@ def _check(robots: Sequence[str], performers: Performers, output: Output) -> Non
         raise ConfigError("--json tells of one robot: name one, or read report.json of each")
 
 
-class _Beside(Sequence["Pixels"]):
-    """Pictures of several films next to one another, each put together when it is asked for; block zero is the same."""
+class _Beside:
+    """Several films next to one another; block zero is at the same time in all."""
 
     def __init__(self, places: Sequence[Path]) -> None:
         self._films = [SideFilm(place / FILM, HEIGHT) for place in places]
@@ -85,22 +88,9 @@ class _Beside(Sequence["Pixels"]):
         self._waits = [first - timing["zero_s"] for timing in timings]
         ends = [wait + timing["duration_s"] for wait, timing in zip(self._waits, timings, strict=True)]
         self.rate = min(RATE, MOST_PICTURES / max(ends))  # [Hz]
-        self._count = int(max(ends) * self.rate) + 1
+        self.pictures = LazyPictures(int(max(ends) * self.rate) + 1, self._draw)
 
-    def __len__(self) -> int:
-        return self._count
-
-    @overload
-    def __getitem__(self, index: int) -> "Pixels": ...
-
-    @overload
-    def __getitem__(self, index: slice) -> "Sequence[Pixels]": ...
-
-    def __getitem__(self, index: int | slice) -> "Pixels | Sequence[Pixels]":
-        if isinstance(index, slice):
-            return [self[k] for k in range(*index.indices(len(self)))]
-        if not 0 <= index < len(self):
-            raise IndexError(index)
+    def _draw(self, index: int) -> "Pixels":
         time = index / self.rate
         return np.concatenate(
             [_middle(film.at(max(time - wait, 0.0))) for film, wait in zip(self._films, self._waits, strict=True)],

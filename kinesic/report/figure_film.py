@@ -1,9 +1,10 @@
 """The film of a performance by a robot with skin: the whole figure, its face in step with its hands."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, overload
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -50,39 +51,19 @@ class FigureFilm:
         from kinesic.face.display import DisplayError  # noqa: PLC0415 - another film's process does without
         from kinesic.face.render.figure import FILMED, FigurePortrait  # noqa: PLC0415 - as above
         from kinesic.face.show.files import save_film  # noqa: PLC0415 - as above
+        from kinesic.face.show.pictures import LazyPictures  # noqa: PLC0415 - as above
 
         try:
             with FigurePortrait(self.robot.skeleton, preset=FILMED, size=self.size) as portrait:
-                pictures = _Pictures(self, portrait.draw, progress)
+                pictures = LazyPictures(len(self.angles), partial(self._draw_one, portrait.draw, progress))
                 save_film(pictures, path, rate=self.rate)
         except DisplayError as error:
             return str(error)
         return ""
 
-
-class _Pictures(Sequence["Pixels"]):
-    """The pictures of a film, each drawn when it is asked for: together they would not fit into memory."""
-
-    def __init__(
-        self,
-        film: FigureFilm,
-        draw: "Callable[[Floats, Mapping[str, float]], Pixels]",
-        progress: Callable[[float], None],
-    ) -> None:
-        self._film, self._draw, self._progress = film, draw, progress
-
-    def __len__(self) -> int:
-        return len(self._film.angles)
-
-    @overload
-    def __getitem__(self, index: int) -> "Pixels": ...
-
-    @overload
-    def __getitem__(self, index: slice) -> "Sequence[Pixels]": ...
-
-    def __getitem__(self, index: int | slice) -> "Pixels | Sequence[Pixels]":
-        if isinstance(index, slice):
-            return [self[k] for k in range(*index.indices(len(self)))]
-        picture = self._draw(self._film.angles[index], self._film.units[index])
-        self._progress((index % len(self) + 1) / len(self))
+    def _draw_one(
+        self, draw: "Callable[[Floats, Mapping[str, float]], Pixels]", progress: Callable[[float], None], index: int
+    ) -> "Pixels":
+        picture = draw(self.angles[index], self.units[index])
+        progress((index + 1) / len(self.angles))
         return picture

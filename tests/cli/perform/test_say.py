@@ -16,3 +16,9 @@ def test_a_text_file_is_performed_with_reasons(kinesic, tmp_path):
     rows = json.loads(ended.out)["behaviours"]
     assert all(row["reason"] for row in rows if row["type"] != "speech")
     assert "dropped" not in {row["outcome"] for row in rows}
+
+
+def test_the_report_of_what_is_said_has_no_path_of_this_machine(kinesic, tmp_path):
+    ended = kinesic("say", TEXT, "--no-film", "--voice", "durations", "--out", tmp_path / "out")
+    assert ended.code == 0, ended.err
+    assert json.loads((tmp_path / "out" / "report.json").read_text())["input"] == "said"

@@ -59,10 +59,21 @@ def test_films_stand_side_by_side_with_block_zero_at_the_same_time(tmp_path, mon
         black.save(
             tmp_path / name / "film.webp", save_all=True, append_images=[bright], duration=durations, lossless=True
         )
-    pictures = np.array(list(_Beside([tmp_path / "a", tmp_path / "b"])))
+    pictures = np.array(list(_Beside([tmp_path / "a", tmp_path / "b"]).pictures))
     assert pictures.shape[1:3] == (12, 16 + 16), "the wider film shows its middle"
     left, right = pictures[:, :, :16].max(axis=(1, 2, 3)) > 99, pictures[:, :, 16:].max(axis=(1, 2, 3)) > 99
     assert (left == right).all()
     assert not left[11]
     assert left[12:].all()
     assert len(pictures) == 31  # the second has waited a quarter of a second, so that it ends at 1.25 s
+
+
+def test_the_film_of_all_is_never_written_through_a_link(kinesic_in, tmp_path):
+    (tmp_path / "nod.bml").write_bytes(NOD)
+    (tmp_path / "mine.webp").write_bytes(b"mine")
+    (tmp_path / "both").mkdir()
+    (tmp_path / "both" / "film.webp").symlink_to(tmp_path / "mine.webp")
+    ended = kinesic_in(tmp_path, "perform", "nod.bml", "--robot", "upper22,human", "--out", "both", "--force")
+    assert ended.code == 2
+    assert "links are never followed" in ended.err
+    assert (tmp_path / "mine.webp").read_bytes() == b"mine"

@@ -1,0 +1,33 @@
+"""Pictures of a film that are drawn one by one: together they would not fit into memory."""
+
+from collections.abc import Callable, Sequence
+from typing import overload
+
+from kinesic.face.render.portrait import Pixels
+
+
+class LazyPictures(Sequence[Pixels]):
+    """A sequence that draws each picture whenever it is asked for."""
+
+    def __init__(self, count: int, draw: Callable[[int], Pixels]) -> None:
+        """Draws nothing yet.
+
+        Args:
+            count: of pictures.
+            draw: makes the picture of an index, 0 to count - 1.
+        """
+        self._count, self._draw = count, draw
+
+    def __len__(self) -> int:
+        return self._count
+
+    @overload
+    def __getitem__(self, index: int) -> Pixels: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[Pixels]: ...
+
+    def __getitem__(self, index: int | slice) -> Pixels | Sequence[Pixels]:
+        if isinstance(index, slice):
+            return [self[k] for k in range(self._count)[index]]
+        return self._draw(range(self._count)[index])
