@@ -49,17 +49,6 @@ class Signal:
     id: str
     channel: Channel
     choices: tuple[Choice, ...]
-    longest: float = 60.0  # [s] that it lasts at most
-    begins: float = 0.0  # probability that a sequence begins with it
-
-
-@dataclass(frozen=True)
-class Implication:
-    """Where a signal is shown, others are shown too, or are not."""
-
-    present: str
-    then_present: frozenset[str] = frozenset()
-    then_absent: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -69,8 +58,6 @@ class BehaviourSet:
     name: str
     signals: tuple[Signal, ...]
     core: frozenset[str] = frozenset()  # ids of signals without which it is not shown
-    implications: tuple[Implication, ...] = ()
-    is_sequence: bool = False  # one signal after the other, while the intent lasts
 
 
 @dataclass(frozen=True, eq=False)

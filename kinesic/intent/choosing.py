@@ -23,7 +23,6 @@ class ChosenBehaviour:
     intent: Intent
     amount: float | None = None
     repetition: int | None = None
-    longest: float = 60.0  # [s]
 
 
 @dataclass(frozen=True)
@@ -81,17 +80,13 @@ def choose_behaviours(intents: Sequence[Intent], sets: BehaviourSets, budget: Bu
 
 
 def _candidates(intent: Intent, found: BehaviourSet, chance: random.Random) -> Iterable[_Candidate]:
-    """The signals of a set that are to be shown: its core, and others as its implications allow."""
+    """The signals of a set that are to be shown: its core, and others as chance has them."""
     signals = found.signals
     if intent.lexemes:
         pictured = tuple(Choice(lexeme, 1.0 / len(intent.lexemes)) for lexeme in intent.lexemes)
         signals = (*(each for each in signals if each.channel != "gesture"), Signal("gesture", "gesture", pictured))
     shown = {each.id: each for each in signals if not _is_absent(each, chance)}
     shown |= {each.id: each for each in signals if each.id in found.core}
-    for rule in found.implications:
-        if rule.present in shown:
-            shown |= {each.id: each for each in signals if each.id in rule.then_present}
-            shown = {id: each for id, each in shown.items() if id not in rule.then_absent or id in found.core}
     for signal in shown.values():
         choices = tuple(each for each in signal.choices if each.lexeme.lower() != NONE)
         if choices:
@@ -170,4 +165,4 @@ def _with_lexemes(
         weights = [max(choice.probability, 1e-6) for choice in free]
         drawn = chance.choices(free, weights)[0]
         recent = [*recent, drawn.lexeme][-(RECENT - 1) :]
-        yield ChosenBehaviour(channel, drawn.lexeme, each.intent, drawn.amount, drawn.repetition, each.signal.longest)
+        yield ChosenBehaviour(channel, drawn.lexeme, each.intent, drawn.amount, drawn.repetition)

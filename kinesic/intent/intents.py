@@ -1,6 +1,6 @@
 """The type that text and FML become: what somebody means with a stretch of speech, how sure that is, and why."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
@@ -25,5 +25,3 @@ class Intent:
     word: int = -1  # index of the word of its stroke; -1: there are no words
     phrase: int = -1  # index of the phrase of this word, or -1
     style: str = ""  # manner in which its sentence is performed, if it asks for one
-    target: str = ""  # that is pointed or looked at, if it names one
-    manner: dict[str, str] = field(default_factory=dict)  # further attributes of its behaviours, as FML says them

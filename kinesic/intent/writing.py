@@ -81,7 +81,6 @@ def _element(each: ChosenBehaviour, id: str) -> str:
         case "torso":
             name = "torso"
             written |= {"lexeme": each.lexeme, **_numbers(each), **_span(each, LEAST_FACE)}
-    written |= intent.manner
     if intent.style and each.channel == "gesture":
         written["kinesic:style"] = intent.style
     written["kinesic:reason"] = f"{intent.reason} ({intent.name}, {intent.certainty:.2f})"
@@ -94,17 +93,15 @@ def _numbers(each: ChosenBehaviour) -> dict[str, str]:
 
 
 def _span(each: ChosenBehaviour, least: float) -> dict[str, str]:
-    """From the start of an intent to its end, but at least so many seconds [s], and no longer than its signal lasts."""
+    """From the start of an intent to its end, but at least so many seconds [s]."""
     start, end = each.intent.start, each.intent.end
-    seconds = min(max(end.seconds - start.seconds, least), each.longest)
+    seconds = max(end.seconds - start.seconds, least)
     if seconds == end.seconds - start.seconds:
         return {"start": shift(start, -SOON), "end": shift(end, 0.0)}
     return {"start": shift(start, -SOON), "end": shift(start, seconds - SOON)}
 
 
 def _look(each: ChosenBehaviour) -> dict[str, str]:
-    if each.intent.target:
-        return {"target": each.intent.target}
     direction = each.lexeme.upper()
     if direction not in DIRECTIONS:
         return {"target": each.lexeme}
