@@ -1,4 +1,4 @@
-"""Idle motion between blocks: a layer over rest, which is taken back before anything else begins."""
+"""Idle motion between blocks: a layer over a robot at rest. A block that starts calls `end_idle` first."""
 
 from dataclasses import replace
 
@@ -12,33 +12,42 @@ from kinesic.realizer.scene import Scene
 
 
 def begin_idle(scene: Scene, prepared: PreparedBlock, now: float) -> Scene:
-    """Lays idle motion over a robot that has nothing to do; else, or where it is in the way, the scene stays as it is.
+    """Lays the idle motion of a block over a robot that has nothing to do.
+
+    The block is kept as `Scene.idle`, apart from those of clients: it sends no feedback, and none waits for it.
 
     Args:
-        scene: at some time before.
-        prepared: a block in which nothing is asked. It sends no feedback, and no other block waits for it.
-        now: [s] global time.
+        scene: as it was advanced to `now`.
+        prepared: a block in which nothing is asked.
+        now: [s] global time; the motion changes no sooner than `scene.first_change(now)`.
+
+    Returns:
+        The scene itself where a block plays or waits, the robot moves, the block has no motion, or that motion would
+        come too near to the body in the posture that is held.
     """
-    time = scene.first_change(now)
-    if scene.blocks or scene.motion.end > time or not prepared.moves:
+    earliest = scene.first_change(now)
+    if scene.blocks or scene.motion.end > earliest or not prepared.moves:
         return scene
-    merged = merge(scene.motion, time, prepared.plan, begin=time, occupied=scene.lasting)
-    if merged.trajectory is scene.motion:
+    merged = merge(scene.motion, earliest, prepared.plan, begin=earliest, occupied=scene.lasting)
+    if merged.trajectory is scene.motion:  # `merge` has left everything out
         return scene
-    own = RunningBlock.of(prepared, BlockState.IN_EXEC, {})
-    return replace(scene, motion=merged.trajectory, idle=replace(own, zero=merged.zero, merged=merged))
+    idle = RunningBlock.of(prepared, BlockState.IN_EXEC, {})
+    return replace(scene, motion=merged.trajectory, idle=replace(idle, zero=merged.zero, merged=merged))
 
 
 def end_idle(scene: Scene, now: float) -> Scene:
-    """Takes idle motion back as soon as the motion may change, and as fast as the limits allow."""
-    idle, time = scene.idle, scene.first_change(now)
-    if idle is None or idle.merged is None:
+    """Takes idle motion back, so that the robot returns to rest as fast as its limits allow; what is held stays.
+
+    Args:
+        scene: with idle motion, or without: then it is returned as it is.
+        now: [s] global time; the motion changes no sooner than `scene.first_change(now)`.
+    """
+    if scene.idle is None or scene.idle.merged is None:
         return scene
-    still = replace(scene, idle=None)
-    if scene.motion.end <= time:
-        return still
-    layer = idle.merged.layer
+    earliest, after = scene.first_change(now), replace(scene, idle=None)
+    if scene.motion.end <= earliest:
+        return after
+    layer = scene.idle.merged.layer  # begins and ends at nothing: a hinge that it moves varies in it
     moved = np.ptp(layer.controls, axis=0) > 0.0
-    return replace(
-        still, motion=release_motion(scene.motion, time, moved, scene.setup, layer=layer, others=scene.lasting)
-    )
+    motion = release_motion(scene.motion, earliest, moved, scene.setup, layer=layer, others=scene.lasting)
+    return replace(after, motion=motion)

@@ -1,4 +1,4 @@
-"""When a robot idles between blocks, and by which plan."""
+"""Decides when a robot idles between blocks, and plans what it does then."""
 
 from dataclasses import replace
 from math import inf
@@ -7,47 +7,52 @@ from kinesic.planning.setup import Setup
 from kinesic.realizer.realizer import PreparedBlock, Scene, prepare_block
 from kinesic.realizer.request import Message, read_request
 
-PAUSE = 3.0  # [s] at rest before it idles
-SPELL = 12.0  # [s] that one plan of it lasts
-LONGEST = 600.0  # [s] since the last document: nobody leaves a robot that goes on moving behind
-NOTHING = f'<bml id="idle"><wait id="w" duration="{SPELL}"/></bml>'
+PAUSE = 3.0  # [s] at rest before the first spell of idle motion
+SPELL = 12.0  # [s] that one spell lasts; one follows the other
+ATTENDED = 600.0  # [s] after a document in which a spell may begin, so that a robot that is left alone comes to rest
+EMPTY_BLOCK = f'<bml id="idle"><wait id="w" duration="{SPELL}"/></bml>'  # planning fills the wait with idle motion
 
 
-class IdleTimes:
-    """Tells when idle motion is to begin: in pauses of a conversation, until nobody has asked anything for long."""
+class IdleScheduler:
+    """Says when the next spell of idle motion begins, and plans it; all times are the planner's [s]."""
 
     def __init__(self) -> None:
-        """Nobody has asked anything yet, and it holds still."""
-        self._until = self._earliest = -inf  # [s] of the clock
+        """No document has come yet, and nothing begins."""
+        self._until = self._earliest = -inf
         self._spells = 0
 
     def allow(self, now: float) -> None:
-        """Lets it idle for some minutes, because a client has asked something."""
-        self._until = now + LONGEST
+        """Allows spells for `ATTENDED` seconds, because a document has come."""
+        self._until = now + ATTENDED
 
     def forbid(self) -> None:
-        """Has it hold still until a client asks something."""
+        """Allows no further spell until a document comes; the one that plays is not ended by it."""
         self._until = -inf
 
+    def postpone(self, now: float) -> None:
+        """Puts the next spell off by the length of one, because this one found no place."""
+        self._earliest = now + SPELL
+
     def next_time(self, scene: Scene) -> float:
-        """Time at which idle motion is to begin [s]; infinite where it is not."""
+        """Finds the time at which the next spell is to begin, at once where it is past; infinite where none is."""
         if scene.blocks or scene.setup.idling.amount == 0.0:
             return inf
-        begin = max(scene.motion.end + (PAUSE if scene.idle is None else 0.0), self._earliest)
+        pause = PAUSE if scene.idle is None else 0.0  # it has idled already, and goes on
+        begin = max(scene.motion.end + pause, self._earliest)
         return begin if begin < self._until else inf
 
-    def prepare(self, setup: Setup, now: float) -> PreparedBlock:
-        """Plans the next spell of idle motion; where that finds no place, the one after it comes a spell later."""
-        self._spells, self._earliest = self._spells + 1, now + SPELL
-        return prepare_idle(setup, self._spells)
+    def plan_next(self, setup: Setup) -> PreparedBlock:
+        """Plans another spell than the last one."""
+        self._spells += 1
+        return plan_idle(setup, self._spells)
 
 
-def prepare_idle(setup: Setup, number: int = 0) -> PreparedBlock:
-    """Plans a block in which nothing is asked, so that idle motion fills it.
+def plan_idle(setup: Setup, number: int) -> PreparedBlock:
+    """Plans a spell of idle motion.
 
     Args:
-        setup: says how lively.
-        number: of the spell; each is another one.
+        setup: robot, and in `idling` how lively it is, and the seed.
+        number: added to that seed, so that spells with other numbers move in another way.
     """
-    own = replace(setup, idling=replace(setup.idling, seed=setup.idling.seed + number))
-    return prepare_block(read_request(Message(NOTHING), own), own)
+    seeded = replace(setup, idling=replace(setup.idling, seed=setup.idling.seed + number))
+    return prepare_block(read_request(Message(EMPTY_BLOCK), seeded), seeded)

@@ -23,7 +23,7 @@ from kinesic.realizer.realizer import (
 )
 from kinesic.realizer.release import release_motion
 from kinesic.realizer.request import block_id, read_request, refusal_feedback
-from kinesic.serve.idling import IdleTimes
+from kinesic.serve.idling import IdleScheduler
 from kinesic.serve.messages import (
     ClientRequest,
     DocumentRequest,
@@ -122,23 +122,25 @@ class PlannerState:
         self._accompaniment = properties.accompaniment
         self._versions = dict[str, Version]()  # of the tracks that the loop has
         self._refining = False  # whether the refiner is at work
-        self._idle_times = IdleTimes()
+        self._idling = IdleScheduler()
         self._scene = replace(Scene.of(setup), motion=beginning.motion, agenda=beginning.agenda)
 
     @property
     def pause(self) -> float | None:
         """Time until something is due [s]; None where nothing is."""
-        pause = min(self._scene.next_time, self._idle_times.next_time(self._scene)) - self._clock.now()
+        pause = min(self._scene.next_time, self._idling.next_time(self._scene)) - self._clock.now()
         return max(pause, LOOK) if isfinite(pause) else None
 
     def go_on(self) -> None:
         """Lets time pass: what is over is forgotten, blocks that may start begin, and who has nothing to do idles."""
         now = self._clock.now()
-        if self._idle_times.next_time(self._scene) > now:
+        if self._idling.next_time(self._scene) > now:
             self._propose(advance)
             return
-        spell = self._idle_times.prepare(self._scene.setup, now)
+        spell, before = self._idling.plan_next(self._scene.setup), self._scene.idle
         self._propose(lambda scene, now: begin_idle(advance(scene, now), spell, now))
+        if self._scene.idle is before:
+            self._idling.postpone(now)
 
     def fulfil(self, request: ClientRequest) -> None:
         """Does what a client requests, once every emergency stop is known that was before it."""
@@ -146,11 +148,11 @@ class PlannerState:
             self._catch_up(request.stops)
         match request:
             case DocumentRequest():
-                self._idle_times.allow(self._clock.now())
+                self._idling.allow(self._clock.now())
                 self._plan(request)
             case Interruption(block):
                 if block is None:
-                    self._idle_times.forbid()
+                    self._idling.forbid()
                 self._propose(lambda scene, now: interrupt(scene, now, block))
             case Restyling():
                 self._restyle(request)
@@ -182,7 +184,7 @@ class PlannerState:
     def take_halt(self, halted: Halted) -> None:
         """Takes over the motion of an emergency stop, which interrupts every block."""
         self._stops = halted.stops
-        self._idle_times.forbid()
+        self._idling.forbid()
         self._propose(lambda scene, _now: replace(interrupt(scene, halted.time), motion=halted.motion), moves=False)
 
     def _catch_up(self, stops: int) -> None:

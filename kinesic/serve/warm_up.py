@@ -3,7 +3,7 @@
 from kinesic.planning.setup import Setup
 from kinesic.realizer.realizer import Scene, advance, begin, prepare_block
 from kinesic.realizer.request import Message, read_request
-from kinesic.serve.idling import prepare_idle
+from kinesic.serve.idling import plan_idle
 from kinesic.serve.tracks import SoundAndFace, make_track
 
 WARMING = (
@@ -18,4 +18,4 @@ def warm_up(setup: Setup, accompaniment: SoundAndFace) -> None:
     for running in scene.playing:
         make_track(running, accompaniment)
     advance(scene, 0.1)
-    prepare_idle(setup)
+    plan_idle(setup, 0)

@@ -10,7 +10,7 @@ from kinesic.motion.stopping import stop
 from kinesic.planning.setup import Setup
 from kinesic.realizer.realizer import Scene, begin_idle, interrupt
 from kinesic.realizer.running_block import PreparedBlock
-from kinesic.serve.idling import prepare_idle
+from kinesic.serve.idling import plan_idle
 from tests.realizer.certified import certified
 from tests.realizer.conftest import Play
 
@@ -25,7 +25,7 @@ def lively(known: Setup) -> Setup:
 
 @pytest.fixture(scope="module")
 def spell(lively: Setup) -> PreparedBlock:
-    return prepare_idle(lively)
+    return plan_idle(lively, 0)
 
 
 @pytest.fixture
