@@ -12,7 +12,7 @@ OPENGL := libegl1 libgl1-mesa-dri libopengl0 libgl1
 SCREENS := xvfb chromium
 
 .DELETE_ON_ERROR:
-.PHONY: demo test test-rounding check soak mutants bench system-deps test-deps lock clean
+.PHONY: demo test test-rounding check soak mutants bench system-deps test-deps lock studio clean
 
 demo: .venv/.stamp-demo
 	@$(BIN)/kinesic perform kinesic/configs/bml/welcome.bml --out out/demo --force
@@ -42,6 +42,10 @@ soak: .venv/.stamp-test
 # cores that are free, three quarters of an hour under a load of twelve; `python tests/mutants -h` has options.
 mutants: .venv/.stamp-test
 	@$(BIN)/python tests/mutants
+
+# The page of the studio, from its sources. What is built is kept in the repository: nobody but who changes it needs node.
+studio:
+	@cd kinesic/studio/client && npm ci --no-audit --no-fund && npm run check && npm run build
 
 bench: .venv/.stamp-demo
 	@$(BIN)/kinesic bench all

@@ -48,6 +48,18 @@ class Page:
             assert monotonic() < end, f"never: {expression}"
             sleep(0.02)
 
+    def drag(self, begin: tuple[float, float], *steps: tuple[float, float]) -> None:
+        """A real press of the mouse at a point, moves to others, and a release at the last."""
+        for kind, (x, y) in (("mouseMoved", begin), ("mousePressed", begin), *(("mouseMoved", at) for at in steps)):
+            self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", buttons=1, clickCount=1)
+        x, y = steps[-1]
+        self.call("Input.dispatchMouseEvent", type="mouseReleased", x=x, y=y, button="left", clickCount=1)
+
+    def press(self, key: str, code: int) -> None:
+        """A key that is pressed and let go; `code` is its Windows key code."""
+        for kind in ("rawKeyDown", "keyUp"):
+            self.call("Input.dispatchKeyEvent", type=kind, key=key, code=key, windowsVirtualKeyCode=code)
+
     def click(self, selector: str) -> None:
         """A real click of the mouse in the middle of an element."""
         middle = self.value(

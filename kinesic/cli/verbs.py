@@ -1,6 +1,5 @@
 """The command line: every verb with its arguments and options; what does it is imported when it is to be done."""
 
-from dataclasses import fields
 from pathlib import Path
 
 import click
@@ -11,7 +10,6 @@ from kinesic.body.config import names_of
 from kinesic.cli.options import (
     TWIN_HELP,
     done_by,
-    door,
     expression,
     face_view,
     force_option,
@@ -23,7 +21,6 @@ from kinesic.cli.options import (
     twin_options,
 )
 from kinesic.face.render.presets import PRESETS
-from kinesic.serve.wire.quotas import USUAL, Quotas
 from kinesic.sim.fit_parameters import DEFAULT, FIGURES
 from kinesic.sim.log import FORMAT
 from kinesic.version import __version__
@@ -31,9 +28,6 @@ from kinesic.version import __version__
 ON_HELP = (
     "Who performs, with commas between: twin (always first), servos, face (in a window where there is a display). "
     "Space stops the servos, Ctrl-C folds them to rest."
-)
-RULE_HELP = (
-    f"A limit for clients: {', '.join(f'{each.name}={getattr(USUAL, each.name):g}' for each in fields(Quotas))}."
 )
 FORCE_HELP = "Replaces a folder that kinesic has made."
 COMPARED = ("whole_body=0", "fluidity=-1", "power=-1")
@@ -211,21 +205,6 @@ def _import_robot() -> None:
 @done_by("perform:say_text")
 def _say() -> None:
     """Says TEXT (English) with gestures, head, face and gaze for what it means; each has its reason in the BML."""
-
-
-@kinesic.command("serve")
-@planning
-@door
-@performers("Who performs.")
-@click.option("--sound/--no-sound", default=None, help="Speech is heard (default: where that works).")
-@click.option("--rule", "rules", multiple=True, metavar="NAME=VALUE", help=RULE_HELP)
-@done_by("serve:serve_blocks")
-def _serve() -> None:
-    """Performs blocks of BML as they come, and answers with BML feedback.
-
-    Messages come by TCP (each ends with a NUL byte), by WebSocket at the same address (one message is one block), and
-    on standard input, unless that is a terminal.
-    """
 
 
 @kinesic.group()

@@ -7,6 +7,7 @@ from itertools import count
 
 from kinesic.bml.block import NoticeType
 from kinesic.realizer.request import Message
+from kinesic.serve.desk.desk import Asker
 from kinesic.serve.messages import Restyling
 from kinesic.serve.queues import OutputQueue
 from kinesic.serve.session import Session
@@ -25,10 +26,12 @@ from kinesic.serve.wire.protocol import (
     json_answer,
     stop_failure,
 )
+from kinesic.serve.wire.questions import OpenRequest, PlanQuestion, ReachQuestion, SaveRequest, WatchRequest
 from kinesic.serve.wire.quotas import Quotas, TokenBucket, quota_feedback
 
 NORMAL, POLICY, TOO_BIG, LATER = 1000, 1008, 1009, 1013  # WebSocket's close codes
 EXCESS = 10  # times as many messages as are taken at once may be refused before a client is sent away
+DRAGGED = 4  # times as many reaches may be asked for as other messages are taken
 NO_TOKEN = 'a token is needed: send {"do": "hello", "token": "..."} first'
 
 
@@ -40,6 +43,7 @@ class ConnectedClient:
     name: str  # its address
     admitted: bool  # has shown the token, or needs none
     bucket: TokenBucket  # of messages that are taken
+    questions: TokenBucket  # of those that ask for a reach, which are many while somebody drags a hand
     excess: TokenBucket  # of those that are refused one by one
     output: OutputQueue
     movable: bool  # a connection that another thread may go on with; standard input is none
@@ -95,6 +99,7 @@ class ClientRegistry:
             name=name,
             admitted=trusted or self.access.token is None,
             bucket=TokenBucket(rate, burst),
+            questions=TokenBucket(DRAGGED * rate, DRAGGED * burst),
             excess=TokenBucket(rate, EXCESS * burst),
             output=OutputQueue(self.rules.unread),
             movable=movable,
@@ -136,7 +141,7 @@ class ClientRegistry:
             self._free(client)
         elif not self.place(client) and not isinstance(request, Hello):
             client.close(LATER, f"rule clients: {self.rules.clients} are connected already; you may only stop")
-        elif not client.bucket.take():
+        elif not (client.questions if isinstance(request, ReachQuestion) else client.bucket).take():
             what = f"at most {self.rules.rate:g} messages a second are taken from each client"
             self._refuse(client, quota_feedback("rate", what))
         elif request is not None:
@@ -162,6 +167,9 @@ class ClientRegistry:
         """Closes the connections of all clients."""
         for client in self._clients.values():
             client.close(code, why)
+
+    def _is_here(self, client: ConnectedClient) -> bool:
+        return client.open and client.number in self._clients
 
     def _free(self, client: ConnectedClient) -> None:
         """Lets a connection become one that only stops; standard input cannot."""
@@ -209,3 +217,5 @@ class ClientRegistry:
                 client.send(json_answer("welcome"))
             case Stop():
                 client.send(self._stop())
+            case ReachQuestion() | PlanQuestion() | WatchRequest() | SaveRequest() | OpenRequest():
+                self.session.desk.answer(Asker(client.number, client.send, lambda: self._is_here(client)), request)

@@ -15,7 +15,7 @@ from time import monotonic, sleep
 
 import numpy as np
 
-from kinesic.body.arrays import Flags
+from kinesic.body.arrays import Flags, Floats
 from kinesic.body.command import RATE
 from kinesic.controller.play import SETTLE
 from kinesic.face.display import DisplayError
@@ -26,6 +26,7 @@ from kinesic.planning.setup import Setup
 from kinesic.realizer.realizer import ScheduledFeedback
 from kinesic.serve.arrival_monitor import ArrivalMonitor
 from kinesic.serve.messages import (
+    BodyReport,
     Clock,
     FeedbackNotice,
     Halted,
@@ -37,7 +38,7 @@ from kinesic.serve.messages import (
     RequestDone,
 )
 from kinesic.serve.priority import urgent
-from kinesic.serve.sinks import ConsentingSink, MeasuringSink, RealTimeSink, TimedSink, is_steady
+from kinesic.serve.sinks import ConsentingSink, HealthSink, MeasuringSink, RealTimeSink, TimedSink, is_steady
 from kinesic.serve.tracks import Effects
 
 PERIOD = 1 / RATE
@@ -131,6 +132,16 @@ class Loop(Thread):
     def owes(self, sender: int) -> bool:
         """Whether a block of a client's is not over, or feedback of it is still to be sent."""
         return sender in self._owed or any(message.sender == sender for message in tuple(self.agenda))
+
+    def body(self) -> BodyReport:
+        """How the robot is now, from any thread: by the sink that the loop measures by, where it knows."""
+        time = self._clock.now()
+        planned = _rounded(self.motion.sample(np.array([time]))[0][0])
+        seen = None if self._body is None else self._body.seen()
+        servos = next((each.sink.health() for each in self._sinks if isinstance(each.sink, HealthSink)), None)
+        hottest, volts, faulty = servos or (None, None, False)
+        angles = planned if seen is None else _rounded(seen[1])
+        return BodyReport(round(time, 3), angles, planned, hottest, volts, faulty)
 
     def settled(self) -> bool:
         """Whether nothing moves and no feedback is to be sent."""
@@ -257,6 +268,11 @@ class Loop(Thread):
         if self._planner is not None:
             with suppress(OSError):  # it has died, and the next one begins from here
                 self._planner.send(Halted(self._stops_made, time, self.motion))
+
+
+def _rounded(angles: Floats) -> tuple[float, ...]:
+    """Angles [rad] as clients read them; NaN, of a servo that does not answer, stays."""
+    return tuple(round(float(angle), 4) for angle in angles)
 
 
 def _rehearse_stop(setup: Setup) -> None:

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from multiprocessing.sharedctypes import RawValue
 from time import monotonic
 
+from msgspec import Struct
+
 from kinesic.body.arrays import Flags
 from kinesic.motion.trajectory import Trajectory
 from kinesic.realizer.realizer import ScheduledFeedback
@@ -34,6 +36,17 @@ class Clock:
     def set(self, time: float) -> None:
         """Sets the present time [s]; only the loop does."""
         self._offset.value = monotonic() - time
+
+
+class BodyReport(Struct, frozen=True):
+    """How the robot is at one moment, for whoever watches."""
+
+    time: float  # [s] of the clock
+    angles: tuple[float, ...]  # [rad] measured, or planned where nothing is measured
+    planned: tuple[float, ...]  # [rad] by the motion that plays
+    hottest: float | None = None  # [C] of all servos
+    volts: float | None = None  # [V] the lowest of all servos
+    faulty: bool = False  # whether a servo reports an error
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ nobody out. A connection costs next to nothing until its first byte comes.
 
 import socket
 from asyncio import Task, TimerHandle, create_task, get_running_loop, timeout, wait
+from collections.abc import Mapping
 from contextlib import suppress
 from functools import partial
 from resource import RLIMIT_NOFILE, getrlimit
@@ -16,6 +17,7 @@ from kinesic.serve.conversation import attend
 from kinesic.serve.stop_lines import MovableWire, StopLines
 from kinesic.serve.wire.origin import own_authorities
 from kinesic.serve.wire.pace import Pace
+from kinesic.serve.wire.pages import NO_FILES, WebFile
 from kinesic.serve.wire.protocol import BLANK
 from kinesic.serve.wire.quotas import TokenBucket
 from kinesic.serve.wire.transport import UNKNOWN, Console, HalfError, OverlongError, Stream, Transport
@@ -61,15 +63,16 @@ class Visitor:
 class Reception:
     """Listens, and attends to whoever comes."""
 
-    def __init__(self, clients: ClientRegistry, stop_lines: StopLines) -> None:
+    def __init__(self, clients: ClientRegistry, stop_lines: StopLines, files: Mapping[str, WebFile] = NO_FILES) -> None:
         """Listens nowhere yet.
 
         Args:
             clients: whom those join that say something.
             stop_lines: take over whoever only stops.
+            files: that browsers may have, by their path.
         """
         self._clients, self._rules, self._stop_lines = clients, clients.rules, stop_lines
-        self._host = ""
+        self._files, self._host = files, ""
         self._listeners: list[socket.socket] = []
         self._door: dict[Visitor, None] = {}  # the oldest first
         self._room = min(DOOR, getrlimit(RLIMIT_NOFILE)[0] // 2)
@@ -188,7 +191,7 @@ class Reception:
             if first.startswith(REQUEST):
                 wire = web = WebSocket(line, first, self._rules)
                 authorities = own_authorities(self._host, *visitor.socket.getsockname()[:2])
-                shown = await web.open(self._clients.access, self._clients.is_token, authorities)
+                shown = await web.open(self._clients.access, self._clients.is_token, authorities, self._files)
                 client = self._clients.join(visitor.address, trusted=shown)
                 self._clients.place(client)
             elif first.lstrip(BLANK).startswith(DOCUMENT):

@@ -5,9 +5,10 @@ It opens, waits until its end is requested, and folds the robot to rest.
 
 import sys
 from asyncio import FIRST_COMPLETED, Event, create_task, sleep, timeout, wait
-from collections.abc import AsyncIterator, Callable, Sequence
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
+from pathlib import Path
 
 from kinesic.planning.setup import Setup
 from kinesic.serve.clients import ClientRegistry
@@ -18,6 +19,7 @@ from kinesic.serve.sinks import RealTimeSink
 from kinesic.serve.stop_lines import StopLines
 from kinesic.serve.tracks import SILENT, SoundAndFace
 from kinesic.serve.wire.origin import ANYBODY_HERE, Access
+from kinesic.serve.wire.pages import NO_FILES, WebFile
 from kinesic.serve.wire.quotas import USUAL, Quotas
 
 SWITCH = 0.001  # [s] after which clients and the loop take the interpreter from each other
@@ -55,6 +57,8 @@ async def open_serving(
     rules: Quotas = USUAL,
     access: Access = ANYBODY_HERE,
     accompaniment: SoundAndFace = SILENT,
+    files: Mapping[str, WebFile] = NO_FILES,
+    folder: Path | None = None,
 ) -> AsyncIterator[Serving]:
     """Opens a server once its planner is warm, and folds the robot to rest at the end.
 
@@ -65,15 +69,19 @@ async def open_serving(
         rules: what clients may do.
         access: who may connect.
         accompaniment: whether one of the sinks shows the face, and whether speech is heard.
+        files: that browsers may have, by their path.
+        folder: where clients keep documents; None: nowhere.
 
     Raises:
         ConfigError: the address cannot be had.
     """
     clients = ClientRegistry(
-        rules, access, lambda own: Session(make_setup, sinks, rules, own.tell, accompaniment=accompaniment)
+        rules,
+        access,
+        lambda own: Session(make_setup, sinks, rules, own.tell, accompaniment=accompaniment, folder=folder),
     )
     stop_lines = StopLines(clients.session.halt, rules)
-    reception = Reception(clients, stop_lines)
+    reception = Reception(clients, stop_lines, files)
     sys.setswitchinterval(SWITCH)
     try:
         if address is not None:

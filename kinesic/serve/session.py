@@ -3,9 +3,11 @@
 from asyncio import AbstractEventLoop, Event, get_running_loop, sleep
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 
 from kinesic.planning.setup import Setup
 from kinesic.realizer.request import Message, block_id
+from kinesic.serve.desk.desk import Desk
 from kinesic.serve.loop import Loop
 from kinesic.serve.messages import (
     ClientRequest,
@@ -38,6 +40,7 @@ class Session:
         tell: Callable[[str, int], None],
         *,
         accompaniment: SoundAndFace = SILENT,
+        folder: Path | None = None,
     ) -> None:
         """Makes loop and planner; nothing moves yet.
 
@@ -47,6 +50,7 @@ class Session:
             rules: how many blocks may wait, and how long planning may take.
             tell: is given a message and the number of its receiver, in the asyncio loop.
             accompaniment: whether a sink shows the face, and whether speech is heard.
+            folder: where clients keep documents; None: nowhere.
         """
         self._asyncio: AbstractEventLoop = get_running_loop()
         self._tell, self._rules = tell, rules
@@ -55,8 +59,10 @@ class Session:
         self._warm = Event()
         self.clock = Clock()
         effects = Effects(Speaker(self.clock.now) if accompaniment.sound else None, face=accompaniment.face)
-        self.loop = Loop(make_setup(), sinks, self.clock, effects=effects, tell=self._pass_on, news=self._pass_news)
+        setup = make_setup()
+        self.loop = Loop(setup, sinks, self.clock, effects=effects, tell=self._pass_on, news=self._pass_news)
         self.planner = Planner(make_setup, self.loop, rules=rules, idle=self._feed, lost=self._refuse_lost)
+        self.desk = Desk(make_setup, setup, self.loop, rules, folder=folder)
 
     async def start(self) -> None:
         """Lets the loop run, and waits until the planner is warm.
@@ -145,6 +151,7 @@ class Session:
         if self.loop.is_alive():
             self.loop.join()
         self.planner.close()
+        self.desk.close()
 
     def _request(self, request: ClientRequest) -> None:
         self._requests.append(request)

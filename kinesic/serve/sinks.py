@@ -51,6 +51,14 @@ class ConsentingSink(Protocol):
         """Lets it go on."""
 
 
+@runtime_checkable
+class HealthSink(Protocol):
+    """A sink whose servos tell how they are."""
+
+    def health(self) -> tuple[float, float, bool]:
+        """Temperature of the hottest servo [C], the lowest voltage [V], and whether one reports an error."""
+
+
 class RealTwin:
     """A twin for a server: it forgets what it measured, and so lives without end."""
 
@@ -89,6 +97,11 @@ class RealServos:
         """When the supervisor measured last, and the angles then; None when it does not perform."""
         status = self.servos.state()
         return (status.time, status.angles) if status.stage.runs else None
+
+    def health(self) -> tuple[float, float, bool]:
+        """Temperature of the hottest servo [C], the lowest voltage [V], and whether one reports an error."""
+        status = self.servos.state()
+        return status.hottest, status.volts, status.faulty
 
     def time(self, clock: float, /) -> float | None:
         """Time [s] of the performance by the supervisor, wherever it stands; None before there is one."""

@@ -2,9 +2,10 @@
 
 import asyncio
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from time import monotonic, sleep
 
 import pytest
@@ -16,6 +17,7 @@ from kinesic.serve.server import Address, Serving, open_serving, until_done
 from kinesic.serve.sinks import RealTimeSink, RealTwin
 from kinesic.serve.tracks import SoundAndFace
 from kinesic.serve.wire.origin import ANYBODY_HERE, Access
+from kinesic.serve.wire.pages import NO_FILES, WebFile
 from kinesic.serve.wire.quotas import Quotas
 
 
@@ -61,8 +63,14 @@ class Running:
 
 
 @contextmanager
-def running(rules: Quotas, access: Access = ANYBODY_HERE) -> Iterator[Running]:
-    """A server on a free port."""
+def running(
+    rules: Quotas,
+    access: Access = ANYBODY_HERE,
+    *,
+    files: Mapping[str, WebFile] = NO_FILES,
+    folder: Path | None = None,
+) -> Iterator[Running]:
+    """A server on a free port, with files for browsers and a folder of documents if any are given."""
     witness, ready, found = Witness(), threading.Event(), []
 
     async def serve() -> None:
@@ -70,7 +78,14 @@ def running(rules: Quotas, access: Access = ANYBODY_HERE) -> Iterator[Running]:
         sinks = [RealTimeSink(witness), RealTimeSink(RealTwin(set_up().robot))]
         address = Address("127.0.0.1", 0)
         async with open_serving(
-            set_up, sinks, address=address, rules=rules, access=access, accompaniment=SoundAndFace(face=True)
+            set_up,
+            sinks,
+            address=address,
+            rules=rules,
+            access=access,
+            accompaniment=SoundAndFace(face=True),
+            files=files,
+            folder=folder,
         ) as open_:
             found.extend((Running(open_, witness, asyncio.get_running_loop()), enough))
             ready.set()

@@ -67,6 +67,7 @@ const sceneOf = (canvas, data) => {
     pupil: [0.06, 0.07, 0.1],
     servo: [0.17, 0.18, 0.21],
     hot: [0.91, 0.16, 0.12],
+    lit: [1, 0.72, 0.1],
   };
   const heated = (colour, duty) =>
     colour.map((value, k) => value + (COLOURS.hot[k] - value) * 0.85 * Math.min(Math.max(2 * duty - 1, 0), 1));
@@ -180,7 +181,13 @@ const sceneOf = (canvas, data) => {
     return { eye, view: product(lens, seen) };
   };
 
-  const draw = ({ look, twin, ghost, beside, ink }) => {
+  // The camera of a look: the whole robot is seen, or two of them side by side.
+  const cameraOf = (look, beside = false) => {
+    const across = beside ? 1.8 : 0.9; // shares of the height that must be seen
+    return camera(look, MIDDLE, data.view.height * Math.max(1, (across * canvas.height) / canvas.width));
+  };
+
+  const draw = ({ look, twin, ghost, beside, ink, lit }) => {
     const scale = Math.min(window.devicePixelRatio || 1, 2);
     const width = Math.round(canvas.clientWidth * scale);
     const height = Math.round(canvas.clientHeight * scale);
@@ -189,10 +196,9 @@ const sceneOf = (canvas, data) => {
       canvas.height = height;
     }
     const spread = beside ? SPREAD : 0;
-    const across = beside ? 1.8 : 0.9; // shares of the height that must be seen
-    const { eye, view } = camera(look, MIDDLE, data.view.height * Math.max(1, (across * height) / width));
+    const { eye, view } = cameraOf(look, beside);
     const aside = [(-Math.sin(look.turn) * spread) / 2, (Math.cos(look.turn) * spread) / 2, 0];
-    const solidBody = { frames: frames(twin.angles, shifted(add(UP, aside, -1))), duty: twin.duty, alpha: 1 };
+    const solidBody = { frames: frames(twin.angles, shifted(add(UP, aside, -1))), duty: twin.duty, lit, alpha: 1 };
     const ghostBody = ghost && { frames: frames(ghost, shifted(add(UP, aside))), alpha: beside ? 0.5 : 0.38 };
     gl.viewport(0, 0, width, height);
     gl.clearColor(0, 0, 0, 0);
@@ -229,11 +235,11 @@ const sceneOf = (canvas, data) => {
     gl.disable(gl.STENCIL_TEST);
   };
 
-  const body = ({ frames: placed, duty, alpha }) => {
+  const body = ({ frames: placed, duty, lit, alpha }) => {
     for (const shape of shapes) {
       const strain = duty ? Math.max(0, ...shape.hinges.map((hinge) => duty[hinge])) : 0;
       gl.uniformMatrix4fv(solid.at("frame"), false, placed[shape.segment]);
-      gl.uniform4f(solid.at("colour"), ...heated(COLOURS[shape.colour], strain), alpha);
+      gl.uniform4f(solid.at("colour"), ...heated(COLOURS[lit?.has(shape.segment) ? "lit" : shape.colour], strain), alpha);
       gl.drawArrays(gl.TRIANGLES, shape.first, shape.size);
     }
   };
@@ -248,5 +254,5 @@ const sceneOf = (canvas, data) => {
   prepare();
   canvas.addEventListener("webglcontextlost", (event) => event.preventDefault());
   canvas.addEventListener("webglcontextrestored", prepare);
-  return { draw };
+  return { draw, camera: cameraOf, frames: (angles) => frames(angles, shifted(UP)), up: UP };
 };

@@ -4,13 +4,13 @@ A message is UTF-8 text that ends with a NUL byte, which no XML and no JSON cont
 Text that begins with `{` and has a key `do` is a control message, anything else is a document.
 """
 
-from typing import Literal
-
 import msgspec
 from msgspec import Struct
 
+from kinesic.serve.wire.questions import LONG_VERBS, Question
+
 END = b"\0"
-MOST_CONTROL = 4096  # [bytes] of a control message
+MOST_CONTROL = 4096  # [bytes] of a control message that carries no document
 BLANK = b" \t\r\n\xef\xbb\xbf"  # may stand around a message
 
 
@@ -92,8 +92,7 @@ class Ping(Struct, tag="ping", tag_field="do", forbid_unknown_fields=True):
     id: str = ""
 
 
-Control = Hello | Stop | StopLineRequest | Resume | InterruptCommand | Restyle | Enquiry | Ping
-Verb = Literal["hello", "stop", "stop_line", "resume", "interrupt", "style", "status", "ping"]
+Control = Hello | Stop | StopLineRequest | Resume | InterruptCommand | Restyle | Enquiry | Ping | Question
 
 
 class _Verb(Struct):
@@ -111,11 +110,13 @@ def control(message: bytes) -> Control | None:
         ValueError: it is one, and wrong; what would have worked.
     """
     text = message.strip(BLANK)
-    if not text.startswith(b"{") or len(text) > MOST_CONTROL:
+    if not text.startswith(b"{"):
         return None
     try:
-        _verbs.decode(text)
+        verb = _verbs.decode(text).do
     except (msgspec.DecodeError, UnicodeDecodeError):
+        return None
+    if len(text) > MOST_CONTROL and verb not in LONG_VERBS:
         return None
     try:
         found: Control = _controls.decode(text)

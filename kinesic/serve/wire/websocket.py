@@ -2,7 +2,7 @@
 
 from asyncio import sleep
 from collections import deque
-from collections.abc import AsyncIterator, Callable, Iterator
+from collections.abc import AsyncIterator, Callable, Iterator, Mapping
 from http import HTTPStatus
 
 from websockets.frames import Frame, Opcode
@@ -11,6 +11,7 @@ from websockets.protocol import Event, State
 from websockets.server import ServerProtocol
 
 from kinesic.serve.wire.origin import Access, Rejection, find_rejection
+from kinesic.serve.wire.pages import NO_FILES, WebFile, asks_for_file, show_file
 from kinesic.serve.wire.quotas import Quotas, TokenBucket
 from kinesic.serve.wire.transport import HalfError, Transport
 
@@ -45,16 +46,23 @@ class WebSocket:
         """Goes on over another transport of the same connection."""
         self._line = line
 
-    async def open(self, access: Access, is_token: Callable[[str | None], bool], authorities: frozenset[str]) -> bool:
+    async def open(
+        self,
+        access: Access,
+        is_token: Callable[[str | None], bool],
+        authorities: frozenset[str],
+        files: Mapping[str, WebFile] = NO_FILES,
+    ) -> bool:
         """Reads the request and answers it; says whether the token came with it.
 
         Args:
             access: who may connect.
             is_token: says whether a token is right.
             authorities: what the request's `Host` may be.
+            files: that may be requested instead, by their path.
 
         Raises:
-            HalfError: there is no request, or it is refused.
+            HalfError: there is no request, it is refused, or a file was all that was requested.
         """
         while not (events := self._protocol.events_received()):
             if not await self._receive(hurry=True):
@@ -71,7 +79,9 @@ class WebSocket:
             rejection = Rejection(HTTPStatus.UNAUTHORIZED, "the token is wrong")
         else:
             rejection = find_rejection(headers, authorities, access.origins)
-        if rejection is None:
+        if rejection is None and files and asks_for_file(request):
+            response = show_file(request.path, files)
+        elif rejection is None:
             response = self._protocol.accept(request)
         else:
             response = self._protocol.reject(rejection.status, f"{rejection.why}\n")
@@ -79,7 +89,7 @@ class WebSocket:
         await self._flush()
         if self._protocol.state is not State.OPEN:
             await self._line.close()
-            raise HalfError("refused")
+            raise HalfError("refused, or a file")
         return shown
 
     async def messages(self, hurry: Callable[[], bool]) -> AsyncIterator[bytes]:

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 import pytest
 
 from kinesic.body.config import ConfigError
-from kinesic.cli.serve import read_address, read_rules
+from kinesic.cli.live.serve import read_address, read_rules
 from kinesic.client import Client
 from kinesic.serve.server import Address
 from kinesic.serve.wire.quotas import USUAL

@@ -3,7 +3,7 @@
 import asyncio
 import signal
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractAsyncContextManager, AsyncExitStack
 from dataclasses import fields, replace
 from ipaddress import ip_address
@@ -27,6 +27,7 @@ from kinesic.serve.server import Address, Serving, open_serving, until_done
 from kinesic.serve.sinks import AHEAD, RealServos, RealTimeSink, RealTwin
 from kinesic.serve.tracks import SoundAndFace
 from kinesic.serve.wire.origin import Access, read_origin
+from kinesic.serve.wire.pages import NO_FILES, WebFile
 from kinesic.serve.wire.quotas import USUAL, Quotas
 from kinesic.speech.loudspeaker import audio_fault
 
@@ -41,6 +42,32 @@ def serve_blocks(
     rules: tuple[str, ...],
 ) -> int:
     """Performs blocks as they come by TCP, WebSocket and standard input, until somebody ends it."""
+    return open_and_serve(planning, door, performers, sound, rules)
+
+
+def open_and_serve(
+    planning: Planning,
+    door: Door,
+    performers: Performers,
+    sound: bool | None,
+    rules: tuple[str, ...],
+    *,
+    files: Mapping[str, WebFile] = NO_FILES,
+    folder: Path | None = None,
+    opened: Callable[[Address], None] = lambda _address: None,
+) -> int:
+    """Opens a server, and waits until it has ended.
+
+    Args:
+        planning: how documents are planned.
+        door: where clients come in.
+        performers: who performs.
+        sound: whether speech is heard; None: where that works.
+        rules: changes of limits, NAME=VALUE.
+        files: that browsers may have.
+        folder: where clients keep documents.
+        opened: called with the address once clients may come.
+    """
     why = audio_fault() if sound is not False else "not wanted"
     if sound and why:
         raise ConfigError(f"--sound: {why}")
@@ -54,8 +81,10 @@ def serve_blocks(
         rules=limits,
         access=access,
         accompaniment=SoundAndFace(face="face" in performers.sinks, sound=not why),
+        files=files,
+        folder=folder,
     )
-    return asyncio.run(_serve(server, sinks))
+    return asyncio.run(_serve(server, sinks, opened))
 
 
 def read_address(text: str, token: str | None) -> Address | None:
@@ -111,21 +140,25 @@ def _open_sinks(planning: Planning, performers: Performers) -> list[RealTimeSink
     return opened
 
 
-async def _serve(server: AbstractAsyncContextManager[Serving], sinks: Sequence[RealTimeSink]) -> int:
+async def _serve(
+    server: AbstractAsyncContextManager[Serving], sinks: Sequence[RealTimeSink], opened: Callable[[Address], None]
+) -> int:
     enough = asyncio.Event()
 
     def end() -> None:
         leave_closed_terminal()
         enough.set()
 
-    async with AsyncExitStack() as opened:
+    async with AsyncExitStack() as closing:
         with show_stages() as stage:
             stage("starting the planner")
-            open_ = await opened.enter_async_context(server)
+            open_ = await closing.enter_async_context(server)
         for number in (each for each in ENDING if signal.getsignal(each) is not signal.SIG_IGN):
             asyncio.get_running_loop().add_signal_handler(number, end)
         where = f"listening at {open_.address}" if open_.address is not None else "reading standard input"
         click.echo(f"{where}; Ctrl-C folds to rest and ends", err=True)
+        if open_.address is not None:
+            opened(open_.address)
         telling = asyncio.create_task(_tell_of_lost_events([each.sink for each in sinks]))
         await until_done(open_, enough, console=not sys.stdin.isatty())
         telling.cancel()

@@ -1,0 +1,46 @@
+"""The verbs of the live server: `kinesic serve`, and `kinesic studio` with its page."""
+
+from dataclasses import fields
+from pathlib import Path
+
+import click
+
+from kinesic.cli.options import done_by, door, performers, planning
+from kinesic.serve.wire.quotas import USUAL, Quotas
+
+RULE_HELP = (
+    f"A limit for clients: {', '.join(f'{each.name}={getattr(USUAL, each.name):g}' for each in fields(Quotas))}."
+)
+FOLDER_HELP = "Where documents are opened and saved (default: that of FILE, or this one)."
+
+
+@click.command("serve")
+@planning
+@door
+@performers("Who performs.")
+@click.option("--sound/--no-sound", default=None, help="Speech is heard (default: where that works).")
+@click.option("--rule", "rules", multiple=True, metavar="NAME=VALUE", help=RULE_HELP)
+@done_by("live.serve:serve_blocks")
+def serve_verb() -> None:
+    """Performs blocks of BML as they come, and answers with BML feedback.
+
+    Messages come by TCP (each ends with a NUL byte), by WebSocket at the same address (one message is one block), and
+    on standard input, unless that is a terminal.
+    """
+
+
+@click.command("studio")
+@click.argument("file", required=False, type=click.Path(path_type=Path))
+@planning
+@door
+@performers("Who performs.")
+@click.option("--folder", type=click.Path(path_type=Path, file_okay=False), help=FOLDER_HELP)
+@click.option("--sound/--no-sound", default=None, help="Speech is heard (default: where that works).")
+@click.option("--browser/--no-browser", default=True, help="Opens the page in the browser, where there is a display.")
+@click.option("--rule", "rules", multiple=True, metavar="NAME=VALUE", help=RULE_HELP)
+@done_by("live.studio:open_studio")
+def studio_verb() -> None:
+    """Opens the studio: a page on which FILE (BML) is written, seen and performed.
+
+    It is `kinesic serve` with a page at the same address: programs may connect meanwhile.
+    """

@@ -1,0 +1,53 @@
+"""`kinesic studio`: the server, and a page in the browser on which documents are written, seen and performed."""
+
+import webbrowser
+from pathlib import Path
+
+import click
+
+from kinesic.body.config import ConfigError
+from kinesic.cli.live.serve import open_and_serve
+from kinesic.cli.options import Door, Performers, Planning
+from kinesic.face.show.window import has_display
+from kinesic.serve.desk.documents import NAME
+from kinesic.serve.server import Address
+from kinesic.studio.page import page_files
+
+
+def open_studio(
+    file: Path | None,
+    planning: Planning,
+    door: Door,
+    performers: Performers,
+    folder: Path | None,
+    sound: bool | None,
+    browser: bool,
+    rules: tuple[str, ...],
+) -> int:
+    """Serves the page, and clients like any server, until somebody ends it."""
+    if door.listen == "none":
+        raise ConfigError("--listen none: a page needs an address; give HOST:PORT")
+    place = folder or (Path() if file is None else file.parent)
+    if file is not None:
+        _check_document(file, place)
+    if not place.is_dir():
+        raise ConfigError(f"--folder {place}: there is no such folder; make it first")
+    setup = planning.set_up()
+    files = page_files(setup.robot, setup.lexicon, document=None if file is None else file.name)
+
+    def opened(address: Address) -> None:
+        url = f"http://{address}/"
+        click.echo(f"the studio: {url}", err=True)
+        if browser and has_display():
+            webbrowser.open(url)
+
+    return open_and_serve(planning, door, performers, sound, rules, files=files, folder=place.resolve(), opened=opened)
+
+
+def _check_document(file: Path, folder: Path) -> None:
+    if NAME.fullmatch(file.name) is None:
+        raise ConfigError(f"{file}: give NAME.bml, of letters, digits, - and _")
+    if file.parent.resolve() != folder.resolve():
+        raise ConfigError(f"{file} is not in the folder {folder}, outside of which nothing is read")
+    if not file.is_file():
+        raise ConfigError(f"{file}: there is no such file")

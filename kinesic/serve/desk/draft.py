@@ -1,0 +1,116 @@
+"""Says what a document would become: when everything happens, how the body moves, and what is not as asked."""
+
+import re
+from base64 import b64encode
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from kinesic.bml.block import BmlError, Bounds, Speech
+from kinesic.bml.parse import parse
+from kinesic.body.config import ConfigError
+from kinesic.planning.plan import Plan, plan_block
+from kinesic.planning.setup import Setup
+
+Json = str | int | float | bool | None | Sequence["Json"] | Mapping[str, "Json"]
+
+RATE = 50.0  # [Hz] of the angles
+SOURCE = "document"
+PLACE = re.compile(rf"{SOURCE}:(\d+):(\d+): (.*)", re.DOTALL)
+
+
+def draft(bml: str, changes: tuple[str, ...], setup: Setup, *, bounds: Bounds, longest: float) -> dict[str, Json]:
+    """Plans a document that nobody performs.
+
+    Args:
+        bml: the document.
+        changes: NAME=VALUE of the style.
+        setup: what it is planned with.
+        bounds: how large it may be.
+        longest: [s] that it may last.
+
+    Returns:
+        What docs/serve.md says of `plan`; for a document that is refused, the error and its place.
+    """
+    try:
+        known = replace(setup, style=setup.style.changed(changes))
+        block = parse(bml, source=SOURCE, dialect=known.dialect, performer=known.character, bounds=bounds)
+        planned = plan_block(block, known)
+    except (BmlError, ConfigError) as error:
+        return {"error": _error(str(error))}
+    if planned.duration > longest:
+        return {"error": {"line": 1, "column": 1, "text": f"lasts {planned.duration:.0f} s, at most {longest:g} s"}}
+    return draft_of(planned)
+
+
+def draft_of(planned: Plan) -> dict[str, Json]:
+    """Writes a plan as clients read it; times are those of the performance [s], from its first command."""
+    zero, end = planned.trajectory.zero, planned.duration
+    times = np.arange(int(np.ceil(end * RATE)) + 1) / RATE
+    outcomes = planned.keyframes.outcomes
+    return {
+        "block": planned.timeline.block.id,
+        "duration": round(end, 4),
+        "zero": round(zero, 4),
+        "behaviours": [
+            {
+                "id": each.id,
+                "type": each.type,
+                "outcome": outcomes[each.id].kind if each.id in outcomes else "realised",
+                "why": outcomes[each.id].why if each.id in outcomes else "",
+            }
+            for each in planned.timeline.block.behaviours
+        ],
+        "syncs": [
+            {
+                "behaviour": sync.behaviour,
+                "sync": sync.sync,
+                "asked": round(zero + sync.asked, 4),
+                "planned": round(zero + sync.planned, 4),
+            }
+            for sync in planned.syncs
+        ],
+        "words": list(_words(planned)),
+        "phonemes": list(_phonemes(planned)),
+        "notices": [
+            {"type": each.type.value, "id": each.id, "text": each.text}
+            for each in (*planned.timeline.notices, *planned.notices)
+        ],
+        "rate": RATE,
+        "angles": b64encode(planned.trajectory.sample(times)[0].astype("<f4").tobytes()).decode(),
+    }
+
+
+def _error(text: str) -> dict[str, Json]:
+    found = PLACE.fullmatch(text)
+    if found is None:
+        return {"line": 1, "column": 1, "text": text}
+    return {"line": int(found[1]), "column": int(found[2]), "text": found[3]}
+
+
+def _words(planned: Plan) -> Iterator[dict[str, Json]]:
+    """What is said between two marks, and the mark that it follows."""
+    for timed in planned.timeline.timed:
+        name, action = timed.behaviour.id, timed.behaviour.action
+        if not isinstance(action, Speech) or name not in planned.utterances:
+            continue
+        script, utterance = action.script, planned.utterances[name]
+        begin = planned.trajectory.zero + timed.times["start"]
+        marks = [(m.position, utterance.marks[m.name], m.name) for m in script.marks if m.name in utterance.marks]
+        cuts = [(0, 0.0, "start"), *sorted(marks), (len(script.text), utterance.duration, "end")]
+        for (first, start, mark), (last, stop, _) in pairwise(cuts):
+            text = " ".join(script.text[first:last].split())
+            if text:
+                span = {"start": round(begin + start, 4), "end": round(begin + stop, 4)}
+                yield {"speech": name, "mark": mark, "text": text, **span}
+
+
+def _phonemes(planned: Plan) -> Iterator[list[Json]]:
+    """Symbol and start [s] of every sound."""
+    for timed in planned.timeline.timed:
+        if (utterance := planned.utterances.get(timed.behaviour.id)) is not None:
+            begin = planned.trajectory.zero + timed.times["start"]
+            for phoneme in utterance.phonemes:
+                yield [phoneme.symbol, round(begin + phoneme.start, 4)]

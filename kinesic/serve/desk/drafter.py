@@ -1,0 +1,129 @@
+"""The process that drafts: plans documents for whoever asks, so that neither the loop nor other clients wait."""
+
+import traceback
+from asyncio import TimerHandle, get_running_loop
+from collections.abc import Callable
+from contextlib import suppress
+from multiprocessing.connection import Connection
+
+from kinesic.bml.block import Bounds
+from kinesic.child import Child, child_context
+from kinesic.controller import perform
+from kinesic.planning.setup import Setup
+from kinesic.serve import planner
+from kinesic.serve.desk.draft import Json, draft
+from kinesic.serve.planner import DEFECTS
+from kinesic.serve.wire.protocol import json_answer
+from kinesic.serve.wire.questions import PlanQuestion
+from kinesic.serve.wire.quotas import Quotas
+
+Send = Callable[[str], None]
+
+
+def run_drafter(make_setup: Callable[[], Setup], questions: Connection, rules: Quotas) -> None:
+    """Answers one question after the other until the server is gone.
+
+    Args:
+        make_setup: makes what planning needs.
+        questions: of clients; answers go back the same way.
+        rules: how large a document may be, and how long a block.
+    """
+    setup, bounds = make_setup(), Bounds(rules.message, rules.depth)
+    with suppress(EOFError, BrokenPipeError, ConnectionResetError):
+        while True:
+            question: PlanQuestion = questions.recv()
+            found: dict[str, Json]
+            try:
+                found = draft(question.bml, question.set, setup, bounds=bounds, longest=rules.duration)
+            except DEFECTS as error:
+                traceback.print_exception(error)
+                found = _failure(f"planning failed ({type(error).__name__}); please report the document")
+            questions.send(json_answer("plan", id=question.id, **found))
+
+
+class Drafter:
+    """Has questions answered one by one; of a client's that wait, only the newest."""
+
+    def __init__(self, make_setup: Callable[[], Setup], rules: Quotas) -> None:
+        """Begins no process before the first question.
+
+        Args:
+            make_setup: makes what planning needs, in the other process.
+            rules: how large a document may be, and how long one may take.
+        """
+        self._make_setup, self._rules = make_setup, rules
+        self._child: Child | None = None
+        self._pipe: Connection | None = None
+        self._waiting: dict[int, tuple[PlanQuestion, Send]] = {}  # by client
+        self._present: tuple[PlanQuestion, Send] | None = None
+        self._watch: TimerHandle | None = None
+
+    def ask(self, client: int, question: PlanQuestion, send: Send) -> None:
+        """Takes a question; an older one of this client's that still waits is answered as outdated."""
+        older = self._waiting.pop(client, None)
+        if older is not None:
+            older[1](json_answer("plan", id=older[0].id, outdated=True))
+        self._waiting[client] = (question, send)
+        self._next()
+
+    def warm_up(self) -> None:
+        """Begins the process before anybody asks."""
+        if self._pipe is None:
+            self._begin()
+
+    def close(self) -> None:
+        """Ends the process."""
+        self._waiting.clear()
+        self._end()
+
+    def _next(self) -> None:
+        if self._present is not None or not self._waiting:
+            return
+        self.warm_up()
+        self._present = self._waiting.pop(next(iter(self._waiting)))
+        with suppress(OSError):  # it has died, as the reader finds out
+            if self._pipe is not None:
+                self._pipe.send(self._present[0])
+        self._watch = get_running_loop().call_later(self._rules.planning, self._give_up)
+
+    def _begin(self) -> None:
+        context = child_context(planner.__name__, perform.__name__, self._make_setup.__module__)
+        self._pipe, theirs = context.Pipe()
+        self._child = Child(context, run_drafter, self._make_setup, theirs, self._rules, name="drafter")
+        get_running_loop().add_reader(self._pipe.fileno(), self._receive)
+
+    def _receive(self) -> None:
+        if self._pipe is None:
+            return
+        try:
+            self._finish(self._pipe.recv())
+        except (EOFError, OSError):
+            self._give_up()
+
+    def _give_up(self) -> None:
+        """Ends a process that has died or takes too long; the next question begins another."""
+        self._end()
+        if self._present is not None:
+            what = f"planning failed, or took longer than {self._rules.planning:g} s; send something simpler"
+            self._finish(json_answer("plan", id=self._present[0].id, **_failure(what)))
+
+    def _finish(self, answer: str) -> None:
+        if self._watch is not None:
+            self._watch.cancel()
+        present, self._present = self._present, None
+        if present is not None:
+            present[1](answer)
+        self._next()
+
+    def _end(self) -> None:
+        if self._pipe is not None:
+            get_running_loop().remove_reader(self._pipe.fileno())
+            self._pipe.close()
+            self._pipe = None
+        if self._child is not None:
+            self._child.kill()
+            self._child = None
+
+
+def _failure(text: str) -> dict[str, Json]:
+    return {"error": {"line": 1, "column": 1, "text": text}}

@@ -1,0 +1,51 @@
+"""Messages that ask and move nothing: where a hand can go, what a document would become, how the robot is."""
+
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct
+
+Length = Annotated[float, Meta(ge=-10.0, le=10.0)]  # [m]
+Angle = Annotated[float, Meta(ge=-10.0, le=10.0)]  # [rad]
+Place = tuple[Length, Length, Length]  # in the world
+LONG_VERBS = frozenset({"plan", "save"})  # whose messages carry documents, and may be as long as one
+
+
+class ReachQuestion(Struct, tag="reach", tag_field="do", forbid_unknown_fields=True):
+    """Asks for the posture that brings a hand to a place."""
+
+    side: Literal["left", "right"]
+    target: Place
+    posture: tuple[Angle, ...] | None = None  # [rad] from which it starts, in joint order; None: rest
+    id: int = 0  # of the question, in its answer
+
+
+class PlanQuestion(Struct, tag="plan", tag_field="do", forbid_unknown_fields=True):
+    """Asks what a document would become."""
+
+    bml: str
+    set: tuple[str, ...] = ()  # NAME=VALUE of the style, as the command line's --set
+    id: int = 0
+
+
+class WatchRequest(Struct, tag="watch", tag_field="do", forbid_unknown_fields=True):
+    """Asks for the state of the robot, again and again."""
+
+    rate: float = 20.0  # [Hz]; 0: no longer
+
+
+class SaveRequest(Struct, tag="save", tag_field="do", forbid_unknown_fields=True):
+    """Asks to keep a document in the folder that the server was given."""
+
+    name: str  # of the file, without a folder
+    text: str
+    id: int = 0
+
+
+class OpenRequest(Struct, tag="open", tag_field="do", forbid_unknown_fields=True):
+    """Asks for a document of that folder, or for the names of all."""
+
+    name: str | None = None
+    id: int = 0
+
+
+Question = ReachQuestion | PlanQuestion | WatchRequest | SaveRequest | OpenRequest

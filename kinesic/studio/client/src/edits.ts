@@ -1,0 +1,102 @@
+// Edits of a document, each a pure function from text to text: whatever it does not change stays byte for byte.
+import { attributeOf, isMark, opens, tagsOf, tagWithId, withAttribute } from "./xml.ts";
+
+/** Sync points in the order in which they happen. */
+export const POINTS = ["start", "ready", "strokeStart", "attackPeak", "stroke", "strokeEnd", "relax", "end"] as const;
+const PINNING: readonly string[] = ["start", "ready", "strokeStart", "attackPeak", "stroke", "strokeEnd"];
+
+export type Anchor = { speech: string; mark: string } | { time: number };
+
+/** A time as documents have it: to a millisecond, without useless zeros. */
+export const written = (seconds: number): string => String(Math.round(seconds * 1000) / 1000);
+
+/** Ties a sync point of a behaviour to a mark of a speech, or to a time of the block [s]; others that pin it go. */
+export function tie(text: string, behaviour: string, point: string, anchor: Anchor): string {
+  const value = "time" in anchor ? written(Math.max(0, anchor.time)) : `${anchor.speech}:${anchor.mark}`;
+  return pin(text, behaviour, point, value);
+}
+
+/** Moves a sync point by some seconds from where it is asked to be now [s of the block], its reference kept. */
+export function shift(text: string, behaviour: string, point: string, by: number, asked: number): string {
+  const tag = tagWithId(text, behaviour);
+  const old = tag && attributeOf(tag, point)?.value;
+  const parts = old?.match(/^\s*([A-Za-z_][^\s+]*?)\s*([+-]\s*[\d.]+)?\s*$/);
+  if (!parts) return tie(text, behaviour, point, { time: asked + by });
+  const offset = Math.round((Number((parts[2] ?? "0").replace(/\s/g, "")) + by) * 1000) / 1000;
+  const sign = offset > 0 ? "+" : "";
+  return pin(text, behaviour, point, `${parts[1]}${offset === 0 ? "" : sign + written(offset)}`);
+}
+
+function pin(text: string, behaviour: string, point: string, value: string): string {
+  const others = PINNING.includes(point) ? PINNING.filter((name) => name !== point) : [];
+  return [...others.map((name) => [name, null] as const), [point, value] as const].reduce(
+    (present, [name, to]) => setAttribute(present, behaviour, name, to),
+    text,
+  );
+}
+
+/** Sets an attribute of a behaviour; null takes it away. */
+export function setAttribute(text: string, behaviour: string, name: string, value: string | null): string {
+  const tag = tagWithId(text, behaviour);
+  return tag ? withAttribute(text, tag, name, value) : text;
+}
+
+/** The text with a mark before the n-th word after a mark (or the start) of a speech, and its id. */
+export function mark(text: string, speech: string, after: string, word: number): { text: string; mark: string } {
+  if (word === 0) return { text, mark: after };
+  const tags = tagsOf(text);
+  const first = tags.findIndex((tag) => opens(tag, speech));
+  const last = tags.findIndex((tag, k) => k > first && tag.closing && tag.name === tags[first]?.name);
+  const inside = tags.slice(first + 1, last < 0 ? undefined : last);
+  const from = inside.findIndex((tag) => isMark(tag) && tag.attributes.some((a) => a.value === after));
+  const opening = inside.findIndex((tag) => tag.name === "text" && !tag.closing);
+  const begin = inside[from >= 0 ? from : opening] ?? tags[first];
+  if (first < 0 || !begin) return { text, mark: after };
+  const end = tags[last]?.from ?? text.length;
+  const at = wordAt(text, begin.to, end, word);
+  if (at < 0) return { text, mark: after };
+  const id = unusedId(tags.flatMap((tag) => tag.attributes.filter((a) => a.name === "id").map((a) => a.value)));
+  return { text: `${text.slice(0, at)}<sync id="${id}"/>${text.slice(at)}`, mark: id };
+}
+
+/** Where the n-th word begins in a stretch of text, tags passed over; -1 where there are fewer. */
+function wordAt(text: string, from: number, to: number, count: number): number {
+  const pieces = /<[^>]*>|[^\s<]+/g;
+  pieces.lastIndex = from;
+  for (let seen = 0, match = pieces.exec(text); match && match.index < to; match = pieces.exec(text)) {
+    if (match[0].startsWith("<")) continue;
+    if (seen === count) return match.index;
+    seen += 1;
+  }
+  return -1;
+}
+
+function unusedId(used: string[]): string {
+  let number = 1;
+  while (used.includes(`m${number}`)) number += 1;
+  return `m${number}`;
+}
+
+/** A behaviour, with its line, gone. */
+export function remove(text: string, behaviour: string): string {
+  const tags = tagsOf(text);
+  const first = tags.findIndex((tag) => opens(tag, behaviour));
+  const tag = tags[first];
+  if (!tag) return text;
+  const last = tag.empty ? tag : tags.slice(first).find((each) => each.closing && each.name === tag.name);
+  if (!last) return text;
+  const blank = text.slice(0, tag.from).match(/\n[ \t]*$/)?.[0].length ?? 0;
+  return text.slice(0, tag.from - blank) + text.slice(last.to);
+}
+
+/** A gesture more, at a time of the block [s], as the last behaviour. */
+export function addGesture(text: string, lexeme: string, time: number): string {
+  const tags = tagsOf(text);
+  const end = tags.findLast((tag) => tag.closing && tag.name === "bml");
+  if (!end) return text;
+  const used = tags.flatMap((tag) => tag.attributes.filter((a) => a.name === "id").map((a) => a.value));
+  let id = lexeme.toLowerCase().replace(/[^a-z0-9]+/g, "_");
+  for (let k = 2, stem = id; used.includes(id); k++) id = `${stem}${k}`;
+  const line = `  <gesture id="${id}" lexeme="${lexeme}" start="${written(time)}"/>\n`;
+  return text.slice(0, end.from) + line + text.slice(end.from);
+}

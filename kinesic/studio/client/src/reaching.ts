@@ -1,0 +1,82 @@
+// A hand that is dragged: asks the server for each posture, one question at a time, and says what stops the hand.
+import type { Drag } from "./stage.ts";
+import type { Body, Reached } from "./types.ts";
+import type { Wire } from "./wire.ts";
+
+const KEPT = 500; // latencies
+const plain = (name: string) => name.replace(/^l_/, "left ").replace(/^r_/, "right ").replaceAll("_", " ");
+
+export class Reaching {
+  found: Reached | null = null;
+  /** [ms] from a move of the pointer to the answer. */
+  readonly latencies: number[] = [];
+  private next: { drag: Drag; at: number } | null = null;
+  private busy = false;
+  private posture: number[] | null = null;
+
+  constructor(
+    private readonly body: Body,
+    private readonly wire: Wire,
+    private readonly tell: (found: Reached | null) => void,
+    private readonly start: () => readonly number[],
+  ) {}
+
+  /** The posture that is shown instead of any other; null where no hand has been dragged. */
+  get shown(): readonly number[] | null {
+    return this.posture;
+  }
+
+  /** Segments that stop the hand. */
+  get lit(): ReadonlySet<number> {
+    const found = this.found;
+    if (!found || found.reached) return new Set();
+    const hinges = new Set(found.limits.map((name) => this.body.hinges.indexOf(name)));
+    const limited = this.body.segments.flatMap((segment, k) =>
+      segment.hinges.some(({ hinge }) => hinges.has(hinge)) ? [k] : [],
+    );
+    return new Set([...limited, ...(found.contact ?? []).map((name) => this.body.names.indexOf(name))]);
+  }
+
+  drag(drag: Drag): void {
+    this.next = { drag, at: performance.now() };
+    if (!this.busy) void this.ask();
+  }
+
+  drop(): void {
+    this.next = null;
+  }
+
+  /** Goes back to what is planned. */
+  forget(): void {
+    if (!this.posture) return;
+    this.posture = this.found = this.next = null;
+    this.tell(null);
+  }
+
+  /** What stops the hand, in words. */
+  words(found: Reached | null): string {
+    if (!found) return "";
+    if (found.reached) return "within reach";
+    const far = `${(100 * found.residual).toFixed(1)} cm short`;
+    if (found.contact) return `${found.contact.map(plain).join(" meets ")}: ${far}`;
+    if (found.limits.length) return `at its limit: ${found.limits.map(plain).join(", ")}; ${far}`;
+    return `the arm is straight: ${far}`;
+  }
+
+  private async ask(): Promise<void> {
+    this.busy = true;
+    while (this.next) {
+      const { drag, at } = this.next;
+      this.next = null;
+      const posture = this.posture ?? this.start();
+      const answer = await this.wire.ask("reach", { side: drag.side, target: drag.target, posture });
+      if (answer?.told !== "reach") break;
+      this.found = answer as unknown as Reached;
+      this.posture = this.found.angles;
+      this.tell(this.found);
+      this.latencies.push(performance.now() - at);
+      this.latencies.splice(0, this.latencies.length - KEPT);
+    }
+    this.busy = false;
+  }
+}

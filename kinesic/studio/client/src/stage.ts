@@ -1,0 +1,199 @@
+// The stage: the robot from any side, and hands that can be dragged.
+import { type Look, type Scene, sceneOf } from "kinesic:scene";
+import type { Body, Side } from "./types.ts";
+import { project, unproject, type Vector } from "./vectors.ts";
+
+const GRIP = 30; // [CSS pixels] around a hand, in which it is taken
+export const VIEWS = ["front", "left", "top", "free"] as const;
+export type View = (typeof VIEWS)[number];
+
+export interface Drag {
+  side: Side;
+  target: Vector;
+}
+
+export interface Shown {
+  angles: readonly number[];
+  ghost: readonly number[] | undefined;
+  lit: ReadonlySet<number>;
+}
+
+export class Stage {
+  readonly flat: boolean;
+  look: Look;
+  drawn = 0;
+  private readonly scene: Scene | null;
+  private shown: Shown;
+  private due = false;
+  private dragged: { side: Side; grip: Vector } | null = null;
+  private over: Side | null = null;
+
+  constructor(
+    private readonly canvas: HTMLCanvasElement,
+    private readonly body: Body,
+    private readonly listener: { drag(drag: Drag): void; drop(): void },
+  ) {
+    this.scene = sceneOf(canvas, body);
+    this.flat = this.scene === null;
+    this.look = this.lookOf("free");
+    this.shown = { angles: body.rest, ghost: undefined, lit: new Set() };
+    this.listen();
+  }
+
+  /** Shows the robot from one of the usual sides. */
+  view(view: View): void {
+    this.look = this.lookOf(view);
+    this.redraw();
+  }
+
+  show(shown: Shown): void {
+    this.shown = shown;
+    this.redraw();
+  }
+
+  /** Draws at the next chance, however often it is asked. */
+  redraw(): void {
+    if (this.due) return;
+    this.due = true;
+    requestAnimationFrame(() => this.draw());
+  }
+
+  /** Where a hand is on the canvas [CSS pixels]. */
+  handAt(side: Side): { x: number; y: number } | null {
+    const place = this.hand(side);
+    if (!this.scene || !place) return null;
+    const seen = project(this.scene.camera(this.look).view, place);
+    const area = this.canvas.getBoundingClientRect();
+    return { x: area.left + ((seen.x + 1) / 2) * area.width, y: area.top + ((1 - seen.y) / 2) * area.height };
+  }
+
+  private lookOf(view: View): Look {
+    const [x, y, z] = this.body.view.from as [number, number, number];
+    const free = { turn: Math.atan2(y, x), rise: Math.asin(z / Math.hypot(x, y, z)), zoom: 1 };
+    const sides: Record<View, Look> = {
+      free,
+      front: { turn: 0, rise: 0.05, zoom: 1 },
+      left: { turn: Math.PI / 2, rise: 0.05, zoom: 1 },
+      top: { turn: 0, rise: 1.5, zoom: 1 },
+    };
+    return sides[view];
+  }
+
+  private hand(side: Side): Vector | null {
+    const frame = this.scene?.frames(this.shown.angles)[this.body.hands[side === "left" ? "l" : "r"]];
+    return frame ? [frame[12]!, frame[13]!, frame[14]!] : null;
+  }
+
+  private draw(): void {
+    this.due = false;
+    const ink = getComputedStyle(this.canvas)
+      .color.match(/[\d.]+/g)
+      ?.slice(0, 3)
+      .map((value) => Number(value) / 255);
+    this.scene?.draw({
+      look: this.look,
+      twin: { angles: this.shown.angles },
+      ghost: this.shown.ghost,
+      beside: false,
+      ink: ink ?? [0, 0, 0],
+      lit: this.shown.lit,
+    });
+    this.drawn += 1;
+  }
+
+  private point(event: PointerEvent | MouseEvent): { x: number; y: number } {
+    const area = this.canvas.getBoundingClientRect();
+    return {
+      x: (2 * (event.clientX - area.left)) / area.width - 1,
+      y: 1 - (2 * (event.clientY - area.top)) / area.height,
+    };
+  }
+
+  private handUnder(event: PointerEvent): Side | null {
+    const far = (side: Side) => {
+      const at = this.handAt(side);
+      return at ? Math.hypot(at.x - event.clientX, at.y - event.clientY) : Number.POSITIVE_INFINITY;
+    };
+    const nearest: Side = far("left") < far("right") ? "left" : "right";
+    return far(nearest) <= GRIP ? nearest : null;
+  }
+
+  private listen(): void {
+    const { canvas } = this;
+    new ResizeObserver(() => this.redraw()).observe(canvas);
+    canvas.addEventListener("webglcontextrestored", () => this.redraw());
+    canvas.addEventListener("pointerdown", (event) => {
+      canvas.setPointerCapture(event.pointerId);
+      const side = this.handUnder(event);
+      const place = side && this.hand(side);
+      this.dragged = side && place ? { side, grip: place } : null;
+    });
+    canvas.addEventListener("pointermove", (event) => {
+      if (this.dragged) this.dragTo(event, this.dragged);
+      else if (event.buttons & 1 && canvas.hasPointerCapture(event.pointerId)) this.orbit(event);
+      else this.hover(this.handUnder(event));
+    });
+    for (const kind of ["pointerup", "pointercancel"] as const)
+      canvas.addEventListener(kind, () => {
+        if (this.dragged) this.listener.drop();
+        this.dragged = null;
+      });
+    canvas.addEventListener("wheel", (event) => this.zoom(event), { passive: false });
+    canvas.addEventListener("dblclick", () => this.view("free"));
+    canvas.addEventListener("keydown", (event) => this.turnByKey(event));
+  }
+
+  private dragTo(event: PointerEvent, { side, grip }: { side: Side; grip: Vector }): void {
+    if (!this.scene) return;
+    const { eye, view } = this.scene.camera(this.look);
+    const { x, y } = this.point(event);
+    const [ex, ey, ez] = eye as [number, number, number];
+    const place = unproject(view, [ex, ey, ez], x, y, grip);
+    const [ux, uy, uz] = this.scene.up as [number, number, number];
+    this.listener.drag({ side, target: [place[0] - ux, place[1] - uy, place[2] - uz] });
+  }
+
+  private orbit(event: PointerEvent): void {
+    this.look = {
+      turn: this.look.turn - 0.008 * event.movementX,
+      rise: Math.min(Math.max(this.look.rise + 0.008 * event.movementY, -0.1), 1.5),
+      zoom: this.look.zoom,
+    };
+    this.redraw();
+  }
+
+  private hover(side: Side | null): void {
+    if (side === this.over) return;
+    this.over = side;
+    this.canvas.style.cursor = side ? "grab" : "";
+  }
+
+  private zoom(event: WheelEvent): void {
+    event.preventDefault();
+    this.zoomBy(Math.exp(-0.0015 * event.deltaY));
+  }
+
+  private zoomBy(factor: number): void {
+    this.look = { ...this.look, zoom: Math.min(Math.max(this.look.zoom * factor, 0.5), 6) };
+    this.redraw();
+  }
+
+  private turnByKey(event: KeyboardEvent): void {
+    const turns: Record<string, [number, number]> = {
+      ArrowLeft: [0.1, 0],
+      ArrowRight: [-0.1, 0],
+      ArrowUp: [0, 0.1],
+      ArrowDown: [0, -0.1],
+    };
+    const turn = turns[event.key];
+    if (event.key === "+" || event.key === "-") this.zoomBy(event.key === "+" ? 1.1 : 1 / 1.1);
+    if (!turn) return;
+    event.preventDefault();
+    this.look = {
+      turn: this.look.turn + turn[0],
+      rise: Math.min(Math.max(this.look.rise + turn[1], -0.1), 1.5),
+      zoom: this.look.zoom,
+    };
+    this.redraw();
+  }
+}

@@ -1,0 +1,60 @@
+// The document as text, with numbered lines and the place of an error.
+import { byId, make } from "./dom.ts";
+import type { Fault } from "./types.ts";
+import { attributeOf, tagWithId } from "./xml.ts";
+
+export class TextPane {
+  private readonly area = byId<HTMLTextAreaElement>("text");
+  private readonly gutter = byId("gutter");
+  private fault: Fault | null = null;
+
+  constructor(changed: (text: string) => void) {
+    this.area.addEventListener("input", () => {
+      this.number();
+      changed(this.area.value);
+    });
+    this.area.addEventListener("scroll", () => {
+      this.gutter.scrollTop = this.area.scrollTop;
+    });
+  }
+
+  show(text: string): void {
+    const { scrollTop } = this.area;
+    this.area.value = text;
+    this.area.scrollTop = scrollTop;
+    this.number();
+  }
+
+  /** Shows where the document is wrong; null: nowhere. */
+  mark(fault: Fault | null): void {
+    this.fault = fault;
+    this.area.setAttribute("aria-invalid", String(fault !== null));
+    byId("fault").textContent = fault ? `${fault.line}:${fault.column} ${fault.text}` : "";
+    byId("fault").hidden = fault === null;
+    this.number();
+  }
+
+  /** Brings a behaviour into sight. */
+  find(behaviour: string): void {
+    const tag = tagWithId(this.area.value, behaviour);
+    if (!tag) return;
+    const line = this.area.value.slice(0, tag.from).split("\n").length;
+    this.area.setSelectionRange(tag.from, tag.to);
+    this.area.scrollTop = (line - 4) * Number.parseFloat(getComputedStyle(this.area).lineHeight);
+  }
+
+  attribute(behaviour: string, name: string): string | undefined {
+    const tag = tagWithId(this.area.value, behaviour);
+    return tag && attributeOf(tag, name)?.value;
+  }
+
+  private number(): void {
+    const count = this.area.value.split("\n").length;
+    while (this.gutter.children.length > count) this.gutter.lastElementChild?.remove();
+    while (this.gutter.children.length < count)
+      this.gutter.append(make("li", {}, String(this.gutter.children.length + 1)));
+    this.gutter.querySelector(".wrong")?.classList.remove("wrong");
+    if (this.fault) this.gutter.children[this.fault.line - 1]?.classList.add("wrong");
+    this.gutter.scrollTop = this.area.scrollTop;
+  }
+}

@@ -1,0 +1,83 @@
+// What the server tells: see docs/serve.md.
+
+export interface Hinge {
+  hinge: number;
+  axis: number[];
+  at: number[];
+}
+
+export interface Body {
+  name: string;
+  hinges: string[];
+  names: string[];
+  rest: number[];
+  lower: number[];
+  upper: number[];
+  hands: { l: number; r: number };
+  arm_length: number;
+  gesture_origin: number[];
+  segments: { hinges: Hinge[] }[];
+  view: { from: number[] };
+}
+
+export interface About {
+  robot: Body;
+  gestures: { id: string; category: string; says: string }[];
+  examples: { name: string; text: string }[];
+  document: string | null;
+}
+
+export interface Fault {
+  line: number;
+  column: number;
+  text: string;
+}
+
+export interface Sync {
+  behaviour: string;
+  sync: string;
+  asked: number;
+  planned: number;
+}
+
+/** What is said between two marks of a speech. */
+export interface Piece {
+  speech: string;
+  mark: string;
+  text: string;
+  start: number;
+  end: number;
+}
+
+export interface Draft {
+  block: string;
+  duration: number;
+  zero: number;
+  behaviours: { id: string; type: string; outcome: string; why: string }[];
+  syncs: Sync[];
+  words: Piece[];
+  phonemes: [string, number][];
+  notices: { type: string; id: string; text: string }[];
+  rate: number;
+  angles: string;
+}
+
+export type Side = "left" | "right";
+
+export interface Reached {
+  id: number;
+  angles: number[];
+  residual: number;
+  reached: boolean;
+  limits: string[];
+  contact: [string, string] | null;
+}
+
+export interface BodyReport {
+  time: number;
+  angles: number[];
+  planned: number[];
+  hottest: number | null;
+  volts: number | null;
+  faulty: boolean;
+}

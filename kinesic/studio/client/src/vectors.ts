@@ -1,0 +1,28 @@
+// Places and directions in the picture, and how they appear on the canvas.
+
+export type Vector = readonly [number, number, number];
+
+export const plus = (a: Vector, b: Vector, scale = 1): Vector => [
+  a[0] + scale * b[0],
+  a[1] + scale * b[1],
+  a[2] + scale * b[2],
+];
+export const dot = (a: Vector, b: Vector): number => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+
+/** Where a place appears: across and up, each -1..1, and its depth. */
+export function project(view: Float32Array, [x, y, z]: Vector): { x: number; y: number; w: number } {
+  const row = (k: number) => view[k]! * x + view[k + 4]! * y + view[k + 8]! * z + view[k + 12]!;
+  return { x: row(0) / row(3), y: row(1) / row(3), w: row(3) };
+}
+
+/** The place that appears at a point of the canvas (-1..1) at the depth of another place. */
+export function unproject(view: Float32Array, eye: Vector, x: number, y: number, like: Vector): Vector {
+  // Rows of the matrix are the camera's axes: right and up scaled by the lens, and the way it looks.
+  const row = (k: number): Vector => [view[k]!, view[k + 4]!, view[k + 8]!];
+  const right = row(0);
+  const up = row(1);
+  const ahead = row(3);
+  const depth = dot(ahead, plus(like, eye, -1));
+  const across = plus(eye, ahead, depth / dot(ahead, ahead));
+  return plus(plus(across, right, (x * depth) / dot(right, right)), up, (y * depth) / dot(up, up));
+}

@@ -1,0 +1,69 @@
+"""Gathers the files of the page: what is built from `client/`, the robot's body, and examples."""
+
+from importlib.resources import files
+from pathlib import Path
+
+import msgspec
+
+from kinesic.body.robot import Robot
+from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.report.report import Json
+from kinesic.report.scene import scene_data
+from kinesic.serve.wire.pages import WebFile
+
+PAGE, EXAMPLES = (Path(__file__).parent / name for name in ("page", "examples"))
+GREETING = Path(str(files("kinesic"))) / "configs" / "bml" / "welcome.bml"
+TYPES = {
+    ".html": "text/html; charset=utf-8",
+    ".css": "text/css; charset=utf-8",
+    ".js": "text/javascript; charset=utf-8",
+    ".svg": "image/svg+xml",
+}
+JSON = "application/json"
+START = "index.html"
+
+
+def page_files(robot: Robot, lexicon: Lexicon, *, document: str | None = None) -> dict[str, WebFile]:
+    """Gathers all that a browser may have, by its path.
+
+    Args:
+        robot: that is shown.
+        lexicon: whose gestures are listed.
+        document: the name of the one that the page opens first, in the server's folder; None: an example.
+    """
+    found = {f"/{path.name}": WebFile(TYPES[path.suffix], path.read_bytes()) for path in sorted(PAGE.iterdir())}
+    found["/"] = found.pop(f"/{START}")
+    about = {"robot": body_data(robot), "gestures": _gestures(lexicon), "examples": _examples(), "document": document}
+    found["/studio.json"] = WebFile(JSON, msgspec.json.encode(about))
+    return found
+
+
+def body_data(robot: Robot) -> dict[str, Json]:
+    """Gathers what the page knows of the robot: its shapes, its hinges and their ranges, its hands and their space."""
+    skeleton = robot.skeleton
+    return {
+        **scene_data(robot),
+        "name": robot.name,
+        "hinges": list(skeleton.names),
+        "names": [segment.name for segment in skeleton.segments],
+        "rest": [round(float(angle), 4) for angle in skeleton.rest],
+        "lower": [round(float(angle), 4) for angle in skeleton.lower],
+        "upper": [round(float(angle), 4) for angle in skeleton.upper],
+        "hands": {side: robot.arm(side).wrist for side in ("l", "r")},
+        "arm_length": round(robot.arm_length, 4),
+        "gesture_origin": [round(float(value), 4) for value in robot.gesture_origin],
+    }
+
+
+def _gestures(lexicon: Lexicon) -> list[Json]:
+    """Id, category and meaning of every gesture."""
+    return [
+        {"id": form.id, "category": form.category, "says": sense.says}
+        for form, sense in zip(lexicon.forms, lexicon.senses, strict=True)
+    ]
+
+
+def _examples() -> list[Json]:
+    """Name and text of every example, the greeting first."""
+    paths = (GREETING, *sorted(EXAMPLES.glob("*.bml")))
+    return [{"name": path.stem.lstrip("0123456789_"), "text": path.read_text(encoding="utf-8")} for path in paths]

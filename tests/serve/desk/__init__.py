@@ -1,0 +1,1 @@
+"""In a package, so that what its tests share is made once."""

@@ -1,0 +1,92 @@
+"""Questions of clients over the wire: answered to whoever asked, numbered, and within the rules."""
+
+import json
+import os
+import signal
+
+import numpy as np
+import pytest
+
+from kinesic.expressivity.lexicon.space import to_world
+from kinesic.serve.wire.pages import WebFile
+
+from ..test_handshake import answer
+
+pytestmark = pytest.mark.realtime
+
+NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="n" lexeme="NOD" start="0"/></bml>'
+
+
+def told(client, what: str) -> dict:
+    """The next answer of a kind."""
+    while True:
+        message = client.receive(20)
+        assert message is not None
+        if message.startswith("{") and json.loads(message)["told"] == what:
+            return json.loads(message)
+
+
+def test_a_reach_is_answered_with_its_number(server, upper22_setup):
+    target = to_world(upper22_setup.robot, "r", np.array([0.5, 0.3, 0.2])).tolist()
+    with server.client() as client:
+        client.do("reach", side="right", target=target, id=7)
+        found = told(client, "reach")
+        assert (found["id"], found["reached"], found["limits"], found["contact"]) == (7, True, [], None)
+        client.do("reach", side="right", target=target, posture=[0.0])
+        assert "22 hinges" in told(client, "refused")["why"]
+        client.do("reach", side="right", target=[1e9, 0, 0])
+        assert "target" in told(client, "refused")["why"]
+
+
+def test_a_plan_is_answered_and_moves_nothing(server):
+    with server.client() as client, server.client() as other:
+        client.do("plan", bml=NOD + " " * 5000, id=3)  # longer than other control messages may be
+        found = told(client, "plan")
+        assert (found["id"], found["block"], [each["id"] for each in found["behaviours"]]) == (3, "b", ["n"])
+        other.do("status")
+        assert told(other, "status")["state"] == "resting"
+
+
+def test_a_drafter_that_dies_costs_one_answer(server):
+    with server.client() as client:
+        client.do("plan", bml=NOD, id=1)
+        told(client, "plan")
+        drafter = server.open.clients.session.desk.drafter
+        os.kill(drafter._child._process.pid, signal.SIGKILL)
+        client.do("plan", bml=NOD, id=2)
+        answers = [told(client, "plan")]
+        if "error" in answers[0]:
+            client.do("plan", bml=NOD, id=3)
+            answers.append(told(client, "plan"))
+        assert answers[-1]["block"] == "b"
+
+
+def test_a_watch_tells_the_body_until_it_is_ended(server):
+    with server.client() as client:
+        client.do("watch", rate=50)
+        first, second = told(client, "body"), told(client, "body")
+        assert second["time"] > first["time"]
+        assert len(second["angles"]) == len(second["planned"]) == 22
+        client.do("watch", rate=0)
+        client.do("ping", id="last")
+        told(client, "pong")
+        client.do("ping", id="later")
+        assert json.loads(client.receive(20))["told"] == "pong"
+
+
+def test_only_the_files_that_were_given_are_shown(server, monkeypatch):
+    files = {"/": WebFile("text/html", b"<p>hello")}
+    monkeypatch.setattr(server.open.reception, "_files", files)
+
+    def get(path: str, host: str = "localhost") -> bytes:
+        request = f"GET {path} HTTP/1.1\r\nHost: {host}:{server.port}\r\n\r\n"
+        return answer(server.port, request.encode())
+
+    shown = get("/?x=1")
+    assert shown.startswith(b"HTTP/1.1 200")
+    assert shown.endswith(b"<p>hello")
+    assert b"script-src 'self'" in shown
+    assert b"unsafe" not in shown
+    for path in ("/index.html", "/../pyproject.toml", "//etc/passwd", "/%2e%2e/pyproject.toml"):
+        assert get(path).startswith(b"HTTP/1.1 404"), path
+    assert get("/", host="evil.example").startswith(b"HTTP/1.1 421")

@@ -1,0 +1,38 @@
+"""Drafts: what a document would become, and the place of what is wrong."""
+
+from base64 import b64decode
+
+import numpy as np
+import pytest
+
+from kinesic.bml.block import BOUNDS
+from kinesic.serve.desk.draft import draft
+
+WORDS = (
+    '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="doc">\n'
+    '<speech id="s"><text>Say <sync id="m"/>one, and another.</text></speech>\n'
+    '<gesture id="g" lexeme="offer" mode="RIGHT_HAND" stroke="s:m"/></bml>'
+)
+
+
+def test_a_draft_has_words_strokes_and_the_motion(upper22_setup):
+    found = draft(WORDS, (), upper22_setup, bounds=BOUNDS, longest=60.0)
+    assert [(each["mark"], each["text"]) for each in found["words"]] == [("start", "Say"), ("m", "one, and another.")]
+    assert found["words"][0]["end"] == found["words"][1]["start"]
+    (stroke,) = [each for each in found["syncs"] if each["behaviour"] == "g" and each["sync"] == "stroke"]
+    assert stroke["asked"] == pytest.approx(found["words"][1]["start"], abs=1e-3)
+    hinges = len(upper22_setup.robot.skeleton.names)
+    angles = np.frombuffer(b64decode(found["angles"]), "<f4").reshape(-1, hinges)
+    assert len(angles) == pytest.approx(found["duration"] * found["rate"], abs=2)
+    assert np.allclose(angles[0], upper22_setup.robot.skeleton.rest, atol=1e-3)
+    assert np.ptp(angles, axis=0).max() > 0.5
+    assert found["phonemes"] == sorted(found["phonemes"], key=lambda each: each[1])
+
+
+def test_a_refusal_says_where(upper22_setup):
+    wrong = draft(WORDS.replace("s:m", "none:end"), (), upper22_setup, bounds=BOUNDS, longest=60.0)
+    assert wrong["error"]["line"] == 3
+    assert "none" in wrong["error"]["text"]
+    assert draft("<bml", (), upper22_setup, bounds=BOUNDS, longest=60.0)["error"]["line"] == 1
+    assert "at most 1 s" in draft(WORDS, (), upper22_setup, bounds=BOUNDS, longest=1.0)["error"]["text"]
+    assert "power" in draft(WORDS, ("powr=1",), upper22_setup, bounds=BOUNDS, longest=9.0)["error"]["text"]

@@ -1,0 +1,29 @@
+"""Postures for a dragged hand: they arrive, keep to the ranges and clear of the body, or say what stops them."""
+
+import numpy as np
+import pytest
+
+from kinesic.serve.desk.reach import reach_posture
+
+
+@pytest.mark.parametrize("side", ["l", "r"])
+def test_a_hand_arrives_or_its_reason_is_named(upper22_setup, side):
+    setup, robot, rng = upper22_setup, upper22_setup.robot, np.random.default_rng(7)
+    posture, stopped = robot.skeleton.rest, set()
+    for _ in range(60):
+        target = robot.gesture_origin + robot.arm_length * rng.uniform(-0.9, 0.9, 3)
+        found = reach_posture(robot, setup.distances, side, target, posture)
+        hand = robot.skeleton.frames(found.angles).origins[robot.arm(side).wrist]
+        assert np.linalg.norm(hand - target) == pytest.approx(found.residual, abs=1e-9)
+        assert (found.angles >= robot.skeleton.lower - 1e-9).all()
+        assert (found.angles <= robot.skeleton.upper + 1e-9).all()
+        assert setup.distances.clearance(found.angles[None]).distances[0] > robot.least_clearance - 1e-3
+        others = [k for k in range(len(posture)) if k not in robot.arm(side).joints]
+        assert np.array_equal(found.angles[others], posture[others])
+        if found.reached:
+            assert (found.limits, found.contact) == ((), None)
+        else:
+            stopped |= {"contact"} if found.contact else {"limits"} if found.limits else {"length"}
+            assert all(name.startswith(f"{side}_") for name in found.limits)
+        posture = found.angles
+    assert stopped >= {"contact", "limits"}

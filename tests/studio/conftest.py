@@ -1,0 +1,63 @@
+"""One server and one browser for all tests of the page."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from kinesic.controller.perform import set_up
+from kinesic.serve.wire.quotas import Quotas
+from kinesic.studio.page import page_files
+
+from ..chromium import Page, binary, opened
+from ..serve.conftest import Running, running
+
+# WebGL without a graphics card
+SOFTWARE = (
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--ignore-gpu-blocklist",
+    "--window-size=1000,700",
+)
+
+
+@dataclass
+class Studio:
+    """An open page, and the server behind it."""
+
+    page: Page
+    server: Running
+    folder: Path
+
+    def state(self, name: str) -> object:
+        """One thing that the page knows."""
+        return self.page.value(f"kinesicStudio.state().{name}")
+
+    def until(self, condition: str) -> None:
+        """Waits until something is so; `s` is what the page knows."""
+        self.page.until(f"(s => {condition})(kinesicStudio.state())")
+
+    def write(self, text: str) -> None:
+        """Replaces the document, as if it were typed, and waits for its plan or its error."""
+        if self.state("text") == text:
+            return
+        planned, area = self.state("planned"), "document.querySelector('#text')"
+        script = f"{area}.value = {text!r}; {area}.dispatchEvent(new Event('input'))"
+        self.page.call("Runtime.evaluate", expression=script)
+        self.until(f"s.planned > {planned} || !document.querySelector('#fault').hidden")
+
+
+@pytest.fixture(scope="module")
+def studio(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
+    """The page in a browser, with a real server and its twin."""
+    if binary() is None:
+        pytest.skip("no Chromium: apt-get install chromium")
+    folder, setup = tmp_path_factory.mktemp("documents"), set_up()
+    files = page_files(setup.robot, setup.lexicon)
+    with running(Quotas(), files=files, folder=folder) as server:
+        url = f"http://localhost:{server.port}/"
+        with opened(url, tmp_path_factory.mktemp("profile"), *SOFTWARE) as page:
+            page.until("window.kinesicStudio !== undefined && kinesicStudio.state().planned > 0")
+            yield Studio(page, server, folder)

@@ -1,0 +1,106 @@
+"""The page in a browser, against the real server: text, timeline, stage, stop."""
+
+import json
+
+import pytest
+from websockets.sync.client import connect
+
+from .conftest import Studio
+
+pytestmark = pytest.mark.realtime
+
+WORDS = (
+    '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="doc">'
+    '<speech id="s"><text>Say <sync id="m1"/>one and then <sync id="m2"/>another.</text></speech>'
+    '<gesture id="g" lexeme="offer" mode="RIGHT_HAND" stroke="s:m1"/></bml>'
+)
+ESCAPE = 27
+
+
+def middle(studio: Studio, selector: str) -> tuple[float, float]:
+    area = f"document.querySelector({selector!r}).getBoundingClientRect()"
+    x, y = studio.page.value(f"(r => [r.x + r.width / 2, r.y + r.height / 2])({area})")
+    return x, y
+
+
+def test_the_page_opens_with_the_greeting_planned_and_drawn(studio: Studio):
+    studio.until("s.connection === 'open' && s.drawn > 0 && !s.flat")
+    rows = "[...document.querySelectorAll('[data-row]')].map(row => row.dataset.row)"
+    draft = studio.state("draft")
+    moving = {each["behaviour"] for each in draft["syncs"]}
+    assert moving <= set(studio.page.value(rows))
+    assert len(studio.page.value("[...document.querySelectorAll('.word')].map(word => word.textContent)")) > 20
+    assert studio.page.value("document.querySelector('#examples').options.length") > 8
+
+
+def test_an_error_has_its_line_and_column_and_goes_when_it_is_mended(studio: Studio):
+    studio.write(WORDS.replace("<gesture", "\n  <gesture").replace("s:m1", "nowhere:end"))
+    fault = studio.page.value("document.querySelector('#fault').textContent")
+    assert fault.startswith("2:")
+    assert "nowhere" in fault
+    assert studio.page.value("document.querySelector('#gutter .wrong').textContent") == "2"
+    studio.write(WORDS)
+    assert studio.page.value("document.querySelector('#fault').hidden")
+
+
+def test_a_stroke_that_is_dragged_onto_a_word_is_tied_to_it_and_can_be_undone(studio: Studio):
+    studio.write(WORDS)
+    word = studio.page.value("[...document.querySelectorAll('.word')].findIndex(word => word.textContent === 'then')")
+    planned, onto = studio.state("planned"), middle(studio, f'[data-word="{word}"]')
+    studio.page.drag(middle(studio, '[data-stroke="g"]'), (onto[0] - 9, onto[1] + 3), onto)
+    studio.until(f"s.planned > {planned}")
+    marked = WORDS.replace("then", '<sync id="m3"/>then').replace("s:m1", "s:m3")
+    assert studio.state("text") == marked
+    sync = next(s for s in studio.state("draft")["syncs"] if s["behaviour"] == "g" and s["sync"] == "stroke")
+    words = {piece["mark"]: piece["start"] for piece in studio.state("draft")["words"]}
+    assert abs(sync["asked"] - words["m3"]) < 1e-3
+    studio.page.click("#undo")
+    assert studio.state("text") == WORDS
+    studio.page.click("#redo")
+    assert studio.state("text") == marked
+
+
+def test_a_hand_that_is_dragged_says_what_stops_it(studio: Studio):
+    studio.write(WORDS)
+    hand = studio.state("right")
+    begin, far = (hand["x"], hand["y"]), (hand["x"] - 120, hand["y"] - 150)
+    studio.page.drag(begin, (hand["x"] - 5, hand["y"] - 20), (hand["x"] - 10, hand["y"] - 40))
+    studio.until("s.reach !== null && s.reach.reached")
+    assert studio.page.value("document.querySelector('#stops').textContent") == "within reach"
+    hand = studio.state("right")
+    studio.page.drag((hand["x"], hand["y"]), far, (far[0] - 300, far[1] - 200))
+    studio.until("s.reach !== null && !s.reach.reached")
+    assert "short" in studio.page.value("document.querySelector('#stops').textContent")
+    assert len(studio.state("latencies")) >= 2
+
+
+def test_escape_stops_the_robot_and_resume_goes_on(studio: Studio):
+    studio.write(WORDS)
+    studio.page.click("#perform")
+    studio.until("s.report.planned.some((angle, k) => Math.abs(angle - s.report.angles[k]) > 0) && s.mode === 'robot'")
+    studio.page.press("Escape", ESCAPE)
+    studio.until("s.stopped")
+    with connect(f"ws://localhost:{studio.server.port}/") as other:
+        other.send('{"do": "status"}')
+        assert json.loads(other.recv(10))["state"] == "stopped"
+    assert studio.page.value("document.querySelector('#perform').disabled")
+    studio.page.click("#resume")
+    studio.until("!s.stopped && !document.querySelector('#perform').disabled")
+
+
+def test_another_client_s_motion_is_seen(studio: Studio):
+    studio.page.click("#mode-robot")
+    studio.until("s.report !== null")
+    rest = studio.state("report")["planned"]
+    with connect(f"ws://localhost:{studio.server.port}/") as other:
+        other.send(WORDS.replace('"doc"', '"theirs"'))
+        studio.page.until(f"kinesicStudio.state().report.planned.some((angle, k) => Math.abs(angle - {rest}[k]) > 0.2)")
+
+
+def test_a_document_is_saved_byte_for_byte_and_found_again(studio: Studio):
+    studio.write(WORDS)
+    studio.page.call("Runtime.evaluate", expression="window.prompt = () => 'mine.bml'")
+    studio.page.click("#save")
+    studio.page.until("document.querySelector('#file').textContent === 'mine.bml'")
+    assert (studio.folder / "mine.bml").read_text() == WORDS
+    studio.page.until("[...document.querySelectorAll('#saved option')].some(each => each.value === 'file:mine.bml')")
