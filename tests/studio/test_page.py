@@ -60,6 +60,17 @@ def test_a_stroke_that_is_dragged_onto_a_word_is_tied_to_it_and_can_be_undone(st
     assert studio.state("text") == marked
 
 
+def test_a_manner_is_set_of_the_chosen_behaviour(studio: Studio):
+    studio.write(WORDS)
+    studio.page.click('[data-row="g"] .name')
+    planned, slider = studio.state("planned"), "document.querySelector('[aria-label=spatial]')"
+    studio.page.value(f"{slider}.value = '0.5', {slider}.dispatchEvent(new Event('change'))")
+    studio.until(f"s.planned > {planned}")
+    assert studio.state("text") == WORDS.replace('"s:m1"', '"s:m1" kinesic:spatial="0.5"')
+    studio.page.click('[data-row="g"] .name')
+    assert studio.page.value("document.querySelector('#inspector').hidden")
+
+
 def test_a_hand_that_is_dragged_says_what_stops_it(studio: Studio):
     studio.write(WORDS)
     hand = studio.state("right")

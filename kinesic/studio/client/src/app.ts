@@ -1,8 +1,9 @@
 // The page: one document, seen as text, as a timeline and on the stage.
 import { byId, make } from "./dom.ts";
-import { mark, remove, setAttribute, shift, tie } from "./edits.ts";
+import { mark, remove, setAttribute, setManner, shift, tie } from "./edits.ts";
 import { begin, change, type History, redo, undo } from "./history.ts";
 import { Live } from "./live.ts";
+import { Manners } from "./manners.ts";
 import { Motion } from "./motion.ts";
 import { Player } from "./player.ts";
 import { Reaching } from "./reaching.ts";
@@ -22,6 +23,7 @@ class App {
   private readonly player: Player;
   private readonly live: Live;
   private readonly reaching: Reaching;
+  private readonly manners: Manners;
   private history: History<string> = begin("");
   private draft: Draft | null = null;
   private motion: Motion | null = null;
@@ -47,6 +49,9 @@ class App {
       choose: (id) => this.choose(id),
     });
     this.live = new Live(about.robot);
+    this.manners = new Manners((name, value) => {
+      if (this.chosen) this.edit(setManner(this.history.present, this.chosen, name, value));
+    });
     this.wire = new Wire(
       {
         state: () => this.connected(),
@@ -282,6 +287,8 @@ class App {
     byId("lexeme-line").hidden = byId("hand-line").hidden = !isGesture;
     for (const name of ["lexeme", "mode"] as const)
       byId<HTMLInputElement>(name).value = this.text.attribute(about.id, name) ?? "";
+    byId("manners").hidden = about.type === "speech";
+    this.manners.show((name) => this.text.attribute(about.id, name));
   }
 
   private listen(): void {

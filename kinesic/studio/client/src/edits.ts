@@ -41,6 +41,13 @@ export function setAttribute(text: string, behaviour: string, name: string, valu
   return tag ? withAttribute(text, tag, name, value) : text;
 }
 
+/** Sets a number of a behaviour's manner, in our own namespace where the document has none for it; null takes it away. */
+export function setManner(text: string, behaviour: string, name: string, value: number | null): string {
+  const tag = tagWithId(text, behaviour);
+  const known = tag && attributeOf(tag, name)?.name;
+  return setAttribute(text, behaviour, known ?? `kinesic:${name}`, value === null ? null : written(value));
+}
+
 /** The text with a mark before the n-th word after a mark (or the start) of a speech, and its id. */
 export function mark(text: string, speech: string, after: string, word: number): { text: string; mark: string } {
   if (word === 0) return { text, mark: after };

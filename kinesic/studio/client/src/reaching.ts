@@ -1,18 +1,20 @@
 // A hand that is dragged: asks the server for each posture, one question at a time, and says what stops the hand.
 import type { Drag } from "./stage.ts";
-import type { Body, Reached } from "./types.ts";
+import type { Body, Reached, Side } from "./types.ts";
 import type { Wire } from "./wire.ts";
 
 const KEPT = 500; // latencies
+const PERIOD = 22; // [ms] between two questions: more often, the server lets a client wait
 const plain = (name: string) => name.replace(/^l_/, "left ").replace(/^r_/, "right ").replaceAll("_", " ");
 
 export class Reaching {
   found: Reached | null = null;
-  /** [ms] from a move of the pointer to the answer. */
+  /** [ms] from a move of the pointer to the frame that shows its posture. */
   readonly latencies: number[] = [];
   private next: { drag: Drag; at: number } | null = null;
   private busy = false;
   private posture: number[] | null = null;
+  private side: Side = "left";
 
   constructor(
     private readonly body: Body,
@@ -30,6 +32,7 @@ export class Reaching {
   get lit(): ReadonlySet<number> {
     const found = this.found;
     if (!found || found.reached) return new Set();
+    if (!found.contact && !found.limits.length) return this.arm(this.side);
     const hinges = new Set(found.limits.map((name) => this.body.hinges.indexOf(name)));
     const limited = this.body.segments.flatMap((segment, k) =>
       segment.hinges.some(({ hinge }) => hinges.has(hinge)) ? [k] : [],
@@ -38,6 +41,7 @@ export class Reaching {
   }
 
   drag(drag: Drag): void {
+    this.side = drag.side;
     this.next = { drag, at: performance.now() };
     if (!this.busy) void this.ask();
   }
@@ -63,19 +67,26 @@ export class Reaching {
     return `the arm is straight: ${far}`;
   }
 
+  private arm(side: Side): ReadonlySet<number> {
+    const own = this.body.names.flatMap((name, k) => (name.startsWith(`${side[0]}_`) ? [k] : []));
+    return new Set(own);
+  }
+
   private async ask(): Promise<void> {
     this.busy = true;
     while (this.next) {
       const { drag, at } = this.next;
       this.next = null;
       const posture = this.posture ?? this.start();
+      const asked = performance.now();
       const answer = await this.wire.ask("reach", { side: drag.side, target: drag.target, posture });
       if (answer?.told !== "reach") break;
       this.found = answer as unknown as Reached;
       this.posture = this.found.angles;
       this.tell(this.found);
-      this.latencies.push(performance.now() - at);
+      requestAnimationFrame(() => this.latencies.push(performance.now() - at));
       this.latencies.splice(0, this.latencies.length - KEPT);
+      await new Promise((again) => setTimeout(again, asked + PERIOD - performance.now()));
     }
     this.busy = false;
   }

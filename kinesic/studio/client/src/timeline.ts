@@ -66,7 +66,7 @@ export class Timeline {
     this.draft = draft;
     this.words = wordsOf(draft);
     const rows = [this.wordRow(), this.phonemeRow(draft), ...draft.behaviours.map((each) => this.row(each, chosen))];
-    this.place.replaceChildren(...rows.filter((row) => row !== null), this.head);
+    this.place.replaceChildren(make("div", { class: "inner" }, ...rows.filter((row) => row !== null), this.head));
   }
 
   /** Shows the moment [s]. */
@@ -100,7 +100,7 @@ export class Timeline {
       shown.style.width = this.percent(word.end - word.start);
       lane.append(shown);
     });
-    return make("div", { class: "row" }, make("span", { class: "name" }, "words"), lane);
+    return make("div", { class: "row said" }, make("span", { class: "name" }, "words"), lane);
   }
 
   private phonemeRow(draft: Draft): HTMLElement | null {

@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { readdirSync, readFileSync } from "node:fs";
 import { test } from "node:test";
-import { addGesture, mark, remove, setAttribute, shift, tie } from "../src/edits.ts";
+import { addGesture, mark, remove, setAttribute, setManner, shift, tie } from "../src/edits.ts";
 import { begin, change, redo, STEPS, undo } from "../src/history.ts";
 import { attributeOf, tagsOf, tagWithId } from "../src/xml.ts";
 
@@ -81,6 +81,14 @@ test("a shift keeps the reference", () => {
   assert.equal(value(shift(welcome, "nod", "stroke", 0.25, 2), "nod", "stroke"), "s:welcome+0.65");
   assert.equal(value(shift(welcome, "large", "stroke", -0.25, 2), "large", "stroke"), "s:large-0.25");
   assert.equal(value(shift(texts[0]!, "g", "start", 0.5, 0.3), "g", "start"), "0.8");
+});
+
+test("a manner is set in our namespace, changed where it stands, and taken away", () => {
+  const plain = texts[0]!;
+  const strong = setManner(plain, "g", "power", 0.5);
+  assert.equal(strong, plain.replace('start="0.3"', 'start="0.3" kinesic:power="0.5"'));
+  assert.equal(setManner(strong, "g", "power", null), plain);
+  assert.equal(value(setManner(texts[2]!, "shy", "spatial", 0), "shy", "k:spatial"), "0");
 });
 
 test("a word gets a mark of its own, once", () => {
