@@ -26,7 +26,7 @@ from kinesic.serve.wire.protocol import (
     json_answer,
     stop_failure,
 )
-from kinesic.serve.wire.questions import OpenRequest, PlanQuestion, ReachQuestion, SaveRequest, WatchRequest
+from kinesic.serve.wire.questions import ReachQuestion
 from kinesic.serve.wire.quotas import Quotas, TokenBucket, quota_feedback
 
 NORMAL, POLICY, TOO_BIG, LATER = 1000, 1008, 1009, 1013  # WebSocket's close codes
@@ -213,9 +213,9 @@ class ClientRegistry:
                 client.send(json_answer("status", clients=self._taken, **self.session.status()))
             case Ping(id):
                 client.send(json_answer("pong", id=id))
-            case Hello():
+            case Hello() | StopLineRequest():
                 client.send(json_answer("welcome"))
             case Stop():
                 client.send(self._stop())
-            case ReachQuestion() | PlanQuestion() | WatchRequest() | SaveRequest() | OpenRequest():
+            case _:
                 self.session.desk.answer(Asker(client.number, client.send, lambda: self._is_here(client)), request)

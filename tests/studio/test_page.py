@@ -5,6 +5,8 @@ import json
 import pytest
 from websockets.sync.client import connect
 
+from kinesic import Performer
+
 from .conftest import Studio
 
 pytestmark = pytest.mark.realtime
@@ -106,6 +108,33 @@ def test_another_client_s_motion_is_seen(studio: Studio):
     with connect(f"ws://localhost:{studio.server.port}/") as other:
         other.send(WORDS.replace('"doc"', '"theirs"'))
         studio.page.until(f"kinesicStudio.state().report.planned.some((angle, k) => Math.abs(angle - {rest}[k]) > 0.2)")
+
+
+def test_a_gesture_is_copied_shaped_by_hand_saved_and_performed(studio: Studio):
+    page, search = studio.page, "document.querySelector('#search')"
+    page.value("document.querySelector('#lexicon').open = true")
+    page.value(f"{search}.value = 'idea bowl', {search}.dispatchEvent(new Event('input'))")
+    assert page.value("[...document.querySelectorAll('#found b')].map(each => each.textContent)") == ["conduit"]
+    page.click("[aria-label='Edit a copy of conduit']")
+    studio.until("s.draft?.gesture === 'my_conduit'")
+    page.click("#keys .group button:nth-child(2)")
+    hand = studio.state("left")
+    page.drag((hand["x"], hand["y"]), (hand["x"] + 10, hand["y"] - 15), (hand["x"] + 20, hand["y"] - 30))
+    studio.until("s.past === 1 && s.draft.keys[1].both.at[1] > 0.24")  # higher than it was
+    assert studio.state("draft")["keys"][0]["both"]["at"] == [0.22, 0.10, 0.42]
+    page.call("Runtime.evaluate", expression="window.prompt = () => 'mine.toml'")
+    page.click("#save")
+    page.until("document.querySelector('#file').textContent === 'mine.toml'")
+    text = WORDS.replace('lexeme="offer" mode="RIGHT_HAND"', 'lexeme="my_conduit"')
+    plan = Performer(lexicon=studio.folder / "mine.toml").plan(text)
+    assert plan.keyframes.outcomes["g"].kind == "realised"
+    page.click("#undo")
+    studio.until("s.past === 0 && s.text.includes('[0.42, 0.24, 0.70]')")
+    page.value(
+        "(m => { m.value = 'example:one_gesture'; m.dispatchEvent(new Event('change')) })"
+        "(document.querySelector('#examples'))"
+    )
+    studio.until("s.draft?.block === 'one'")
 
 
 def test_a_document_is_saved_byte_for_byte_and_found_again(studio: Studio):

@@ -17,6 +17,7 @@ from kinesic.serve.desk.reach import reach_posture
 from kinesic.serve.loop import Loop
 from kinesic.serve.wire.protocol import json_answer
 from kinesic.serve.wire.questions import (
+    GestureQuestion,
     OpenRequest,
     PlanQuestion,
     Question,
@@ -64,7 +65,7 @@ class Desk:
         match question:
             case ReachQuestion():
                 asker.send(self._reach(question))
-            case PlanQuestion():
+            case PlanQuestion() | GestureQuestion():
                 self.drafter.ask(asker.number, question, asker.send)
             case WatchRequest(rate):
                 self._watch(asker, rate)

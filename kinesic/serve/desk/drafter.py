@@ -7,17 +7,20 @@ from contextlib import suppress
 from multiprocessing.connection import Connection
 
 from kinesic.bml.block import Bounds
+from kinesic.body.config import ConfigError
 from kinesic.child import Child, child_context
 from kinesic.controller import perform
 from kinesic.planning.setup import Setup
 from kinesic.serve import planner
 from kinesic.serve.desk.draft import Json, draft
+from kinesic.serve.desk.gesture import draft_gesture, gesture_text
 from kinesic.serve.planner import DEFECTS
 from kinesic.serve.wire.protocol import json_answer
-from kinesic.serve.wire.questions import PlanQuestion
+from kinesic.serve.wire.questions import GestureQuestion, PlanQuestion
 from kinesic.serve.wire.quotas import Quotas
 
 Send = Callable[[str], None]
+DraftQuestion = PlanQuestion | GestureQuestion
 
 
 def run_drafter(make_setup: Callable[[], Setup], questions: Connection, rules: Quotas) -> None:
@@ -31,14 +34,14 @@ def run_drafter(make_setup: Callable[[], Setup], questions: Connection, rules: Q
     setup, bounds = make_setup(), Bounds(rules.message, rules.depth)
     with suppress(EOFError, BrokenPipeError, ConnectionResetError):
         while True:
-            question: PlanQuestion = questions.recv()
+            question: DraftQuestion = questions.recv()
             found: dict[str, Json]
             try:
-                found = draft(question.bml, question.set, setup, bounds=bounds, longest=rules.duration)
+                found = _answer(question, setup, bounds, rules.duration)
             except DEFECTS as error:
                 traceback.print_exception(error)
                 found = _failure(f"planning failed ({type(error).__name__}); please report the document")
-            questions.send(json_answer("plan", id=question.id, **found))
+            questions.send(json_answer(verb_of(question), id=question.id, **found))
 
 
 class Drafter:
@@ -54,15 +57,15 @@ class Drafter:
         self._make_setup, self._rules = make_setup, rules
         self._child: Child | None = None
         self._pipe: Connection | None = None
-        self._waiting: dict[int, tuple[PlanQuestion, Send]] = {}  # by client
-        self._present: tuple[PlanQuestion, Send] | None = None
+        self._waiting: dict[int, tuple[DraftQuestion, Send]] = {}  # by client
+        self._present: tuple[DraftQuestion, Send] | None = None
         self._watch: TimerHandle | None = None
 
-    def ask(self, client: int, question: PlanQuestion, send: Send) -> None:
+    def ask(self, client: int, question: DraftQuestion, send: Send) -> None:
         """Takes a question; an older one of this client's that still waits is answered as outdated."""
         older = self._waiting.pop(client, None)
         if older is not None:
-            older[1](json_answer("plan", id=older[0].id, outdated=True))
+            older[1](json_answer(verb_of(older[0]), id=older[0].id, outdated=True))
         self._waiting[client] = (question, send)
         self._next()
 
@@ -105,7 +108,7 @@ class Drafter:
         self._end()
         if self._present is not None:
             what = f"planning failed, or took longer than {self._rules.planning:g} s; send something simpler"
-            self._finish(json_answer("plan", id=self._present[0].id, **_failure(what)))
+            self._finish(json_answer(verb_of(self._present[0]), id=self._present[0].id, **_failure(what)))
 
     def _finish(self, answer: str) -> None:
         if self._watch is not None:
@@ -123,6 +126,25 @@ class Drafter:
         if self._child is not None:
             self._child.kill()
             self._child = None
+
+
+def verb_of(question: DraftQuestion) -> str:
+    """What a question was asked by, and its answer is told by."""
+    return "plan" if isinstance(question, PlanQuestion) else "gesture"
+
+
+def _answer(question: DraftQuestion, setup: Setup, bounds: Bounds, longest: float) -> dict[str, Json]:
+    match question:
+        case PlanQuestion(bml, changes):
+            return draft(bml, changes, setup, bounds=bounds, longest=longest)
+        case GestureQuestion(str(toml), None, changes):
+            return draft_gesture(toml, changes, setup)
+        case GestureQuestion(None, str(lexeme)):
+            try:
+                return {"toml": gesture_text(lexeme, setup.lexicon)}
+            except ConfigError as error:
+                return _failure(str(error))
+    return _failure("give either toml or lexeme")
 
 
 def _failure(text: str) -> dict[str, Json]:

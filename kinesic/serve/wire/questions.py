@@ -7,7 +7,7 @@ from msgspec import Meta, Struct
 Length = Annotated[float, Meta(ge=-10.0, le=10.0)]  # [m]
 Angle = Annotated[float, Meta(ge=-10.0, le=10.0)]  # [rad]
 Place = tuple[Length, Length, Length]  # in the world
-LONG_VERBS = frozenset({"plan", "save"})  # whose messages carry documents, and may be as long as one
+LONG_VERBS = frozenset({"plan", "gesture", "save"})  # whose messages carry documents, and may be as long as one
 
 
 class ReachQuestion(Struct, tag="reach", tag_field="do", forbid_unknown_fields=True):
@@ -24,6 +24,15 @@ class PlanQuestion(Struct, tag="plan", tag_field="do", forbid_unknown_fields=Tru
 
     bml: str
     set: tuple[str, ...] = ()  # NAME=VALUE of the style, as the command line's --set
+    id: int = 0
+
+
+class GestureQuestion(Struct, tag="gesture", tag_field="do", forbid_unknown_fields=True):
+    """Asks what a gesture would look like alone, or for the file of one of our own."""
+
+    toml: str | None = None  # a file of gestures, of which the first is planned
+    lexeme: str | None = None  # whose file is asked for instead
+    set: tuple[str, ...] = ()  # NAME=VALUE of the style
     id: int = 0
 
 
@@ -48,4 +57,4 @@ class OpenRequest(Struct, tag="open", tag_field="do", forbid_unknown_fields=True
     id: int = 0
 
 
-Question = ReachQuestion | PlanQuestion | WatchRequest | SaveRequest | OpenRequest
+Question = ReachQuestion | PlanQuestion | GestureQuestion | WatchRequest | SaveRequest | OpenRequest

@@ -26,12 +26,13 @@ export class Stage {
   private shown: Shown;
   private due = false;
   private dragged: { side: Side; grip: Vector } | null = null;
+  private last: Drag | null = null; // of the hand that is dragged
   private over: Side | null = null;
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
     private readonly body: Body,
-    private readonly listener: { drag(drag: Drag): void; drop(): void },
+    private readonly listener: { drag(drag: Drag): void; drop(drag: Drag): void },
   ) {
     this.scene = sceneOf(canvas, body);
     this.flat = this.scene === null;
@@ -135,8 +136,8 @@ export class Stage {
     });
     for (const kind of ["pointerup", "pointercancel"] as const)
       canvas.addEventListener(kind, () => {
-        if (this.dragged) this.listener.drop();
-        this.dragged = null;
+        if (this.last) this.listener.drop(this.last);
+        this.dragged = this.last = null;
       });
     canvas.addEventListener("wheel", (event) => this.zoom(event), { passive: false });
     canvas.addEventListener("dblclick", () => this.view("free"));
@@ -150,7 +151,8 @@ export class Stage {
     const [ex, ey, ez] = eye as [number, number, number];
     const place = unproject(view, [ex, ey, ez], x, y, grip);
     const [ux, uy, uz] = this.scene.up as [number, number, number];
-    this.listener.drag({ side, target: [place[0] - ux, place[1] - uy, place[2] - uz] });
+    this.last = { side, target: [place[0] - ux, place[1] - uy, place[2] - uz] };
+    this.listener.drag(this.last);
   }
 
   private orbit(event: PointerEvent): void {

@@ -62,6 +62,22 @@ export interface Draft {
   angles: string;
 }
 
+export interface HandKey {
+  at: (number | string)[];
+  palm?: string;
+  pointing?: string;
+  shape?: string;
+  touch?: string;
+}
+
+/** A draft of a gesture that is written. */
+export interface GestureDraft extends Draft {
+  gesture: string;
+  keys: Record<string, HandKey>[];
+  times: number[];
+  checks: { name: string; ok: boolean; text: string }[];
+}
+
 export type Side = "left" | "right";
 
 export interface Reached {

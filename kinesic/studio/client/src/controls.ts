@@ -1,0 +1,63 @@
+// Buttons, menus and keys of the page, and what each of them does.
+import { byId } from "./dom.ts";
+import { VIEWS, type View } from "./stage.ts";
+
+export interface Actions {
+  play(): void;
+  perform(): void;
+  stop(): void;
+  resume(): void;
+  undo(): void;
+  redo(): void;
+  save(): void;
+  remove(): void;
+  show(mode: "plan" | "robot"): void;
+  view(view: View): void;
+  seek(time: number): void;
+  loop(on: boolean): void;
+  list(): void;
+  open(kind: string, name: string): void;
+  unlock(token: string): void;
+}
+
+export function listen(actions: Actions): void {
+  for (const name of ["play", "perform", "stop", "resume", "undo", "redo", "save", "remove"] as const)
+    byId(name).addEventListener("click", () => actions[name]());
+  for (const mode of ["plan", "robot"] as const)
+    byId(`mode-${mode}`).addEventListener("click", () => actions.show(mode));
+  for (const view of VIEWS) byId(`view-${view}`).addEventListener("click", () => actions.view(view));
+  const time = byId<HTMLInputElement>("time");
+  time.addEventListener("input", () => actions.seek(Number(time.value)));
+  const loop = byId<HTMLInputElement>("loop");
+  loop.addEventListener("change", () => actions.loop(loop.checked));
+  const menu = byId<HTMLSelectElement>("examples");
+  menu.addEventListener("pointerdown", () => actions.list());
+  menu.addEventListener("change", () => {
+    const at = menu.value.indexOf(":");
+    actions.open(menu.value.slice(0, at), menu.value.slice(at + 1));
+    menu.value = "";
+  });
+  byId("lock").addEventListener("submit", (event) => {
+    event.preventDefault();
+    actions.unlock(byId<HTMLInputElement>("token").value);
+  });
+  document.addEventListener("keydown", (event) => key(event, actions));
+}
+
+function key(event: KeyboardEvent, actions: Actions): void {
+  const element = event.target as HTMLElement;
+  const writes = element.matches("textarea, input:not([type=range]):not([type=checkbox]), select");
+  const presses = element.matches("button, summary, [type=checkbox]");
+  const stops = event.key === "Escape" || (event.key === " " && !writes && !presses);
+  const shortcuts: Record<string, () => void> = {
+    z: () => (event.shiftKey ? actions.redo() : actions.undo()),
+    Z: actions.redo,
+    y: actions.redo,
+    s: actions.save,
+    Enter: actions.perform,
+  };
+  const act = stops ? actions.stop : event.ctrlKey || event.metaKey ? shortcuts[event.key] : undefined;
+  if (!act) return;
+  event.preventDefault();
+  act();
+}

@@ -1,0 +1,80 @@
+// A document that is a gesture: its keys, the manner in which it is tried, and hands that are dragged into their keys.
+import { byId } from "./dom.ts";
+import { GestureList } from "./gestures.ts";
+import { KeysPanel } from "./keys.ts";
+import type { Drag } from "./stage.ts";
+import { copyKey, type Hand, mirror, placeText, removeKey, rename, setHand } from "./toml.ts";
+import type { About, Fault, GestureDraft } from "./types.ts";
+import type { Wire } from "./wire.ts";
+
+/** What the editing of gestures needs of the page. */
+export interface Desk {
+  text(): string;
+  edit(text: string): void;
+  open(name: string, text: string): void;
+  insert(lexeme: string): void;
+  seek(time: number): void;
+  say(text: string): void;
+}
+
+export class GestureEditing {
+  /** In which a gesture is tried: NAME=VALUE; it is no part of its file. */
+  readonly manner = new Map<string, number>();
+  private readonly keys: KeysPanel;
+  private draft: GestureDraft | null = null;
+
+  constructor(
+    private readonly about: About,
+    private readonly wire: Wire,
+    private readonly desk: Desk,
+  ) {
+    this.keys = new KeysPanel({
+      choose: (key) => this.choose(key),
+      set: (key, hand, name, value) => desk.edit(setHand(desk.text(), key, hand as Hand, name, value)),
+      copy: (key) => desk.edit(copyKey(desk.text(), key)),
+      remove: (key) => desk.edit(removeKey(desk.text(), key)),
+      mirror: () => desk.edit(mirror(desk.text())),
+    });
+    new GestureList(about.gestures, { insert: (id) => desk.insert(id), edit: (id) => void this.copy(id) });
+  }
+
+  /** Begins with another document. */
+  begin(isGesture: boolean): void {
+    this.keys.chosen = 0;
+    this.draft = null;
+    this.manner.clear();
+    byId("keys").hidden = !isGesture;
+    if (isGesture) byId("keys").parentElement?.scrollTo(0, 0);
+  }
+
+  /** Shows a draft, and the moment of the chosen key. */
+  show(draft: GestureDraft): void {
+    this.draft = draft;
+    this.choose(this.keys.chosen);
+  }
+
+  /** A hand that is dropped is where its key has it from now on. */
+  drop({ side, target }: Drag): void {
+    const key = this.draft?.keys[this.keys.chosen];
+    if (!key) return;
+    const { gesture_origin: origin, arm_length: size } = this.about.robot;
+    const [x, y, z] = target.map((value, k) => (value - origin[k]!) / size) as [number, number, number];
+    const hand = "both" in key ? "both" : side;
+    const place = placeText([side === "left" ? y : -y, z, x]);
+    this.desk.edit(setHand(this.desk.text(), this.keys.chosen, hand, "at", place));
+  }
+
+  private choose(key: number): void {
+    if (!this.draft) return;
+    this.keys.chosen = key;
+    this.keys.show(this.draft);
+    this.desk.seek(this.draft.times[this.keys.chosen] ?? 0);
+  }
+
+  private async copy(id: string): Promise<void> {
+    const answer = await this.wire.ask("gesture", { lexeme: id });
+    const text = answer?.toml;
+    if (text === undefined) this.desk.say((answer?.error as Fault | undefined)?.text ?? "no server");
+    else this.desk.open(`my_${id}.toml`, rename(String(text), `my_${id}`));
+  }
+}

@@ -1,0 +1,40 @@
+// What can be set of the chosen behaviour.
+import { byId } from "./dom.ts";
+import { Manners } from "./manners.ts";
+
+const ATTRIBUTES = ["lexeme", "mode"] as const;
+
+export interface Chosen {
+  id: string;
+  type: string;
+  /** What the document says; undefined: nothing. */
+  read(name: string): string | undefined;
+  /** Whether it is a gesture that is being written, of which nothing but the manner can be set. */
+  alone: boolean;
+}
+
+export class Inspector {
+  private readonly manners: Manners;
+
+  constructor(listener: {
+    attribute(name: string, value: string | null): void;
+    manner(name: string, value: number | null): void;
+  }) {
+    this.manners = new Manners((name, value) => listener.manner(name, value));
+    for (const name of ATTRIBUTES)
+      byId(name).addEventListener("change", () =>
+        listener.attribute(name, byId<HTMLInputElement>(name).value.trim() || null),
+      );
+  }
+
+  show(chosen: Chosen | null): void {
+    byId("inspector").hidden = !chosen;
+    if (!chosen) return;
+    byId("chosen").textContent = chosen.alone ? "In which manner" : `${chosen.type} ${chosen.id}`;
+    byId("remove").hidden = chosen.alone;
+    byId("lexeme-line").hidden = byId("hand-line").hidden = chosen.type !== "gesture" || chosen.alone;
+    byId("manners").hidden = chosen.type === "speech";
+    for (const name of ATTRIBUTES) byId<HTMLInputElement>(name).value = chosen.read(name) ?? "";
+    this.manners.show((name) => chosen.read(name));
+  }
+}

@@ -1,0 +1,82 @@
+// The keys of a gesture as a table: one key at a time, each hand with its place, its palm and its shape.
+import { byId, make } from "./dom.ts";
+import type { GestureDraft, HandKey } from "./types.ts";
+
+const FIELDS = ["palm", "pointing", "shape", "touch"] as const;
+const AXES = ["out", "up", "forward"] as const;
+
+export interface KeysListener {
+  choose(key: number): void;
+  set(key: number, hand: string, name: string, value: string | null): void;
+  copy(key: number): void;
+  remove(key: number): void;
+  mirror(): void;
+}
+
+export class KeysPanel {
+  chosen = 0;
+  private readonly place = byId("keys");
+
+  constructor(private readonly listener: KeysListener) {}
+
+  show(draft: GestureDraft): void {
+    this.chosen = Math.min(this.chosen, draft.keys.length - 1);
+    const tabs = draft.keys.map((_, k) => {
+      const tab = make("button", { type: "button", "aria-pressed": String(k === this.chosen) }, `Key ${k + 1}`);
+      tab.addEventListener("click", () => this.listener.choose(k));
+      return tab;
+    });
+    const hands = Object.entries(draft.keys[this.chosen] ?? {}).filter(([, hand]) => Array.isArray(hand?.at));
+    const acts: [string, () => void][] = [
+      ["Copy key", () => this.listener.copy(this.chosen)],
+      ["Remove key", () => this.listener.remove(this.chosen)],
+      ["Mirror", () => this.listener.mirror()],
+    ];
+    this.place.replaceChildren(
+      make("div", { class: "group", role: "group", "aria-label": "Keys" }, ...tabs),
+      ...hands.map(([name, hand]) => this.hand(name, hand)),
+      make("div", { class: "acts" }, ...acts.map(([words, act]) => this.button(words, act))),
+      make("ul", { "aria-label": "Checks" }, ...draft.checks.map((each) => this.check(each))),
+    );
+  }
+
+  private button(words: string, act: () => void): HTMLElement {
+    const made = make("button", { type: "button" }, words);
+    made.addEventListener("click", act);
+    return made;
+  }
+
+  private check({ ok, text }: GestureDraft["checks"][number]): HTMLElement {
+    return make("li", { class: ok ? "good" : "bad" }, text);
+  }
+
+  private hand(name: string, hand: HandKey): HTMLElement {
+    const places = AXES.map((axis, k) => {
+      const value = String(hand.at[k] ?? 0);
+      const made = make("input", {
+        value,
+        "aria-label": `${name} ${axis}`,
+        title: `${axis}: arm lengths, or a sector`,
+      });
+      made.addEventListener("change", () => {
+        const all = places.map(({ value }) => (Number.isFinite(Number(value)) && value !== "" ? value : `"${value}"`));
+        this.listener.set(this.chosen, name, "at", `[${all.join(", ")}]`);
+      });
+      return made;
+    });
+    const fields = FIELDS.map((field) => {
+      const made = make("input", { value: String(hand[field] ?? ""), "aria-label": `${name} ${field}` });
+      made.addEventListener("change", () =>
+        this.listener.set(this.chosen, name, field, made.value.trim() ? JSON.stringify(made.value.trim()) : null),
+      );
+      return make("label", { class: "field" }, field, made);
+    });
+    return make(
+      "fieldset",
+      {},
+      make("legend", {}, name === "both" ? "both hands" : `${name} hand`),
+      make("div", { class: "place" }, ...places),
+      ...fields,
+    );
+  }
+}

@@ -1,0 +1,83 @@
+// The robot behind the server: whether it is there, how it is, whether it is stopped, and what it tells.
+import { byId } from "./dom.ts";
+import { Live } from "./live.ts";
+import type { Body, BodyReport } from "./types.ts";
+import { type Answer, Wire } from "./wire.ts";
+
+const RATE = 20; // [Hz] at which it is watched
+const WORDS = { connecting: "connecting", open: "connected", locked: "token needed", closed: "no server" };
+const TOKEN = "token"; // where it is kept while the page is open
+
+export class Robot {
+  readonly wire: Wire;
+  readonly live: Live;
+  report: BodyReport | null = null;
+  stopped = false;
+
+  constructor(
+    body: Body,
+    private readonly listener: { opened(): void; changed(): void; moved(): void },
+  ) {
+    this.live = new Live(body);
+    this.wire = new Wire(
+      {
+        state: () => this.connected(),
+        told: (answer) => this.told(answer),
+        feedback: (xml) => this.live.feedback(xml),
+      },
+      sessionStorage.getItem(TOKEN),
+    );
+  }
+
+  /** Whether it takes documents. */
+  get ready(): boolean {
+    return this.wire.state === "open" && !this.stopped;
+  }
+
+  stop(): void {
+    if (!this.wire.stop()) this.live.say("no server: use the switch that cuts the power");
+  }
+
+  resume(): void {
+    this.wire.tell("resume");
+    this.halt(false);
+  }
+
+  unlock(token: string): void {
+    sessionStorage.setItem(TOKEN, token);
+    this.wire.unlock(token);
+  }
+
+  private connected(): void {
+    const { state } = this.wire;
+    document.body.dataset.state = state;
+    byId("state").textContent = WORDS[state];
+    byId<HTMLDialogElement>("lock")[state === "locked" ? "show" : "close"]();
+    byId<HTMLButtonElement>("stop").disabled = state === "closed" || state === "connecting";
+    if (state === "open") {
+      this.wire.tell("watch", { rate: RATE });
+      this.wire.tell("status");
+      this.listener.opened();
+    }
+    this.listener.changed();
+  }
+
+  private told(answer: Answer): void {
+    if (answer.told === "body") {
+      this.report = answer as unknown as BodyReport;
+      this.live.show(this.report);
+      this.listener.moved();
+    } else if (answer.told === "stopped" || answer.told === "failed") {
+      this.halt(true);
+      this.live.say(String(answer.why ?? "stopped: every hinge holds"));
+    } else if (answer.told === "status") this.halt(answer.state === "stopped");
+    else if (answer.told === "refused") this.live.say(String(answer.why));
+  }
+
+  private halt(stopped: boolean): void {
+    this.stopped = stopped;
+    document.body.classList.toggle("stopped", stopped);
+    byId("resume").hidden = !stopped;
+    this.listener.changed();
+  }
+}

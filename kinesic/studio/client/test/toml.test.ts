@@ -1,0 +1,46 @@
+// Edits of gestures: they touch nothing but what they name, and random ones are undone byte for byte.
+import assert from "node:assert/strict";
+import { readdirSync, readFileSync } from "node:fs";
+import { test } from "node:test";
+import { copyKey, keySpans, mirror, placeText, removeKey, rename, setHand } from "../src/toml.ts";
+
+const folder = "../../configs/gestures/";
+const gestures = readdirSync(folder).flatMap((name) =>
+  readFileSync(folder + name, "utf8")
+    .split(/^(?=\[)/m)
+    .filter((part) => part.startsWith("[[gesture]]")),
+);
+const own = gestures.find((text) => text.includes('id = "conduit"'))!;
+
+test("keys of every gesture are found, and mirrored twice a gesture is itself", () => {
+  assert.ok(gestures.length > 200);
+  for (const text of gestures) {
+    const spans = keySpans(text);
+    assert.ok(spans.length > 0, text);
+    for (const { from, to } of spans) assert.match(text.slice(from, to), /^\{[\s\S]*\}$/);
+    assert.equal(mirror(mirror(text)), text);
+    const copied = copyKey(text, spans.length - 1);
+    assert.equal(keySpans(copied).length, spans.length + 1);
+    assert.equal(removeKey(copied, spans.length), text);
+  }
+});
+
+test("a value is set where it stands, added, and taken away", () => {
+  assert.equal(
+    setHand(own, 1, "both", "at", placeText([0.5, -0.1, 0.66666])),
+    own.replace("[0.42, 0.24, 0.70]", "[0.5, -0.1, 0.667]"),
+  );
+  assert.equal(setHand(own, 1, "left", "palm", '"up"'), own);
+  const touched = setHand(own, 0, "both", "touch", '"chest"');
+  assert.ok(touched.includes('openness = 0.1, touch = "chest" }'));
+  assert.equal(setHand(touched, 0, "both", "touch", null), own);
+  assert.equal(placeText([1, -0.00001, 0.25]), "[1.0, 0.0, 0.25]");
+});
+
+test("comments and strings with brackets confuse nobody, and one key stays", () => {
+  const odd = 'keys = [\n  # ] not { this\n  { left = { at = [0, 0, 0], palm = "up" } }, # "}\n]\n';
+  assert.equal(keySpans(odd).length, 1);
+  assert.equal(removeKey(odd, 0), odd);
+  assert.ok(mirror(odd).includes("{ right = { at"));
+  assert.equal(rename(own, "mine"), own.replace('"conduit"', '"mine"'));
+});

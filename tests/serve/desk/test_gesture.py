@@ -1,0 +1,50 @@
+"""Gestures that are being written: ours can be copied, and what is wrong, or out of reach, is said."""
+
+import pytest
+
+from kinesic.body.config import ConfigError
+from kinesic.serve.desk.gesture import draft_gesture, gesture_text
+
+
+def test_the_file_of_every_gesture_holds_it_alone(upper22_setup):
+    lexicon = upper22_setup.lexicon
+    for form in lexicon.forms[::9]:
+        text = gesture_text(form.id, lexicon)
+        assert text.startswith(f'category = "{form.category}"\n')
+        assert text.count("[[gesture]]") == 1
+        assert f'id = "{form.id}"\n' in text
+    with pytest.raises(ConfigError, match="no such gesture"):
+        gesture_text("nobody", lexicon)
+
+
+def test_a_gesture_is_planned_alone_with_its_keys_and_checks(upper22_setup):
+    text = gesture_text("conduit", upper22_setup.lexicon).replace('"conduit"', '"mine"')
+    found = draft_gesture(text, (), upper22_setup)
+    assert (found["gesture"], [list(key) for key in found["keys"]]) == ("mine", [["both"], ["both"]])
+    assert 0 < found["times"][0] < found["times"][1] < found["duration"]
+    assert [(each["name"], each["ok"]) for each in found["checks"]] == [
+        ("reach", True),
+        ("clearance", True),
+        ("duration", True),
+    ]
+    slow = draft_gesture(text, ("temporal=-1",), upper22_setup)
+    assert slow["duration"] > 1.2 * found["duration"]
+    far = draft_gesture(text.replace("[0.42, 0.24, 0.70]", "[1.9, 0.24, 0.70]"), (), upper22_setup)
+    assert ["key 2: the left hand" in each["text"] for each in far["checks"]][:2] == [True, False]
+    assert not far["checks"][0]["ok"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "why"),
+    [
+        ('palm = "up"', 'palm = "upp"', 3, "did you mean up"),
+        ("keys =", "keyz =", 3, "did you mean keys"),
+        ('id = "conduit"', "id = conduit", 4, "TOML"),
+        ("\n", "#", 1, "no gesture"),
+    ],
+)
+def test_a_file_that_is_wrong_is_refused_with_its_line(upper22_setup, old, new, line, why):
+    found = draft_gesture(gesture_text("conduit", upper22_setup.lexicon).replace(old, new), (), upper22_setup)
+    assert found["error"]["line"] == line
+    assert why in found["error"]["text"]
+    assert "/tmp" not in found["error"]["text"]
