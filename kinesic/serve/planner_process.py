@@ -71,6 +71,8 @@ class Planner:
         self.warm = False
         self.deaths = 0  # so far
         self.failed = False  # it cannot even be started
+        self._outdated = False  # whether it knows less than it could
+        self._replaced = False  # whether it is ended on purpose
 
     @property
     def free(self) -> bool:
@@ -128,18 +130,31 @@ class Planner:
                 self.warm, self._cold_deaths = True, 0
                 if self._spare is None:
                     self._spare = self._begin()
+                if self._outdated:
+                    self.renew()
                 self._idle()
             case RequestDone():
                 self._idle()
             case None:
                 self._cold_deaths += not self.warm
-                self.warm = False
-                self.deaths += 1
+                self.deaths += not self._replaced
+                self.warm = self._replaced = False
                 self._end_working()
                 self.failed = self._cold_deaths >= COLD_DEATHS
                 self._lost(present)
                 if not self.failed:
                     self.start()
+
+    def renew(self) -> None:
+        """Has a planner take over that makes its setup anew, once the present one is warm; what plays goes on."""
+        self._outdated = True
+        if not self.warm or self._working is None:
+            return  # when it is warm
+        self._outdated, self._replaced = False, True
+        if self._spare is not None:
+            self._spare.end()
+        self._spare = self._begin()
+        self._working.child.kill()
 
     def close(self) -> None:
         """Ends the processes."""

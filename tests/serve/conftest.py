@@ -13,6 +13,7 @@ import pytest
 from kinesic.body.command import Command
 from kinesic.client import Client
 from kinesic.controller.perform import set_up
+from kinesic.planning.setup import Setup
 from kinesic.serve.server import Address, Serving, open_serving, until_done
 from kinesic.serve.sinks import RealTimeSink, RealTwin
 from kinesic.serve.tracks import SoundAndFace
@@ -69,6 +70,7 @@ def running(
     *,
     files: Mapping[str, WebFile] = NO_FILES,
     folder: Path | None = None,
+    make_setup: Callable[[], Setup] = set_up,
 ) -> Iterator[Running]:
     """A server on a free port, with files for browsers and a folder of documents if any are given."""
     witness, ready, found = Witness(), threading.Event(), []
@@ -78,7 +80,7 @@ def running(
         sinks = [RealTimeSink(witness), RealTimeSink(RealTwin(set_up().robot))]
         address = Address("127.0.0.1", 0)
         async with open_serving(
-            set_up,
+            make_setup,
             sinks,
             address=address,
             rules=rules,

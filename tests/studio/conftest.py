@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from kinesic.cli.live.studio import StudioPlanning
 from kinesic.controller.perform import set_up
 from kinesic.serve.wire.quotas import Quotas
 from kinesic.studio.page import page_files
@@ -56,7 +57,8 @@ def studio(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
         pytest.skip("no Chromium: apt-get install chromium")
     folder, setup = tmp_path_factory.mktemp("documents"), set_up()
     files = page_files(setup.robot, setup.lexicon)
-    with running(Quotas(), files=files, folder=folder) as server:
+    make_setup = StudioPlanning("upper22", "neutral", {}, folder).set_up
+    with running(Quotas(), files=files, folder=folder, make_setup=make_setup) as server:
         url = f"http://localhost:{server.port}/"
         with opened(url, tmp_path_factory.mktemp("profile"), *SOFTWARE) as page:
             page.until("window.kinesicStudio !== undefined && kinesicStudio.state().planned > 0")

@@ -135,6 +135,15 @@ def test_a_gesture_is_copied_shaped_by_hand_saved_and_performed(studio: Studio):
         "(document.querySelector('#examples'))"
     )
     studio.until("s.draft?.block === 'one'")
+    studio.write(text)  # the gesture that was saved is known at once
+    studio.until("s.draft?.block === 'doc' && s.draft.notices.length === 0")
+    assert {each["outcome"] for each in studio.state("draft")["behaviours"]} == {"realised"}
+    with connect(f"ws://localhost:{studio.server.port}/") as other:
+        other.send(text.replace('"doc"', '"with"'))
+        told = [other.recv(30)]
+        while "blockProgress" not in told[-1] or "end" not in told[-1]:
+            told.append(other.recv(30))
+    assert not [each for each in told if "warningFeedback" in each]
 
 
 def test_a_document_is_saved_byte_for_byte_and_found_again(studio: Studio):

@@ -1,6 +1,8 @@
 """`kinesic studio`: the server, and a page in the browser on which documents are written, seen and performed."""
 
 import webbrowser
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import click
@@ -8,10 +10,31 @@ import click
 from kinesic.body.config import ConfigError
 from kinesic.cli.live.serve import open_and_serve
 from kinesic.cli.options import Door, Performers, Planning
+from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.face.show.window import has_display
+from kinesic.planning.setup import Setup
 from kinesic.serve.desk.documents import NAME
 from kinesic.serve.server import Address
 from kinesic.studio.page import page_files
+
+
+@dataclass(frozen=True)
+class StudioPlanning(Planning):
+    """Planning that also knows the gestures of the studio's folder, as they are when it is set up."""
+
+    folder: Path
+
+    def set_up(self) -> Setup:
+        """Loads everything that the options name, and the gestures of the folder that can be read.
+
+        Raises:
+            ConfigError: something that an option names is missing or wrong.
+        """
+        setup, given = super().set_up(), self.options.get("lexicon")
+        paths = [path for path in sorted(self.folder.glob("*.toml")) if _has_gestures(path)]
+        with suppress(ConfigError):  # they contradict each other: none of them is known
+            return replace(setup, lexicon=Lexicon.load(*paths, given))
+        return setup
 
 
 def open_studio(
@@ -32,6 +55,7 @@ def open_studio(
         _check_document(file, place)
     if not place.is_dir():
         raise ConfigError(f"--folder {place}: there is no such folder; make it first")
+    planning = StudioPlanning(planning.robot, planning.style, planning.options, place.resolve())
     setup = planning.set_up()
     files = page_files(setup.robot, setup.lexicon, document=None if file is None else file.name)
 
@@ -42,6 +66,14 @@ def open_studio(
             webbrowser.open(url)
 
     return open_and_serve(planning, door, performers, sound, rules, files=files, folder=place.resolve(), opened=opened)
+
+
+def _has_gestures(path: Path) -> bool:
+    """Whether a file, and no link to one, holds gestures and nothing that is wrong."""
+    try:
+        return not path.is_symlink() and len(Lexicon.load(path).forms) > len(Lexicon.load().forms)
+    except (ConfigError, OSError):
+        return False
 
 
 def _check_document(file: Path, folder: Path) -> None:

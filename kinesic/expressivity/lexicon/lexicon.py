@@ -17,7 +17,7 @@ from kinesic.expressivity.lexicon.names import read_name, split_words
 from kinesic.expressivity.lexicon.senses import Sense
 from kinesic.expressivity.lexicon.space import spread_hands
 from kinesic.expressivity.lexicon.synonyms import Found, GestureClass, NameTable, check_names
-from kinesic.expressivity.lexicon.toml_file import LexiconPart, read_gestures
+from kinesic.expressivity.lexicon.toml_file import LexiconPart, join_parts, read_gestures
 
 NAMELESS = "beat"  # what a gesture without a lexeme most likely is
 MOST_NEAR = 3  # gestures that are named when a lexeme is unknown
@@ -36,17 +36,18 @@ class Lexicon:
     bodies: Mapping[str, BodyForm] = field(default_factory=dict)  # what the body does, by category
 
     @classmethod
-    def load(cls, path: str | Path | None = None) -> "Lexicon":
-        """Reads the gestures and names of `configs/gestures/`, behind those of a file or folder of the user's.
+    def load(cls, *paths: str | Path | None) -> "Lexicon":
+        """Reads the gestures and names of `configs/gestures/`, behind those of files or folders of the user's.
 
         Args:
-            path: a gestuary of Greta's (.xml), a TOML file, or a folder of TOML files.
+            paths: gestuaries (.xml) of Greta, TOML files, folders of TOML files, the most important first; None: none.
 
         Raises:
             ConfigError: a file is missing or wrong.
         """
         own = _own()
-        users = LexiconPart() if path is None else _read_part(Path(path), own.bodies)
+        parts = [_read_part(Path(path), own.bodies) for path in paths if path is not None]
+        users = join_parts(parts, {name: table for part in reversed(parts) for name, table in part.bodies.items()})
         forms, senses = zip(*users.entries, *own.entries, strict=True)
         names = (
             *users.synonyms,
@@ -56,7 +57,7 @@ class Lexicon:
         bodies = {name: body_form(table) for name, table in {**own.bodies, **users.bodies}.items()}
         lexicon = cls(forms, senses, names, (*users.classes, *own.classes), bodies)
         for problem in check_names(users.synonyms, users.classes, lexicon.forms_by_id):
-            raise ConfigError(f"{path}: {problem}")
+            raise ConfigError(f"{', '.join(map(str, paths))}: {problem}")
         return lexicon
 
     @cached_property

@@ -27,6 +27,7 @@ from kinesic.serve.wire.questions import (
 )
 from kinesic.serve.wire.quotas import Quotas
 
+GESTURES = ".toml"  # of a file of gestures
 FASTEST = 50.0  # [Hz] at which a client may watch
 DIGITS = 4  # of angles [rad] and lengths [m]
 
@@ -44,7 +45,14 @@ class Desk:
     """Answers questions; everything here happens in the asyncio loop of the server."""
 
     def __init__(
-        self, make_setup: Callable[[], Setup], setup: Setup, loop: Loop, rules: Quotas, *, folder: Path | None = None
+        self,
+        make_setup: Callable[[], Setup],
+        setup: Setup,
+        loop: Loop,
+        rules: Quotas,
+        *,
+        folder: Path | None = None,
+        learned: Callable[[], None] = lambda: None,
     ) -> None:
         """Opens; nothing is begun before the first question.
 
@@ -54,7 +62,9 @@ class Desk:
             loop: whose robot is watched.
             rules: for documents that are planned.
             folder: where documents are kept; None: nowhere.
+            learned: called when gestures were saved there.
         """
+        self._learned = learned
         self._setup, self._loop = setup, loop
         self._documents = DocumentFolder(folder)
         self._watches: dict[int, Task[None]] = {}  # by client
@@ -102,6 +112,9 @@ class Desk:
             match request:
                 case SaveRequest(name, text):
                     self._documents.save(name, text)
+                    if name.endswith(GESTURES):
+                        self.drafter.renew()
+                        self._learned()
                     return json_answer("saved", id=request.id, name=name)
                 case OpenRequest(str(name)):
                     return json_answer("document", id=request.id, name=name, text=self._documents.read(name))

@@ -74,6 +74,16 @@ class Drafter:
         if self._pipe is None:
             self._begin()
 
+    def renew(self) -> None:
+        """Begins anew with the next question, so that what has changed meanwhile is known; one at work is outdated."""
+        self._end()
+        if self._watch is not None:
+            self._watch.cancel()
+        present, self._present = self._present, None
+        if present is not None:
+            present[1](json_answer(verb_of(present[0]), id=present[0].id, outdated=True))
+        self._next()
+
     def close(self) -> None:
         """Ends the process."""
         self._waiting.clear()

@@ -61,6 +61,17 @@ def test_a_drafter_that_dies_costs_one_answer(server):
         assert answers[-1]["block"] == "b"
 
 
+def test_a_planner_that_is_renewed_often_is_no_death_and_loses_no_block(server):
+    planner = server.open.clients.session.planner
+    deaths = planner.deaths
+    for _ in range(3):
+        server.tasks.call_soon_threadsafe(planner.renew)
+    with server.client() as client:
+        for message in client.perform(NOD.replace('"b"', '"renewed"')):
+            assert "warningFeedback" not in message
+    assert (planner.deaths, planner.failed) == (deaths, False)
+
+
 def test_a_watch_tells_the_body_until_it_is_ended(server):
     with server.client() as client:
         client.do("watch", rate=50)
