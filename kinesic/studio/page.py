@@ -7,6 +7,7 @@ import msgspec
 
 from kinesic.body.robot import Robot
 from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.expressivity.lexicon.space import SECTORS
 from kinesic.report.report import Json
 from kinesic.report.scene import scene_data
 from kinesic.serve.wire.pages import WebFile
@@ -51,6 +52,7 @@ def body_data(robot: Robot) -> dict[str, Json]:
         "upper": [round(float(angle), 4) for angle in skeleton.upper],
         "hands": {side: robot.arm(side).wrist for side in ("l", "r")},
         "arm_length": round(robot.arm_length, 4),
+        "sectors": {axis: dict(centres) for axis, centres in SECTORS.items()},
         "gesture_origin": [round(float(value), 4) for value in robot.gesture_origin],
     }
 

@@ -1,5 +1,6 @@
 // The page: one document, seen as text, as a timeline and on the stage.
 import { listen } from "./controls.ts";
+import { Documents } from "./documents.ts";
 import { byId, make } from "./dom.ts";
 import { addGesture, mark, remove, setAttribute, setManner, shift, tie } from "./edits.ts";
 import { GestureEditing } from "./gesture_editing.ts";
@@ -26,6 +27,7 @@ class App {
   private readonly reaching: Reaching;
   private readonly inspector: Inspector;
   private readonly editing: GestureEditing;
+  private readonly documents: Documents;
   private history: History<string> = begin("");
   private draft: Draft | null = null;
   private motion: Motion | null = null;
@@ -71,6 +73,11 @@ class App {
       seek: (time) => this.player.seek(time),
       say: (text) => this.robot.live.say(text),
     });
+    this.documents = new Documents(this.robot.wire, {
+      opened: (name, text) => this.open(name, text),
+      saved: (name) => this.opened(name),
+      say: (text) => this.robot.live.say(text),
+    });
     this.listen();
     this.fillMenus();
     this.open(about.examples[0]?.name ?? "untitled", about.examples[0]?.text ?? "");
@@ -87,8 +94,7 @@ class App {
   }
 
   private open(name: string, text: string): void {
-    this.name = name.includes(".") ? name : `${name}.bml`;
-    byId("file").textContent = this.name;
+    this.opened(name.includes(".") ? name : `${name}.bml`);
     this.chosen = this.isGesture ? ALONE : null;
     this.history = begin(text);
     this.editing.begin(this.isGesture);
@@ -227,7 +233,7 @@ class App {
   // ---- the server ---------------------------------------------------------------------------------------------
 
   private connected(): void {
-    if (this.about.document) void this.openSaved(this.about.document);
+    if (this.about.document) void this.documents.open(this.about.document);
     else void this.plan();
     this.about.document = null;
   }
@@ -237,27 +243,9 @@ class App {
     if (this.robot.ready && this.robot.wire.perform(this.document)) this.become("robot");
   }
 
-  private async openSaved(name: string): Promise<void> {
-    const answer = await this.robot.wire.ask("open", { name });
-    if (answer?.told === "document") this.open(name, String(answer.text));
-    else if (answer) this.robot.live.say(String(answer.why));
-  }
-
-  private async save(): Promise<void> {
-    const name = prompt("Save as", this.name);
-    if (name === null) return;
-    const answer = await this.robot.wire.ask("save", { name, text: this.document });
-    this.robot.live.say(answer?.told === "saved" ? `saved: ${name}` : String(answer?.why ?? "no server"));
-    if (answer?.told !== "saved") return;
+  private opened(name: string): void {
     this.name = name;
     byId("file").textContent = name;
-    void this.listSaved();
-  }
-
-  private async listSaved(): Promise<void> {
-    const answer = await this.robot.wire.ask("open", {});
-    const names = (answer?.names as string[] | undefined) ?? [];
-    byId("saved").replaceChildren(...names.map((name) => make("option", { value: `file:${name}` }, name)));
   }
 
   // ---- the page -----------------------------------------------------------------------------------------------
@@ -288,7 +276,7 @@ class App {
       resume: () => this.robot.resume(),
       undo: () => this.step(undo(this.history)),
       redo: () => this.step(redo(this.history)),
-      save: () => void this.save(),
+      save: () => void this.documents.save(this.name, this.document),
       remove: () => this.chosen && this.edit(remove(this.document, this.chosen)),
       show: (mode) => this.become(mode),
       view: (view) => this.stage.view(view),
@@ -296,11 +284,11 @@ class App {
       loop: (on) => {
         this.player.loops = on;
       },
-      list: () => void this.listSaved(),
+      list: () => void this.documents.list(),
       open: (kind, name) => {
         const example = this.about.examples.find((each) => each.name === name);
         if (kind === "example" && example) this.open(name, example.text);
-        else void this.openSaved(name);
+        else void this.documents.open(name);
       },
       unlock: (token) => this.robot.unlock(token),
     });

@@ -15,6 +15,7 @@ export class Reaching {
   private busy = false;
   private posture: number[] | null = null;
   private side: Side = "left";
+  private target: readonly number[] = [0, 0, 0];
 
   constructor(
     private readonly body: Body,
@@ -42,6 +43,7 @@ export class Reaching {
 
   drag(drag: Drag): void {
     this.side = drag.side;
+    this.target = drag.target;
     this.next = { drag, at: performance.now() };
     if (!this.busy) void this.ask();
   }
@@ -60,11 +62,23 @@ export class Reaching {
   /** What stops the hand, in words. */
   words(found: Reached | null): string {
     if (!found) return "";
-    if (found.reached) return "within reach";
+    if (found.reached) return `within reach: ${this.sector()}`;
     const far = `${(100 * found.residual).toFixed(1)} cm short`;
     if (found.contact) return `${found.contact.map(plain).join(" meets ")}: ${far}`;
     if (found.limits.length) return `at its limit: ${found.limits.map(plain).join(", ")}; ${far}`;
     return `the arm is straight: ${far}`;
+  }
+
+  /** McNeill's sector of the place to which the hand is dragged. */
+  private sector(): string {
+    const { gesture_origin: origin, arm_length: size, sectors } = this.body;
+    const [forward, left, up] = this.target.map((value, k) => (value - origin[k]!) / size) as [number, number, number];
+    const place = { x: this.side === "left" ? left : -left, y: up, z: forward };
+    const nearest = (axis: "x" | "y" | "z") =>
+      Object.entries(sectors[axis]).reduce((best, each) =>
+        Math.abs(each[1] - place[axis]) < Math.abs(best[1] - place[axis]) ? each : best,
+      )[0];
+    return `${nearest("x")} ${nearest("y")} ${nearest("z")}`;
   }
 
   private arm(side: Side): ReadonlySet<number> {

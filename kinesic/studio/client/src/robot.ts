@@ -53,7 +53,7 @@ export class Robot {
     document.body.dataset.state = state;
     byId("state").textContent = WORDS[state];
     byId<HTMLDialogElement>("lock")[state === "locked" ? "show" : "close"]();
-    byId<HTMLButtonElement>("stop").disabled = state === "closed" || state === "connecting";
+    byId<HTMLButtonElement>("stop").disabled = state !== "open";
     if (state === "open") {
       this.wire.tell("watch", { rate: RATE });
       this.wire.tell("status");

@@ -20,6 +20,7 @@ export interface Moved {
 }
 
 const SNAP = 14; // [CSS pixels] from a word's beginning
+const LEAST = 48; // [CSS pixels] of a second: a long document is scrolled
 const NUDGE = 0.05; // [s] of an arrow key
 const CORES = [
   ["strokeStart", "strokeEnd"],
@@ -66,12 +67,20 @@ export class Timeline {
     this.draft = draft;
     this.words = wordsOf(draft);
     const rows = [this.wordRow(), this.phonemeRow(draft), ...draft.behaviours.map((each) => this.row(each, chosen))];
-    this.place.replaceChildren(make("div", { class: "inner" }, ...rows.filter((row) => row !== null), this.head));
+    const inner = make("div", { class: "inner" }, ...rows.filter((row) => row !== null), this.head);
+    inner.style.minWidth = `calc(var(--names) + ${Math.round(this.duration * LEAST)}px)`;
+    const { scrollLeft, scrollTop } = this.place;
+    this.place.replaceChildren(inner);
+    this.place.scrollTo(scrollLeft, scrollTop);
   }
 
   /** Shows the moment [s]. */
   at(time: number): void {
     this.head.style.left = `calc(var(--names) + (100% - var(--names)) * ${time / this.duration})`;
+    const [place, head] = [this.place.getBoundingClientRect(), this.head.getBoundingClientRect()];
+    const names = this.lane().left + this.place.scrollLeft - place.left;
+    const seen = head.left >= place.left + names && head.left <= place.right;
+    if (!seen && this.place.scrollWidth > place.width) this.place.scrollLeft += head.left - place.left - names - 20;
   }
 
   private get duration(): number {

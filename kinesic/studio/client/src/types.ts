@@ -16,6 +16,8 @@ export interface Body {
   hands: { l: number; r: number };
   arm_length: number;
   gesture_origin: number[];
+  /** Centres of McNeill's sectors in arm lengths: outward, up, forward. */
+  sectors: Record<"x" | "y" | "z", Record<string, number>>;
   segments: { hinges: Hinge[] }[];
   view: { from: number[] };
 }

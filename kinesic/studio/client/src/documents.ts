@@ -1,0 +1,39 @@
+// The documents of the server's folder: listed, opened, saved.
+import { byId, make } from "./dom.ts";
+import type { Wire } from "./wire.ts";
+
+export interface DocumentsListener {
+  opened(name: string, text: string): void;
+  saved(name: string): void;
+  say(text: string): void;
+}
+
+export class Documents {
+  constructor(
+    private readonly wire: Wire,
+    private readonly listener: DocumentsListener,
+  ) {}
+
+  async open(name: string): Promise<void> {
+    const answer = await this.wire.ask("open", { name });
+    if (answer?.told === "document") this.listener.opened(name, String(answer.text));
+    else if (answer) this.listener.say(String(answer.why));
+  }
+
+  /** Asks for a name, and saves a text by it. */
+  async save(suggested: string, text: string): Promise<void> {
+    const name = prompt("Save as", suggested);
+    if (name === null) return;
+    const answer = await this.wire.ask("save", { name, text });
+    this.listener.say(answer?.told === "saved" ? `saved: ${name}` : String(answer?.why ?? "no server"));
+    if (answer?.told !== "saved") return;
+    this.listener.saved(name);
+    void this.list();
+  }
+
+  async list(): Promise<void> {
+    const answer = await this.wire.ask("open", {});
+    const names = (answer?.names as string[] | undefined) ?? [];
+    byId("saved").replaceChildren(...names.map((name) => make("option", { value: `file:${name}` }, name)));
+  }
+}
