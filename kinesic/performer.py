@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import Literal, Unpack, get_args
 
 from kinesic.bml.block import BmlError
-from kinesic.bml.parse import parse
 from kinesic.body.choices import Terms
 from kinesic.body.command import Sink
 from kinesic.body.config import ConfigError, suggestion
 from kinesic.body.robot import Robot
+from kinesic.controller.documents import read_block
 from kinesic.controller.feedforward import FeedForward
 from kinesic.controller.options import LIVELY, PlanningOptions
 from kinesic.controller.perform import dry_runs, set_up
@@ -94,8 +94,7 @@ class Performer:
         name = source or name
         if text is None:
             return plan_imported(read_bap(Path(str(document)), self.robot), self.setup, source=name)
-        setup = self.setup
-        return plan_block(parse(text, source=name, dialect=setup.dialect, performer=setup.character), setup)
+        return plan_block(read_block(text, self.setup, source=name), self.setup)
 
     def perform(
         self,

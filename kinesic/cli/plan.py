@@ -7,15 +7,17 @@ import click
 from rich.console import Console
 from rich.table import Table
 
-from kinesic.bml.block import Behaviour, Block, Speech
+from kinesic.bml.block import Behaviour, Block, BmlError, Speech
 from kinesic.bml.parse import parse
 from kinesic.cli.options import Planning, read_input
 from kinesic.cli.progress import show_stages
 from kinesic.cli.summary import print_notices
 from kinesic.cli.terminal import console, error_console, quote_text
+from kinesic.controller.documents import read_block
 from kinesic.controller.synchrony import StrokeLag, median_lag, planned_lags
 from kinesic.files.output_file import check_file
 from kinesic.intent.author import author
+from kinesic.intent.fml.author import author_fml, is_fml
 from kinesic.planning.bap import SUFFIX, read_bap
 from kinesic.planning.imported_motion import plan_imported
 from kinesic.planning.motion_files import check_motion_file, save_motion
@@ -31,8 +33,13 @@ WORDS = 30  # letters of what is said
 TEXT = ".txt"  # of a file with plain text, for which BML is written
 
 
-def plan_file(file: str, planning: Planning, out: Path | None, force: bool) -> int:
-    """Plans a document or a motion, and writes it to a file; without one, it prints what would happen when."""
+def plan_file(file: str, planning: Planning, out: Path | None, force: bool, to: str) -> int:
+    """Plans a document or a motion, and writes it to a file; without one, it prints what would happen when.
+
+    To BML it is not planned: what it is as BML is printed.
+    """
+    if to == "bml":
+        return _print_bml(file, planning.set_up())
     if out is not None:
         check_motion_file(out, also=SCENE)
         check_file(out, force=force)
@@ -56,6 +63,21 @@ def plan_file(file: str, planning: Planning, out: Path | None, force: bool) -> i
     return 0
 
 
+def _print_bml(file: str, known: Setup) -> int:
+    """Prints the BML that is written for a plain text or FML; of BML, what it is."""
+    read = read_input(file)
+    if file.lower().endswith(TEXT):
+        click.echo(write_bml(read.decode("utf-8", "replace"), known), nl=False)
+    elif is_fml(read):
+        bml, unshown = author_fml(read, source=document_name(file), seed=known.idling.seed)
+        click.echo(bml, nl=False)
+        for each in unshown:
+            click.echo(f"not shown: {quote_text(each)}", err=True)
+    else:
+        raise BmlError(f"{document_name(file)}: it is BML already, or a motion; --to bml is for FML and plain text")
+    return 0
+
+
 def document_name(file: str) -> str:
     """Names a document as messages and reports have it."""
     return "stdin" if file == "-" else file
@@ -67,7 +89,7 @@ def is_motion(file: str) -> bool:
 
 
 def parse_document(file: str, known: Setup) -> Block:
-    """Reads BML from a file, or from standard input for `-`; of a plain text (.txt), the BML that is written for it.
+    """Reads BML or FML from a file, or from standard input for `-`; of a plain text (.txt), the BML written for it.
 
     Raises:
         BmlError: there is no such file, or the document is refused.
@@ -75,7 +97,7 @@ def parse_document(file: str, known: Setup) -> Block:
     read = read_input(file)
     if file.lower().endswith(TEXT):
         return parse_text(read.decode("utf-8", "replace"), known, source=file)
-    return parse(read, source=document_name(file), dialect=known.dialect, performer=known.character)
+    return read_block(read, known, source=document_name(file))
 
 
 def parse_text(text: str, known: Setup, *, source: str) -> Block:

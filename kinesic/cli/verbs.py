@@ -139,7 +139,7 @@ def _render_gestures() -> None:
 @report_output
 @done_by("several_robots:perform_document")
 def _perform() -> None:
-    """Performs FILE (BML, a .bap motion, or - for BML from standard input) and writes a report.
+    """Performs FILE (BML, FML, a .bap motion, or - for BML from standard input) and writes a report.
 
     On servos it is performed after the twin has performed it without a failed check. --robot A,B performs it with
     several robots, and films them side by side.
@@ -153,9 +153,10 @@ def _perform() -> None:
     "--out", type=click.Path(path_type=Path), help="motion.npz, .csv or .bap, or scene.glb; without it, a timeline."
 )
 @force_option
+@click.option("--to", type=click.Choice(["motion", "bml"]), default="motion", help="bml: prints it for FML or a text.")
 @done_by("plan:plan_file")
 def _plan() -> None:
-    """Plans FILE (BML, a .bap motion, or - for BML from standard input) and writes the motion.
+    """Plans FILE (BML, FML, a .bap motion, or - for BML from standard input) and writes the motion.
 
     Without --out nothing is written: it prints what would happen when, and what could not be done as asked.
     """

@@ -9,13 +9,13 @@ from typing import Unpack
 
 import numpy as np
 
-from kinesic.bml.parse import parse
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.choices import Terms
 from kinesic.body.command import RATE, Command, Measurements
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 from kinesic.controller.clearance_watch import slows
+from kinesic.controller.documents import read_block
 from kinesic.controller.feedforward import FeedForward
 from kinesic.controller.observer import Observer, correct_goals
 from kinesic.controller.options import PlanningOptions, check_options
@@ -107,7 +107,7 @@ def plan(text: str | bytes, known: Setup | None = None, *, source: str = "<text>
         BmlError: the document is refused.
     """
     known = known or set_up()
-    return plan_block(parse(text, source=source, dialect=known.dialect, performer=known.character), known)
+    return plan_block(read_block(text, known, source=source), known)
 
 
 def perform(
@@ -143,7 +143,7 @@ def performances(
     """
     known = known or set_up()
     began = perf_counter()
-    block = parse(text, source=source, dialect=known.dialect, performer=known.character)
+    block = read_block(text, known, source=source)
     parsed = perf_counter() - began
     planned = plan_block(block, known)
     return dry_runs(planned, twins, feedforward=feedforward, correction=correction, parse_seconds=parsed)

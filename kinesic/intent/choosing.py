@@ -138,7 +138,7 @@ def _hindrance(
     for other in kept:
         gap = abs(other.intent.stroke.seconds - at)
         if gap < budget.gaps[channel]:
-            return f"{gap:.1f} s from {other.intent.name}, which is more certain, is too near for the {channel}"
+            return f"{gap:.1f} s from {other.intent.name}, which is at least as certain, is too near for the {channel}"
         if _covers(other.intent, candidate.intent, channel):
             return f"the {channel} shows {other.intent.name} meanwhile"
     return ""

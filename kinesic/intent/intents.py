@@ -25,3 +25,5 @@ class Intent:
     word: int = -1  # index of the word of its stroke; -1: there are no words
     phrase: int = -1  # index of the phrase of this word, or -1
     style: str = ""  # manner in which its sentence is performed, if it asks for one
+    target: str = ""  # what it points at, if it names something
+    strength: float = 1.0  # 0..1 of how much its face and head show it

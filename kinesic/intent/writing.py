@@ -1,14 +1,22 @@
 """Writes BML: what is said with sync points on its words, and behaviours, each with the reason for it."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from itertools import count
 from xml.sax.saxutils import escape, quoteattr
 
+from kinesic.intent.behaviour_sets import Channel
 from kinesic.intent.choosing import ChosenBehaviour
 from kinesic.intent.intents import Moment
 from kinesic.intent.reading.passage import SPEECH, Passage, mark
 
 NAMESPACES = 'xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:kinesic="urn:kinesic"'
-LETTERS = {"gesture": "g", "head": "h", "face": "f", "gaze": "l", "torso": "t"}  # that ids begin with
+LETTERS: Mapping[Channel, str] = {
+    "gesture": "g",
+    "head": "h",
+    "face": "f",
+    "gaze": "l",
+    "torso": "t",
+}  # that ids begin with
 DIRECTIONS = frozenset({"LEFT", "RIGHT", "UP", "DOWN", "UPLEFT", "UPRIGHT", "DOWNLEFT", "DOWNRIGHT"})
 ASIDE = 20.0  # [deg] that eyes look aside with amount 1
 LEAST_FACE, LEAST_LOOK, LEAST_TILT = 0.8, 0.7, 0.8  # [s]
@@ -31,38 +39,47 @@ def write_text(passage: Passage, behaviours: Sequence[ChosenBehaviour], *, block
     return "\n".join(lines) + "\n"
 
 
-def write_behaviours(behaviours: Iterable[ChosenBehaviour]) -> Iterator[str]:
-    """Writes each behaviour as an element of BML."""
-    counts: dict[str, int] = {}
+def write_behaviours(behaviours: Iterable[ChosenBehaviour], taken: Collection[str] = ()) -> Iterator[str]:
+    """Writes each behaviour as an element of BML, with an id that is not taken."""
+    ids = {channel: _free_ids(letter, taken) for channel, letter in LETTERS.items()}
     for each in behaviours:
-        letter = LETTERS[each.channel]
-        counts[letter] = counts.get(letter, 0) + 1
-        yield _element(each, f"{letter}{counts[letter]}")
+        yield _element(each, next(ids[each.channel]))
+
+
+def _free_ids(letter: str, taken: Collection[str]) -> Iterator[str]:
+    return (id for number in count(1) if (id := f"{letter}{number}") not in taken)
 
 
 def shift(moment: Moment, seconds: float) -> str:
-    """Writes the reference of a moment so many seconds later, or earlier."""
-    reference, sign, offset = _parted(moment.reference)
-    later = (float(f"{sign}{offset}") if offset else 0.0) + seconds
+    """Writes the reference of a moment so many seconds later, or earlier; never before the block."""
+    reference, offset = split_reference(moment.reference)
+    later = (offset or 0.0) + seconds
     if not reference:
-        return f"{later:.2f}"
+        return f"{max(later, 0.0):.2f}"
     return reference if abs(later) < 0.005 else f"{reference}{later:+.2f}"
 
 
-def _parted(reference: str) -> tuple[str, str, str]:
-    """A reference without its offset, the sign of the offset, and the offset."""
+def split_reference(reference: str) -> tuple[str, float | None]:
+    """Splits a time of BML into a reference without its offset, empty for a number, and the offset [s]."""
     bare = reference.replace(" ", "")
     for sign in "+-":
         before, found, offset = bare.rpartition(sign)
-        if found and offset.replace(".", "", 1).isdigit():
-            return before, sign, offset
-    return ("", "", bare) if bare.replace(".", "", 1).isdigit() else (bare, "", "")
+        if found and _is_number(offset):
+            return before, float(f"{sign}{offset}")
+    return ("", float(bare)) if _is_number(bare) else (bare, None)
+
+
+def _is_number(text: str) -> bool:
+    return text.isascii() and text.replace(".", "", 1).isdigit()
 
 
 def _element(each: ChosenBehaviour, id: str) -> str:
     intent = each.intent
     written = {"id": id}
     match each.channel:
+        case "gesture" if intent.target:
+            name = "pointing"
+            written |= {"target": intent.target, "stroke": shift(intent.stroke, 0.0)}
         case "gesture":
             name = "gesture"
             written |= {"lexeme": each.lexeme, "stroke": shift(intent.stroke, 0.0)}
@@ -88,7 +105,8 @@ def _element(each: ChosenBehaviour, id: str) -> str:
 
 
 def _numbers(each: ChosenBehaviour) -> dict[str, str]:
-    numbers = {"amount": each.amount, "repetition": each.repetition}
+    amount = each.amount if each.amount is None else each.amount * each.intent.strength
+    numbers = {"amount": amount, "repetition": each.repetition}
     return {name: f"{number:g}" for name, number in numbers.items() if number is not None}
 
 

@@ -57,3 +57,15 @@ def test_a_stroke_on_a_word_says_when_the_hand_is_fastest(kinesic):
     median = float(re.search(r"hands are fastest ([\d.]+) s from their words \(median, strokes: 1\)", words)[1])
     assert abs(abs(stroke - fastest) - median) < 0.011
     assert "fastest" not in kinesic("plan", "-", stdin=TALK).out
+
+
+def test_fml_is_printed_as_bml_with_what_nothing_shows(kinesic):
+    fml = (
+        '<fml-apml><bml><speech id="s"><tm id="a"/>Hello you</speech></bml>'
+        '<fml><performative type="greet" start="s:a"/><no type="set" start="s:a"/></fml></fml-apml>'
+    )
+    ended = kinesic("plan", "-", "--to", "bml", stdin=fml.encode())
+    assert ended.code == 0, ended.err
+    assert "(performative-greet, 0.50)" in ended.out
+    assert "not shown: no-set" in ended.err
+    assert kinesic("plan", "-", "--to", "bml", stdin=TALK).code == 2, "it is BML already"

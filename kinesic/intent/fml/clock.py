@@ -1,0 +1,65 @@
+"""About when each mark of a block's speeches comes: enough to order and space what is meant, and never performed."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from kinesic.bml.reading.script import MARKS, spoken_part
+from kinesic.bml.reading.tree import Element
+from kinesic.intent.intents import Moment
+from kinesic.intent.reading.passage import SYLLABLE, WORD
+from kinesic.intent.reading.stress import count_syllables
+from kinesic.intent.writing import split_reference
+
+MARK_NAMES = ("id", "name")
+
+
+@dataclass(frozen=True)
+class Clock:
+    """When the marks of speeches come."""
+
+    times: Mapping[str, float]  # [s] by `speech:mark`, `speech:start` and `speech:end`
+
+    def moment(self, written: str) -> Moment | None:
+        """Reads a time as FML has it; None where it names no mark of a speech.
+
+        Args:
+            written: `1.5`, `s1:tm3`, `s1:tm3+0.5`.
+        """
+        reference, offset = split_reference(written)
+        if not reference:
+            return Moment(written.replace(" ", ""), offset) if offset is not None else None
+        if reference not in self.times:
+            return None
+        return Moment(written.replace(" ", ""), self.times[reference] + (offset or 0.0))
+
+    def end_beside(self, written: str) -> Moment | None:
+        """Finds the end of the speech that a time names; None without such a speech."""
+        return self.moment(f"{written.partition(':')[0].strip()}:end")
+
+
+def read_clock(bml: Element) -> Clock:
+    """Estimates the times of all marks of a block."""
+    times: dict[str, float] = {}
+    now = 0.0
+    for speech in (child for child in bml.children if child.local == "speech"):
+        name = speech.attributes.get("id", "").strip()
+        found = Clock(times).moment(speech.attributes.get("start", ""))
+        now = now if found is None else found.seconds
+        times[f"{name}:start"] = now
+        for piece in _pieces(spoken_part(speech)):
+            if isinstance(piece, Element):
+                mark = next((piece.attributes[each] for each in MARK_NAMES if each in piece.attributes), "")
+                times[f"{name}:{mark.strip()}"] = now
+            else:
+                now += sum(WORD + SYLLABLE * count_syllables(word.lower()) for word in piece.split())
+        times[f"{name}:end"] = now
+    return Clock(times)
+
+
+def _pieces(element: Element) -> Iterator[Element | str]:
+    """Yields marks and words in their order."""
+    for piece in element.content:
+        if isinstance(piece, str) or piece.local in MARKS:
+            yield piece
+        elif piece.local != "description":
+            yield from _pieces(piece)
