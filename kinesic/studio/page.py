@@ -5,6 +5,7 @@ from pathlib import Path
 
 import msgspec
 
+from kinesic.body.config import names_of
 from kinesic.body.robot import Robot
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.lexicon.space import SECTORS
@@ -24,17 +25,26 @@ JSON = "application/json"
 START = "index.html"
 
 
-def page_files(robot: Robot, lexicon: Lexicon, *, document: str | None = None) -> dict[str, WebFile]:
+def page_files(
+    robot: Robot, lexicon: Lexicon, *, style: str = "neutral", document: str | None = None
+) -> dict[str, WebFile]:
     """Gathers all that a browser may have, by its path.
 
     Args:
         robot: that is shown.
         lexicon: whose gestures are listed.
+        style: in which the robot begins.
         document: the name of the one that the page opens first, in the server's folder; None: an example.
     """
     found = {f"/{path.name}": WebFile(TYPES[path.suffix], path.read_bytes()) for path in sorted(PAGE.iterdir())}
     found["/"] = found.pop(f"/{START}")
-    about = {"robot": body_data(robot), "gestures": _gestures(lexicon), "examples": _examples(), "document": document}
+    about = {
+        "robot": body_data(robot),
+        "gestures": _gestures(lexicon),
+        "styles": sorted(names_of("style"), key=lambda name: (name != style, name)),
+        "examples": _examples(),
+        "document": document,
+    }
     found["/studio.json"] = WebFile(JSON, msgspec.json.encode(about))
     return found
 

@@ -1,12 +1,14 @@
 """The page in a browser, against the real server: text, timeline, stage, stop."""
 
 import json
+from time import monotonic, sleep
 
 import pytest
-from websockets.sync.client import connect
+from websockets.sync.client import ClientConnection, connect
 
 from kinesic import Performer
 
+from ..chromium import PATIENCE
 from .conftest import Studio
 
 pytestmark = pytest.mark.realtime
@@ -23,6 +25,21 @@ def middle(studio: Studio, selector: str) -> tuple[float, float]:
     area = f"document.querySelector({selector!r}).getBoundingClientRect()"
     x, y = studio.page.value(f"(r => [r.x + r.width / 2, r.y + r.height / 2])({area})")
     return x, y
+
+
+def rests(client: ClientConnection) -> None:
+    """Waits until the robot rests."""
+    end = monotonic() + PATIENCE
+    while '"resting"' not in status(client):
+        assert monotonic() < end
+        sleep(0.05)
+
+
+def status(client: ClientConnection) -> str:
+    client.send('{"do": "status"}')
+    while '"status"' not in (told := client.recv(PATIENCE)):
+        pass
+    return told
 
 
 def test_the_page_opens_with_the_greeting_planned_and_drawn(studio: Studio):
@@ -128,6 +145,8 @@ def test_a_gesture_is_copied_shaped_by_hand_saved_and_performed(studio: Studio):
     text = WORDS.replace('lexeme="offer" mode="RIGHT_HAND"', 'lexeme="my_conduit"')
     plan = Performer(lexicon=studio.folder / "mine.toml").plan(text)
     assert plan.keyframes.outcomes["g"].kind == "realised"
+    page.click("#perform")
+    studio.until("s.mode === 'robot' && s.report.planned.some((angle, k) => Math.abs(angle) > 0.5)")
     page.click("#undo")
     studio.until("s.past === 0 && s.text.includes('[0.42, 0.24, 0.70]')")
     page.value(
@@ -139,6 +158,8 @@ def test_a_gesture_is_copied_shaped_by_hand_saved_and_performed(studio: Studio):
     studio.until("s.draft?.block === 'doc' && s.draft.notices.length === 0")
     assert {each["outcome"] for each in studio.state("draft")["behaviours"]} == {"realised"}
     with connect(f"ws://localhost:{studio.server.port}/") as other:
+        other.send('{"do": "interrupt"}')
+        rests(other)
         other.send(text.replace('"doc"', '"with"'))
         told = [other.recv(30)]
         while "blockProgress" not in told[-1] or "end" not in told[-1]:

@@ -57,7 +57,7 @@ def open_studio(
         raise ConfigError(f"--folder {place}: there is no such folder; make it first")
     planning = StudioPlanning(planning.robot, planning.style, planning.options, place.resolve())
     setup = planning.set_up()
-    files = page_files(setup.robot, setup.lexicon, document=None if file is None else file.name)
+    files = page_files(setup.robot, setup.lexicon, style=planning.style, document=None if file is None else file.name)
 
     def opened(address: Address) -> None:
         url = f"http://{address}/"

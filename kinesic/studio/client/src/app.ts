@@ -2,10 +2,11 @@
 import { listen } from "./controls.ts";
 import { Documents } from "./documents.ts";
 import { byId, make } from "./dom.ts";
-import { addGesture, mark, remove, setAttribute, setManner, shift, tie } from "./edits.ts";
+import { addGesture, alone, mark, remove, setAttribute, setManner, shift, tie } from "./edits.ts";
 import { GestureEditing } from "./gesture_editing.ts";
 import { begin, change, type History, redo, undo } from "./history.ts";
 import { Inspector } from "./inspector.ts";
+import { strainOf } from "./live.ts";
 import { Motion } from "./motion.ts";
 import { Player } from "./player.ts";
 import { Reaching } from "./reaching.ts";
@@ -37,6 +38,8 @@ class App {
   private planned = 0; // drafts that were shown
   private mode: "plan" | "robot" = "plan";
   private name = "untitled.bml";
+  private saved = ""; // the document as it was saved last
+  private performances = 0; // of gestures alone
 
   constructor(private readonly about: About) {
     this.stage = new Stage(byId<HTMLCanvasElement>("canvas"), about.robot, {
@@ -75,7 +78,10 @@ class App {
     });
     this.documents = new Documents(this.robot.wire, {
       opened: (name, text) => this.open(name, text),
-      saved: (name) => this.opened(name),
+      saved: (name, text) => {
+        this.opened(name);
+        this.saved = text;
+      },
       say: (text) => this.robot.live.say(text),
     });
     this.listen();
@@ -203,7 +209,9 @@ class App {
   private redraw(): void {
     const report = this.mode === "robot" ? this.robot.report : null;
     const angles = this.reaching.shown ?? report?.angles ?? this.posture();
-    this.stage.show({ angles, ghost: this.reaching.shown ? undefined : report?.planned, lit: this.reaching.lit });
+    const { lit, shown } = this.reaching;
+    if (report && !shown) this.stage.show({ angles, ghost: report.planned, lit, strain: strainOf(report) });
+    else this.stage.show({ angles, ghost: undefined, lit });
   }
 
   /** The posture [rad] that is shown where no hand is dragged. */
@@ -238,9 +246,16 @@ class App {
     this.about.document = null;
   }
 
+  /** What is sent to be performed: the document, or one that asks for the gesture in the manner in which it is tried. */
+  private get performed(): string {
+    if (!this.isGesture || !this.draft) return this.document;
+    return alone((this.draft as GestureDraft).gesture, this.editing.manner, ++this.performances);
+  }
+
   private perform(): void {
     this.player.play(false);
-    if (this.robot.ready && this.robot.wire.perform(this.document)) this.become("robot");
+    if (this.isGesture && this.saved !== this.document) this.robot.live.say("save it first: then the robot knows it");
+    else if (this.robot.ready && this.robot.wire.perform(this.performed)) this.become("robot");
   }
 
   private opened(name: string): void {
@@ -253,7 +268,7 @@ class App {
   private enable(): void {
     byId<HTMLButtonElement>("undo").disabled = !this.history.past.length;
     byId<HTMLButtonElement>("redo").disabled = !this.history.future.length;
-    byId<HTMLButtonElement>("perform").disabled = !this.robot?.ready || this.isGesture;
+    byId<HTMLButtonElement>("perform").disabled = !this.robot?.ready;
     byId<HTMLButtonElement>("save").disabled = this.robot?.wire.state !== "open";
   }
 
@@ -265,6 +280,7 @@ class App {
   private fillMenus(): void {
     for (const { name } of this.about.examples)
       byId("built-in").append(make("option", { value: `example:${name}` }, name.replaceAll("_", " ")));
+    for (const name of this.about.styles) byId("style").append(make("option", { value: name }, name));
     for (const { id, says } of this.about.gestures) byId("gestures").append(make("option", { value: id }, says));
   }
 
@@ -281,6 +297,7 @@ class App {
       show: (mode) => this.become(mode),
       view: (view) => this.stage.view(view),
       seek: (time) => this.player.seek(time),
+      style: (style) => this.robot.wire.tell("style", { style }),
       loop: (on) => {
         this.player.loops = on;
       },

@@ -14,6 +14,7 @@ export interface Actions {
   show(mode: "plan" | "robot"): void;
   view(view: View): void;
   seek(time: number): void;
+  style(name: string): void;
   loop(on: boolean): void;
   list(): void;
   open(kind: string, name: string): void;
@@ -30,6 +31,8 @@ export function listen(actions: Actions): void {
   time.addEventListener("input", () => actions.seek(Number(time.value)));
   const loop = byId<HTMLInputElement>("loop");
   loop.addEventListener("change", () => actions.loop(loop.checked));
+  const style = byId<HTMLSelectElement>("style");
+  style.addEventListener("change", () => actions.style(style.value));
   const menu = byId<HTMLSelectElement>("examples");
   menu.addEventListener("pointerdown", () => actions.list());
   menu.addEventListener("change", () => {

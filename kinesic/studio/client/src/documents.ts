@@ -4,7 +4,7 @@ import type { Wire } from "./wire.ts";
 
 export interface DocumentsListener {
   opened(name: string, text: string): void;
-  saved(name: string): void;
+  saved(name: string, text: string): void;
   say(text: string): void;
 }
 
@@ -27,7 +27,7 @@ export class Documents {
     const answer = await this.wire.ask("save", { name, text });
     this.listener.say(answer?.told === "saved" ? `saved: ${name}` : String(answer?.why ?? "no server"));
     if (answer?.told !== "saved") return;
-    this.listener.saved(name);
+    this.listener.saved(name, text);
     void this.list();
   }
 

@@ -96,6 +96,14 @@ export function remove(text: string, behaviour: string): string {
   return text.slice(0, tag.from - blank) + text.slice(last.to);
 }
 
+/** A document that performs one gesture in a manner; every one has an id of its own, as the server wants it. */
+export function alone(lexeme: string, manner: ReadonlyMap<string, number>, number: number): string {
+  const bml = `<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="studio${number}"></bml>`;
+  const asked = addGesture(bml, lexeme, 0);
+  const id = asked.match(/<gesture id="([^"]*)"/)?.[1] ?? "";
+  return [...manner].reduce((text, [name, value]) => setManner(text, id, name, value), asked);
+}
+
 /** A gesture more, at a time of the block [s], as the last behaviour. */
 export function addGesture(text: string, lexeme: string, time: number): string {
   const tags = tagsOf(text);

@@ -5,6 +5,10 @@ import type { Body, BodyReport } from "./types.ts";
 const KEPT = 60; // lines of the log
 const WIDEST = 0.1; // [rad] of error, that fills a strip
 
+/** How far each hinge is from its plan, as shares of `WIDEST`. */
+export const strainOf = ({ planned, angles }: BodyReport): number[] =>
+  planned.map((angle, k) => Math.min(1, Math.abs(angle - (angles[k] ?? angle)) / WIDEST));
+
 export class Live {
   private readonly strips: { bar: HTMLElement; value: HTMLElement }[];
   private last = 0;
@@ -21,10 +25,10 @@ export class Live {
   show(report: BodyReport): void {
     if (performance.now() - this.last < 90 || !byId("live").checkVisibility()) return;
     this.last = performance.now();
+    const strain = strainOf(report);
     this.body.hinges.forEach((_, k) => {
-      const error = report.planned[k]! - report.angles[k]!;
       const { bar, value } = this.strips[k]!;
-      bar.style.setProperty("--share", String(Math.min(1, Math.abs(error) / WIDEST)));
+      bar.style.setProperty("--share", String(strain[k]));
       value.textContent = `${((report.angles[k]! * 180) / Math.PI).toFixed(0)}°`;
     });
     const servos = [

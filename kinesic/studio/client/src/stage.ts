@@ -16,6 +16,8 @@ export interface Shown {
   angles: readonly number[];
   ghost: readonly number[] | undefined;
   lit: ReadonlySet<number>;
+  /** How far each hinge is from its plan, 1: very far; it is red from a half on. */
+  strain?: readonly number[];
 }
 
 export class Stage {
@@ -93,7 +95,7 @@ export class Stage {
       .map((value) => Number(value) / 255);
     this.scene?.draw({
       look: this.look,
-      twin: { angles: this.shown.angles },
+      twin: { angles: this.shown.angles, ...(this.shown.strain && { duty: this.shown.strain }) },
       ghost: this.shown.ghost,
       beside: false,
       ink: ink ?? [0, 0, 0],

@@ -25,6 +25,7 @@ export interface Body {
 export interface About {
   robot: Body;
   gestures: { id: string; category: string; says: string }[];
+  styles: string[];
   examples: { name: string; text: string }[];
   document: string | null;
 }
