@@ -33,7 +33,8 @@ check: .venv/.stamp-test
 	@$(BIN)/mypy
 	@$(BIN)/lint-imports
 
-# Longer runs: a thousand random blocks in extreme styles, the whole corpus, and theorems on examples that nobody has seen.
+# Longer runs: a thousand random blocks in extreme styles, the whole corpus, the studio played for a minute, and theorems on
+# examples that nobody has seen.
 soak: .venv/.stamp-test
 	@$(BIN)/python -m pytest -m soak
 	@$(BIN)/python -m pytest tests/theorems -n auto --hypothesis-profile soak
