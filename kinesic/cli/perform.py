@@ -11,12 +11,13 @@ from kinesic.bml.block import Block
 from kinesic.cli.ending_signals import STOPPED
 from kinesic.cli.options import FAULT, Output, Performers, Planning, TwinOptions
 from kinesic.cli.plain_words import printable
-from kinesic.cli.plan import document_name, is_motion, parse_document, parse_text, plan_motion, write_bml
+from kinesic.cli.plan import document_name, is_motion, parse_document, parse_text, plan_motion
 from kinesic.cli.playback import follow_servos, perform_on_servos, play_whole, preview_window, write_live
 from kinesic.cli.progress import Stage, share_of, show_stages
 from kinesic.cli.servos.ports import all_ports
 from kinesic.cli.summary import MOST, print_checks, print_notices, print_side_by_side
 from kinesic.cli.terminal import console
+from kinesic.controller.documents import write_bml
 from kinesic.controller.perform import dry_runs
 from kinesic.controller.performance import Performance
 from kinesic.controller.servo_performance import ServoRun

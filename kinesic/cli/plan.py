@@ -13,11 +13,10 @@ from kinesic.cli.options import Planning, read_input
 from kinesic.cli.progress import show_stages
 from kinesic.cli.summary import print_notices
 from kinesic.cli.terminal import console, error_console, quote_text
-from kinesic.controller.documents import read_block
+from kinesic.controller.documents import read_block, write_bml, write_fml
 from kinesic.controller.synchrony import StrokeLag, median_lag, planned_lags
 from kinesic.files.output_file import check_file
-from kinesic.intent.author import author
-from kinesic.intent.fml.author import author_fml, is_fml
+from kinesic.intent.fml.author import is_fml
 from kinesic.planning.bap import SUFFIX, read_bap
 from kinesic.planning.imported_motion import plan_imported
 from kinesic.planning.motion_files import check_motion_file, save_motion
@@ -69,7 +68,7 @@ def _print_bml(file: str, known: Setup) -> int:
     if file.lower().endswith(TEXT):
         click.echo(write_bml(read.decode("utf-8", "replace"), known), nl=False)
     elif is_fml(read):
-        bml, unshown = author_fml(read, source=document_name(file), seed=known.idling.seed)
+        bml, unshown = write_fml(read, known, source=document_name(file))
         click.echo(bml, nl=False)
         for each in unshown:
             click.echo(f"not shown: {quote_text(each)}", err=True)
@@ -109,11 +108,6 @@ def parse_text(text: str, known: Setup, *, source: str) -> Block:
         source: name of the text in messages and reports.
     """
     return parse(write_bml(text, known), source=source, dialect=known.dialect, performer=known.character)
-
-
-def write_bml(text: str, known: Setup) -> str:
-    """Writes BML that says a text and performs what it means, with the seed and in the style of a setup."""
-    return author(text, known.lexicon, known.style, seed=known.idling.seed)
 
 
 def plan_motion(file: str, known: Setup) -> Plan:

@@ -60,6 +60,9 @@ class PlanningOptions(TypedDict, total=False):
         Offer("TOML of named points in the world [m].", kind=Path),
     ]
     character: Annotated[str | None, Offer(CHARACTER_HELP, metavar="NAME")]
+    intentions: Annotated[str | Path | None, Offer("Greta's lexicon of intentions (XML), for FML and text.", kind=Path)]
+    baseline: Annotated[str | Path | None, Offer("Greta's baseline (XML): how the agent moves in FML.", kind=Path)]
+    qualifiers: Annotated[str | Path | None, Offer("Greta's qualifiers (XML): how intentions change it.", kind=Path)]
 
 
 LIVELY: PlanningOptions = {"idle": 1.0, "variation": 1.0}  # as the front door and the command line have it

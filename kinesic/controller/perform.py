@@ -29,7 +29,7 @@ from kinesic.expressivity.style.style import Style
 from kinesic.expressivity.variation import Variation
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.planning.plan import Plan, plan_block
-from kinesic.planning.setup import Setup
+from kinesic.planning.setup import IntentionFiles, Setup
 from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.dynamics import MujocoDynamics
 from kinesic.sim.servo_factors import NOMINAL, Factors
@@ -61,7 +61,7 @@ def set_up(
     return Setup(
         robot=body,
         style=manner.changed(_settings(options.get("settings", ()))),
-        lexicon=Lexicon.load(None if lexicon is None else Path(lexicon)),
+        lexicon=Lexicon.load(_path(lexicon)),
         voice=make_voice(options.get("voice", "durations")),
         dynamics=MujocoDynamics(body),
         distances=CapsuleDistances(body),
@@ -72,7 +72,14 @@ def set_up(
         variation=Variation(options.get("variation", 0.0), seed),
         pause=options.get("pause", 0.0),
         character=options.get("character"),
+        intentions=IntentionFiles(
+            _path(options.get("intentions")), _path(options.get("baseline")), _path(options.get("qualifiers"))
+        ),
     )
+
+
+def _path(given: str | Path | None) -> Path | None:
+    return None if given is None else Path(given)
 
 
 def _settings(given: Mapping[str, float] | Sequence[str]) -> Iterable[str]:

@@ -12,6 +12,8 @@ from kinesic.body.config import CONFIGS, ConfigError, read_toml, suggestion
 Channel = Literal["gesture", "head", "face", "gaze", "torso"]
 CHANNELS: tuple[Channel, ...] = ("gesture", "head", "face", "gaze", "torso")
 OWN = (CONFIGS / "intents" / "behaviours.toml", CONFIGS / "intents" / "fml.toml")
+# Choices of a gaze that are no target.
+DIRECTIONS = frozenset({"LEFT", "RIGHT", "UP", "DOWN", "UPLEFT", "UPRIGHT", "DOWNLEFT", "DOWNRIGHT"})
 NONE = "none"  # a choice that shows nothing
 
 
@@ -43,12 +45,35 @@ class Choice:
 
 
 @dataclass(frozen=True)
+class Spell:
+    """How a signal takes its turn in a sequence."""
+
+    least: float  # [s] that it lasts
+    most: float  # [s]
+    early: float  # 0..1: how likely it is at the start of its intention
+    late: float  # and at the end
+    repeats: bool
+    name: str
+    excludes: frozenset[str]  # names of signals that are not shown beside it
+
+
+@dataclass(frozen=True)
 class Signal:
     """What one part of the body does."""
 
     id: str
     channel: Channel
     choices: tuple[Choice, ...]
+    spell: Spell | None = None  # in a set whose signals follow one another
+
+
+@dataclass(frozen=True)
+class Implication:
+    """A signal that another one demands, or forbids."""
+
+    given: str  # id of the signal
+    other: str  # id of the one that follows from it
+    present: bool  # False: it is forbidden
 
 
 @dataclass(frozen=True)
@@ -58,6 +83,7 @@ class BehaviourSet:
     name: str
     signals: tuple[Signal, ...]
     core: frozenset[str] = frozenset()  # ids of signals without which it is not shown
+    implications: tuple[Implication, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,9 +91,14 @@ class BehaviourSets:
     """Behaviour sets by the names of the intents that they show; `emotion-*` is for all emotions without one."""
 
     sets: Mapping[str, BehaviourSet]
+    beside: "BehaviourSets | None" = None  # asked where these have nothing
 
     def find(self, name: str) -> BehaviourSet | None:
         """Finds the set of an intent: its own in any case of its letters, or that of its whole kind; None without."""
+        found = self._find(name)
+        return self.beside.find(name) if found is None and self.beside is not None else found
+
+    def _find(self, name: str) -> BehaviourSet | None:
         lowered = name.lower()
         parts = lowered.split("-")
         wild = ("-".join([*parts[:count], "*"]) for count in range(len(parts) - 1, 0, -1))

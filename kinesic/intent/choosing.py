@@ -1,12 +1,14 @@
 """Chooses what shows each intent: behaviours from its set, within a budget, none in another's way."""
 
 import random
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 
 from kinesic.intent.behaviour_sets import NONE, BehaviourSet, BehaviourSets, Channel, Choice, Signal
 from kinesic.intent.budget import Budget
+from kinesic.intent.greta.agent import Agent
 from kinesic.intent.intents import Intent
+from kinesic.intent.sequences import draw_sequence
 
 RECENT = 3  # gestures within which none is repeated
 NEED = 0.05  # certainty that a core signal has more
@@ -23,6 +25,7 @@ class ChosenBehaviour:
     intent: Intent
     amount: float | None = None
     repetition: int | None = None
+    manner: Mapping[str, float] = field(default_factory=dict)  # numbers of expressivity, -1..1
 
 
 @dataclass(frozen=True)
@@ -52,12 +55,27 @@ class _Candidate:
     choices: tuple[Choice, ...]
 
 
-def choose_behaviours(intents: Sequence[Intent], sets: BehaviourSets, budget: Budget, *, seed: int = 0) -> Selection:
+def choose_behaviours(
+    intents: Sequence[Intent],
+    sets: BehaviourSets,
+    budget: Budget,
+    *,
+    seed: int = 0,
+    agent: Agent | None = None,
+) -> Selection:
     """Chooses behaviours for all intents; the same intents, sets, budget and seed have the same behaviours.
 
     What is most certain goes first. Each channel has its own least distance; of gestures there are no more than the
     budget has, none like one of the two before it, and where a negation reaches no head nods.
+
+    Args:
+        intents: of one block.
+        sets: what may show them.
+        budget: how much there may be.
+        seed: of what is drawn.
+        agent: whose preferences and expressivity count; None: nobody's.
     """
+    agent = agent or Agent()
     chance = random.Random(seed)
     omitted: list[Omission] = []
     wanted: dict[Channel, list[_Candidate]] = {"gesture": [], "head": [], "face": [], "gaze": [], "torso": []}
@@ -66,7 +84,7 @@ def choose_behaviours(intents: Sequence[Intent], sets: BehaviourSets, budget: Bu
         if found is None:
             omitted.append(Omission(intent, None, f"no behaviour set is called {intent.name}"))
             continue
-        candidates = list(_candidates(intent, found, chance))
+        candidates = list(_candidates(intent, found, agent, chance))
         for each in candidates:
             wanted[each.signal.channel].append(each)
         if not candidates:
@@ -74,29 +92,40 @@ def choose_behaviours(intents: Sequence[Intent], sets: BehaviourSets, budget: Bu
     chosen: list[ChosenBehaviour] = []
     for channel, all_of_it in wanted.items():
         kept = _spaced(all_of_it, channel, intents, budget, omitted)
-        chosen += _with_lexemes(kept, channel, chance, omitted)
+        chosen += _with_lexemes(kept, channel, agent, chance, omitted)
     chosen.sort(key=lambda each: (each.intent.stroke.seconds, each.channel))
     return Selection(tuple(chosen), tuple(omitted))
 
 
-def _candidates(intent: Intent, found: BehaviourSet, chance: random.Random) -> Iterable[_Candidate]:
-    """The signals of a set that are to be shown: its core, and others as chance has them."""
+def _candidates(intent: Intent, found: BehaviourSet, agent: Agent, chance: random.Random) -> Iterable[_Candidate]:
+    """The signals of a set that are to be shown: its core, what that demands, and others as chance has them."""
+    if any(signal.spell for signal in found.signals):
+        drawn = list(draw_sequence(intent, found, chance))
+    else:
+        drawn = [(intent, signal) for signal in _present(intent, found, agent, chance)]
+    for when, signal in drawn:
+        choices = tuple(each for each in signal.choices if each.lexeme.lower() != NONE)
+        if choices:
+            weight = intent.certainty * agent.share(intent.name, signal.channel, "preference")
+            yield _Candidate(when, signal, weight + NEED * (signal.id in found.core), choices)
+
+
+def _present(intent: Intent, found: BehaviourSet, agent: Agent, chance: random.Random) -> Iterable[Signal]:
     signals = found.signals
     if intent.lexemes:
         pictured = tuple(Choice(lexeme, 1.0 / len(intent.lexemes)) for lexeme in intent.lexemes)
         signals = (*(each for each in signals if each.channel != "gesture"), Signal("gesture", "gesture", pictured))
-    shown = {each.id: each for each in signals if not _is_absent(each, chance)}
-    shown |= {each.id: each for each in signals if each.id in found.core}
-    for signal in shown.values():
-        choices = tuple(each for each in signal.choices if each.lexeme.lower() != NONE)
-        if choices:
-            weight = intent.certainty + NEED * (signal.id in found.core)
-            yield _Candidate(intent, signal, weight, choices)
+    shown = {each.id for each in signals if not _is_absent(each, intent, agent, chance)} | found.core
+    for rule in found.implications:
+        if rule.given in shown:
+            shown = shown | {rule.other} if rule.present else shown - ({rule.other} - found.core)
+    return [each for each in signals if each.id in shown]
 
 
-def _is_absent(signal: Signal, chance: random.Random) -> bool:
-    """Draws whether the choice of a signal is to show nothing."""
-    nothing = sum(choice.probability for choice in signal.choices if choice.lexeme.lower() == NONE)
+def _is_absent(signal: Signal, intent: Intent, agent: Agent, chance: random.Random) -> bool:
+    """Draws whether a signal is left out: by a choice that shows nothing, or as little as its agent moves."""
+    activity = agent.share(intent.name, signal.channel, "OAC")
+    nothing = 1.0 - activity * (1.0 - sum(each.probability for each in signal.choices if each.lexeme.lower() == NONE))
     return nothing > 0.0 and chance.random() < nothing
 
 
@@ -152,7 +181,7 @@ def _covers(one: Intent, other: Intent, channel: Channel) -> bool:
 
 
 def _with_lexemes(
-    kept: Sequence[_Candidate], channel: Channel, chance: random.Random, omitted: list[Omission]
+    kept: Sequence[_Candidate], channel: Channel, agent: Agent, chance: random.Random, omitted: list[Omission]
 ) -> Iterable[ChosenBehaviour]:
     """Draws a choice for each candidate; of gestures one that was not among the last ones."""
     recent: list[str] = []
@@ -165,4 +194,5 @@ def _with_lexemes(
         weights = [max(choice.probability, 1e-6) for choice in free]
         drawn = chance.choices(free, weights)[0]
         recent = [*recent, drawn.lexeme][-(RECENT - 1) :]
-        yield ChosenBehaviour(channel, drawn.lexeme, each.intent, drawn.amount, drawn.repetition)
+        manner = agent.manner(each.intent.name, channel, each.intent.strength)
+        yield ChosenBehaviour(channel, drawn.lexeme, each.intent, drawn.amount, drawn.repetition, manner)

@@ -4,9 +4,9 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import count
 from xml.sax.saxutils import escape, quoteattr
 
-from kinesic.intent.behaviour_sets import Channel
+from kinesic.intent.behaviour_sets import DIRECTIONS, Channel
 from kinesic.intent.choosing import ChosenBehaviour
-from kinesic.intent.intents import Moment
+from kinesic.intent.intents import shift
 from kinesic.intent.reading.passage import SPEECH, Passage, mark
 
 NAMESPACES = 'xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:kinesic="urn:kinesic"'
@@ -17,7 +17,6 @@ LETTERS: Mapping[Channel, str] = {
     "gaze": "l",
     "torso": "t",
 }  # that ids begin with
-DIRECTIONS = frozenset({"LEFT", "RIGHT", "UP", "DOWN", "UPLEFT", "UPRIGHT", "DOWNLEFT", "DOWNRIGHT"})
 ASIDE = 20.0  # [deg] that eyes look aside with amount 1
 LEAST_FACE, LEAST_LOOK, LEAST_TILT = 0.8, 0.7, 0.8  # [s]
 SOON = 0.1  # [s] that a face sets out before its word
@@ -50,29 +49,6 @@ def _free_ids(letter: str, taken: Collection[str]) -> Iterator[str]:
     return (id for number in count(1) if (id := f"{letter}{number}") not in taken)
 
 
-def shift(moment: Moment, seconds: float) -> str:
-    """Writes the reference of a moment so many seconds later, or earlier; never before the block."""
-    reference, offset = split_reference(moment.reference)
-    later = (offset or 0.0) + seconds
-    if not reference:
-        return f"{max(later, 0.0):.2f}"
-    return reference if abs(later) < 0.005 else f"{reference}{later:+.2f}"
-
-
-def split_reference(reference: str) -> tuple[str, float | None]:
-    """Splits a time of BML into a reference without its offset, empty for a number, and the offset [s]."""
-    bare = reference.replace(" ", "")
-    for sign in "+-":
-        before, found, offset = bare.rpartition(sign)
-        if found and _is_number(offset):
-            return before, float(f"{sign}{offset}")
-    return ("", float(bare)) if _is_number(bare) else (bare, None)
-
-
-def _is_number(text: str) -> bool:
-    return text.isascii() and text.replace(".", "", 1).isdigit()
-
-
 def _element(each: ChosenBehaviour, id: str) -> str:
     intent = each.intent
     written = {"id": id}
@@ -98,6 +74,7 @@ def _element(each: ChosenBehaviour, id: str) -> str:
         case "torso":
             name = "torso"
             written |= {"lexeme": each.lexeme, **_numbers(each), **_span(each, LEAST_FACE)}
+    written |= {f"kinesic:{name}": f"{value:.3g}" for name, value in each.manner.items()}
     if intent.style and each.channel == "gesture":
         written["kinesic:style"] = intent.style
     written["kinesic:reason"] = f"{intent.reason} ({intent.name}, {intent.certainty:.2f})"

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
+from pathlib import Path
 from typing import Literal
 
 from kinesic.bml.block import Dialect
@@ -18,6 +19,15 @@ from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import Style
 from kinesic.expressivity.variation import EXACT, Variation
+
+
+@dataclass(frozen=True)
+class IntentionFiles:
+    """Files of Greta that say how intentions are shown; None: kinesic's own way."""
+
+    lexicon: Path | None = None  # of intentions
+    baseline: Path | None = None  # expressivity of the agent
+    qualifiers: Path | None = None  # what intentions change of it
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +47,7 @@ class Setup:
     variation: Variation = EXACT  # how far gestures differ from one another
     pause: float = 0.0  # [s] longest pause before a word that waits for the body, where documents do not say
     character: str | None = None  # which of several characters the robot is; None: the one that a block is for
+    intentions: IntentionFiles = IntentionFiles()  # how they are shown
 
     @cached_property
     def limits(self) -> Limits:

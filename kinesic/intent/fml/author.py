@@ -14,6 +14,7 @@ from kinesic.intent.budget import GAPS, Budget
 from kinesic.intent.choosing import Selection, choose_behaviours
 from kinesic.intent.fml.clock import read_clock
 from kinesic.intent.fml.intentions import IN_SPEECH, Unreadable, read_intentions
+from kinesic.intent.greta.agent import Agent
 from kinesic.intent.intents import Intent
 from kinesic.intent.writing import write_behaviours
 
@@ -30,7 +31,12 @@ def is_fml(text: str | bytes) -> bool:
 
 
 def author_fml(
-    text: str | bytes, *, source: str = "<text>", sets: BehaviourSets | None = None, seed: int = 0
+    text: str | bytes,
+    *,
+    source: str = "<text>",
+    sets: BehaviourSets | None = None,
+    agent: Agent | None = None,
+    seed: int = 0,
 ) -> tuple[str, tuple[str, ...]]:
     """Writes BML for an FML-APML document; the same document, sets and seed have the same BML.
 
@@ -38,6 +44,7 @@ def author_fml(
         text: the document.
         source: its name, for messages.
         sets: behaviours by intention; None: those that come with kinesic.
+        agent: whose expressivity and preferences count; None: nobody's.
         seed: of what is drawn among alternatives.
 
     Returns:
@@ -52,7 +59,7 @@ def author_fml(
     speeches = [child for child in bml.children if child.local == "speech"]
     read = list(read_intentions(roots, speeches, clock))
     intents = [each for each in read if isinstance(each, Intent)]
-    selection = choose_behaviours(intents, sets or own_sets(), Budget(len(intents), GAPS, {}), seed=seed)
+    selection = choose_behaviours(intents, sets or own_sets(), Budget(len(intents), GAPS, {}), seed=seed, agent=agent)
     unshown = (
         *(f"{each.name}: {each.why}" for each in read if isinstance(each, Unreadable)),
         *_unshown(intents, selection),
@@ -68,6 +75,7 @@ def parse_fml(
     source: str = "<text>",
     performer: str | None = None,
     sets: BehaviourSets | None = None,
+    agent: Agent | None = None,
     seed: int = 0,
 ) -> Block:
     """Reads the BML that is written for an FML-APML document; its notices say which intentions nothing shows, and why.
@@ -75,17 +83,17 @@ def parse_fml(
     Raises:
         BmlError: the document is refused.
     """
-    bml, unshown = author_fml(text, source=source, sets=sets, seed=seed)
+    bml, unshown = author_fml(text, source=source, sets=sets, agent=agent, seed=seed)
     block = parse(bml, source=source, dialect="fml-apml", performer=performer)
     notices = tuple(Notice(NoticeType.CANNOT_CREATE_BEHAVIOR, block.id, f"not shown: {each}") for each in unshown)
     return replace(block, notices=(*block.notices, *notices))
 
 
 def _unshown(intents: Sequence[Intent], selection: Selection) -> Iterator[str]:
-    shown = {id(each.intent) for each in selection.behaviours}
+    shown = {each.intent.reason for each in selection.behaviours}
     for intent in intents:
-        if id(intent) not in shown:
-            reasons = dict.fromkeys(each.why for each in selection.omissions if each.intent is intent)
+        if intent.reason not in shown:
+            reasons = dict.fromkeys(each.why for each in selection.omissions if each.intent.reason == intent.reason)
             yield f"{intent.name}, {intent.reason}: {'; '.join(reasons) or 'its choice is to show nothing'}"
 
 

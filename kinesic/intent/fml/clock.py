@@ -5,10 +5,9 @@ from dataclasses import dataclass
 
 from kinesic.bml.reading.script import MARKS, spoken_part
 from kinesic.bml.reading.tree import Element
-from kinesic.intent.intents import Moment
+from kinesic.intent.intents import Moment, split_reference
 from kinesic.intent.reading.passage import SYLLABLE, WORD
 from kinesic.intent.reading.stress import count_syllables
-from kinesic.intent.writing import split_reference
 
 MARK_NAMES = ("id", "name")
 

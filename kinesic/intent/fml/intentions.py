@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from kinesic.bml.reading.tree import Element
 from kinesic.intent.fml.clock import Clock
 from kinesic.intent.intents import Intent, Moment
-from kinesic.intent.writing import shift
 
 UNTYPED = "any"  # type of an intention that names none
 IN_SPEECH = ("pitchaccent", "boundary")  # intentions that stand in a speech
@@ -53,17 +52,17 @@ def _intention(element: Element, clock: Clock, accents: Sequence[Moment]) -> Int
     end = _moment(element, "end", clock) or clock.end_beside(attributes.get("end", ""))
     if end is None or end.seconds - start.seconds < LEAST:
         lasts = USUAL if end is None else LEAST
-        end = Moment(shift(start, lasts), start.seconds + lasts)
+        end = start.later(lasts)
     within = [each for each in accents if start.seconds <= each.seconds < end.seconds]
     later = ACCENT if within else min(LATEST_STROKE, (end.seconds - start.seconds) / 2)
     onset = within[0] if within else start
     return Intent(
         name,
         start,
-        Moment(shift(onset, later), onset.seconds + later),
+        onset.later(later),
         end,
         _share(attributes.get("importance", ""), IMPORTANCE),
-        f"<{element.local}> in line {element.place.line}",
+        f"<{element.local}> at {element.place.line}:{element.place.column}",
         target=attributes.get("target", "").strip(),
         strength=_share(attributes.get("intensity", ""), 1.0),
     )

@@ -1,0 +1,113 @@
+import os
+import random
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from kinesic.body.config import ConfigError
+from kinesic.intent.behaviour_sets import own_sets
+from kinesic.intent.budget import GAPS, Budget
+from kinesic.intent.choosing import choose_behaviours
+from kinesic.intent.greta.lexicon import read_lexicon
+from kinesic.intent.intents import Intent, Moment
+from kinesic.intent.sequences import draw_sequence
+
+CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[4] / "shared" / "corpus"))
+LEXICON = """<behaviorsets>
+<behaviorset name="emotion-Odd"><signals>
+  <signal id="1" name="faceexp=joy_signal_2" modality="face"><alternative name="none" probability="0.5"/></signal>
+  <signal id="2" name="Nod_Big" modality="head"/>
+  <signal id="3" name="gaze=look_down_left" modality="gaze"/>
+  <signal id="4" name="deictic=me" modality="gesture"/>
+  <signal id="5" name="tail" modality="tail"/>
+</signals><constraints><core><item id="2"/></core><rules>
+  <implication><ifpresent id="1"/><thennotpresent id="3"/></implication>
+  <implication><ifpresent id="2"/><thenpresent id="4"/></implication>
+</rules></constraints></behaviorset>
+<behaviorset name="emotion-long" type="mse"><signals>
+  <signal id="1" name="faceexp=fear" modality="face" min="1" max="2" probability_start="1" probability_end="0"/>
+  <signal id="2" name="faceexp=anger" modality="face" min="1" max="2" probability_start="0" probability_end="1"/>
+  <signal id="3" name="faceexp=joy" modality="face" excludelist="fear" min="1" max="1" repetitivity="1"/>
+  <signal id="4" name="NOD" modality="head" min="2" max="3" repetitivity="1"/>
+</signals></behaviorset></behaviorsets>"""
+
+
+def intent(name, seconds=8.0):
+    return Intent(name, Moment("1", 1.0), Moment("2", 2.0), Moment(f"{1 + seconds}", 1.0 + seconds), 1.0, "for a test")
+
+
+@pytest.fixture(scope="module")
+def sets(tmp_path_factory):
+    path = tmp_path_factory.mktemp("greta") / "lexicon.xml"
+    path.write_text(LEXICON)
+    return read_lexicon(path)
+
+
+def shown(sets, seed):
+    budget = Budget(10, GAPS, {})
+    chosen = choose_behaviours([intent("emotion-odd")], sets, budget, seed=seed).behaviours
+    return {each.channel: each for each in chosen}
+
+
+def test_alternatives_are_drawn_and_rules_hold(sets):
+    all_of_them = [shown(sets, seed) for seed in range(40)]
+    with_face = [each for each in all_of_them if "face" in each]
+    assert 8 < len(with_face) < 32, "half of them show nothing"
+    assert all(("gaze" in each) is ("face" not in each) for each in all_of_them), "the face forbids the gaze"
+    assert {each["gesture"].lexeme for each in all_of_them} == {"me"}, "the core demands the gesture"
+    head = all_of_them[0]["head"]
+    assert (head.lexeme, head.amount) == ("NOD", 0.9)
+    assert with_face[0]["face"].lexeme == "joy", "a part of an expression is the whole"
+    assert {each["gaze"].lexeme for each in all_of_them if "gaze" in each} == {"DOWNLEFT"}
+
+
+def test_a_sequence_fills_its_intention_turn_by_turn(sets):
+    found = sets.find("emotion-long")
+    for seed in range(20):
+        drawn = list(draw_sequence(intent("emotion-long"), found, random.Random(seed)))
+        faces = [(part, signal) for part, signal in drawn if signal.channel == "face"]
+        ids = [signal.id for _, signal in faces]
+        assert ids.count("1") <= 1
+        assert ids.count("2") <= 1
+        assert not {"1", "3"} <= set(ids), "one excludes the other"
+        heads = [part for part, signal in drawn if signal.channel == "head"]
+        assert heads[0].start.seconds == 1.0
+        assert heads[-1].end.seconds == pytest.approx(9.0, abs=0.6)
+        for before, after in pairwise(heads):
+            assert after.start.seconds == pytest.approx(before.end.seconds)
+        assert all(part.start.seconds < part.stroke.seconds < part.end.seconds for part, _ in drawn)
+
+
+def test_what_a_lexicon_lacks_is_our_own(sets):
+    assert sets.find("performative-greet") is own_sets().find("performative-greet")
+    assert sets.find("EMOTION-odd") is sets.sets["emotion-Odd"]
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("<profile/>", "<profile> where <behaviorsets>"),
+        ("<behaviorsets>", "no element found"),
+        ("<behaviorsets><behaviorset/></behaviorsets>", "without a name"),
+        (LEXICON.replace('probability="0.5"', 'probability="nan"'), "'nan' in <alternative> is no number"),
+    ],
+)
+def test_wrong_files_are_refused(tmp_path, text, says):
+    path = tmp_path / "wrong.xml"
+    path.write_text(text)
+    with pytest.raises(ConfigError, match=says):
+        read_lexicon(path)
+
+
+@pytest.mark.skipif(not CORPUS.is_dir(), reason=f"no corpus at {CORPUS}")
+def test_gretas_lexicons_are_read_and_every_set_shows_something():
+    paths = sorted((CORPUS / "greta/behaviorplanner/IntentionLexicon").glob("*.xml"))
+    assert len(paths) == 4
+    for path in paths:
+        sets = read_lexicon(path)
+        for name, found in sets.sets.items():
+            chosen = choose_behaviours([intent(name)], sets, Budget(10, GAPS, {}))
+            lexemes = {choice.lexeme for signal in found.signals for choice in signal.choices}
+            assert chosen.behaviours or chosen.omissions, name
+            assert {each.lexeme for each in chosen.behaviours} <= lexemes
