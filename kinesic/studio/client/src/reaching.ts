@@ -13,6 +13,7 @@ export class Reaching {
   readonly latencies: number[] = [];
   private next: { drag: Drag; at: number } | null = null;
   private busy = false;
+  private drags = 0; // that are over: answers to them come too late
   private posture: number[] | null = null;
   private side: Side = "left";
   private target: readonly number[] = [0, 0, 0];
@@ -54,6 +55,7 @@ export class Reaching {
 
   /** Goes back to what is planned. */
   forget(): void {
+    this.drags += 1;
     if (!this.posture) return;
     this.posture = this.found = this.next = null;
     this.tell(null);
@@ -93,8 +95,10 @@ export class Reaching {
       this.next = null;
       const posture = this.posture ?? this.start();
       const asked = performance.now();
+      const drags = this.drags;
       const answer = await this.wire.ask("reach", { side: drag.side, target: drag.target, posture });
       if (answer?.told !== "reach") break;
+      if (drags !== this.drags) continue;
       this.found = answer as unknown as Reached;
       this.posture = this.found.angles;
       this.tell(this.found);
