@@ -46,7 +46,8 @@ DO = (
 )  # fmt: skip
 WHAT = (
     "the whole town", "a huge house over there", "everything", "nothing", "very good bread", "a nice garden",
-    "plenty of bread", "the great bridge", "quite important things", "all the fantastic boats", "a wonderful day", "me and yours",
+    "plenty of bread", "the great bridge", "quite important things", "all the fantastic boats",
+    "a wonderful day", "me and yours",
 )  # fmt: skip
 QUESTIONS = (
     "Where is my coat?", "Who took your bag, and why?", "How did you find me?", "When must we go?", "Do you like it?",
