@@ -12,4 +12,5 @@ PARTS: Mapping[str, tuple[str, ...]] = {
     "bus": ("bus", "bus.faults"),
     "bml": ("bml", "bml.speech", "bml.merging", "bml.server", "bml.emergency_stop"),
     "face": ("face",),
+    "meaning": ("meaning",),
 }

@@ -1,5 +1,7 @@
 """Writes BML from what somebody means: plain text, in one step."""
 
+from dataclasses import replace
+
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.style import Style
 from kinesic.intent.behaviour_sets import BehaviourSets, own_sets
@@ -10,6 +12,8 @@ from kinesic.intent.reading.passage import Passage
 from kinesic.intent.reading.text import find_intents
 from kinesic.intent.reading.words import read_text
 from kinesic.intent.writing import write_text
+
+PLAIN = "neutral"  # the one style in which feelings may choose the manner of their sentences
 
 
 def author(
@@ -27,7 +31,7 @@ def author(
     Args:
         text: plain, with *stress*, CAPITALS, emoticons, or the tags of SSML.
         lexicon: gestures that may picture its words.
-        style: in which it is performed: a lively one has more gestures.
+        style: in which it is performed: a lively one has more gestures. Neutral leaves the manner to what is felt.
         language: its tag.
         sets: behaviours by intent; None: those that come with kinesic.
         seed: of what is drawn among alternatives.
@@ -53,5 +57,7 @@ def plan_behaviours(
     rules = load_language(language)
     passage = read_text(text, rules)
     intents = find_intents(passage, rules, lexicon)
+    if style.name != PLAIN:
+        intents = tuple(replace(each, style="") for each in intents)
     budget = budget_of(len(passage.words), style)
     return passage, choose_behaviours(intents, sets or own_sets(), budget, seed=seed)

@@ -35,6 +35,12 @@ def test_the_same_text_has_the_same_bml(lexicon):
     assert author(BOXES, lexicon, Style.load("sad"), seed=3) == author(BOXES, lexicon, Style.load("sad"), seed=3)
 
 
+def test_a_feeling_chooses_the_manner_only_where_nobody_did(lexicon):
+    text = "I am so happy, this is a wonderful day for all of us! My heart jumps with joy."
+    assert 'kinesic:style="joyful"' in author(text, lexicon, Style.load("neutral"))
+    assert "kinesic:style" not in author(text, lexicon, Style.load("sad"))
+
+
 def test_who_denies_shakes_the_head_and_does_not_nod(lexicon):
     heads = [each for each in chosen("I have never seen this old house before.", lexicon) if each.channel == "head"]
     assert "SHAKE" in {each.lexeme for each in heads}

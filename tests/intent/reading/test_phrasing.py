@@ -1,0 +1,47 @@
+import pytest
+
+from kinesic.intent.reading.language import load_language
+from kinesic.intent.reading.phrasing import find_phrases
+from kinesic.intent.reading.words import read_text
+
+
+def parts(text, kind):
+    """The words of all parts whose intent begins so, in their order."""
+    language = load_language()
+    passage = read_text(text, language)
+    found = [each for each in find_phrases(passage, language) if each.intent.startswith(kind)]
+    return [(each.intent, " ".join(word.plain for word in passage.words[each.first : each.last + 1])) for each in found]
+
+
+@pytest.mark.parametrize(
+    ("text", "items"),
+    [
+        ("We had apples, old bread and wine.", ["apples", "bread", "wine"]),
+        ("We had apples, bread, cheese, or wine.", ["apples", "bread", "cheese", "wine"]),
+        ("We had bread and wine.", []),  # two things are no list
+        ("We ran, we fell, we slept.", []),  # nothing joins them
+        ("We had apples, which my old aunt from the north had sent, and wine.", []),  # an aside
+    ],
+)
+def test_items_of_a_list_are_named_left_and_right_by_turns(text, items):
+    found = parts(text, "listing")
+    assert [words for _, words in found] == items
+    assert [side for side, _ in found] == [f"listing-{('left', 'right')[k % 2]}" for k in range(len(items))]
+
+
+@pytest.mark.parametrize(
+    ("text", "phrases"),
+    [
+        ("The dog saw a big cat.", [("first-noun-phrase", "the dog"), ("noun-phrase", "a big cat")]),
+        ("It was the, well, end.", []),  # nothing follows in its phrase
+        ("Dogs bark.", []),  # without a determiner it is not seen
+        ("A bird came. The cat went.", [("first-noun-phrase", "a bird"), ("first-noun-phrase", "the cat")]),
+    ],
+)
+def test_a_noun_phrase_goes_from_its_determiner_to_its_noun(text, phrases):
+    assert [each for each in parts(text, "") if "noun-phrase" in each[0]] == phrases
+
+
+def test_the_first_verb_of_a_sentence_is_found():
+    assert parts("They carried the box and sang.", "first-verb") == [("first-verb-phrase", "carried")]
+    assert parts("The box was heavy and is gone.", "first-verb") == [("first-verb-phrase", "was")]
