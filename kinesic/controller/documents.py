@@ -32,7 +32,8 @@ def write_fml(text: str | bytes, known: Setup, *, source: str = "<text>") -> tup
 
 def write_bml(text: str, known: Setup) -> str:
     """Writes BML that says a text and performs what it means, with the seed and in the style of a setup."""
-    return author(text, known.lexicon, known.style, sets=_shown(known)[0], seed=known.idling.seed)
+    seed = known.idling.seed
+    return author(text, known.lexicon, known.style, language=known.language, sets=_shown(known)[0], seed=seed)
 
 
 def _shown(known: Setup) -> tuple[BehaviourSets, Agent]:

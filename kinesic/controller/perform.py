@@ -72,6 +72,7 @@ def set_up(
         variation=Variation(options.get("variation", 0.0), seed),
         pause=options.get("pause", 0.0),
         character=options.get("character"),
+        language=options.get("language", "en"),
         intentions=IntentionFiles(
             _path(options.get("intentions")), _path(options.get("baseline")), _path(options.get("qualifiers"))
         ),

@@ -47,6 +47,7 @@ class Setup:
     variation: Variation = EXACT  # how far gestures differ from one another
     pause: float = 0.0  # [s] longest pause before a word that waits for the body, where documents do not say
     character: str | None = None  # which of several characters the robot is; None: the one that a block is for
+    language: str = "en"  # of plain text
     intentions: IntentionFiles = IntentionFiles()  # how they are shown
 
     @cached_property

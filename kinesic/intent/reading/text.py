@@ -5,7 +5,7 @@ from functools import lru_cache
 
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.intent.intents import Intent, Moment
-from kinesic.intent.reading.language import Language, Rule
+from kinesic.intent.reading.language import ENGLISH, Language, Rule
 from kinesic.intent.reading.matching import Finding, find_rules
 from kinesic.intent.reading.passage import SPEECH, Passage
 from kinesic.intent.reading.phrasing import Part, clause_end, find_phrases, stressed_near
@@ -54,7 +54,9 @@ def _of_part(passage: Passage, part: Part) -> Intent:
 
 
 def _pictures(passage: Passage, lexicon: Lexicon) -> Iterator[Intent]:
-    """What gestures of the lexicon picture the words: `rain`, `write`, `grow`."""
+    """What gestures of the lexicon picture the words: `rain`, `write`, `grow`; their names are English."""
+    if passage.language != ENGLISH:
+        return
     for k, word in enumerate(passage.words):
         if not word.is_content or len(word.plain) < LEAST_LETTERS:
             continue
