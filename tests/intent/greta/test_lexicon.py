@@ -79,6 +79,19 @@ def test_a_sequence_fills_its_intention_turn_by_turn(sets):
         assert all(part.start.seconds < part.stroke.seconds < part.end.seconds for part, _ in drawn)
 
 
+def test_what_a_lexicon_says_of_chances_is_kept(sets):
+    face = sets.sets["emotion-Odd"].signals[0]
+    assert [(each.lexeme, each.probability) for each in face.choices] == [("joy", 0.5), ("none", 0.5)]
+    first, _, third, _ = (signal.spell for signal in sets.sets["emotion-long"].signals)
+    assert (first.least, first.most, first.early, first.late, first.repeats) == (1.0, 2.0, 1.0, 0.0, False)
+    assert (third.early, third.late, third.repeats, third.excludes) == (0.5, 0.5, True, {"fear"})
+
+
+def test_an_empty_set_is_a_reason(sets):
+    omitted = choose_behaviours([intent("theme-x")], sets, Budget(10, GAPS, {})).omissions
+    assert [each.why for each in omitted] == ["the set of theme-x is empty"]
+
+
 def test_what_a_lexicon_lacks_is_our_own(sets):
     assert sets.find("performative-greet") is own_sets().find("performative-greet")
     assert sets.find("EMOTION-odd") is sets.sets["emotion-Odd"]

@@ -1,7 +1,7 @@
 import pytest
 
 from kinesic.intent.reading.language import load_language
-from kinesic.intent.reading.phrasing import find_phrases
+from kinesic.intent.reading.phrasing import clause_end, find_phrases, stressed_near
 from kinesic.intent.reading.words import read_text
 
 
@@ -18,6 +18,7 @@ def parts(text, kind):
     [
         ("We had apples, old bread and wine.", ["apples", "bread", "wine"]),
         ("We had apples, bread, cheese, or wine.", ["apples", "bread", "cheese", "wine"]),
+        ("We had old apples, bread and wine of ours.", ["apples", "bread", "wine"]),
         ("We had bread and wine.", []),  # two things are no list
         ("We ran, we fell, we slept.", []),  # nothing joins them
         ("We had apples, which my old aunt from the north had sent, and wine.", []),  # an aside
@@ -45,3 +46,19 @@ def test_a_noun_phrase_goes_from_its_determiner_to_its_noun(text, phrases):
 def test_the_first_verb_of_a_sentence_is_found():
     assert parts("They carried the box and sang.", "first-verb") == [("first-verb-phrase", "carried")]
     assert parts("The box was heavy and is gone.", "first-verb") == [("first-verb-phrase", "was")]
+
+
+@pytest.mark.parametrize(
+    ("text", "last"),
+    [("I never saw it but he did.", "it"), ("I never saw it, he did.", "it"), ("I never did. He did.", "did")],
+)
+def test_a_clause_ends_at_punctuation_or_where_another_begins(text, last):
+    passage = read_text(text, load_language())
+    assert passage.words[clause_end(passage, load_language(), 1)].plain == last
+
+
+def test_a_weak_word_leaves_its_stroke_to_the_next_content_word():
+    passage = read_text("The river takes you to my garden.", load_language())
+    words = [word.plain for word in passage.words]
+    assert stressed_near(passage, words.index("you")) == words.index("garden")
+    assert stressed_near(passage, words.index("takes")) == words.index("takes")
