@@ -25,6 +25,8 @@ LEXICON = """<behaviorsets>
   <implication><ifpresent id="1"/><thennotpresent id="3"/></implication>
   <implication><ifpresent id="2"/><thenpresent id="4"/></implication>
 </rules></constraints></behaviorset>
+<behaviorset name="emotion-still"><signals><signal id="1" name="none" modality="face"/></signals>
+<constraints><core><item id="1"/></core></constraints></behaviorset>
 <behaviorset name="emotion-long" type="mse"><signals>
   <signal id="1" name="faceexp=fear" modality="face" min="1" max="2" probability_start="1" probability_end="0"/>
   <signal id="2" name="faceexp=anger" modality="face" min="1" max="2" probability_start="0" probability_end="1"/>
@@ -90,6 +92,10 @@ def test_what_a_lexicon_says_of_chances_is_kept(sets):
 def test_an_empty_set_is_a_reason(sets):
     omitted = choose_behaviours([intent("theme-x")], sets, Budget(10, GAPS, {})).omissions
     assert [each.why for each in omitted] == ["the set of theme-x is empty"]
+
+
+def test_a_signal_that_is_nothing_is_not_shown(sets):
+    assert choose_behaviours([intent("emotion-still")], sets, Budget(10, GAPS, {})).behaviours == ()
 
 
 def test_what_a_lexicon_lacks_is_our_own(sets):

@@ -18,7 +18,7 @@ def parts(text, kind):
     [
         ("We had apples, old bread and wine.", ["apples", "bread", "wine"]),
         ("We had apples, bread, cheese, or wine.", ["apples", "bread", "cheese", "wine"]),
-        ("We had old apples, bread and wine of ours.", ["apples", "bread", "wine"]),
+        ("We had old apples, bread and wine from Spain.", ["apples", "bread", "wine"]),
         ("We had bread and wine.", []),  # two things are no list
         ("We ran, we fell, we slept.", []),  # nothing joins them
         ("We had apples, which my old aunt from the north had sent, and wine.", []),  # an aside
