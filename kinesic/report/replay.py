@@ -3,9 +3,9 @@
 import numpy as np
 
 from kinesic.controller.performance import Performance
+from kinesic.planning.captions import captions
 from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime
 from kinesic.report.labels import label
-from kinesic.report.plots.score import captions
 from kinesic.report.report import Json
 from kinesic.report.scene import pack_rows, scene_data
 

@@ -7,9 +7,9 @@ from itertools import pairwise
 from math import inf
 
 from kinesic.bml.block import Speech
+from kinesic.planning.captions import Caption, captions
 from kinesic.planning.plan import Plan
 from kinesic.report.labels import label
-from kinesic.report.plots.score import Caption, captions
 
 PEAK_SYNCS = ("stroke", "strokeStart", "attackPeak", "ready", "start")  # the first that a behaviour has is its peak
 MOST_WORDS = 400  # of a longer text the rest is one piece without words

@@ -62,7 +62,7 @@ class Session:
         setup = make_setup()
         self.loop = Loop(setup, sinks, self.clock, effects=effects, tell=self._pass_on, news=self._pass_news)
         self.planner = Planner(make_setup, self.loop, rules=rules, idle=self._feed, lost=self._refuse_lost)
-        self.desk = Desk(make_setup, setup, self.loop, rules, folder=folder, learned=self.planner.renew)
+        self.desk = Desk(make_setup, setup, self.loop, rules, folder=folder, on_gestures_saved=self.planner.renew)
 
     async def start(self) -> None:
         """Lets the loop run, and waits until the planner is warm.

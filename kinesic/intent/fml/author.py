@@ -12,8 +12,8 @@ from kinesic.bml.reading.tree import Element
 from kinesic.intent.behaviour_sets import BehaviourSets, own_sets
 from kinesic.intent.budget import GAPS, Budget
 from kinesic.intent.choosing import Selection, choose_behaviours
-from kinesic.intent.fml.clock import read_clock
 from kinesic.intent.fml.intentions import IN_SPEECH, Unreadable, read_intentions
+from kinesic.intent.fml.mark_times import estimate_mark_times
 from kinesic.intent.greta.agent import Agent
 from kinesic.intent.intents import Intent
 from kinesic.intent.writing import write_behaviours
@@ -54,10 +54,10 @@ def author_fml(
         BmlError: the document is refused.
     """
     document = read_document(text, source=source)
-    bml, clock = document.bml, read_clock(document.bml)
+    bml, marks = document.bml, estimate_mark_times(document.bml)
     roots = [child for child in document.root.children if child.local == "fml"]
     speeches = [child for child in bml.children if child.local == "speech"]
-    read = list(read_intentions(roots, speeches, clock))
+    read = list(read_intentions(roots, speeches, marks))
     intents = [each for each in read if isinstance(each, Intent)]
     selection = choose_behaviours(intents, sets or own_sets(), Budget(len(intents), GAPS, {}), seed=seed, agent=agent)
     unshown = (

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from kinesic.bml.reading.tree import Element
-from kinesic.intent.fml.clock import Clock
+from kinesic.intent.fml.mark_times import MarkTimes
 from kinesic.intent.intents import Intent, Moment
 
 UNTYPED = "any"  # type of an intention that names none
@@ -24,7 +24,7 @@ class Unreadable:
 
 
 def read_intentions(
-    roots: Sequence[Element], speeches: Sequence[Element], clock: Clock
+    roots: Sequence[Element], speeches: Sequence[Element], marks: MarkTimes
 ) -> Iterator[Intent | Unreadable]:
     """Yields every intention of a document.
 
@@ -33,23 +33,23 @@ def read_intentions(
     Args:
         roots: its <fml> elements.
         speeches: those of its <bml>; accents and boundaries stand in them.
-        clock: when their marks come.
+        marks: when their marks come.
     """
     inside = [child for speech in speeches for child in speech.children if child.local in IN_SPEECH]
     accents = [
-        found for each in inside if each.local == IN_SPEECH[0] for found in [_moment(each, "start", clock)] if found
+        found for each in inside if each.local == IN_SPEECH[0] for found in [_moment(each, "start", marks)] if found
     ]
     for element in (*(child for root in roots for child in root.children), *inside):
-        yield _intention(element, clock, accents)
+        yield _intention(element, marks, accents)
 
 
-def _intention(element: Element, clock: Clock, accents: Sequence[Moment]) -> Intent | Unreadable:
+def _intention(element: Element, marks: MarkTimes, accents: Sequence[Moment]) -> Intent | Unreadable:
     attributes = element.attributes
     name = f"{element.local}-{attributes.get('type', '').strip() or UNTYPED}"
-    start = _moment(element, "start", clock)
+    start = _moment(element, "start", marks)
     if start is None:
         return Unreadable(name, f"its start {attributes.get('start', '')!r} is no time of a speech")
-    end = _moment(element, "end", clock) or clock.end_beside(attributes.get("end", ""))
+    end = _moment(element, "end", marks) or marks.speech_end(attributes.get("end", ""))
     if end is None or end.seconds - start.seconds < LEAST:
         lasts = USUAL if end is None else LEAST
         end = start.later(lasts)
@@ -68,8 +68,8 @@ def _intention(element: Element, clock: Clock, accents: Sequence[Moment]) -> Int
     )
 
 
-def _moment(element: Element, name: str, clock: Clock) -> Moment | None:
-    return clock.moment(element.attributes.get(name, ""))
+def _moment(element: Element, name: str, marks: MarkTimes) -> Moment | None:
+    return marks.moment(element.attributes.get(name, ""))
 
 
 def _share(written: str, usual: float) -> float:

@@ -1,14 +1,12 @@
 """The block as a score: one row per behaviour over performance time, with its strokes and its words."""
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
-from itertools import pairwise
+from collections.abc import Iterable
 
 from markupsafe import Markup
 
 from kinesic.bml.block import Speech
 from kinesic.controller.performance import Performance
-from kinesic.planning.plan import Plan
+from kinesic.planning.captions import Caption, captions
 from kinesic.report.labels import label
 from kinesic.report.plots.axes import WIDTH, Axes, Colour, Figure
 from kinesic.report.plots.fitting import fit_text
@@ -17,30 +15,6 @@ ROW, TOP, BOTTOM = 0.21, 0.06, 0.3  # [in]
 LEFT, RIGHT = 1.6, 0.1  # [in]
 CORES = (("strokeStart", "strokeEnd"), ("ready", "relax"), ("attackPeak", "relax"))  # of gestures, gaze, faces
 ROWS = 50  # a longer score is cut, and says so
-
-
-@dataclass(frozen=True)
-class Caption:
-    """A piece of speech between two marks."""
-
-    behaviour: str
-    begin: float  # [s] performance time
-    end: float  # [s] performance time
-    text: str
-
-
-def captions(plan: Plan) -> Iterator[Caption]:
-    """Cuts every text at its marks, and says when each piece is heard."""
-    for timed in plan.timeline.timed:
-        name, action = timed.behaviour.id, timed.behaviour.action
-        if not isinstance(action, Speech) or name not in plan.utterances:
-            continue
-        script, utterance = action.script, plan.utterances[name]
-        begin = plan.trajectory.zero + timed.times["start"]
-        marks = sorted((m.position, utterance.marks[m.name]) for m in script.marks if m.name in utterance.marks)
-        cuts = [(0, 0.0), *marks, (len(script.text), utterance.duration)]
-        for (first, start), (last, stop) in pairwise(cuts):
-            yield Caption(name, begin + start, begin + stop, " ".join(script.text[first:last].split()))
 
 
 def score(performance: Performance) -> Markup | None:

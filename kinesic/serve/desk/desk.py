@@ -1,6 +1,6 @@
 """Answers clients' questions: what is quick at once, what is to be planned in a process of its own."""
 
-from asyncio import Task, create_task, sleep
+from asyncio import Task, create_task, current_task, sleep
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,8 +27,8 @@ from kinesic.serve.wire.questions import (
 )
 from kinesic.serve.wire.quotas import Quotas
 
-GESTURES = ".toml"  # of a file of gestures
-FASTEST = 50.0  # [Hz] at which a client may watch
+GESTURE_SUFFIX = ".toml"  # of a file of gestures
+MAX_WATCH_RATE = 50.0  # [Hz] at which a client may watch
 DIGITS = 4  # of angles [rad] and lengths [m]
 
 
@@ -52,19 +52,19 @@ class Desk:
         rules: Quotas,
         *,
         folder: Path | None = None,
-        learned: Callable[[], None] = lambda: None,
+        on_gestures_saved: Callable[[], None] = lambda: None,
     ) -> None:
         """Opens; nothing is begun before the first question.
 
         Args:
             make_setup: makes what planning needs, in another process.
             setup: the same, made here.
-            loop: whose robot is watched.
+            loop: of the robot that is watched.
             rules: for documents that are planned.
             folder: where documents are kept; None: nowhere.
-            learned: called when gestures were saved there.
+            on_gestures_saved: called when gestures were saved there.
         """
-        self._learned = learned
+        self._on_gestures_saved = on_gestures_saved
         self._setup, self._loop = setup, loop
         self._documents = DocumentFolder(folder)
         self._watches: dict[int, Task[None]] = {}  # by client
@@ -80,7 +80,7 @@ class Desk:
             case WatchRequest(rate):
                 self._watch(asker, rate)
             case SaveRequest() | OpenRequest():
-                asker.send(self._keep(question))
+                asker.send(self._save_or_open(question))
 
     def close(self) -> None:
         """Ends all that it has begun."""
@@ -107,14 +107,14 @@ class Desk:
             contact=found.contact,
         )
 
-    def _keep(self, request: SaveRequest | OpenRequest) -> str:
+    def _save_or_open(self, request: SaveRequest | OpenRequest) -> str:
         try:
             match request:
                 case SaveRequest(name, text):
                     self._documents.save(name, text)
-                    if name.endswith(GESTURES):
+                    if name.endswith(GESTURE_SUFFIX):
                         self.drafter.renew()
-                        self._learned()
+                        self._on_gestures_saved()
                     return json_answer("saved", id=request.id, name=name)
                 case OpenRequest(str(name)):
                     return json_answer("document", id=request.id, name=name, text=self._documents.read(name))
@@ -128,7 +128,7 @@ class Desk:
         if before is not None:
             before.cancel()
         if rate > 0.0:
-            self._watches[asker.number] = create_task(self._report(asker, 1.0 / min(rate, FASTEST)))
+            self._watches[asker.number] = create_task(self._report(asker, 1.0 / min(rate, MAX_WATCH_RATE)))
 
     async def _report(self, asker: Asker, period: float) -> None:
         """Tells a client how the robot is until it is gone."""
@@ -137,7 +137,8 @@ class Desk:
                 asker.send(json_answer("body", **asdict(self._loop.body())))
                 await sleep(period)
         finally:
-            self._watches.pop(asker.number, None)
+            if self._watches.get(asker.number) is current_task():  # not one at another rate that has replaced it
+                del self._watches[asker.number]
 
 
 def _verb(request: SaveRequest | OpenRequest) -> str:

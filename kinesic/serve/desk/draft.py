@@ -4,13 +4,13 @@ import re
 from base64 import b64encode
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 
-from kinesic.bml.block import BmlError, Bounds, Speech
+from kinesic.bml.block import BmlError, Bounds
 from kinesic.bml.parse import parse
 from kinesic.body.config import ConfigError
+from kinesic.planning.captions import captions
 from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.setup import Setup
 
@@ -92,19 +92,10 @@ def _error(text: str) -> dict[str, Json]:
 
 def _words(planned: Plan) -> Iterator[dict[str, Json]]:
     """What is said between two marks, and the mark that it follows."""
-    for timed in planned.timeline.timed:
-        name, action = timed.behaviour.id, timed.behaviour.action
-        if not isinstance(action, Speech) or name not in planned.utterances:
-            continue
-        script, utterance = action.script, planned.utterances[name]
-        begin = planned.trajectory.zero + timed.times["start"]
-        marks = [(m.position, utterance.marks[m.name], m.name) for m in script.marks if m.name in utterance.marks]
-        cuts = [(0, 0.0, "start"), *sorted(marks), (len(script.text), utterance.duration, "end")]
-        for (first, start, mark), (last, stop, _) in pairwise(cuts):
-            text = " ".join(script.text[first:last].split())
-            if text:
-                span = {"start": round(begin + start, 4), "end": round(begin + stop, 4)}
-                yield {"speech": name, "mark": mark, "text": text, **span}
+    for said in captions(planned):
+        if said.text:
+            span = {"start": round(said.begin, 4), "end": round(said.end, 4)}
+            yield {"speech": said.behaviour, "mark": said.mark, "text": said.text, **span}
 
 
 def _phonemes(planned: Plan) -> Iterator[list[Json]]:

@@ -41,7 +41,7 @@ def run_drafter(make_setup: Callable[[], Setup], questions: Connection, rules: Q
             except DEFECTS as error:
                 traceback.print_exception(error)
                 found = _failure(f"planning failed ({type(error).__name__}); please report the document")
-            questions.send(json_answer(verb_of(question), id=question.id, **found))
+            questions.send(json_answer(message_type(question), id=question.id, **found))
 
 
 class Drafter:
@@ -52,20 +52,20 @@ class Drafter:
 
         Args:
             make_setup: makes what planning needs, in the other process.
-            rules: how large a document may be, and how long one may take.
+            rules: how large a document may be, and how long planning may take.
         """
         self._make_setup, self._rules = make_setup, rules
         self._child: Child | None = None
         self._pipe: Connection | None = None
         self._waiting: dict[int, tuple[DraftQuestion, Send]] = {}  # by client
-        self._present: tuple[DraftQuestion, Send] | None = None
-        self._watch: TimerHandle | None = None
+        self._in_progress: tuple[DraftQuestion, Send] | None = None
+        self._timeout: TimerHandle | None = None
 
     def ask(self, client: int, question: DraftQuestion, send: Send) -> None:
         """Takes a question; an older one of this client's that still waits is answered as outdated."""
         older = self._waiting.pop(client, None)
         if older is not None:
-            older[1](json_answer(verb_of(older[0]), id=older[0].id, outdated=True))
+            older[1](json_answer(message_type(older[0]), id=older[0].id, outdated=True))
         self._waiting[client] = (question, send)
         self._next()
 
@@ -75,29 +75,30 @@ class Drafter:
             self._begin()
 
     def renew(self) -> None:
-        """Begins anew with the next question, so that what has changed meanwhile is known; one at work is outdated."""
+        """Restarts the process, so that it loads new gestures; a question in progress is answered as outdated."""
         self._end()
-        if self._watch is not None:
-            self._watch.cancel()
-        present, self._present = self._present, None
+        self._cancel_timeout()
+        present, self._in_progress = self._in_progress, None
         if present is not None:
-            present[1](json_answer(verb_of(present[0]), id=present[0].id, outdated=True))
+            present[1](json_answer(message_type(present[0]), id=present[0].id, outdated=True))
         self._next()
 
     def close(self) -> None:
-        """Ends the process."""
+        """Ends the process; nobody is answered any more."""
+        self._cancel_timeout()
         self._waiting.clear()
+        self._in_progress = None
         self._end()
 
     def _next(self) -> None:
-        if self._present is not None or not self._waiting:
+        if self._in_progress is not None or not self._waiting:
             return
         self.warm_up()
-        self._present = self._waiting.pop(next(iter(self._waiting)))
+        self._in_progress = self._waiting.pop(next(iter(self._waiting)))
         with suppress(OSError):  # it has died, as the reader finds out
             if self._pipe is not None:
-                self._pipe.send(self._present[0])
-        self._watch = get_running_loop().call_later(self._rules.planning, self._give_up)
+                self._pipe.send(self._in_progress[0])
+        self._timeout = get_running_loop().call_later(self._rules.planning, self._give_up)
 
     def _begin(self) -> None:
         context = child_context(planner.__name__, perform.__name__, self._make_setup.__module__)
@@ -116,17 +117,20 @@ class Drafter:
     def _give_up(self) -> None:
         """Ends a process that has died or takes too long; the next question begins another."""
         self._end()
-        if self._present is not None:
+        if self._in_progress is not None:
             what = f"planning failed, or took longer than {self._rules.planning:g} s; send something simpler"
-            self._finish(json_answer(verb_of(self._present[0]), id=self._present[0].id, **_failure(what)))
+            self._finish(json_answer(message_type(self._in_progress[0]), id=self._in_progress[0].id, **_failure(what)))
 
     def _finish(self, answer: str) -> None:
-        if self._watch is not None:
-            self._watch.cancel()
-        present, self._present = self._present, None
+        self._cancel_timeout()
+        present, self._in_progress = self._in_progress, None
         if present is not None:
             present[1](answer)
         self._next()
+
+    def _cancel_timeout(self) -> None:
+        if self._timeout is not None:
+            self._timeout.cancel()
 
     def _end(self) -> None:
         if self._pipe is not None:
@@ -138,8 +142,8 @@ class Drafter:
             self._child = None
 
 
-def verb_of(question: DraftQuestion) -> str:
-    """What a question was asked by, and its answer is told by."""
+def message_type(question: DraftQuestion) -> str:
+    """Returns the message type that a question and its answer share."""
     return "plan" if isinstance(question, PlanQuestion) else "gesture"
 
 

@@ -11,9 +11,9 @@ from kinesic.body.config import ConfigError
 from kinesic.controller.options import LIVELY, check_options
 from kinesic.controller.perform import plan
 from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.planning.captions import Caption, captions
 from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
-from kinesic.report.plots.score import Caption, captions
 from kinesic.report.report import Json
 from kinesic.report.scene import pack_rows
 from kinesic.studies.gesture_perception.design import Side

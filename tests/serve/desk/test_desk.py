@@ -3,6 +3,7 @@
 import json
 import os
 import signal
+import time
 
 import numpy as np
 import pytest
@@ -78,9 +79,12 @@ def test_a_watch_tells_the_body_until_it_is_ended(server):
         first, second = told(client, "body"), told(client, "body")
         assert second["time"] > first["time"]
         assert len(second["angles"]) == len(second["planned"]) == 22
+        client.do("watch", rate=40)  # instead of the first
+        told(client, "body")
         client.do("watch", rate=0)
         client.do("ping", id="last")
         told(client, "pong")
+        time.sleep(0.1)  # in which four more would come
         client.do("ping", id="later")
         assert json.loads(client.receive(20))["told"] == "pong"
 

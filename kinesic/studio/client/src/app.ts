@@ -1,13 +1,14 @@
 // The page: one document, seen as text, as a timeline and on the stage.
 import { listen } from "./controls.ts";
 import { Documents } from "./documents.ts";
-import { byId, make } from "./dom.ts";
+import { byId } from "./dom.ts";
 import { addGesture, alone, mark, remove, setAttribute, setManner, shift, tie } from "./edits.ts";
 import { GestureEditing } from "./gesture_editing.ts";
 import { begin, change, type History, redo, undo } from "./history.ts";
 import { Inspector } from "./inspector.ts";
 import { strainOf } from "./live.ts";
 import { Motion } from "./motion.ts";
+import { fillMenus, showClock, showNotices } from "./panels.ts";
 import { Player } from "./player.ts";
 import { Reaching } from "./reaching.ts";
 import { Robot } from "./robot.ts";
@@ -85,7 +86,7 @@ class App {
       say: (text) => this.robot.live.say(text),
     });
     this.listen();
-    this.fillMenus();
+    fillMenus(this.about);
     this.open(about.examples[0]?.name ?? "untitled", about.examples[0]?.text ?? "");
   }
 
@@ -135,7 +136,7 @@ class App {
     if (!answer || asked !== this.asked || answer.outdated) return;
     const fault = answer.error as Fault | undefined;
     this.text.mark(fault ?? null);
-    if (fault) this.notices([{ type: "", id: `line ${fault.line}, column ${fault.column}`, text: fault.text }]);
+    if (fault) showNotices([{ type: "", id: `line ${fault.line}, column ${fault.column}`, text: fault.text }]);
     else this.show(answer as unknown as Draft);
   }
 
@@ -145,7 +146,7 @@ class App {
     this.player.duration = draft.duration;
     this.planned += 1;
     this.timeline.show(draft, this.chosen);
-    this.notices(draft.notices);
+    showNotices(draft.notices);
     this.player.seek(Math.min(this.player.time, draft.duration));
     if ("keys" in draft) this.editing.show(draft as GestureDraft);
     this.inspect();
@@ -196,11 +197,7 @@ class App {
   // ---- the stage ----------------------------------------------------------------------------------------------
 
   private showAt(time: number): void {
-    byId<HTMLInputElement>("time").max = String(this.player.duration);
-    byId<HTMLInputElement>("time").value = String(time);
-    byId("clock").textContent = `${time.toFixed(2)} / ${this.player.duration.toFixed(2)} s`;
-    byId("play").setAttribute("aria-label", this.player.playing ? "Pause" : "Play");
-    byId("play").classList.toggle("playing", this.player.playing);
+    showClock(time, this.player.duration, this.player.playing);
     this.timeline.at(time);
     this.reaching.forget();
     this.redraw();
@@ -270,18 +267,6 @@ class App {
     byId<HTMLButtonElement>("redo").disabled = !this.history.future.length;
     byId<HTMLButtonElement>("perform").disabled = !this.robot?.ready;
     byId<HTMLButtonElement>("save").disabled = this.robot?.wire.state !== "open";
-  }
-
-  private notices(notices: Draft["notices"]): void {
-    const lines = notices.map(({ id, text }) => make("li", {}, make("b", {}, id), ` ${text}`));
-    byId("notices").replaceChildren(...(lines.length ? lines : [make("li", { class: "none" }, "all as asked")]));
-  }
-
-  private fillMenus(): void {
-    for (const { name } of this.about.examples)
-      byId("built-in").append(make("option", { value: `example:${name}` }, name.replaceAll("_", " ")));
-    for (const name of this.about.styles) byId("style").append(make("option", { value: name }, name));
-    for (const { id, says } of this.about.gestures) byId("gestures").append(make("option", { value: id }, says));
   }
 
   private listen(): void {

@@ -13,7 +13,7 @@ export class Reaching {
   readonly latencies: number[] = [];
   private next: { drag: Drag; at: number } | null = null;
   private busy = false;
-  private drags = 0; // that are over: answers to them come too late
+  private cancelled = 0; // drags; an answer to one of them comes too late
   private posture: number[] | null = null;
   private side: Side = "left";
   private target: readonly number[] = [0, 0, 0];
@@ -21,8 +21,8 @@ export class Reaching {
   constructor(
     private readonly body: Body,
     private readonly wire: Wire,
-    private readonly tell: (found: Reached | null) => void,
-    private readonly start: () => readonly number[],
+    private readonly changed: (found: Reached | null) => void,
+    private readonly startPosture: () => readonly number[],
   ) {}
 
   /** The posture that is shown instead of any other; null where no hand has been dragged. */
@@ -55,10 +55,11 @@ export class Reaching {
 
   /** Goes back to what is planned. */
   forget(): void {
-    this.drags += 1;
+    this.cancelled += 1;
+    this.next = null;
     if (!this.posture) return;
-    this.posture = this.found = this.next = null;
-    this.tell(null);
+    this.posture = this.found = null;
+    this.changed(null);
   }
 
   /** What stops the hand, in words. */
@@ -93,15 +94,14 @@ export class Reaching {
     while (this.next) {
       const { drag, at } = this.next;
       this.next = null;
-      const posture = this.posture ?? this.start();
+      const posture = this.posture ?? this.startPosture();
       const asked = performance.now();
-      const drags = this.drags;
+      const cancelled = this.cancelled;
       const answer = await this.wire.ask("reach", { side: drag.side, target: drag.target, posture });
-      if (answer?.told !== "reach") break;
-      if (drags !== this.drags) continue;
+      if (answer?.told !== "reach" || cancelled !== this.cancelled) continue;
       this.found = answer as unknown as Reached;
       this.posture = this.found.angles;
-      this.tell(this.found);
+      this.changed(this.found);
       requestAnimationFrame(() => this.latencies.push(performance.now() - at));
       this.latencies.splice(0, this.latencies.length - KEPT);
       await new Promise((again) => setTimeout(again, asked + PERIOD - performance.now()));

@@ -1,16 +1,17 @@
-"""What is said when, in the score of a block."""
+"""What of a speech is heard when."""
 
 from itertools import pairwise
 
 import pytest
 
 from kinesic.controller.performance import Performance
-from kinesic.report.plots.score import captions
+from kinesic.planning.captions import captions
 
 
 def test_pieces_join_between_the_marks(hurried: Performance, calm: Performance) -> None:
     pieces = [said for said in captions(hurried.plan) if said.text]
     assert [said.text for said in pieces] == ["Hello there,", "welcome"]
+    assert [said.mark for said in pieces][1] == "two"
     utterance = hurried.plan.utterances["s"]
     zero = hurried.plan.trajectory.zero
     assert pieces[1].begin == pytest.approx(zero + utterance.marks["two"])

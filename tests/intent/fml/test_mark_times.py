@@ -1,8 +1,8 @@
 import pytest
 
 from kinesic.bml.reading.document import read_document
-from kinesic.intent.fml.clock import read_clock
 from kinesic.intent.fml.intentions import read_intentions
+from kinesic.intent.fml.mark_times import estimate_mark_times
 
 BLOCK = """<fml-apml><bml><speech id="a" start="2"><tm id="m"/>One <tm id="n"/>two</speech>
 <speech id="b"><tm id="m"/>three</speech><speech id="c" start="a:n + 0.5"/></bml>
@@ -11,19 +11,19 @@ BLOCK = """<fml-apml><bml><speech id="a" start="2"><tm id="m"/>One <tm id="n"/>t
 
 
 def test_speeches_begin_where_they_say_or_behind_one_another():
-    clock = read_clock(read_document(BLOCK, source="b").bml)
-    times = clock.times
+    marks = estimate_mark_times(read_document(BLOCK, source="b").bml)
+    times = marks.times
     assert times["a:m"] == times["a:start"] == 2.0
     assert 2.0 < times["a:n"] < times["a:end"] == times["b:m"] < times["b:end"]
     assert times["c:start"] == pytest.approx(times["a:n"] + 0.5)
-    assert clock.moment("a:none") is None
-    assert clock.end_beside("a:none").seconds == times["a:end"]
+    assert marks.moment("a:none") is None
+    assert marks.speech_end("a:none").seconds == times["a:end"]
 
 
 def test_an_intention_lasts_as_it_says_a_while_or_a_moment():
     document = read_document(BLOCK, source="b")
     root = document.root.children[-1]
-    long, short, some = read_intentions([root], [], read_clock(document.bml))
+    long, short, some = read_intentions([root], [], estimate_mark_times(document.bml))
     assert (long.end.seconds, long.end.reference) == (3.5, "a:m+1.50")
     assert short.end.seconds == pytest.approx(2.3)
     assert (some.stroke.reference, some.end.reference) == ("1.50", "2")

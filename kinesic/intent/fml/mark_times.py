@@ -1,4 +1,4 @@
-"""About when each mark of a block's speeches comes: enough to order and space what is meant, and never performed."""
+"""Estimates when each mark of a block's speeches comes: it orders and spaces intents, and times no performance."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -9,20 +9,20 @@ from kinesic.intent.intents import Moment, split_reference
 from kinesic.intent.reading.passage import SYLLABLE, WORD
 from kinesic.intent.reading.stress import count_syllables
 
-MARK_NAMES = ("id", "name")
+MARK_ATTRIBUTES = ("id", "name")  # that may hold the name of a mark
 
 
 @dataclass(frozen=True)
-class Clock:
-    """When the marks of speeches come."""
+class MarkTimes:
+    """Estimated times of the marks of speeches."""
 
     times: Mapping[str, float]  # [s] by `speech:mark`, `speech:start` and `speech:end`
 
     def moment(self, written: str) -> Moment | None:
-        """Reads a time as FML has it; None where it names no mark of a speech.
+        """Resolves a time as FML has it; None where it is malformed or names an unknown mark.
 
         Args:
-            written: `1.5`, `s1:tm3`, `s1:tm3+0.5`.
+            written: seconds (`1.5`), or a mark, with or without an offset (`s1:tm3`, `s1:tm3+0.5`).
         """
         reference, offset = split_reference(written)
         if not reference:
@@ -31,28 +31,28 @@ class Clock:
             return None
         return Moment(written.replace(" ", ""), self.times[reference] + (offset or 0.0))
 
-    def end_beside(self, written: str) -> Moment | None:
+    def speech_end(self, written: str) -> Moment | None:
         """Finds the end of the speech that a time names; None without such a speech."""
         return self.moment(f"{written.partition(':')[0].strip()}:end")
 
 
-def read_clock(bml: Element) -> Clock:
+def estimate_mark_times(bml: Element) -> MarkTimes:
     """Estimates the times of all marks of a block."""
     times: dict[str, float] = {}
     now = 0.0
     for speech in (child for child in bml.children if child.local == "speech"):
         name = speech.attributes.get("id", "").strip()
-        found = Clock(times).moment(speech.attributes.get("start", ""))
+        found = MarkTimes(times).moment(speech.attributes.get("start", ""))
         now = now if found is None else found.seconds
         times[f"{name}:start"] = now
         for piece in _pieces(spoken_part(speech)):
             if isinstance(piece, Element):
-                mark = next((piece.attributes[each] for each in MARK_NAMES if each in piece.attributes), "")
+                mark = next((piece.attributes[each] for each in MARK_ATTRIBUTES if each in piece.attributes), "")
                 times[f"{name}:{mark.strip()}"] = now
             else:
                 now += sum(WORD + SYLLABLE * count_syllables(word.lower()) for word in piece.split())
         times[f"{name}:end"] = now
-    return Clock(times)
+    return MarkTimes(times)
 
 
 def _pieces(element: Element) -> Iterator[Element | str]:

@@ -1,0 +1,33 @@
+"""What of a speech is heard when: its text, cut at its marks."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+
+from kinesic.bml.block import Speech
+from kinesic.planning.plan import Plan
+
+
+@dataclass(frozen=True)
+class Caption:
+    """A piece of speech between two marks."""
+
+    behaviour: str
+    mark: str  # that it follows, or start
+    begin: float  # [s] performance time
+    end: float  # [s] performance time
+    text: str
+
+
+def captions(plan: Plan) -> Iterator[Caption]:
+    """Cuts every text at its marks, and says when each piece is heard."""
+    for timed in plan.timeline.timed:
+        name, action = timed.behaviour.id, timed.behaviour.action
+        if not isinstance(action, Speech) or name not in plan.utterances:
+            continue
+        script, utterance = action.script, plan.utterances[name]
+        begin = plan.trajectory.zero + timed.times["start"]
+        marks = sorted((m.position, utterance.marks[m.name], m.name) for m in script.marks if m.name in utterance.marks)
+        cuts = [(0, 0.0, "start"), *marks, (len(script.text), utterance.duration, "end")]
+        for (first, start, mark), (last, stop, _) in pairwise(cuts):
+            yield Caption(name, mark, begin + start, begin + stop, " ".join(script.text[first:last].split()))

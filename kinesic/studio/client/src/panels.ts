@@ -1,0 +1,26 @@
+// What surrounds the stage: menus, the clock, and what is said of the plan.
+import { byId, make } from "./dom.ts";
+import type { About, Draft } from "./types.ts";
+
+/** Fills the menus of examples, styles and gestures. */
+export function fillMenus(about: About): void {
+  for (const { name } of about.examples)
+    byId("built-in").append(make("option", { value: `example:${name}` }, name.replaceAll("_", " ")));
+  for (const name of about.styles) byId("style").append(make("option", { value: name }, name));
+  for (const { id, says } of about.gestures) byId("gestures").append(make("option", { value: id }, says));
+}
+
+/** Shows the time [s] of the player, of so many seconds in all. */
+export function showClock(time: number, duration: number, playing: boolean): void {
+  byId<HTMLInputElement>("time").max = String(duration);
+  byId<HTMLInputElement>("time").value = String(time);
+  byId("clock").textContent = `${time.toFixed(2)} / ${duration.toFixed(2)} s`;
+  byId("play").setAttribute("aria-label", playing ? "Pause" : "Play");
+  byId("play").classList.toggle("playing", playing);
+}
+
+/** Lists what is not as the document asks. */
+export function showNotices(notices: Draft["notices"]): void {
+  const lines = notices.map(({ id, text }) => make("li", {}, make("b", {}, id), ` ${text}`));
+  byId("notices").replaceChildren(...(lines.length ? lines : [make("li", { class: "none" }, "all as asked")]));
+}
