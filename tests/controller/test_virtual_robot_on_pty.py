@@ -25,6 +25,7 @@ from kinesic.planning.plan import Plan
 pytestmark = pytest.mark.realtime
 
 SEEN = 350  # commands: the first wave
+SLACK = 0.002  # [s] that a command may be late before the rest of the performance is late with it
 STALL = 0.015  # [s] between two cycles, beyond which the machine was busy with others
 AFTER = 0.15  # [s] in which a robot catches up after that
 GOALS = (1.0, 2.5, 5.0)  # [deg] RMSE, 95th percentile, largest
@@ -89,10 +90,11 @@ def test_the_sdk_moves_the_twin_through_the_port(planned: Plan, port: Path):
     for servo in hinges:
         protocol.write1ByteTxRx(handler, servo, 64, 1)
         read.addParam(servo)
-    began, rows = time.monotonic() + 0.1, list[tuple[float, Floats, Floats]]()
+    began, rows = time.monotonic() + 0.1, list[tuple[float, float, float, Floats]]()
     for command in commands(planned.trajectory, times, setpoints):
         time.sleep(max(0.0, began + command.time - time.monotonic()))
         now = time.monotonic()
+        began = max(began, now - command.time - SLACK)  # hurried goals are another motion
         goals = wiring.scale.ticks(command.goals)
         write.clearParam()
         for servo, hinge in hinges.items():
@@ -103,8 +105,9 @@ def test_the_sdk_moves_the_twin_through_the_port(planned: Plan, port: Path):
             seen = np.zeros(len(wiring.servos))
             for servo, hinge in hinges.items():
                 seen[hinge] = read.getData(servo, 132, 4)
-            taken = asked + (14 + 6 * len(hinges)) * 10e-6 - began
-            rows.append((now, np.full(len(seen), taken), wiring.scale.angles(seen)))
+            taken = asked + (14 + 6 * len(hinges)) * 10e-6
+            rows.append((now, taken, command.time, wiring.scale.angles(seen)))
     handler.closePort()
-    clocks, at, angles = (np.array(column) for column in zip(*rows, strict=True))
+    clocks, taken, reached, angles = (np.array(column) for column in zip(*rows, strict=True))
+    at = np.broadcast_to(np.interp(taken, clocks, reached)[:, None], angles.shape)
     followed(planned, clocks, at, angles)
