@@ -6,7 +6,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 TESTED := --constraint requirements.lock
-SOURCES := pyproject.toml requirements.lock $(wildcard setup.py kinesic/ik/kernel/*.cpp kinesic/ik/kernel/*.h)
+SOURCES := pyproject.toml requirements.lock $(wildcard setup.py kinesic/*/kernel/*.cpp kinesic/*/kernel/*.h)
 EXTRAS := speech face
 OPENGL := libegl1 libgl1-mesa-dri libopengl0 libgl1
 SCREENS := xvfb chromium
@@ -90,5 +90,5 @@ system-deps test-deps:
 
 clean:
 	rm -rf .venv build dist out *.egg-info .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
-	rm -f kinesic/ik/*.so
+	rm -f kinesic/*/*.so
 	find kinesic tests examples -type d -name __pycache__ -prune -exec rm -rf {} +

@@ -5,6 +5,7 @@ import platform
 import click
 from rich.table import Table
 
+from kinesic import ik
 from kinesic.cli.servos.ports import read_ports
 from kinesic.cli.terminal import console
 from kinesic.face import display
@@ -12,7 +13,7 @@ from kinesic.hardware.bus.serial_wire import SerialWire
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.tools.diagnosis import Finding, diagnose
-from kinesic.ik import KERNEL
+from kinesic.motion import spline_program
 from kinesic.sim import gl
 from kinesic.speech import espeak_pool, loudspeaker
 from kinesic.version import __version__
@@ -24,7 +25,8 @@ def examine_machine() -> int:
     """Shows what works here and what would mend the rest."""
     table = Table("piece", "state", box=None)
     table.add_row("kinesic", f"{__version__}, Python {platform.python_version()}, {platform.machine()}")
-    table.add_row("ik kernel", KERNEL)
+    table.add_row("ik kernel", ik.KERNEL)
+    table.add_row("motion kernel", spline_program.KERNEL)
     table.add_row("film (MuJoCo, OpenGL)", gl.opengl_fault() or "works")
     table.add_row("face (moderngl, EGL)", display.available() or "works")
     table.add_row("speech (espeak-ng)", espeak_pool.espeak_fault() or "works")

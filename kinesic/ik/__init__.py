@@ -1,13 +1,14 @@
 """Finds joint angles for a reach: `solve`, `pose`, `two_hands` and `track`."""
 
 from kinesic.body.reach import Reach
-from kinesic.ik.arm.compiled import KERNEL, Kernel
+from kinesic.ik.arm.compiled import KERNEL
 from kinesic.ik.pose import PoseSolution
 from kinesic.ik.pose import solve_pose as pose
 from kinesic.ik.solve import Solution, solve
 from kinesic.ik.track import Tracker, track
 from kinesic.ik.two_hands import Both
 from kinesic.ik.two_hands import reach_both as two_hands
+from kinesic.kernels import Kernel
 
 __all__ = [
     "KERNEL",

@@ -9,7 +9,7 @@ from msgspec.structs import replace
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.chain import Chain
 from kinesic.body.reach import Reach
-from kinesic.ik.arm.compiled import KERNEL, Kernel, arm_of
+from kinesic.ik.arm.compiled import KERNEL, arm_of
 from kinesic.ik.arm.linkage import Linkage, linkage_of
 from kinesic.ik.arm.mirror import is_right, mirror_chain, mirror_reach
 from kinesic.ik.arm.shoulder_elbow import place_of
@@ -18,6 +18,7 @@ from kinesic.ik.arm.swivel_search import Cell, cell_at, present_swivel
 from kinesic.ik.arm.wrist import direction_errors, orient
 from kinesic.ik.scalar3 import Rotation, vector
 from kinesic.ik.solve import Solution, hand_directions, solve
+from kinesic.kernels import Kernel
 
 Swing = tuple[Floats, float, float | None, float | None]  # angles, residual, errors of pointing and palm
 

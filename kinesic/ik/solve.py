@@ -15,13 +15,14 @@ from kinesic.body.chain import Chain
 from kinesic.body.reach import Reach
 from kinesic.ik.angles import arccosine
 from kinesic.ik.arm import multistart
-from kinesic.ik.arm.compiled import KERNEL, Kernel, arm_of
+from kinesic.ik.arm.compiled import KERNEL, arm_of
 from kinesic.ik.arm.linkage import Linkage, linkage_of
 from kinesic.ik.arm.mirror import is_right, mirror_chain, mirror_place, mirror_reach
 from kinesic.ik.arm.nearest import finish
 from kinesic.ik.arm.shoulder_elbow import Bend, ShoulderPlace, bend_elbow, place_of, place_shoulder
 from kinesic.ik.arm.wrist import HandDirection, orient
 from kinesic.ik.scalar3 import Vector, distance, dot, rotated, unit, vector
+from kinesic.kernels import Kernel
 
 REACHED = 1e-3  # [m] residual at which the hand is there
 

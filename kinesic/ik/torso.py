@@ -14,11 +14,12 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot, Side
-from kinesic.ik.arm.compiled import KERNEL, Kernel, arm_of
+from kinesic.ik.arm.compiled import KERNEL, arm_of
 from kinesic.ik.arm.linkage import Linkage, linkage_of
 from kinesic.ik.arm.shoulder_elbow import gap
 from kinesic.ik.scalar3 import Vector, cross, dot, minus, plus, turned, unit, vector
 from kinesic.ik.solve import three
+from kinesic.kernels import Kernel
 
 EASY = 0.96  # of the arm's reach, within which no hand asks the torso
 MOST = radians(20.0)  # of each hinge; a target beyond is pointed at

@@ -12,12 +12,13 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.body.chain import Chain
-from kinesic.ik.arm.compiled import KERNEL, Kernel, arm_of
+from kinesic.ik.arm.compiled import KERNEL, arm_of
 from kinesic.ik.arm.linkage import Linkage, linkage_of
 from kinesic.ik.arm.mirror import is_right, mirror_chain, mirror_place
 from kinesic.ik.arm.polish import HandSlope, columns, polish_step
 from kinesic.ik.arm.shoulder_elbow import STRETCH, nearest_girdle
 from kinesic.ik.scalar3 import Vector, distance, dot, minus, norm, plus, scaled, vector
+from kinesic.kernels import Kernel
 
 LONGEST = 0.005  # [s] that one step of the way takes; a longer tick takes several, so that its length does not matter
 RAMP = 4.0  # time constants until the pull has its full strength: nothing starts with a jerk

@@ -16,6 +16,8 @@ ROOMY = 2.0  # bound of a scaled row that is decided
 TINY = 1e-9  # [rad] range of a hinge that cannot move
 CALM = 0.05  # [s] by which jerk weighs beside acceleration where a motion is as smooth as can be
 ANCHOR = 1e-10  # what holds such a motion where nothing else does
+WIDTHS = (2, 3, 4, 3)  # control points that speed, acceleration, jerk and duty depend on
+POWERS = (1.0, 2.0, 3.0, 2.0)  # of the time, by which they fall when it is stretched
 SMOOTHNESS = 1e-9  # [s^4] weight of the acceleration beside the distance from what is desired
 
 
@@ -30,6 +32,11 @@ class Grid:
     def size(self) -> int:
         """Number of control points of one hinge."""
         return self.pieces + 3
+
+    @property
+    def counts(self) -> tuple[int, int, int, int]:
+        """How many rows there are of speed, acceleration, jerk and duty."""
+        return self.pieces + 2, self.pieces + 1, self.pieces, self.pieces + 1
 
     @cached_property
     def knots(self) -> Floats:
@@ -51,8 +58,8 @@ class Grid:
         return (self.at_knots.T @ self.at_knots + SMOOTHNESS * bend.T @ bend).tocsc()
 
     @cached_property
-    def factor(self) -> Floats:
-        """Banded Cholesky factor of `closeness`, upper form."""
+    def closeness_bands(self) -> Floats:
+        """(3, k + 3) `closeness`, upper form: two beside the diagonal, one, the diagonal."""
         return _banded(self.closeness, 2)
 
     @cached_property
@@ -64,35 +71,43 @@ class Grid:
         return (bend.T @ bend + turn.T @ turn + ANCHOR * scipy.sparse.eye_array(self.size)).tocsc()
 
     @cached_property
-    def calm(self) -> Floats:
-        """Banded Cholesky factor of `calmness`, upper form."""
+    def calmness_bands(self) -> Floats:
+        """(4, k + 3) `calmness`, upper form."""
         return _banded(self.calmness, 3)
+
+    def stencils(self, limits: Limits, hinge: int) -> Floats:
+        """(4, 4) shares that neighbouring control points have in the limits of a hinge, which are scaled to 1.
+
+        Speed (the first two), acceleration (three), jerk, and the duty at the knots (three).
+        """
+        h = self.step
+        speed, at_knot = np.array([-1.0, 1.0, 0.0, 0.0]) / h, np.array([-0.5, 0.0, 0.5, 0.0]) / h
+        acceleration, jerk = np.array([1.0, -2.0, 1.0, 0.0]) / h**2, np.array([-1.0, 3.0, -3.0, 1.0]) / h**3
+        pulling = limits.inertial[hinge] * acceleration + limits.viscous[hinge] * at_knot
+        boxes = speed / limits.speed[hinge], acceleration / limits.acceleration[hinge], jerk / limits.jerk[hinge]
+        return np.array([*boxes, pulling / self.duty(limits)[hinge]])
 
     def rows(self, limits: Limits, hinge: int) -> "scipy.sparse.csr_array":
         """(4 k + 4, k + 3) rows of every limit of a hinge but its range, scaled to -1..1.
 
         Speed, acceleration and jerk on their control points, the duty at the knots.
         """
-        h = self.step
-        speed, at_knot = np.array([-1.0, 1.0]) / h, np.array([-0.5, 0.0, 0.5]) / h
-        acceleration, jerk = np.array([1.0, -2.0, 1.0]) / h**2, np.array([-1.0, 3.0, -3.0, 1.0]) / h**3
-        pulling = limits.inertial[hinge] * acceleration + limits.viscous[hinge] * at_knot
-        stencils = (
-            (speed / limits.speed[hinge], self.pieces + 2),
-            (acceleration / limits.acceleration[hinge], self.pieces + 1),
-            (jerk / limits.jerk[hinge], self.pieces),
-            (pulling / self.duty(limits)[hinge], self.pieces + 1),
-        )
-        data = np.concatenate([np.tile(stencil, count) for stencil, count in stencils])
+        every = zip(self.stencils(limits, hinge), WIDTHS, self.counts, strict=True)
+        data = np.concatenate([np.tile(stencil[:width], count) for stencil, width, count in every])
         return scipy.sparse.csr_array((data, *self._pattern), shape=(4 * self.pieces + 4, self.size))
 
     @cached_property
     def _pattern(self) -> tuple[Indices, Indices]:
         """Column indices and row starts of `rows`."""
-        shapes = ((2, self.pieces + 2), (3, self.pieces + 1), (4, self.pieces), (3, self.pieces + 1))
+        shapes = tuple(zip(WIDTHS, self.counts, strict=True))
         columns = [(np.arange(count)[:, None] + np.arange(width)).ravel() for width, count in shapes]
         widths = np.repeat([width for width, _ in shapes], [count for _, count in shapes])
         return np.concatenate(columns).astype(np.int32), np.concatenate([[0], np.cumsum(widths)]).astype(np.int32)
+
+    @cached_property
+    def powers(self) -> Floats:
+        """(4 k + 4,) by which powers of time the rows fall when it is stretched."""
+        return np.repeat(POWERS, self.counts)
 
     @cached_property
     def bounds(self) -> Floats:
@@ -101,7 +116,7 @@ class Grid:
         A row without room has no interior, which the program's method needs.
         """
         bounds = []
-        for ends, count in ((2, self.pieces + 2), (1, self.pieces + 1), (0, self.pieces), (1, self.pieces + 1)):
+        for ends, count in zip((2, 1, 0, 1), self.counts, strict=True):
             group = np.ones(count)
             group[:ends] = group[count - ends :] = ROOMY
             bounds.append(group)
@@ -135,11 +150,11 @@ class Grid:
 
 
 def _banded(form: "scipy.sparse.csc_array", width: int) -> Floats:
-    """(width + 1, k) Cholesky factor of a banded form, upper form."""
+    """(width + 1, k) diagonals of a banded form, upper form."""
     bands = np.zeros((width + 1, form.shape[0]))
     for offset in range(width + 1):
         bands[width - offset, offset:] = form.diagonal(offset)
-    return np.asarray(scipy.linalg.cholesky_banded(bands))
+    return bands
 
 
 @lru_cache(maxsize=512)

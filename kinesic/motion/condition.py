@@ -18,8 +18,8 @@ from kinesic.motion.budget import ENDLESS, Budget
 from kinesic.motion.desired import DesiredMotion, join_keys
 from kinesic.motion.key_times import Bottleneck, Search
 from kinesic.motion.keys import Bond, KeyPosture, Keys, Pair
-from kinesic.motion.qp import WITHIN, nearest_within_limits, nearest_without_limits
 from kinesic.motion.segments import SplineSegment, pieces, segments
+from kinesic.motion.spline_program import WITHIN, nearest_within_limits, nearest_without_limits
 from kinesic.motion.trajectory import STEP, Trajectory
 
 LEAD_IN = 0.6  # [s] by which the motion may begin before it is asked to

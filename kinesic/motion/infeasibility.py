@@ -9,18 +9,16 @@ from itertools import pairwise
 from typing import Literal
 
 import numpy as np
-import scipy
 
 from kinesic.body.arrays import Floats
 from kinesic.body.limits import Limits
-from kinesic.motion.bspline import Grid
-from kinesic.motion.qp import smoothest, solve_linear
 from kinesic.motion.segments import SplineSegment
+from kinesic.motion.spline_program import relax_limits, smoothest
 from kinesic.motion.trajectory import spline_weights
 
 Quantity = Literal["speed", "acceleration", "jerk", "duty"]
 
-ORDERS: dict[Quantity, int] = {"speed": 1, "acceleration": 2, "jerk": 3, "duty": 2}  # of the time
+QUANTITIES: tuple[Quantity, ...] = ("speed", "acceleration", "jerk", "duty")  # in the order of a grid's rows
 EASY = -0.2  # a share of time to spare that need not be known better
 ACCELERATING = np.array([1 / 3, -1 / 6, 1 / 3])  # control points at angle 0 and speed 0 with acceleration 1 / step^2
 SPARE = -0.01  # amount below which nobody asks for slopes
@@ -44,16 +42,6 @@ def guess_share(segment: SplineSegment, limits: Limits) -> float:
     if segment.still:
         return 0.0
     return segment.grid.largest(smoothest(segment), limits, segment.hinge)
-
-
-def orders(grid: Grid) -> Floats:
-    """Lists by which powers of time the rows of limits fall when it is stretched."""
-    return np.repeat([float(order) for order in ORDERS.values()], _counts(grid))
-
-
-def _counts(grid: Grid) -> tuple[int, int, int, int]:
-    """How many rows of each quantity there are."""
-    return grid.pieces + 2, grid.pieces + 1, grid.pieces, grid.pieces + 1
 
 
 def measure_shortage(segment: SplineSegment, limits: Limits) -> Infeasibility | None:
@@ -82,43 +70,19 @@ class _Least:
 
 
 def _least(segment: SplineSegment, limits: Limits) -> _Least | None:
-    grid, (matrix, values) = segment.grid, segment.fixed
-    lower, upper = segment.corridor(limits)
-    some, counts = grid.bounds == 1.0, _counts(grid)
-    rows, powers = grid.rows(limits, segment.hinge)[some], orders(grid)[some]
-    one, endless = np.ones(len(powers)), np.full(len(powers), np.inf)
-    solution = solve_linear(
-        np.append(np.zeros(grid.size), 1.0),
-        _relaxed(matrix.tocoo(), rows.tocoo(), powers),
-        (np.concatenate([values, -endless, -one]), np.concatenate([values, one, endless])),
-        (np.append(lower, EASY), np.append(upper, np.inf)),
-    )
-    if solution is None:
+    grid, found = segment.grid, relax_limits(segment, limits, easy=EASY)
+    if found is None:
         return None
-    found, pulls = solution
-    least = float(found[-1])
-    binds = np.abs(pulls[len(values) :]).reshape(2, -1).max(axis=0) * powers
-    places = np.concatenate([np.linspace(0, grid.pieces, k) for k in counts])[some]
-    kinds = np.repeat(np.arange(len(counts)), counts)[some]
+    some = grid.bounds == 1.0
+    places = np.concatenate([np.linspace(0, grid.pieces, count) for count in grid.counts])[some]
+    kinds = np.repeat(np.arange(len(grid.counts)), grid.counts)[some]
+    gaps = np.searchsorted(segment.places, places)
     return _Least(
-        found[:-1],
-        float(np.log1p(2 * least) / 2),
-        pulls[: len(values)] / (1 + 2 * least),
-        _binding(np.searchsorted(segment.places, places), kinds, binds, len(segment.places) + 1),
+        found.controls,
+        float(np.log1p(2 * found.amount) / 2),
+        found.ties / (1 + 2 * found.amount),
+        _binding(gaps, kinds, found.pulls * grid.powers[some], len(segment.places) + 1),
     )
-
-
-def _relaxed(
-    fixed: "scipy.sparse.coo_array", rows: "scipy.sparse.coo_array", powers: Floats
-) -> "scipy.sparse.csc_array":
-    """Stacks what is fixed, the rows of limits less what relaxes them (the last variable), and the rows plus it."""
-    above, (count, size) = fixed.shape[0], rows.shape
-    every, last = np.arange(count), np.full(count, size)
-    down = [fixed.row, rows.row + above, every + above, rows.row + above + count, every + above + count]
-    across = [fixed.col, rows.col, last, rows.col, last]
-    data = np.concatenate([fixed.data, rows.data, -powers, rows.data, powers])
-    shape = (above + 2 * count, size + 1)
-    return scipy.sparse.coo_array((data, (np.concatenate(down), np.concatenate(across))), shape=shape).tocsc()
 
 
 def _slopes(segment: SplineSegment, found: _Least) -> Floats:
@@ -153,6 +117,5 @@ def _binding(gaps: np.ndarray, kinds: np.ndarray, pulls: Floats, count: int) -> 
     """(m + 1,) the limit with the largest sum of multipliers in each gap."""
     sums = np.zeros((4, count))
     np.add.at(sums, (kinds, gaps), pulls)
-    names: list[Quantity] = [*ORDERS]
     enough = sums.max(axis=0) >= NOTABLE * sums.sum()
-    return tuple(names[k] if binds else None for k, binds in zip(sums.argmax(axis=0), enough, strict=True))
+    return tuple(QUANTITIES[k] if binds else None for k, binds in zip(sums.argmax(axis=0), enough, strict=True))

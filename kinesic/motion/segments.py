@@ -10,7 +10,7 @@ import scipy
 
 from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.limits import Limits
-from kinesic.motion.bspline import Grid, grid
+from kinesic.motion.bspline import Grid, Indices, grid
 from kinesic.motion.keys import HOLD, Keys, Pair
 from kinesic.motion.trajectory import STEP, spline_weights
 
@@ -22,8 +22,27 @@ LONG_HOLD = 100  # steps at either end of a longer hold in which a hinge may swi
 LEAST = 4  # pieces of a motion
 SAME = 0.02  # steps: a hinge that comes to rest moves by less than 1e-7 rad in them
 NOWHERE = sealed([])
+STARTS, ENDS = np.eye(3, 4), np.eye(3, 4, 1)  # shares of the first and of the last three control points
 
 Cut = tuple[int, int]  # knot at which a hinge rests, and the last of its own keys before it; -1: none
+
+
+@dataclass(frozen=True, eq=False)
+class Fixed:
+    """What is fixed of the control points x of a segment: shares @ x[first : first + 4] = value in each row."""
+
+    first: Indices  # (m,)
+    shares: Floats  # (m, 4)
+    values: Floats  # (m,) [rad]
+    size: int  # n, number of control points
+
+    @property
+    def matrix(self) -> "scipy.sparse.csr_array":
+        """(m, n) sparse, with as many entries as shares are not 0."""
+        columns = self.first[:, None] + np.arange(4)
+        kept = self.shares != 0.0
+        starts = np.concatenate([[0], np.cumsum(kept.sum(axis=1))])
+        return scipy.sparse.csr_array((self.shares[kept], columns[kept], starts), shape=(len(self.first), self.size))
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,27 +183,25 @@ class SplineSegment:
         return np.maximum(lower, lowest), np.minimum(upper, highest)
 
     @cached_property
-    def fixed(self) -> tuple["scipy.sparse.csr_array", Floats]:
-        """Sparse matrix (m + 6, k + 3) and values of the control points that are fixed by entry, keys and exit.
+    def fixed(self) -> Fixed:
+        """What entry, keys and exit fix of the control points.
 
         A key in the last piece is the rest itself: the control point before the rest is as the rest is.
         """
         first, shares = spline_weights(self.places, self.grid.pieces)
         if self.rests_early:
             shares[-1] = [1.0, 0.0, 0.0, 0.0]
-        count, last = len(first), self.grid.size - 1
-        columns = [*(first[:, None] + np.arange(4)).ravel(), 0, 1, 2, last - 2, last - 1, last]
-        rows = [*np.repeat(np.arange(count), 4), *range(count, count + 6)]
-        data, end = [*shares.ravel(), *[1.0] * 6], [*(self.exit or [self.end] * 3)]
+        last = self.grid.size - 4
+        ends, end = np.vstack([STARTS, ENDS]), [*(self.exit or [self.end] * 3)]
+        kept = np.full(6, True)
         if self.halts:  # the last two are as the one before them
-            columns += [last - 2, last - 2]
-            rows += [count + 4, count + 5]
-            data += [-1.0, -1.0]
-            end = [self.end, 0.0, 0.0]
-        matrix = scipy.sparse.csr_array((data, (rows, columns)), shape=(count + 6, last + 1))
-        values = np.array([*self.angles, *(self.entry or [self.start] * 3), *end])
-        kept = np.arange(count + 6) != (count + 3 if self.halts else -1)
-        return matrix[kept], values[kept]
+            ends[4:, 1], end, kept[3] = -1.0, [self.end, 0.0, 0.0], False
+        return Fixed(
+            np.concatenate([first, np.array([0, 0, 0, last, last, last])[kept]]).astype(np.int32),
+            np.vstack([shares, ends[kept]]),
+            np.array([*self.angles, *np.array([*(self.entry or [self.start] * 3), *end])[kept]]),
+            self.grid.size,
+        )
 
 
 def segments(times: Floats, keys: Keys, step: float) -> Iterator[SplineSegment]:

@@ -11,8 +11,8 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.double_s import least_stop
-from kinesic.motion.qp import nearest_motion
 from kinesic.motion.segments import SplineSegment
+from kinesic.motion.spline_program import nearest_motion
 from kinesic.motion.trajectory import EARLY, STEP, Trajectory
 from kinesic.motion.transition import LEAST, roomy
 

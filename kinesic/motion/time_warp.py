@@ -17,9 +17,9 @@ import scipy
 
 from kinesic.body.arrays import Floats
 from kinesic.body.limits import Limits
-from kinesic.motion.infeasibility import Infeasibility, orders
+from kinesic.motion.infeasibility import Infeasibility
 from kinesic.motion.key_time_lp import KeyTimeProblem, state_program
-from kinesic.motion.qp import solve_linear
+from kinesic.motion.piqp import solve_linear
 from kinesic.motion.segments import SplineSegment
 from kinesic.motion.trajectory import spline_weights
 
@@ -122,9 +122,9 @@ def _add_segment(
     path = program.add_variables(np.minimum(lower - controls, 0.0), np.maximum(upper - controls, 0.0))
     middles, moved = _middles(segment, len(times)), _moved(segment)
     program.require([(0, middles), (stretch, -moved)], middles @ times, middles @ times)
-    matrix, values = segment.fixed
-    program.require([(path, matrix)], np.zeros(len(values)), np.zeros(len(values)))
-    some, order = grid.bounds == 1.0, orders(grid)
+    matrix = segment.fixed.matrix
+    program.require([(path, matrix)], np.zeros(matrix.shape[0]), np.zeros(matrix.shape[0]))
+    some, order = grid.bounds == 1.0, grid.powers
     rows, change = grid.rows(limits, segment.hinge)[some], _change(segment, controls, limits)[some]
     now, weight = rows @ controls, order[some]
     spare, endless = 1.0 - reserve * weight, np.full(len(now), np.inf)

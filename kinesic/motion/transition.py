@@ -9,8 +9,8 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.bspline import grid
-from kinesic.motion.qp import nearest_motion
 from kinesic.motion.segments import NOWHERE, SplineSegment
+from kinesic.motion.spline_program import nearest_motion
 from kinesic.motion.trajectory import EARLY, STEP, spline_weights
 
 LEAST = 3  # pieces in which three control points give way to three others

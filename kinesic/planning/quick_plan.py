@@ -19,8 +19,8 @@ from kinesic.motion.condition import Conditioned
 from kinesic.motion.desired import join_keys
 from kinesic.motion.key_time_lp import KeyTimeProblem, relax_key_times
 from kinesic.motion.keys import Bond, KeyPosture, Keys, Passage
-from kinesic.motion.qp import nearest_motion
 from kinesic.motion.segments import pieces, segments
+from kinesic.motion.spline_program import nearest_motion
 from kinesic.motion.trajectory import STEP, Trajectory
 from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.setup import Setup

@@ -88,7 +88,7 @@ def test_gestures(kinesic):
 def test_doctor_names_every_piece(kinesic):
     ended = kinesic("doctor")
     assert ended.code == 0
-    for piece in ("ik kernel", "film", "face", "speech"):
+    for piece in ("ik kernel", "motion kernel", "film", "face", "speech"):
         assert piece in ended.out
 
 

@@ -31,12 +31,17 @@ def test_what_holds_on_the_control_points_holds_between_the_knots():
     assert np.abs(duty).max() <= shares[3] * GRID.duty(LIMITS)[0] + rise + 1e-9
 
 
-def test_knots_and_factor():
+def test_angles_at_the_knots_are_those_of_the_motion():
     np.testing.assert_allclose(GRID.at_knots @ CONTROLS[:, 0], MOTION.sample(GRID.knots)[0][:, 0])
-    upper = np.zeros((23, 23))
-    for band in range(3):
-        upper += np.diag(GRID.factor[2 - band, band:], band)
-    np.testing.assert_allclose(upper.T @ upper, GRID.closeness.toarray(), atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("form", "bands"), [(GRID.closeness, GRID.closeness_bands), (GRID.calmness, GRID.calmness_bands)]
+)
+def test_bands_are_the_diagonals_of_their_form(form, bands):
+    width = len(bands) - 1
+    upper = sum(np.diag(bands[width - band, band:], band) for band in range(width + 1))
+    np.testing.assert_array_equal(upper, np.triu(form.toarray()))
 
 
 def test_a_hinge_that_cannot_move_has_a_share():

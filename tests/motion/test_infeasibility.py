@@ -7,8 +7,8 @@ from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.bspline import grid
 from kinesic.motion.infeasibility import EASY, guess_share, measure_shortage
-from kinesic.motion.qp import nearest_motion
 from kinesic.motion.segments import SplineSegment
+from kinesic.motion.spline_program import nearest_motion
 from kinesic.motion.trajectory import STEP
 
 LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))

@@ -8,28 +8,12 @@ from kinesic.ik.arm.linkage import linkage_of
 from kinesic.ik.arm.mirror import is_right, mirror_chain
 from kinesic.ik.arm.seeds import seeds
 from kinesic.ik.scalar3 import vector
+from kinesic.kernels import Kernel, find_kernel
 
 if TYPE_CHECKING:
     from kinesic.ik import _kernel
-from importlib import import_module
-from os import environ
-from typing import Literal
 
-Kernel = Literal["compiled", "numpy"]
-
-
-def _present() -> Kernel:
-    """Compiled, unless set-up found no compiler or KINESIC_KERNEL=numpy asks for the specification."""
-    if environ.get("KINESIC_KERNEL") == "numpy":
-        return "numpy"
-    try:
-        import_module("kinesic.ik._kernel")
-    except ImportError:
-        return "numpy"
-    return "compiled"
-
-
-KERNEL: Kernel = _present()  # which implementation runs
+KERNEL: Kernel = find_kernel("kinesic.ik._kernel")  # which implementation runs
 
 
 @lru_cache(maxsize=32)

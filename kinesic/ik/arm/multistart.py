@@ -9,12 +9,13 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.body.chain import Chain
-from kinesic.ik.arm.compiled import KERNEL, Kernel, arm_of
+from kinesic.ik.arm.compiled import KERNEL, arm_of
 from kinesic.ik.arm.linkage import Linkage, linkage_of
 from kinesic.ik.arm.mirror import is_right, mirror_chain, mirror_place
 from kinesic.ik.arm.polish import ROUNDS, Polished, polish
 from kinesic.ik.arm.seeds import nearest_seeds
 from kinesic.ik.scalar3 import Vector, vector
+from kinesic.kernels import Kernel
 
 STALLED = 2e-5  # [m] from the target: further away the arm begins again elsewhere
 RESTARTS = 8

@@ -1,0 +1,328 @@
+// Solves spline programs by a primal-dual interior point method; an iteration costs O(n), as all that couples is a band.
+//
+// Algorithm: Mehrotra, On the implementation of a primal-dual interior point method (1992). With all inequalities as
+// G (x, s) + t = h, t > 0, and multipliers z > 0, Newton's step of all conditions becomes, after t and z are eliminated,
+//   [H + G' D G  A'] [dx]     D = z / t, A: what is fixed, y: its multipliers
+//   [A           0 ] [dy]
+// The relaxation s, which every limit knows, is a border of this system. Towards the end D grows without bounds, and
+// rounding with it; an optimum is therefore found exactly from the limits that are met (Stellato et al., OSQP, 2020).
+
+#pragma once
+
+#include "tied_system.h"
+
+namespace kinesic::motion {
+
+constexpr int MOST = 60;  // iterations; feasible programs take 10 to 25
+constexpr double CLOSE = 1e-8;  // [rad], shares of limits: by which a solution may miss them
+constexpr double ROUNDED = 1e-7;  // by which multipliers may be out of balance, which rounding increases towards the end
+constexpr double SMALL = 1e-10;  // mean product t z at a solution
+constexpr double ENOUGH = 1e-7;  // the same where it gets no smaller
+constexpr double LEAST = 1e-15;  // the same where it tells no more
+constexpr double MET = 1e-5;  // multiplier to slack of a limit that is met
+constexpr double FIRM = 1e8;  // weight of such a limit
+constexpr int POLISHED = 20;  // times at most
+constexpr double POLISH = 1e-12;  // residuals of an exact optimum
+constexpr double SHORT = 0.995;  // of the way to the nearest bound
+constexpr double STALLED = 1e-7;  // step that leads nowhere
+constexpr double POSITIVE = 1e-3;  // least slack and multiplier of a start
+
+class InteriorPoint {
+  public:
+    explicit InteriorPoint(const SplineProgram& program)
+        : p(program), n(p.size), m(p.fixed()), rows(p.rows()), many(2 * rows + 2 * n + (p.relaxing ? 1 : 0)), system(p),
+          x(n), y(m), dx(n), dy(m) {
+        for (auto* values : {&t, &z, &h, &gap, &dt, &dz, &away, &across, &inverse, &weights}) values->resize(many);
+        for (auto* values : {&right, &step, &border, &solved, &rest}) values->resize(system.size());
+        norms.resize(rows);
+        p.each_row([&](int number, auto kind, int row) {
+            h[number] = h[rows + number] = p.bound(kind, row);
+            for (double share : p.stencils[kind]) norms[number] += share * share;
+        });
+        for (int j = 0; j < n; ++j) {
+            h[2 * rows + j] = p.upper[j];
+            h[2 * rows + n + j] = -p.lower[j];
+        }
+        if (p.relaxing) h[many - 1] = -p.easy;
+    }
+
+    // Whether there is a solution.
+    bool solve() {
+        begin();
+        for (int k = 0; k < MOST; ++k) {
+            measure();
+            const double mean = product() / many;
+            if (primal <= CLOSE && dual <= ROUNDED * (1.0 + largest)) {
+                if (mean <= SMALL && (p.relaxing || polish())) return true;
+                if (mean <= ENOUGH) best = x;
+            }
+            if (mean <= LEAST) break;
+            weigh();
+            assemble();
+            aim(0.0, false);
+            const double share = advance_by(1.0).mean / mean;
+            aim(share * share * share * mean, true);
+            const Steps steps = advance_by(SHORT);
+            if (!(std::max(steps.primal, steps.dual) > STALLED && std::isfinite(steps.mean))) break;
+            move(steps);
+        }
+        if (best.empty()) return false;
+        x = best;
+        return true;
+    }
+
+    const std::vector<double>& controls() const { return x; }
+    double relaxation() const { return s; }
+    const std::vector<double>& ties() const { return y; }  // multipliers of what is fixed
+    double pull(int row) const { return std::max(z[row], z[rows + row]); }  // multiplier of a row of a limit
+
+  private:
+    struct Steps {
+        double primal, dual, mean;  // the mean product after them
+    };
+
+    // G (x, s)
+    void apply(const std::vector<double>& points, double relaxation, std::vector<double>& into) const {
+        p.each_row([&](int number, auto kind, int row) {
+            const double along = p.along(kind, row, points.data()), eased = p.relaxing ? POWERS[kind] * relaxation : 0.0;
+            into[number] = along - eased;
+            into[rows + number] = -along - eased;
+        });
+        for (int j = 0; j < n; ++j) {
+            into[2 * rows + j] = points[j];
+            into[2 * rows + n + j] = -points[j];
+        }
+        if (p.relaxing) into[many - 1] = -relaxation;
+    }
+
+    // Adds G' v to the places of control points; returns its part of s.
+    double transpose(const std::vector<double>& v, std::vector<double>& into) const {
+        double part = p.relaxing ? -v[many - 1] : 0.0;
+        p.each_row([&](int number, auto kind, int row) {
+            const double both = v[number] - v[rows + number];
+            for (int k = 0; k < WIDTHS[kind]; ++k) into[system.place(row + k)] += p.stencils[kind][k] * both;
+            if (p.relaxing) part -= POWERS[kind] * (v[number] + v[rows + number]);
+        });
+        for (int j = 0; j < n; ++j) into[system.place(j)] += v[2 * rows + j] - v[2 * rows + n + j];
+        return part;
+    }
+
+    // The solution of all conditions with D = 1, with slacks and multipliers moved to be positive.
+    void begin() {
+        std::fill(weights.begin(), weights.end(), 1.0);
+        assemble();
+        std::fill(right.begin(), right.end(), 0.0);
+        const double part = transpose(h, right) - (p.relaxing ? 1.0 : 0.0);
+        for (int j = 0; j < n && !p.relaxing; ++j) right[system.place(j)] += p.pull[j];
+        for (int k = 0; k < m; ++k) right[system.tie(k)] = p.values[k];
+        s = solve_system(part);
+        take(x, y);
+        apply(x, s, t);
+        for (int q = 0; q < many; ++q) {
+            t[q] = h[q] - t[q];
+            z[q] = -t[q];
+        }
+        lift(t);
+        lift(z);
+    }
+
+    static void lift(std::vector<double>& values) {
+        const double lowest = *std::min_element(values.begin(), values.end());
+        if (lowest < POSITIVE)
+            for (double& value : values) value += 1.0 - std::min(lowest, 0.0);
+    }
+
+    void take(std::vector<double>& points, std::vector<double>& multipliers) const {
+        for (int j = 0; j < n; ++j) points[j] = step[system.place(j)];
+        for (int k = 0; k < m; ++k) multipliers[k] = step[system.tie(k)];
+    }
+
+    // Residuals: of x and y in `rest`, of s in `drift`, of inequalities in `gap`.
+    void measure() {
+        std::fill(rest.begin(), rest.end(), 0.0);
+        drift = transpose(z, rest) + (p.relaxing ? 1.0 : 0.0);
+        if (!p.relaxing) add_form();
+        largest = 0.0;
+        for (int k = 0; k < m; ++k) {
+            double lacking = -p.values[k];
+            for (int d = 0; d < 4; ++d) {
+                rest[system.place(p.first[k] + d)] += p.shares[4 * k + d] * y[k];
+                lacking += p.shares[4 * k + d] * x[p.first[k] + d];
+            }
+            rest[system.tie(k)] = lacking;
+            largest = std::max(largest, std::abs(y[k]));
+        }
+        apply(x, s, gap);
+        primal = dual = 0.0;
+        for (int q = 0; q < many; ++q) {
+            gap[q] += t[q] - h[q];
+            primal = std::max(primal, std::abs(gap[q]));
+        }
+        for (int k = 0; k < m; ++k) primal = std::max(primal, std::abs(rest[system.tie(k)]));
+        for (int j = 0; j < n; ++j) dual = std::max(dual, std::abs(rest[system.place(j)]));
+        dual = std::max(dual, std::abs(drift));
+    }
+
+    // Adds H x - pull to the residuals of x.
+    void add_form() {
+        const int half = int(p.form.size()) / n - 1;
+        const double* diagonal = p.form.data() + size_t(half) * n;
+        for (int j = 0; j < n; ++j) {
+            double sum = diagonal[j] * x[j] - p.pull[j];
+            for (int d = 1; d <= half; ++d) {
+                if (j >= d) sum += diagonal[j - d * n] * x[j - d];
+                if (j + d < n) sum += diagonal[j + d - d * n] * x[j + d];
+            }
+            rest[system.place(j)] += sum;
+        }
+    }
+
+    // Moves on to the exact optimum on the limits that are met; false where these cannot be told yet.
+    bool polish() {
+        const std::vector<double> before = x, ties = y, multipliers = z;
+        for (int q = 0; q < many; ++q) {
+            const bool met = z[q] > MET * t[q];
+            weights[q] = met ? FIRM / norm(q) : 0.0;
+            if (!met) z[q] = 0.0;
+        }
+        assemble();
+        for (int k = 0; k < POLISHED; ++k) {
+            measure();
+            double off = dual;
+            for (int q = 0; q < many; ++q) {
+                gap[q] -= t[q];
+                across[q] = weights[q] * gap[q];
+                if (weights[q] > 0.0) off = std::max(off, std::abs(gap[q]));
+            }
+            for (int i = 0; i < m; ++i) off = std::max(off, std::abs(rest[system.tie(i)]));
+            if (off <= POLISH) break;
+            std::fill(right.begin(), right.end(), 0.0);
+            transpose(across, right);
+            for (int i = 0; i < system.size(); ++i) right[i] = -right[i] - rest[i];
+            system.solve(right, step);
+            take(dx, dy);
+            apply(dx, 0.0, away);
+            for (int j = 0; j < n; ++j) x[j] += dx[j];
+            for (int i = 0; i < m; ++i) y[i] += dy[i];
+            for (int q = 0; q < many; ++q) z[q] += weights[q] * (gap[q] + away[q]);
+        }
+        apply(x, 0.0, gap);
+        bool good = true;
+        for (int q = 0; q < many && good; ++q) good = gap[q] <= h[q] + CLOSE && z[q] >= -CLOSE;
+        if (!good) {
+            x = before;
+            y = ties;
+            z = multipliers;
+            measure();
+        }
+        return good;
+    }
+
+    // Square of the length of an inequality's row.
+    double norm(int q) const { return q < 2 * rows ? norms[q % rows] : 1.0; }
+
+    double product() const {
+        double sum = 0.0;
+        for (int q = 0; q < many; ++q) sum += t[q] * z[q];
+        return sum;
+    }
+
+    void weigh() {
+        for (int q = 0; q < many; ++q) {
+            inverse[q] = 1.0 / t[q];
+            weights[q] = z[q] * inverse[q];
+        }
+    }
+
+    // The system of these weights, its factor and the border of s.
+    void assemble() {
+        system.clear();
+        std::fill(border.begin(), border.end(), 0.0);
+        corner = p.relaxing ? weights[many - 1] : 1.0;
+        if (!p.relaxing) system.add(p.form);
+        p.each_row([&](int number, auto kind, int row) {
+            const double up = weights[number], down = weights[rows + number];
+            const double* stencil = p.stencils[kind];
+            for (int i = 0; i < WIDTHS[kind]; ++i) {
+                double* line = system.line(row + i);
+                const double scaled = (up + down) * stencil[i];
+                for (int k = 0; k <= i; ++k) line[system.place(row + k)] += scaled * stencil[k];
+            }
+            if (!p.relaxing) return;
+            for (int k = 0; k < WIDTHS[kind]; ++k)
+                border[system.place(row + k)] -= POWERS[kind] * (up - down) * stencil[k];
+            corner += POWERS[kind] * POWERS[kind] * (up + down);
+        });
+        for (int j = 0; j < n; ++j) system.line(j)[system.place(j)] += weights[2 * rows + j] + weights[2 * rows + n + j];
+        system.factorise();
+        if (p.relaxing) system.solve(border, solved);
+    }
+
+    // Solves for `right` into `step`; returns the part of s, whose right side is given.
+    double solve_system(double wanted) {
+        system.solve(right, step);
+        if (!p.relaxing) return 0.0;
+        double above = wanted, below = corner;
+        for (int j = 0; j < n; ++j) {
+            above -= border[system.place(j)] * step[system.place(j)];
+            below -= border[system.place(j)] * solved[system.place(j)];
+        }
+        const double part = above / below;
+        for (int i = 0; i < system.size(); ++i) step[i] -= part * solved[i];
+        return part;
+    }
+
+    // Newton's step towards products t z of `target`; with what the last step left out, where that is known.
+    void aim(double target, bool corrected) {
+        for (int q = 0; q < many; ++q) {
+            const double product = t[q] * z[q] + (corrected ? dt[q] * dz[q] : 0.0) - target;
+            across[q] = (z[q] * gap[q] - product) * inverse[q];
+        }
+        std::fill(right.begin(), right.end(), 0.0);
+        const double part = transpose(across, right);
+        for (int i = 0; i < system.size(); ++i) right[i] = -right[i] - rest[i];
+        ds = solve_system(-part - drift);
+        take(dx, dy);
+        apply(dx, ds, away);
+        for (int q = 0; q < many; ++q) {
+            dt[q] = -gap[q] - away[q];
+            dz[q] = across[q] + weights[q] * away[q];
+        }
+    }
+
+    // How far the step may go with slacks and multipliers above 0, and the mean product there.
+    Steps advance_by(double share) const {
+        double primal_step = 1.0 / share, dual_step = 1.0 / share;
+        for (int q = 0; q < many; ++q) {
+            if (t[q] + primal_step * dt[q] < 0.0) primal_step = -t[q] / dt[q];
+            if (z[q] + dual_step * dz[q] < 0.0) dual_step = -z[q] / dz[q];
+        }
+        if (!p.relaxing) primal_step = dual_step = std::min(primal_step, dual_step);
+        primal_step *= share;
+        dual_step *= share;
+        double sum = 0.0;
+        for (int q = 0; q < many; ++q) sum += (t[q] + primal_step * dt[q]) * (z[q] + dual_step * dz[q]);
+        return {primal_step, dual_step, sum / many};
+    }
+
+    void move(const Steps& steps) {
+        for (int j = 0; j < n; ++j) x[j] += steps.primal * dx[j];
+        s += steps.primal * ds;
+        for (int k = 0; k < m; ++k) y[k] += steps.dual * dy[k];
+        for (int q = 0; q < many; ++q) {
+            t[q] += steps.primal * dt[q];
+            z[q] += steps.dual * dz[q];
+        }
+    }
+
+    const SplineProgram& p;
+    const int n, m, rows, many;  // control points, rows that are fixed, rows of limits, inequalities
+    TiedSystem system;
+    std::vector<double> x, y, dx, dy, best;
+    std::vector<double> t, z, h, gap, dt, dz, away, across, inverse, weights;  // (many,)
+    std::vector<double> norms;  // (rows,) squares of lengths
+    std::vector<double> right, step, border, solved, rest;  // (n + m,) in the places of the band
+    double s = 0.0, ds = 0.0, corner = 1.0, drift = 0.0, primal = 0.0, dual = 0.0, largest = 0.0;
+};
+
+}  // namespace kinesic::motion

@@ -1,0 +1,103 @@
+// kinesic.motion._kernel: spline programs, compiled. Arrays are float64, places int32, all of them contiguous.
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+
+#include "interior_point.h"
+
+namespace nb = nanobind;
+using namespace kinesic::motion;
+
+namespace {
+
+using Numbers = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
+using Places = nb::ndarray<const int, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
+std::vector<double> copy(const Numbers& from) { return {from.data(), from.data() + from.size()}; }
+
+nb::object array(const std::vector<double>& from) {
+    auto* data = new std::vector<double>(from);
+    nb::capsule owner(data, [](void* held) noexcept { delete static_cast<std::vector<double>*>(held); });
+    return nb::cast(nb::ndarray<nb::numpy, double, nb::ndim<1>>(data->data(), {data->size()}, owner));
+}
+
+void require(bool good) {
+    if (!good) throw nb::value_error("arrays of a spline program have lengths or places that do not fit");
+}
+
+void fix(SplineProgram& program, const Places& first, const Numbers& shares, const Numbers& values) {
+    require(first.size() == values.size() && shares.size() == 4 * values.size());
+    for (size_t k = 0; k < first.size(); ++k) require(first.data()[k] >= 0 && first.data()[k] + 4 <= program.size);
+    program.first.assign(first.data(), first.data() + first.size());
+    program.shares = copy(shares);
+    program.values = copy(values);
+}
+
+void want(SplineProgram& program, const Numbers& form, const Numbers& pull) {
+    require(pull.size() == size_t(program.size) && form.size() > 0 && form.size() % pull.size() == 0);
+    require(form.size() <= 4 * pull.size());
+    program.form = copy(form);
+    program.pull = copy(pull);
+}
+
+void limit(SplineProgram& program, const Numbers& stencils, const Numbers& lower, const Numbers& upper) {
+    require(program.size >= 4 && lower.size() == size_t(program.size) && upper.size() == lower.size());
+    require(stencils.size() == KINDS * 4);
+    std::copy_n(stencils.data(), KINDS * 4, &program.stencils[0][0]);
+    program.lower = copy(lower);
+    program.upper = copy(upper);
+}
+
+// The optimum without limits.
+nb::object smooth(const Places& first, const Numbers& shares, const Numbers& values, const Numbers& form,
+                  const Numbers& pull) {
+    SplineProgram program;
+    program.size = int(pull.size());
+    fix(program, first, shares, values);
+    want(program, form, pull);
+    TiedSystem system(program);
+    system.add(program.form);
+    system.factorise();
+    std::vector<double> right(system.size()), answer, controls(program.size);
+    for (int j = 0; j < program.size; ++j) right[system.place(j)] = program.pull[j];
+    for (int k = 0; k < program.fixed(); ++k) right[system.tie(k)] = program.values[k];
+    system.solve(right, answer);
+    for (int j = 0; j < program.size; ++j) controls[j] = answer[system.place(j)];
+    return array(controls);
+}
+
+// The optimum within limits; None where there is none.
+nb::object nearest(const Places& first, const Numbers& shares, const Numbers& values, const Numbers& form,
+                   const Numbers& pull, const Numbers& stencils, const Numbers& lower, const Numbers& upper) {
+    SplineProgram program;
+    program.size = int(pull.size());
+    fix(program, first, shares, values);
+    want(program, form, pull);
+    limit(program, stencils, lower, upper);
+    InteriorPoint method(program);
+    return method.solve() ? array(method.controls()) : nb::none();
+}
+
+// The least relaxation of all limits: control points, relaxation, multipliers of what is fixed and of rows of limits.
+nb::object relax(const Places& first, const Numbers& shares, const Numbers& values, const Numbers& stencils,
+                 const Numbers& lower, const Numbers& upper, double easy) {
+    SplineProgram program;
+    program.size = int(lower.size());
+    program.relaxing = true;
+    program.easy = easy;
+    fix(program, first, shares, values);
+    limit(program, stencils, lower, upper);
+    InteriorPoint method(program);
+    if (!method.solve()) return nb::none();
+    std::vector<double> pulls(program.rows());
+    for (size_t k = 0; k < pulls.size(); ++k) pulls[k] = method.pull(int(k));
+    return nb::make_tuple(array(method.controls()), method.relaxation(), array(method.ties()), array(pulls));
+}
+
+}  // namespace
+
+NB_MODULE(_kernel, module) {
+    module.def("smooth", &smooth);
+    module.def("nearest", &nearest);
+    module.def("relax", &relax);
+}

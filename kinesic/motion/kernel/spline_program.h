@@ -1,0 +1,73 @@
+// The motion of one hinge as a program: control points x of a uniform cubic B-spline under what is fixed and what limits.
+//
+//   least  1/2 x' H x - pull' x + s        H: a band; s: how far limits are relaxed (0 where they are not)
+//   with   shares . x[first .. first + 3] = value                       of each key, entry and exit
+//          |stencil . x[j ...]| <= bound + power s                      of speed, acceleration, jerk and duty
+//          lower <= x <= upper,  s >= easy
+
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+#include <vector>
+
+namespace kinesic::motion {
+
+constexpr int KINDS = 4;  // speed, acceleration, jerk, duty
+constexpr int WIDTHS[KINDS] = {2, 3, 4, 3};
+constexpr int ENDS[KINDS] = {2, 1, 0, 1};  // rows at either end that three given control points determine
+constexpr double POWERS[KINDS] = {1.0, 2.0, 3.0, 2.0};
+constexpr double ROOMY = 2.0;  // bound of such a row, which the least relaxation leaves out
+
+struct SplineProgram {
+    int size = 0;  // n control points
+    bool relaxing = false;
+    double easy = 0.0;
+    double stencils[KINDS][4] = {};
+    std::vector<double> form;  // (3, n) H beside the diagonal: two, one, none; empty where relaxing
+    std::vector<double> pull, lower, upper;  // (n,)
+    std::vector<int> first;  // (m,)
+    std::vector<double> shares, values;  // (m, 4), (m,)
+
+    int fixed() const { return int(values.size()); }
+
+    // Rows of a kind, and where the first and the one after the last of them begin.
+    int begin(int kind) const { return relaxing ? ENDS[kind] : 0; }
+    int end(int kind) const { return size - WIDTHS[kind] + 1 - (relaxing ? ENDS[kind] : 0); }
+    int rows() const {
+        int count = 0;
+        for (int kind = 0; kind < KINDS; ++kind) count += std::max(0, end(kind) - begin(kind));
+        return count;
+    }
+
+    double bound(int kind, int row) const {
+        const bool decided = row < ENDS[kind] || row >= size - WIDTHS[kind] + 1 - ENDS[kind];
+        return decided ? ROOMY : 1.0;
+    }
+
+    // Calls visit(number, kind, row) for every row of a limit; the kind is a constant, so that its loops are unrolled.
+    template <typename Visit>
+    void each_row(Visit visit) const {
+        int number = 0;
+        each_of<0>(visit, number);
+        each_of<1>(visit, number);
+        each_of<2>(visit, number);
+        each_of<3>(visit, number);
+    }
+
+    template <int KIND, typename Visit>
+    void each_of(Visit& visit, int& number) const {
+        for (int row = begin(KIND), last = end(KIND); row < last; ++row)
+            visit(number++, std::integral_constant<int, KIND>(), row);
+    }
+
+    template <typename Kind>
+    double along(Kind kind, int row, const double* x) const {
+        double sum = 0.0;
+        for (int k = 0; k < WIDTHS[kind]; ++k) sum += stencils[kind][k] * x[row + k];
+        return sum;
+    }
+};
+
+}  // namespace kinesic::motion

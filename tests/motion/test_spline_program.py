@@ -1,0 +1,191 @@
+from importlib import import_module
+
+import numpy as np
+import pytest
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.limits import Limits
+from kinesic.motion import piqp, spline_program
+from kinesic.motion.bspline import grid
+from kinesic.motion.infeasibility import EASY
+from kinesic.motion.segments import SplineSegment
+from kinesic.motion.spline_program import (
+    KERNEL,
+    nearest_motion,
+    nearest_within_limits,
+    nearest_without_limits,
+    relax_limits,
+    smoothest,
+)
+from kinesic.motion.trajectory import STEP
+
+LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
+
+
+def segment(pieces: int, start: float, end: float, **keys: float) -> SplineSegment:
+    """From rest to rest; keys by their place, as p15=0.3."""
+    places, angles = np.array([float(name[1:]) for name in keys]), np.array([*keys.values()])
+    return SplineSegment(0, 0, grid(pieces, STEP), start, end, places, angles)
+
+
+def largest(found: SplineSegment, controls) -> float:
+    return max(float(np.abs(share).max()) for share in found.grid.shares(controls, LIMITS, 0))
+
+
+def test_a_gentle_wish_is_followed_as_it_is():
+    way = segment(60, 0.0, 0.5)
+    s = np.linspace(0, 1, 61)
+    wish = 0.5 * (10 * s**3 - 15 * s**4 + 6 * s**5)
+    controls = nearest_motion(way, wish, LIMITS)
+    np.testing.assert_array_equal(controls, nearest_without_limits(way, wish))
+    np.testing.assert_allclose(way.grid.at_knots @ controls, wish, atol=2e-4)
+
+
+def test_a_sharp_wish_is_followed_as_far_as_the_limits_go():
+    way = segment(60, 0.0, 0.5, p30=0.25)
+    wish = np.where(np.arange(61) < 30, 0.0, 0.5)
+    wish[30] = 0.25
+    controls = nearest_motion(way, wish, LIMITS)
+    assert largest(way, nearest_without_limits(way, wish)) > 5.0
+    assert largest(way, controls) == pytest.approx(1.0, abs=1e-6)
+    matrix, values = way.fixed.matrix, way.fixed.values
+    np.testing.assert_allclose(matrix @ controls, values, atol=1e-9)
+
+
+def test_it_is_the_optimum():
+    way = segment(60, 0.0, 0.5)
+    wish = np.where(np.arange(61) < 30, 0.0, 0.5)
+    best = nearest_motion(way, wish, LIMITS)
+    rng = np.random.default_rng(5)
+
+    def cost(controls) -> float:
+        return float(np.sum((way.grid.at_knots @ controls - wish) ** 2))
+
+    for _ in range(200):
+        other = nearest_motion(way, wish + rng.normal(scale=0.02, size=61), LIMITS)
+        assert cost(best) <= cost(other) + 1e-9
+
+
+def test_what_cannot_be_is_none():
+    assert nearest_motion(segment(20, 0.0, 1.5), np.linspace(0, 1.5, 21), LIMITS) is None
+
+
+def test_what_does_not_move_needs_no_program():
+    np.testing.assert_array_equal(
+        nearest_motion(segment(20, 0.3, 0.3, p5=0.3), np.full(21, 0.3), LIMITS), np.full(23, 0.3)
+    )
+
+
+def many_keys() -> tuple[SplineSegment, Floats]:
+    """A hundred keys, and a wish that goes from one to the next."""
+    rng = np.random.default_rng(8)
+    places = np.arange(30, 3000, 30) + rng.uniform(-5, 5, 99)
+    way = SplineSegment(0, 0, grid(3030, STEP), 0.0, 0.0, places, rng.uniform(-0.5, 0.5, 99))
+    return way, np.interp(np.arange(3031), [0, *places, 3030], [0, *way.angles, 0])
+
+
+def test_many_keys_are_passed_as_few_are(monkeypatch: pytest.MonkeyPatch):
+    """A sparse system finds the same as a dense one, and as a band."""
+    way, wish = many_keys()
+    matrix, values = way.fixed.matrix, way.fixed.values
+    assert len(values) >= piqp.MANY
+    band = nearest_without_limits(way, wish), smoothest(way)
+    monkeypatch.setattr(spline_program, "KERNEL", "numpy")
+    sparse = nearest_without_limits(way, wish), smoothest(way)
+    monkeypatch.setattr(piqp, "MANY", 1000)
+    dense = nearest_without_limits(way, wish), smoothest(way)
+    for found, other, third in zip(band, sparse, dense, strict=True):
+        np.testing.assert_allclose(matrix @ found, values, atol=1e-9)
+        np.testing.assert_allclose(found, other, atol=1e-7)
+        np.testing.assert_allclose(other, third, atol=1e-7)
+
+
+def random_segment(seed: int) -> tuple[SplineSegment, Floats]:
+    """Up to seven keys in two seconds, of which some are far apart for their time, and a rough wish."""
+    rng = np.random.default_rng(seed)
+    count = int(rng.integers(0, 8))
+    places = 8 + np.cumsum(rng.uniform(4, 40, count))
+    pieces = int(np.ceil(8 + places[-1:].sum() + rng.uniform(8, 40)))
+    keys = np.cumsum(rng.normal(0.0, 0.12, count + 2)).clip(-1.5, 1.5)
+    way = SplineSegment(0, 0, grid(pieces, STEP), keys[0], keys[-1], places, keys[1:-1])
+    wish = np.interp(np.arange(pieces + 1), [0, *places, pieces], keys)
+    return way, wish + rng.normal(0.0, 0.05, pieces + 1)
+
+
+compiled = pytest.mark.skipif(KERNEL == "numpy", reason="there is no compiled kernel")
+
+
+@compiled
+@pytest.mark.parametrize("seed", range(60))
+def test_the_kernel_finds_what_piqp_finds(monkeypatch: pytest.MonkeyPatch, seed: int):
+    way, wish = random_segment(seed)
+    ours, relaxed = nearest_within_limits(way, wish, LIMITS), relax_limits(way, LIMITS, easy=EASY)
+    monkeypatch.setattr(spline_program, "KERNEL", "numpy")
+    theirs, other = nearest_within_limits(way, wish, LIMITS), relax_limits(way, LIMITS, easy=EASY)
+    assert relaxed is not None
+    if other is not None:
+        assert relaxed.amount == pytest.approx(other.amount, abs=2e-6)
+        exceeded = largest(way, relaxed.controls)
+        assert exceeded <= 1.0 + 3.0 * max(relaxed.amount, 0.0) + 1e-6
+    if theirs is None or ours is None:
+        assert relaxed.amount > -1e-4, "what has room has a motion"
+        return
+    assert largest(way, ours) <= 1.0 + 1e-7
+    np.testing.assert_allclose(way.fixed.matrix @ ours, way.fixed.values, atol=1e-8)
+    assert distance(way, wish, ours) <= distance(way, wish, theirs) + 1e-8
+    np.testing.assert_allclose(ours, theirs, atol=2e-3)
+
+
+def distance(way: SplineSegment, wish: Floats, controls: Floats) -> float:
+    """What is made least, but for the part that is the same for all."""
+    form = way.grid.closeness
+    return float(controls @ (form @ controls) / 2 - (way.grid.at_knots.T @ wish) @ controls)
+
+
+@compiled
+@pytest.mark.parametrize("seed", range(20))
+def test_no_step_that_is_allowed_leads_nearer(seed: int):
+    """At the optimum the slope of the distance points out of what is allowed, along any way to another motion in it."""
+    way, wish = random_segment(seed)
+    best = nearest_within_limits(way, wish, LIMITS)
+    if best is None:
+        pytest.skip("there is no motion in this time")
+    slope = way.grid.closeness @ best - way.grid.at_knots.T @ wish
+    for other in range(20):
+        rng = np.random.default_rng((seed, other))
+        found = nearest_within_limits(way, wish + rng.normal(0.0, 0.1, len(wish)), LIMITS)
+        assert found is None or slope @ (found - best) >= -1e-6
+
+
+@compiled
+def test_multipliers_are_slopes_of_the_relaxation():
+    way = segment(40, 0.0, 1.6, p17=0.8)
+    found, more = relax_limits(way, LIMITS, easy=EASY), 1e-4
+    farther = relax_limits(segment(40, 0.0, 1.6, p17=0.8 + more), LIMITS, easy=EASY)
+    assert -found.ties[0] == pytest.approx((farther.amount - found.amount) / more, rel=0.02)
+    assert (found.pulls >= 0.0).all()
+    powers = way.grid.powers[way.grid.bounds == 1.0]
+    assert float(found.pulls @ powers) == pytest.approx(1.0, abs=1e-4)  # one more of the relaxation is worth one
+
+
+@compiled
+@pytest.mark.parametrize("broken", range(8))
+def test_arrays_that_do_not_fit_are_refused(broken: int):
+    _kernel = import_module("kinesic.motion._kernel")
+    way, wish = random_segment(1)
+    fixed, grid_ = way.fixed, way.grid
+    good = [
+        fixed.first,
+        fixed.shares,
+        fixed.values,
+        grid_.closeness_bands,
+        np.convolve(wish, [1 / 6, 4 / 6, 1 / 6]),
+        grid_.stencils(LIMITS, 0),
+        *way.corridor(LIMITS, wish),
+    ]
+    assert _kernel.nearest(*good) is None or len(_kernel.nearest(*good)) == grid_.size
+    bad = [array.ravel()[:-1].copy() if k == broken else array for k, array in enumerate(good)]
+    with pytest.raises(ValueError, match="do not fit"):
+        _kernel.nearest(*bad)
+    with pytest.raises(ValueError, match="do not fit"):
+        _kernel.smooth(fixed.first + np.int32(grid_.size), *good[1:5])
