@@ -65,13 +65,13 @@ def condition(
     """
     keys = Keys.of(postures, limits, bonds)
     eased = limits.times(ease)
-    search = Search(keys, eased, lead_in, budget)
-    found = _nearest(search.times, keys, eased, make_desired)
+    search, finder = Search(keys, eased, lead_in, budget), NearestFinder(keys, eased, make_desired)
+    found = finder.find(search.times)
     while isinstance(found, SplineSegment):
         search.avoid(found)
-        found = _nearest(search.times, keys, eased, make_desired)
+        found = finder.find(search.times)
     if ease < 1.0:
-        nearer = _nearest(search.times, keys, limits, make_desired)
+        nearer = NearestFinder(keys, limits, make_desired).find(search.times)
         found = found if isinstance(nearer, SplineSegment) else nearer
     desired, controls = found
     motion = Trajectory(sealed(controls), -float(search.times[0]))
@@ -80,25 +80,46 @@ def condition(
     return Conditioned(motion, keys.asked, sealed(search.times), search.met, lost)
 
 
-def _nearest(
-    times: Floats, keys: Keys, limits: Limits, make_desired: MakeDesired
-) -> tuple[Floats, Floats] | SplineSegment:
-    """The desired motion (k + 1, n) [rad] at the knots, and the nearest one's control points (k + 3, n) [rad].
+class NearestFinder:
+    """Finds the motions that are nearest to a desired one, and remembers those of segments that stay as they are."""
 
-    Or else the first segment that has none. The farther a segment is beyond the limits, the earlier its turn.
-    """
-    count = pieces(times, STEP)
-    desired = make_desired(times, keys).angles(grid(count, STEP).knots)
-    controls, beyond = np.empty((count + 3, keys.angles.shape[1])), []
-    for segment in segments(times, keys, STEP):
-        own = nearest_without_limits(segment, desired[segment.knots, segment.hinge])
-        controls[segment.controls, segment.hinge] = own
-        share = segment.grid.largest(own, limits, segment.hinge)
-        if share > WITHIN:
-            beyond.append((share, segment))
-    for _, segment in sorted(beyond, key=lambda pair: -pair[0]):
-        found = nearest_within_limits(segment, desired[segment.knots, segment.hinge], limits)
-        if found is None:
-            return segment
-        controls[segment.controls, segment.hinge] = found
-    return desired, controls
+    def __init__(self, keys: Keys, limits: Limits, make_desired: MakeDesired) -> None:
+        """Begins without any.
+
+        Args:
+            keys: of the motion.
+            limits: of all hinges.
+            make_desired: the desired motion at some times.
+        """
+        self._keys, self._limits, self._make_desired = keys, limits, make_desired
+        self._known: dict[tuple[object, ...], Floats] = {}
+
+    def find(self, times: Floats) -> tuple[Floats, Floats] | SplineSegment:
+        """The desired motion (k + 1, n) [rad] at the knots, and the nearest one's control points (k + 3, n) [rad].
+
+        Or else the first segment that has none. The farther a segment is beyond the limits, the earlier its turn.
+        """
+        count = pieces(times, STEP)
+        desired = self._make_desired(times, self._keys).angles(grid(count, STEP).knots)
+        controls, beyond = np.empty((count + 3, desired.shape[1])), []
+        for segment in segments(times, self._keys, STEP):
+            own = nearest_without_limits(segment, desired[segment.knots, segment.hinge])
+            controls[segment.controls, segment.hinge] = own
+            share = segment.grid.largest(own, self._limits, segment.hinge)
+            if share > WITHIN:
+                beyond.append((share, segment))
+        for _, segment in sorted(beyond, key=lambda pair: -pair[0]):
+            found = self._within_limits(segment, desired[segment.knots, segment.hinge])
+            if found is None:
+                return segment
+            controls[segment.controls, segment.hinge] = found
+        return desired, controls
+
+    def _within_limits(self, segment: SplineSegment, desired: Floats) -> Floats | None:
+        given = (segment.hinge, segment.marks, segment.grid.pieces, segment.places.tobytes(), desired.tobytes())
+        if given not in self._known:
+            found = nearest_within_limits(segment, desired, self._limits)
+            if found is None:
+                return None
+            self._known[given] = found
+        return self._known[given]

@@ -19,21 +19,16 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.body.limits import Limits
 from kinesic.motion.budget import ENDLESS, Budget
-from kinesic.motion.double_s import least_rest_times
 from kinesic.motion.infeasibility import Infeasibility, Quantity, guess_share, measure_shortage
 from kinesic.motion.key_time_lp import CuttingPlane, KeyTimeProblem, relax_key_times, strain
 from kinesic.motion.keys import SAME, Keys, Pair
-from kinesic.motion.segments import SplineSegment, segments
+from kinesic.motion.least_gaps import Gaps, Way, full_speed, rest_to_rest
+from kinesic.motion.segments import SplineSegment, tight_segments
 from kinesic.motion.stretching import stretch_until_enough
 from kinesic.motion.trajectory import STEP
 
-Way = tuple[int, Pair]  # hinge, two of its keys that follow one another
-Gaps = Mapping[Way, float]  # [s]
-
-RESERVE = 1.02  # on durations from rest to rest
-GRID = 0.04  # [s] that the grid may cost
 PLANES = 40  # of a way before its times are stretched
-LOOKS = 45_000  # pieces of segments that are measured before what is short rests; a count, the same on every host
+LOOKS = 150_000  # pieces of segments that are measured before what is short rests; a count, the same on every host
 KEYS = 400  # in whose linear program there is the work of as many pieces; it grows with their square
 REPEATS = 2  # strokes once more, from which on times are stretched before any plane is tried
 STRETCHES = 6  # of a way before its hinge rests
@@ -44,27 +39,6 @@ ROUGH = 1.3  # share of a limit on a smooth way that makes a segment suspect
 FLAT = 0.1  # [1/s] slopes that lead nowhere
 ABOUT = 2.0  # [s] about what is short that are stretched with it
 NEAR = 0.02  # share of the time within which a segment is looked at again
-
-
-def rest_to_rest(keys: Keys, limits: Limits) -> Gaps:
-    """Computes the time in which each hinge can stop at each of its keys: always enough."""
-    ways, turns = _turns(keys)
-    every = RESERVE * least_rest_times(turns, limits) + GRID
-    return {way: float(times[way[0]]) for way, times in zip(ways, every, strict=True)}
-
-
-def full_speed(keys: Keys, limits: Limits) -> Gaps:
-    """Computes the time that each hinge needs from key to key at full speed: less is never enough."""
-    ways, turns = _turns(keys)
-    every = np.abs(turns) / np.minimum(limits.speed, limits.duty / limits.viscous)
-    return {way: float(times[way[0]]) for way, times in zip(ways, every, strict=True)}
-
-
-def _turns(keys: Keys) -> tuple[list[tuple[int, Pair]], np.ndarray[tuple[int, int], np.dtype[np.float64]]]:
-    """Hinges with two keys that follow one another, and (p, n) [rad] from the one to the other."""
-    ways = [(hinge, pair) for hinge, own in enumerate(keys.own) for pair in pairwise(own)]
-    before, after = (keys.angles[[pair[end] for _, pair in ways]] for end in (0, 1))
-    return ways, after - before
 
 
 @dataclass(frozen=True)
@@ -111,21 +85,23 @@ class Search:
         if self._budget.spent:
             self._rest_wherever_short(lost)
             return
-        fresh = () if self._tries else self._segments(self.times)
-        pending = [segment for segment in fresh if self._suspect(segment, lost)]
-        lacking = [(lost, self._shortage(lost)), *self._lacking(pending)]
+        fresh = [*self._segments(self.times)]
+        parts = [segment for segment in fresh if segment.within(lost)]
+        pending = [segment for segment in fresh if not self._tries and self._suspect(segment) and segment not in parts]
+        lacking = [*(self._lacking(parts) or [(lost, self._shortage(lost))]), *self._lacking(pending)]
         while lacking:
             for segment, found in lacking:
                 self._lengthen(segment, found)
                 self._note(segment, found)
-            short = {way for segment, _ in lacking for way in _ways(segment)}
+            short = {way for segment, found in lacking for way in _short_ways(segment, found)}
             stretched = short & self._spans.keys()
             if not stretched:
                 self._relax(short)
             elif not self._stretch(stretched):
                 continue
+            about = {way for segment, _ in lacking for way in _ways(segment)}
             near = [segment for segment in self._segments(self.times) if self._near(segment)]
-            tight = [segment for segment in near if not short.isdisjoint(_ways(segment))]
+            tight = [segment for segment in near if not about.isdisjoint(_ways(segment))]
             lacking = self._lacking(tight) or self._lacking(near)
 
     def _rest_wherever_short(self, lost: SplineSegment) -> None:
@@ -141,13 +117,15 @@ class Search:
 
     def _lengthen(self, segment: SplineSegment, found: Infeasibility | None) -> None:
         """Sees to it that a segment gets more time: by a plane, by a stretch, in the end by rests."""
-        ways = set(_ways(segment))
+        ways = set(_short_ways(segment, found))
         self._tries.update(ways)
         tries = max((self._tries[way] for way in ways), default=0)
         spent = self._budget.spent or self._looked > LOOKS or tries > PLANES + STRETCHES
-        if found is None or spent or ways & self._rests.keys():
+        if spent:
+            self._rest(set(_ways(segment)))
+        elif found is None or ways & self._rests.keys():
             self._rest(ways)
-        elif ways & self._spans.keys() or tries > PLANES or (self._in_rhythm(segment) and not ways & self._stiff):
+        elif ways & self._spans.keys() or tries > PLANES or (self._in_rhythm(segment, ways) and not ways & self._stiff):
             self._drop_cuts(ways)
             self._spans |= dict.fromkeys(ways, 0.0)
         else:
@@ -163,19 +141,11 @@ class Search:
         return self._shortages[known]
 
     def _segments(self, times: Floats) -> Iterator[SplineSegment]:
-        """Those of a motion that may lack time."""
-        return (segment for segment in segments(times, self._keys, STEP) if not self._roomy(segment))
+        """Those of a motion that may lack time, each as short as can be."""
+        return tight_segments(times, self._keys, STEP, self._rests_of_hinges)
 
-    def _suspect(self, segment: SplineSegment, lost: SplineSegment) -> bool:
-        known = (segment.hinge, segment.first) == (lost.hinge, lost.first)
-        return not known and guess_share(segment, self._limits) > ROUGH
-
-    def _roomy(self, segment: SplineSegment) -> bool:
-        """Whether a hinge could even rest at each key of a segment."""
-        ends = np.array([0.0, *segment.places, segment.grid.pieces]) * STEP
-        turns = np.diff(np.array([segment.start, *segment.angles, segment.end]))
-        rests = least_rest_times(turns[:, None], self._limits.part(np.array([segment.hinge])))[:, 0]
-        return bool(np.all(np.diff(ends) >= RESERVE * rests + GRID))
+    def _suspect(self, segment: SplineSegment) -> bool:
+        return guess_share(segment, self._limits) > ROUGH
 
     def _near(self, segment: SplineSegment) -> bool:
         own = [key for mark in segment.marks for key in mark]
@@ -183,9 +153,9 @@ class Search:
         stretched = not self._spans.keys().isdisjoint(_ways(segment))
         return stretched or any(cut.slopes @ self.times > cut.bound - NEAR for cut in cuts)
 
-    def _in_rhythm(self, segment: SplineSegment) -> bool:
-        """Whether a hinge goes back and forth over a stroke that is repeated; planes would hardly find its times."""
-        again = sum(bool(self._keys.again[key]) for mark in segment.marks[1:-1] for key in mark)
+    def _in_rhythm(self, segment: SplineSegment, ways: set[Way]) -> bool:
+        """Whether a hinge goes back and forth there over a repeated stroke; planes would hardly find its times."""
+        again = sum(bool(self._keys.again[key]) for key in {key for _, pair in ways for key in pair})
         return again >= REPEATS and segment.turns >= 2 * again
 
     def _cut_off(self, segment: SplineSegment, found: Infeasibility) -> None:
@@ -302,6 +272,12 @@ class Search:
     def _all_rests(self) -> Gaps:
         return rest_to_rest(self._keys, self._limits)
 
+    @cached_property
+    def _rests_of_hinges(self) -> list[Floats]:
+        """(g,) [s] of each hinge, from rest to rest at its keys."""
+        ways = [[(hinge, pair) for pair in pairwise(own)] for hinge, own in enumerate(self._keys.own)]
+        return [np.array([self._all_rests[way] for way in own]) for own in ways]
+
     def _lengthen_to_full_speed(self) -> None:
         keys, limits = self._keys, self._limits
         for (hinge, pair), gap in full_speed(keys, limits).items():
@@ -314,3 +290,9 @@ class Search:
 
 def _ways(segment: SplineSegment) -> list[Way]:
     return [(segment.hinge, pair) for pair in segment.pairs if pair[0] != pair[1]]
+
+
+def _short_ways(segment: SplineSegment, found: Infeasibility | None) -> list[Way]:
+    """Lists the ways in which a limit binds; all of the segment where that is not known."""
+    binding = () if found is None else zip(segment.pairs, found.binding, strict=True)
+    return [(segment.hinge, pair) for pair, limit in binding if limit and pair[0] != pair[1]] or _ways(segment)

@@ -1,9 +1,10 @@
 """Cuts the motion of each hinge where it rests; what lies between two rests is a problem of its own."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 import scipy
@@ -20,11 +21,18 @@ NEAR = 2  # steps about a key in which both its gaps count
 LEAST_HOLD = 40  # steps of a hold in whose middle the hinge rests: in shorter ones it may swing back for what follows
 LONG_HOLD = 100  # steps at either end of a longer hold in which a hinge may swing; in between nothing moves
 LEAST = 4  # pieces of a motion
+ROOMY = 2.5  # times as long as a way takes from rest to rest, from which on it may be judged by halves
 SAME = 0.02  # steps: a hinge that comes to rest moves by less than 1e-7 rad in them
 NOWHERE = sealed([])
 STARTS, ENDS = np.eye(3, 4), np.eye(3, 4, 1)  # shares of the first and of the last three control points
 
-Cut = tuple[int, int]  # knot at which a hinge rests, and the last of its own keys before it; -1: none
+
+class Cut(NamedTuple):
+    """Where a hinge rests."""
+
+    knot: int
+    before: int  # the last of its own keys before; -1: none
+    angle: float  # [rad]
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,15 +83,15 @@ class SplineSegment:
             step: [s] of the grid.
         """
         own, angles, led = keys.own[hinge], keys.angles[keys.own[hinge], hinge], keys.led(hinge)
-        (first, before), (last, after) = begin, end
+        (first, before, _), (last, after, _) = begin, end
         inner = [k for k in range(before + 1, after + 1) if first + SAME < places[k] < last - SAME]
         start = max(before, 0)
         return cls(
             hinge,
             first,
             grid(last - first, step),
-            float(angles[start]),
-            float(angles[after]),
+            begin.angle,
+            end.angle,
             places[inner] - first,
             angles[inner],
             (tuple(own[start : before + 2]), *((own[k],) for k in inner), tuple(own[after : after + 2])),
@@ -141,6 +149,11 @@ class SplineSegment:
     def rests_early(self) -> bool:
         """Whether the last key lies in the last piece, from where on the hinge rests."""
         return self.exit is None and len(self.places) > 0 and bool(self.places[-1] > self.grid.pieces - 1)
+
+    def within(self, other: "SplineSegment") -> bool:
+        """Whether it is the motion of the same hinge during a part of another segment, or all of it."""
+        last, end = self.first + self.grid.pieces, other.first + other.grid.pieces
+        return self.hinge == other.hinge and other.first <= self.first and last <= end
 
     @property
     def knots(self) -> slice:
@@ -214,9 +227,38 @@ def segments(times: Floats, keys: Keys, step: float) -> Iterator[SplineSegment]:
     """
     places, last = (times - times[0]) / step, pieces(times, step)
     for hinge, own in enumerate(keys.own):
-        cuts = [(0, -1), *_cuts(places[own], keys.angles[own, hinge], keys.led(hinge)), (last, len(own) - 1)]
-        for begin, end in pairwise(cuts):
+        angles, led = keys.angles[own, hinge], keys.led(hinge)
+        for begin, end in pairwise(_from_rest_to_rest(angles, last, _cuts(places[own], angles, led))):
             yield SplineSegment.through(keys, hinge, places[own], begin, end, step)
+
+
+def tight_segments(times: Floats, keys: Keys, step: float, rests: Sequence[Floats]) -> Iterator[SplineSegment]:
+    """Cuts the motion of all hinges into segments as short as can be, and leaves out those that have time in any case.
+
+    Where a way has far more time than a hinge needs, it is cut in its middle, too: the two halves are harder to pass
+    than the whole, but by next to nothing. A segment has time where the hinge could rest at each of its keys.
+
+    Args:
+        times: (m,) [s] of the keys.
+        keys: of the motion.
+        step: [s] of the grid, which begins at the first key.
+        rests: (g,) [s] of each hinge, in which it gets from rest to rest from one of its keys to the next.
+    """
+    places, last = (times - times[0]) / step, pieces(times, step)
+    for hinge, own in enumerate(keys.own):
+        slow = np.diff(places[own]) >= rests[hinge] / step
+        if slow.all():
+            continue
+        angles, led = keys.angles[own, hinge], keys.led(hinge)
+        cuts = [*_cuts(places[own], angles, led), *_roomy_cuts(places[own], angles, led, rests[hinge] / step)]
+        for begin, end in pairwise(_from_rest_to_rest(angles, last, sorted(cuts))):
+            if not slow[begin.before + 1 : end.before].all():
+                yield SplineSegment.through(keys, hinge, places[own], begin, end, step)
+
+
+def _from_rest_to_rest(angles: Floats, last: int, cuts: Iterable[Cut]) -> list[Cut]:
+    """Adds the two ends of the motion to the cuts."""
+    return [Cut(0, -1, float(angles[0])), *cuts, Cut(last, len(angles) - 1, float(angles[-1]))]
 
 
 def pieces(times: Floats, step: float) -> int:
@@ -227,9 +269,16 @@ def pieces(times: Floats, step: float) -> int:
 def _cuts(places: Floats, angles: Floats, led: Flags) -> Iterator[Cut]:
     """One in the middle of each hold; two in a long one, so that stillness costs nothing."""
     for k in np.flatnonzero((np.abs(np.diff(angles)) < HOLD) & ~led):
-        begin, end = places[k], places[k + 1]
+        begin, end, angle = places[k], places[k + 1], float(angles[k])
         if end - begin > 2 * LONG_HOLD + LEAST_HOLD:
-            yield round(begin) + LONG_HOLD, int(k)
-            yield round(end) - LONG_HOLD, int(k)
+            yield Cut(round(begin) + LONG_HOLD, int(k), angle)
+            yield Cut(round(end) - LONG_HOLD, int(k), angle)
         elif end - begin >= LEAST_HOLD:
-            yield round((begin + end) / 2), int(k)
+            yield Cut(round((begin + end) / 2), int(k), angle)
+
+
+def _roomy_cuts(places: Floats, angles: Floats, led: Flags, rests: Floats) -> Iterator[Cut]:
+    """One in the middle of each way with far more time than it takes from rest to rest."""
+    roomy = np.diff(places) >= np.maximum(ROOMY * rests, LEAST_HOLD)
+    for k in np.flatnonzero(roomy & (np.abs(np.diff(angles)) >= HOLD) & ~led):
+        yield Cut(round((places[k] + places[k + 1]) / 2), int(k), float(angles[k] + angles[k + 1]) / 2)

@@ -38,6 +38,7 @@ class Conditioner(Protocol):
 
 
 LAG_RESERVE = 0.004  # [m] kept in the plan for what the servos lag behind it
+LEAST_RESERVE = 0.002  # [m] of it that has to be there: less is not worth a behaviour
 REPAIRS = 2  # times that a motion is conditioned again because it comes nearer than it should
 REPAIR = 0.002  # [m] that a second detour keeps over what the first one lacked
 EASIER = 0.8  # times the limits, where no detour helps a motion that strays from the desired one
@@ -112,7 +113,7 @@ def culprits(
     """
     if not frames.frames:
         return {}
-    close = np.flatnonzero(clearance.distances < robot.least_clearance + LAG_RESERVE)
+    close = np.flatnonzero(clearance.distances < robot.least_clearance + LEAST_RESERVE)
     close = close[np.argsort(clearance.distances[close], kind="stable")]
     spans_of = planned_spans((name, planned) for name, _, _, planned in on_keys(frames, motion))
     found: dict[str, str] = {}

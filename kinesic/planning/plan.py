@@ -45,7 +45,7 @@ from kinesic.planning.thinning import thin_out
 STILL = 0.1  # [s] of rest, where nothing is asked
 ROUNDS = 3  # of planning, in which pauses are made longer
 ATTEMPTS = 3  # to say it with pauses that are as long as they must be
-WORK = 90_000  # pieces of splines whose shortage is measured for one block, before it is planned by shorter ways
+WORK = 300_000  # pieces of splines whose shortage is measured for one block, before it is planned by shorter ways
 AGAIN, AGAIN_A_KEY = 100, 40  # of them, that a behaviour and a key frame are worth when they are planned once more
 FEWER = 0.5  # of the behaviours that overlap, where there are far too many of them, or the work is done and their
 # motion does not keep clear of the body

@@ -11,7 +11,7 @@ from kinesic.body.robot import SIDES
 from kinesic.motion.trajectory import STEP, Trajectory
 from kinesic.motion.transition import LEAST, SAME, lengthen
 from kinesic.planning.certify import duties
-from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
+from kinesic.planning.clearance import LEAST_RESERVE, scan_clearance
 from kinesic.planning.setup import Setup
 from kinesic.realizer.occupancy import MergeFailure, Occupancy, Overlay
 from kinesic.realizer.release import from_knot
@@ -39,7 +39,7 @@ def _too_near(coming: Trajectory, work: Overlay, setup: Setup) -> MergeFailure |
     times, clearance = scan_clearance(coming, setup.distances)
     worst, robot = clearance.worst, setup.robot
     distance = float(clearance.distances[worst])
-    if distance >= robot.least_clearance + LAG_RESERVE:
+    if distance >= robot.least_clearance + LEAST_RESERVE:
         return None
     pair, at = clearance.pairs[worst], float(times[worst]) + work.cut * STEP
     hinges = np.zeros(len(robot.skeleton.hinges), dtype=np.bool_)

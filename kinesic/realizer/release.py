@@ -21,7 +21,7 @@ from kinesic.motion.transition import (
     shorten,
     together,
 )
-from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
+from kinesic.planning.clearance import LEAST_RESERVE, scan_clearance
 from kinesic.planning.quick_plan import duration
 from kinesic.planning.setup import Setup
 from kinesic.realizer.occupancy import ARMS, Occupancy, arm_hinges
@@ -132,7 +132,7 @@ def _checked(found: Floats, running: Trajectory, knot: int, setup: Setup) -> Tra
         found[:, hinge] = column
     motion = Trajectory(sealed(shorten(found)), running.zero, running.start)
     _, clearance = scan_clearance(from_knot(motion.controls, knot), setup.distances)
-    near = clearance.distances[clearance.worst] < setup.robot.least_clearance + LAG_RESERVE
+    near = clearance.distances[clearance.worst] < setup.robot.least_clearance + LEAST_RESERVE
     return None if near else motion
 
 

@@ -4,7 +4,8 @@ import pytest
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.keys import KeyPosture, Keys
-from kinesic.motion.segments import pieces, segments
+from kinesic.motion.least_gaps import rest_to_rest
+from kinesic.motion.segments import pieces, segments, tight_segments
 from kinesic.motion.trajectory import STEP
 
 LIMITS = Limits(*(sealed([value] * 2) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
@@ -29,6 +30,29 @@ def test_segments_cover_the_motion():
     for hinge in (0, 1):
         found = cut(hinge)
         assert [s.knots.stop - 1 for s in found] == [*(s.first for s in found[1:]), pieces(KEYS.asked, STEP)]
+
+
+def tight(times) -> list:
+    ways = rest_to_rest(KEYS, LIMITS)
+    rests = [np.array([rest for (hinge, _), rest in ways.items() if hinge == own]) for own in (0, 1)]
+    return [*tight_segments(np.asarray(times), KEYS, STEP, rests)]
+
+
+def test_segments_in_which_a_hinge_could_rest_at_each_key_are_left_out():
+    assert tight(KEYS.asked * 3.0) == []
+    hurried = tight(KEYS.asked * 0.6)
+    assert {found.hinge for found in hurried} == {0, 1}
+
+
+def test_a_way_with_far_more_time_than_it_needs_is_cut_in_its_middle():
+    times = KEYS.asked + np.array([0.0, 0.0, 0.0, 3.0, 2.8])  # a long way from 0.7 to 0.2, and a hurried one to 0
+    (last,) = [found for found in tight(times) if found.hinge == 0]
+    assert last.start == pytest.approx(0.45)
+    assert (last.end, last.first) == (0.0, 305)
+    assert last.pairs == ((2, 3), (3, 4))
+    (whole,) = [found for found in segments(times, KEYS, STEP) if found.hinge == 0 and found.first == 90]
+    assert last.within(whole)
+    assert not whole.within(last)
 
 
 def test_a_hinge_at_rest_is_still():

@@ -14,7 +14,7 @@ from kinesic.controller.perform import set_up
 from kinesic.motion.limit_check import check_limits
 from kinesic.motion.trajectory import Trajectory
 from kinesic.motion.transition import knot_at
-from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
+from kinesic.planning.clearance import LEAST_RESERVE, scan_clearance
 from kinesic.planning.plan import plan_block
 from kinesic.planning.quick_plan import plan_quickly
 from kinesic.planning.setup import Setup
@@ -75,7 +75,7 @@ def replace_at_random(known: Setup, count: int, *, seed: int = 0) -> list[MergeC
         left = Trajectory(over.trajectory.controls[knot:], 0.0)
         largest = max(float(peak.ratios.max()) for peak in check_limits(left, known.limits).shares.values())
         step = np.abs(over.trajectory.controls[: knot + 3] - running.controls[: knot + 3]).max()
-        least = known.robot.least_clearance + LAG_RESERVE
+        least = known.robot.least_clearance + LEAST_RESERVE
         near = float(scan_clearance(left, known.distances)[1].distances.min()) - least
         found.append(MergeCut(time, largest, float(step), over.zero - time, len(over.dropped), near))
     return found

@@ -56,7 +56,7 @@ class InteriorPoint {
                 if (mean <= SMALL && (p.relaxing || polish())) return true;
                 if (mean <= ENOUGH) best = x;
             }
-            if (mean <= LEAST) break;
+            if (mean <= LEAST || impossible) break;
             weigh();
             assemble();
             aim(0.0, false);
@@ -141,7 +141,6 @@ class InteriorPoint {
     void measure() {
         std::fill(rest.begin(), rest.end(), 0.0);
         drift = transpose(z, rest) + (p.relaxing ? 1.0 : 0.0);
-        if (!p.relaxing) add_form();
         largest = 0.0;
         for (int k = 0; k < m; ++k) {
             double lacking = -p.values[k];
@@ -152,6 +151,10 @@ class InteriorPoint {
             rest[system.tie(k)] = lacking;
             largest = std::max(largest, std::abs(y[k]));
         }
+        if (!p.relaxing) {
+            impossible = contradicts();
+            add_form();
+        }
         apply(x, s, gap);
         primal = dual = 0.0;
         for (int q = 0; q < many; ++q) {
@@ -161,6 +164,17 @@ class InteriorPoint {
         for (int k = 0; k < m; ++k) primal = std::max(primal, std::abs(rest[system.tie(k)]));
         for (int j = 0; j < n; ++j) dual = std::max(dual, std::abs(rest[system.place(j)]));
         dual = std::max(dual, std::abs(drift));
+    }
+
+    // Whether multipliers prove that nothing keeps all limits (Farkas, 1902): for whatever does,
+    // 0 <= z' (h - G x) + y' (values - A x) = z' h + y' values - (G' z + A' y)' x, of which x is bounded.
+    bool contradicts() const {
+        double most = 0.0;
+        for (int q = 0; q < many; ++q) most += h[q] * z[q];
+        for (int k = 0; k < m; ++k) most += p.values[k] * y[k];
+        for (int j = 0; j < n; ++j)
+            most += std::abs(rest[system.place(j)]) * std::max(std::abs(p.lower[j]), std::abs(p.upper[j]));
+        return most < 0.0;
     }
 
     // Adds H x - pull to the residuals of x.
@@ -323,6 +337,7 @@ class InteriorPoint {
     std::vector<double> norms;  // (rows,) squares of lengths
     std::vector<double> right, step, border, solved, rest;  // (n + m,) in the places of the band
     double s = 0.0, ds = 0.0, corner = 1.0, drift = 0.0, primal = 0.0, dual = 0.0, largest = 0.0;
+    bool impossible = false;
 };
 
 }  // namespace kinesic::motion
