@@ -22,7 +22,7 @@ from typing import Self
 PORT = 8864
 _END = b"\0"
 _CHUNK = 65_536  # [bytes] read at once
-_ID = re.compile(r"""<(?:\w+:)?bml\b[^>]*?\sid\s*=\s*["']([^"']+)["']""")
+_ID = re.compile(r"""<(?:\w+:)?bml\b[^<>]*?\sid\s*=\s*["']([^"']+)["']""")
 
 
 class Client:

@@ -21,9 +21,12 @@ import kinesic.client
 from kinesic.bench.bml.server import Server, open_server
 from kinesic.client import Client
 
+from .growth import STRAIGHT, growth
+
 pytestmark = pytest.mark.realtime
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
+BML = "http://www.bml-initiative.org/bml/bml-1.0"
 NOD = '<head id="h" lexeme="NOD" start="0"/>'
 PATIENCE = 30.0  # [s]
 
@@ -52,6 +55,19 @@ def test_waiting_for_nothing_ends_in_time(server):
     with Client(port=server.port) as client:
         assert client.receive(0.0) is None
         assert client.receive(0.05) is None
+
+
+def test_a_document_of_many_beginnings_is_sent_at_once():
+    def perform(text: str) -> None:
+        with (
+            socket.create_server(("127.0.0.1", 0)) as listening,
+            Client(port=listening.getsockname()[1]) as client,
+            listening.accept()[0] as served,
+        ):
+            served.sendall(f'<blockProgress xmlns="{BML}" id="block:end"/>\0'.encode())
+            list(client.perform(text))
+
+    assert growth(perform, lambda size: size * "<bml ", most=2**14) < STRAIGHT
 
 
 def test_a_refused_block_ends_its_performance(server):

@@ -25,7 +25,7 @@ _KINDS = {
     "chunk-after": Composition.APPEND,
     "replace": Composition.REPLACE,
 }
-_WRITTEN = re.compile(r"\s*([\w-]*)\s*(?:\((.*)\))?\s*", re.DOTALL)
+_WRITTEN = re.compile(r"([\w-]*+)(?:\s*\((.*)\))?", re.DOTALL)
 _SEPARATOR = re.compile(r"[\s,]+")
 _COMMANDS = ("interrupt", "activate", "parametervaluechange")
 _VALUES = ("targetValue", "finalValue", "value")  # of a change, where it ends
@@ -59,7 +59,7 @@ def composition_of(about: BehaviourElement, root: Element, reading: DocumentRead
         reading: gets a notice about what is not understood.
     """
     written = about.word("composition") or root.attributes.get("composition", "").strip()
-    matched = _WRITTEN.fullmatch(written)
+    matched = _WRITTEN.fullmatch(written.strip())
     name, inside = (matched[1].lower(), matched[2]) if matched else (written, None)
     kind = _KINDS.get(name)
     takes_ids = name in ("append-after", "chunk-after")

@@ -100,13 +100,18 @@ class BehaviourSets:
 
     def _find(self, name: str) -> BehaviourSet | None:
         lowered = name.lower()
-        parts = lowered.split("-")
-        wild = ("-".join([*parts[:count], "*"]) for count in range(len(parts) - 1, 0, -1))
+        parts = lowered.split("-", self._longest + 1)
+        wild = ("-".join([*parts[:count], "*"]) for count in range(min(len(parts) - 1, self._longest), 0, -1))
         return next((self._lowered[each] for each in (lowered, *wild) if each in self._lowered), None)
 
     @cached_property
     def _lowered(self) -> Mapping[str, BehaviourSet]:
         return {name.lower(): each for name, each in self.sets.items()}
+
+    @cached_property
+    def _longest(self) -> int:
+        """Parts of the longest name."""
+        return max((name.count("-") + 1 for name in self.sets), default=0)
 
 
 @lru_cache(maxsize=2)

@@ -8,6 +8,7 @@ from kinesic.intent.behaviour_sets import NONE, BehaviourSet, BehaviourSets, Cha
 from kinesic.intent.budget import Budget
 from kinesic.intent.greta.agent import Agent
 from kinesic.intent.intents import Intent
+from kinesic.intent.kept_intents import KeptIntents
 from kinesic.intent.sequences import draw_sequence
 
 RECENT = 3  # gestures within which none is repeated
@@ -137,24 +138,19 @@ def _spaced(
     omitted: list[Omission],
 ) -> list[_Candidate]:
     """Keeps the most certain ones that are far enough apart and within the budget, in their order in time."""
-    denied = [(each.start.seconds, each.end.seconds) for each in intents if each.name in DENIALS]
-    kept: list[_Candidate] = []
+    denied = KeptIntents(each for each in intents if each.name in DENIALS)
+    kept, taken = list[_Candidate](), KeptIntents()
     for each in sorted(candidates, key=lambda each: -each.weight):
-        why = _hindrance(each, channel, kept, denied, budget)
+        why = _hindrance(each, channel, taken, denied, budget)
         if why:
             omitted.append(Omission(each.intent, channel, why))
         else:
             kept.append(each)
+            taken.add(each.intent)
     return sorted(kept, key=lambda each: each.intent.stroke.seconds)
 
 
-def _hindrance(
-    candidate: _Candidate,
-    channel: Channel,
-    kept: Sequence[_Candidate],
-    denied: Sequence[tuple[float, float]],
-    budget: Budget,
-) -> str:
+def _hindrance(candidate: _Candidate, channel: Channel, kept: KeptIntents, denied: KeptIntents, budget: Budget) -> str:
     """Says what stands against a candidate; empty where nothing does."""
     intent, at = candidate.intent, candidate.intent.stroke.seconds
     if channel == "gesture" and len(kept) >= budget.gestures:
@@ -162,22 +158,15 @@ def _hindrance(
     if intent.certainty < budget.least_certainty.get(channel, 0.0):
         return f"{intent.certainty:.2f} is too uncertain for the {channel}"
     nods = channel == "head" and all(choice.lexeme == NODS for choice in candidate.choices)
-    if nods and any(begin - budget.gaps["head"] <= at <= end + budget.gaps["head"] for begin, end in denied):
+    if nods and denied.reach(at, budget.gaps["head"]):
         return "nobody nods while he says no"
-    for other in kept:
-        gap = abs(other.intent.stroke.seconds - at)
-        if gap < budget.gaps[channel]:
-            return f"{gap:.1f} s from {other.intent.name}, which is at least as certain, is too near for the {channel}"
-        if _covers(other.intent, candidate.intent, channel):
-            return f"the {channel} shows {other.intent.name} meanwhile"
-    return ""
-
-
-def _covers(one: Intent, other: Intent, channel: Channel) -> bool:
-    """Whether two intents need the face or the head at the same time, one of them for more than a word."""
-    if channel not in ("face", "head") or not {one.name.partition("-")[0], other.name.partition("-")[0]} & {"emotion"}:
-        return False
-    return one.start.seconds < other.end.seconds and other.start.seconds < one.end.seconds
+    other = kept.first_beside(intent, budget.gaps[channel], covering=channel in ("face", "head"))
+    if other is None:
+        return ""
+    gap = abs(other.stroke.seconds - at)
+    if gap < budget.gaps[channel]:
+        return f"{gap:.1f} s from {other.name}, which is at least as certain, is too near for the {channel}"
+    return f"the {channel} shows {other.name} meanwhile"
 
 
 def _with_lexemes(

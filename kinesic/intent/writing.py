@@ -1,5 +1,6 @@
 """Writes BML: what is said with sync points on its words, and behaviours, each with the reason for it."""
 
+import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import count
 from xml.sax.saxutils import escape, quoteattr
@@ -21,6 +22,7 @@ ASIDE = 20.0  # [deg] that eyes look aside with amount 1
 LEAST_FACE, LEAST_LOOK, LEAST_TILT = 0.8, 0.7, 0.8  # [s]
 SOON = 0.1  # [s] that a face sets out before its word
 LINE = 100  # letters of a line of speech, about
+_USED = re.compile(rf'{SPEECH}:(\w+)["+-]')  # a sync point of the speech that a behaviour is tied to
 
 
 def write_text(passage: Passage, behaviours: Sequence[ChosenBehaviour], *, block: str = "said") -> str:
@@ -107,19 +109,15 @@ def _look(each: ChosenBehaviour) -> dict[str, str]:
 def _spoken(passage: Passage, used: str) -> str:
     """What is said, with a sync point before each word that a behaviour is tied to."""
     pieces: list[str] = []
-    length = 0
+    length, marks = 0, frozenset(_USED.findall(used))
     for k, word in enumerate(passage.words):
         between = escape(word.before)
         if length > LINE and between.endswith(" "):
             between, length = f"{between.rstrip()}\n      ", 0
         pause = f'<break time="{word.pause:g}s"/>' if word.pause else ""
-        sync = f'<sync id="{mark(k)}"/>' if _is_used(mark(k), used) else ""
+        sync = f'<sync id="{mark(k)}"/>' if mark(k) in marks else ""
         said = f'<emphasis level="strong">{escape(word.text)}</emphasis>' if word.emphatic else escape(word.text)
         pieces.append(f"{between}{pause}{sync}{said}")
         length += len(word.before) + len(sync) + len(said)
     pause = f'<break time="{passage.tail_pause:g}s"/>' if passage.tail_pause else ""
     return f"{''.join(pieces)}{escape(passage.tail)}{pause}"
-
-
-def _is_used(name: str, used: str) -> bool:
-    return any(f"{SPEECH}:{name}{end}" in used for end in ('"', "+", "-"))

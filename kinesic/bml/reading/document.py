@@ -1,6 +1,5 @@
 """From text to the tree of a document, in whatever notation: XML, a fragment of it, or JSON."""
 
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -10,12 +9,10 @@ from kinesic.bml.reading.elements import ACTIONS
 from kinesic.bml.reading.fragments import is_fragment, read_fragments
 from kinesic.bml.reading.json_notation import is_json, read_json
 from kinesic.bml.reading.namespaces import BML_1_0, DRAFTS, namespace
+from kinesic.bml.reading.prologue import first_tag
 from kinesic.bml.reading.tree import Element, read_tree
 
-_FIRST_TAG = re.compile(
-    r"\ufeff?\s*(?:<\?.*?\?>\s*|<!--.*?-->\s*|<!DOCTYPE[^>]*>\s*)*<(?:[\w.-]+:)?(?:bml|fml-apml)[\s/>]",
-    re.DOTALL | re.IGNORECASE,
-)
+_ROOTS = ("bml", "fml-apml")
 _MARKED = (b"\xef\xbb\xbf", b"\xff\xfe", b"\xfe\xff")  # byte order marks
 
 
@@ -57,7 +54,7 @@ def read_document(text: str | bytes, *, source: str, bounds: Bounds = BOUNDS) ->
 
 def begins_as_bml(start: bytes) -> bool:
     """Checks whether a file's first bytes are those of a <bml> or an FML-APML document, whatever its ending is."""
-    return _FIRST_TAG.match(start.decode("utf-8", errors="replace")) is not None
+    return first_tag(start.decode("utf-8", errors="replace").removeprefix("\ufeff")) in _ROOTS
 
 
 def _plain(text: str | bytes) -> str | None:

@@ -22,9 +22,10 @@ Relation = Literal["at", "after", "before"]
 
 LONGEST = 1200.0  # [s] how long a block may last, and how far a time may lie from its start
 
-_NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+_NUMBER = r"(?:\d++(?:\.\d*+)?|\.\d++)(?:[eE][+-]?\d++)?"
 _BARE = re.compile(rf"[+-]?{_NUMBER}")
-_OFFSET = re.compile(rf"(?P<path>.*?)\s*(?P<sign>[+-])\s*(?P<number>{_NUMBER})", re.DOTALL)
+_SIGN = re.compile(r"[+-]")
+_OFFSET = re.compile(rf"([+-])\s*({_NUMBER})")
 _WRAPPED = re.compile(r"(after|before)\s*\((.*)\)", re.DOTALL)
 _ARRIVALS = ("ready", "attackPeak")  # of what stays, whose end is when it has come
 
@@ -74,13 +75,13 @@ def parse_ref(text: str, names: Names) -> SyncRef:
     as_name = _parts(trimmed)
     if all(_is_plain(part) or names.knows(part) for part in as_name):
         return _resolved(trimmed, as_name, 0.0, names)
-    split = _OFFSET.fullmatch(trimmed)
+    split = _split_offset(trimmed)
     if split is None:
         return _resolved(trimmed, as_name, 0.0, names)
-    path = _parts(split["path"])
+    path = _parts(split[0])
     if not all(_is_plain(part) or names.knows(part) for part in path):
         raise _unreadable(text)
-    return _resolved(trimmed, path, _seconds(split["sign"] + split["number"]), names)
+    return _resolved(trimmed, path, _seconds(split[1]), names)
 
 
 def write_reference(ref: SyncRef, *, relative_to: str | None = None) -> str:
@@ -91,6 +92,14 @@ def write_reference(ref: SyncRef, *, relative_to: str | None = None) -> str:
     if ref.iteration is not None:
         path.append(str(ref.iteration))
     return ":".join(path) + (f"{ref.offset:+}" if ref.offset else "")
+
+
+def _split_offset(text: str) -> tuple[str, str] | None:
+    """What goes before the first sign with nothing but a number behind it, and the number with its sign."""
+    for sign in _SIGN.finditer(text):
+        if offset := _OFFSET.fullmatch(text, sign.start()):
+            return text[: sign.start()], offset[1] + offset[2]
+    return None
 
 
 def _seconds(text: str) -> float:

@@ -5,6 +5,7 @@ changes of language are passed on to the voice, wherever they stand; other eleme
 """
 
 import re
+from bisect import bisect_left
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -26,7 +27,7 @@ LONGEST_PAUSE = 2.0  # [s] of `kinesic:pause="true"`
 _STRESSES: tuple[Stress, ...] = ("prosody", "emphasis", "say-as")  # elements that are passed on as they are
 FILES = ("ref", "src", "href", "file")  # attributes that name a recording
 _SPEAKERS = frozenset({"lang", "voice", "p", "s"})  # elements that may change the language
-_TIME = re.compile(r"\+?(\d+\.?\d*|\.\d+)(ms|s)")
+_TIME = re.compile(r"\+?(\d++(?:\.\d*+)?|\.\d++)(ms|s)")
 _LANGUAGES = {
     "arabic": "ar",
     "chinese": "zh",
@@ -126,6 +127,7 @@ class _Written:
     reading: DocumentReading
     text: str = ""
     marks: dict[str, int] = field(default_factory=dict)
+    marked: list[int] = field(default_factory=list)  # where they are, in their order
     times: dict[str, float] = field(default_factory=dict)  # [s] of marks, where the document says them
     unusable: list[str] = field(default_factory=list)
     pauses: list[Pause] = field(default_factory=list)
@@ -156,6 +158,7 @@ class _Written:
             self.unusable.append(name)
             return
         self.marks[name] = len(self.text)
+        self.marked.append(len(self.text))
         if time := element.attributes.get("time", "").strip():
             self.times[name] = _seconds(time, element, self.reading)
 
@@ -166,7 +169,7 @@ class _Written:
             what = f"<{element.name}> in line {element.place.line} is passed over: it has {known}"
             self.reading.note(NoticeType.PARSING_FAILURE, what, behaviour=self.named.id)
         elif duration > 0.0:
-            before = sum(position == len(self.text) for position in self.marks.values())
+            before = len(self.marked) - bisect_left(self.marked, len(self.text))
             self.pauses.append(Pause(len(self.text), duration, before))
 
     def _stress(self, element: Element) -> None:

@@ -1,6 +1,5 @@
 """Writes BML for an FML-APML document: its own <bml>, and behaviours that show its intentions."""
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from xml.sax.saxutils import escape, quoteattr
@@ -8,6 +7,7 @@ from xml.sax.saxutils import escape, quoteattr
 from kinesic.bml.block import Block, Notice, NoticeType
 from kinesic.bml.parse import parse
 from kinesic.bml.reading.document import read_document
+from kinesic.bml.reading.prologue import first_tag
 from kinesic.bml.reading.tree import Element
 from kinesic.intent.behaviour_sets import BehaviourSets, own_sets
 from kinesic.intent.budget import GAPS, Budget
@@ -19,15 +19,13 @@ from kinesic.intent.intents import Intent
 from kinesic.intent.writing import write_behaviours
 
 START = 4096  # letters within which a document says what it is
-_FIRST_TAG = re.compile(
-    r"[^<]*(?:<\?.*?\?>\s*|<!--.*?-->\s*|<!DOCTYPE[^>]*>\s*)*<(?:[\w.-]+:)?fml-apml[\s/>]", re.DOTALL | re.I
-)
+ROOT = "fml-apml"
 
 
 def is_fml(text: str | bytes) -> bool:
     """Checks whether a text begins as an FML-APML document."""
     start = text[:START] if isinstance(text, str) else text[:START].decode("utf-8", "replace").replace("\0", "")
-    return _FIRST_TAG.match(start) is not None
+    return first_tag(start[max(start.find("<"), 0) :]) == ROOT  # marks of the encoding may go before it
 
 
 def author_fml(
@@ -91,9 +89,12 @@ def parse_fml(
 
 def _unshown(intents: Sequence[Intent], selection: Selection) -> Iterator[str]:
     shown = {each.intent.reason for each in selection.behaviours}
+    whys: dict[str, dict[str, None]] = {}
+    for each in selection.omissions:
+        whys.setdefault(each.intent.reason, {})[each.why] = None
     for intent in intents:
         if intent.reason not in shown:
-            reasons = dict.fromkeys(each.why for each in selection.omissions if each.intent.reason == intent.reason)
+            reasons = whys.get(intent.reason, {})
             yield f"{intent.name}, {intent.reason}: {'; '.join(reasons) or 'its choice is to show nothing'}"
 
 

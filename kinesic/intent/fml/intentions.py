@@ -1,5 +1,6 @@
 """Reads the intentions of an FML-APML document: what is meant, from when to when, and how much it matters."""
 
+from bisect import bisect_left
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -36,9 +37,8 @@ def read_intentions(
         marks: when their marks come.
     """
     inside = [child for speech in speeches for child in speech.children if child.local in IN_SPEECH]
-    accents = [
-        found for each in inside if each.local == IN_SPEECH[0] for found in [_moment(each, "start", marks)] if found
-    ]
+    found = (_moment(each, "start", marks) for each in inside if each.local == IN_SPEECH[0])
+    accents = sorted(filter(None, found), key=_seconds)
     for element in (*(child for root in roots for child in root.children), *inside):
         yield _intention(element, marks, accents)
 
@@ -53,9 +53,10 @@ def _intention(element: Element, marks: MarkTimes, accents: Sequence[Moment]) ->
     if end is None or end.seconds - start.seconds < LEAST:
         lasts = USUAL if end is None else LEAST
         end = start.later(lasts)
-    within = [each for each in accents if start.seconds <= each.seconds < end.seconds]
+    after = bisect_left(accents, start.seconds, key=_seconds)
+    within = after < len(accents) and accents[after].seconds < end.seconds
     later = ACCENT if within else min(LATEST_STROKE, (end.seconds - start.seconds) / 2)
-    onset = within[0] if within else start
+    onset = accents[after] if within else start
     return Intent(
         name,
         start,
@@ -66,6 +67,10 @@ def _intention(element: Element, marks: MarkTimes, accents: Sequence[Moment]) ->
         target=attributes.get("target", "").strip(),
         strength=_share(attributes.get("intensity", ""), 1.0),
     )
+
+
+def _seconds(moment: Moment) -> float:
+    return moment.seconds
 
 
 def _moment(element: Element, name: str, marks: MarkTimes) -> Moment | None:

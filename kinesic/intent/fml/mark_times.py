@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+from kinesic.bml.reading.references import LONGEST
 from kinesic.bml.reading.script import MARKS, spoken_part
 from kinesic.bml.reading.tree import Element
 from kinesic.intent.intents import Moment, split_reference
@@ -19,17 +20,16 @@ class MarkTimes:
     times: Mapping[str, float]  # [s] by `speech:mark`, `speech:start` and `speech:end`
 
     def moment(self, written: str) -> Moment | None:
-        """Resolves a time as FML has it; None where it is malformed or names an unknown mark.
+        """Resolves a time as FML has it; None where it is malformed, names an unknown mark, or no block lasts so long.
 
         Args:
             written: seconds (`1.5`), or a mark, with or without an offset (`s1:tm3`, `s1:tm3+0.5`).
         """
         reference, offset = split_reference(written)
-        if not reference:
-            return Moment(written.replace(" ", ""), offset) if offset is not None else None
-        if reference not in self.times:
+        if (reference and reference not in self.times) or (not reference and offset is None):
             return None
-        return Moment(written.replace(" ", ""), self.times[reference] + (offset or 0.0))
+        seconds = self.times.get(reference, 0.0) + (offset or 0.0)
+        return Moment(written.replace(" ", ""), seconds) if seconds <= LONGEST else None
 
     def speech_end(self, written: str) -> Moment | None:
         """Finds the end of the speech that a time names; None without such a speech."""

@@ -29,8 +29,7 @@ def find_rules(passage: Passage, language: Language) -> tuple[Finding, ...]:
             key = (each.first, each.rule.intent)
             if key not in found or found[key].count < each.count:
                 found[key] = each
-    inner = [each for each in found.values() if not _is_inside(each, found.values())]
-    return tuple(sorted(inner, key=lambda each: (each.first, each.last)))
+    return tuple(sorted(_outermost(found.values()), key=lambda each: (each.first, each.last)))
 
 
 def _matches(passage: Passage, language: Language) -> Iterator[Finding]:
@@ -71,13 +70,10 @@ def holds(finding: Finding, passage: Passage) -> bool:
     return True
 
 
-def _is_inside(one: Finding, others: Iterable[Finding]) -> bool:
-    """Whether other words mean the same thing around these."""
-    return any(
-        other is not one
-        and other.rule.intent == one.rule.intent
-        and other.first <= one.first
-        and other.last >= one.last
-        and other.count > one.count
-        for other in others
-    )
+def _outermost(findings: Iterable[Finding]) -> Iterator[Finding]:
+    """Leaves out what has other words around it that mean the same; the findings are in the order of their words."""
+    reached: dict[str, int] = {}  # intent -> the last word that it has so far
+    for each in findings:
+        if each.last > reached.get(each.rule.intent, -1):
+            reached[each.rule.intent] = each.last
+            yield each

@@ -1,6 +1,6 @@
 """The types that plain text becomes: words with their punctuation, in phrases and sentences."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
@@ -44,18 +44,17 @@ class Passage:
     @cached_property
     def sentences(self) -> tuple[Sequence[int], ...]:
         """The indices of the words of each sentence."""
-        return tuple(
-            [k for k, word in enumerate(self.words) if word.sentence == number] for number in range(len(self.kinds))
-        )
+        return _grouped((word.sentence for word in self.words), len(self.kinds))
 
     @cached_property
     def phrases(self) -> tuple[Sequence[int], ...]:
         """The indices of the words of each phrase."""
-        count = self.words[-1].phrase + 1 if self.words else 0
-        grouped: list[list[int]] = [[] for _ in range(count)]
-        for k, word in enumerate(self.words):
-            grouped[word.phrase].append(k)
-        return tuple(grouped)
+        return _grouped((word.phrase for word in self.words), self.words[-1].phrase + 1 if self.words else 0)
+
+    @cached_property
+    def content(self) -> tuple[Sequence[int], ...]:
+        """The indices of the content words of each phrase."""
+        return tuple([k for k in phrase if self.words[k].is_content] for phrase in self.phrases)
 
     @cached_property
     def starts(self) -> tuple[float, ...]:
@@ -84,6 +83,14 @@ class Passage:
         """The moment when a word has been said."""
         word = self.words[index]
         return Moment(f"{SPEECH}:{mark(index)}+{duration(word):.2f}", self.starts[index] + duration(word))
+
+
+def _grouped(numbers: Iterable[int], count: int) -> tuple[Sequence[int], ...]:
+    """The indices at which each number from 0 stands."""
+    groups: list[list[int]] = [[] for _ in range(count)]
+    for k, number in enumerate(numbers):
+        groups[number].append(k)
+    return tuple(groups)
 
 
 def duration(word: Word) -> float:

@@ -1,5 +1,6 @@
 """Finds what the build of a text means: the accent of each phrase, noun and verb phrases, and lists."""
 
+from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -29,8 +30,7 @@ def accent_of(passage: Passage, phrase: int) -> int:
     """
     indices = passage.phrases[phrase]
     emphatic = [k for k in indices if passage.words[k].emphatic]
-    content = [k for k in indices if passage.words[k].is_content]
-    return (emphatic or content or list(indices))[-1]
+    return (emphatic or passage.content[phrase] or list(indices))[-1]
 
 
 def stressed_near(passage: Passage, index: int) -> int:
@@ -40,12 +40,13 @@ def stressed_near(passage: Passage, index: int) -> int:
     weak: it falls on the next content word of their phrase, else on the last one before them.
     """
     words = passage.words
-    phrase = passage.phrases[words[index].phrase]
-    content = [k for k in phrase if words[k].is_content]
+    content = passage.content[words[index].phrase]
     if words[index].is_content or words[index].emphatic or not content:
         return index
-    behind = [k for k in content if index < k <= index + AHEAD]
-    return behind[0] if behind else min(content, key=lambda k: abs(k - index))
+    at = bisect_right(content, index)
+    if at < len(content) and content[at] <= index + AHEAD:
+        return content[at]
+    return min(content[max(at - 1, 0) : at + 1], key=lambda k: abs(k - index))
 
 
 def find_phrases(passage: Passage, language: Language) -> Iterator[Part]:
@@ -62,16 +63,16 @@ def find_phrases(passage: Passage, language: Language) -> Iterator[Part]:
         yield from _list(passage, language, sentence)
 
 
-def clause_end(passage: Passage, language: Language, index: int) -> int:
-    """Finds the last word of the clause of a word: up to punctuation, or to a word that begins another clause."""
+def clause_ends(passage: Passage, language: Language) -> list[int]:
+    """Finds the last word of the clause of each word: up to punctuation, or to a word that begins another clause."""
     words = passage.words
-    last = index
-    for k in range(index + 1, len(words)):
-        is_over = words[k].sentence != words[index].sentence or any(each in words[k].before for each in ",;:.")
-        if is_over or language.has("negation_end", words[k].plain):
-            break
-        last = k
-    return last
+    ends = list(range(len(words)))
+    for k in reversed(ends[:-1]):
+        after = words[k + 1]
+        is_over = after.sentence != words[k].sentence or any(each in after.before for each in ",;:.")
+        if not (is_over or language.has("negation_end", after.plain)):
+            ends[k] = ends[k + 1]
+    return ends
 
 
 def _noun_phrases(passage: Passage, language: Language, sentence: Sequence[int]) -> Iterator[Part]:

@@ -52,6 +52,7 @@ tornado toward towards triumphant unique upset variety whatever whenever whereve
 _SECOND = frozenset(
     _SECOND_WORDS.split()
 )  # stressed on the second syllable, which neither their endings nor their prefixes say
+LONGEST_ENDING = 5  # letters of the longest of these
 _WEAK_ENDINGS = re.compile(r"(ing|er|ers|ed|es|ly|ness|ment|ments|ful|less|able|ible|(?<!s)s)$")
 
 
@@ -92,9 +93,10 @@ def stressed_syllable(word: str) -> int:
 
 def _stem(letters: str) -> str:
     """The word without endings that never take the stress."""
-    while (shorter := _WEAK_ENDINGS.sub("", letters)) != letters and len(shorter) > 2:
-        letters = shorter
-    return letters
+    end = len(letters)
+    while (ending := _WEAK_ENDINGS.search(letters, max(end - LONGEST_ENDING, 0), end)) and ending.start() > 2:
+        end = ending.start()
+    return letters[:end]
 
 
 def _nuclei(word: str) -> list[str]:

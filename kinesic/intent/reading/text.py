@@ -1,6 +1,6 @@
 """Finds what a text means: its intents, from words, phrases, feelings and turns."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 
 from kinesic.expressivity.lexicon.lexicon import Lexicon
@@ -8,7 +8,7 @@ from kinesic.intent.intents import Intent, Moment
 from kinesic.intent.reading.language import ENGLISH, Language, Rule
 from kinesic.intent.reading.matching import Finding, find_rules
 from kinesic.intent.reading.passage import SPEECH, Passage
-from kinesic.intent.reading.phrasing import Part, clause_end, find_phrases, stressed_near
+from kinesic.intent.reading.phrasing import Part, clause_ends, find_phrases, stressed_near
 
 PICTURED = {"iconic": 0.45, "metaphoric": 0.38}  # categories of gestures that a word may show, and how surely it does
 LEAST_LETTERS = 3  # of a word that a gesture pictures
@@ -23,8 +23,9 @@ def find_intents(passage: Passage, language: Language, lexicon: Lexicon) -> tupl
     """Finds all that a text means, in the order in which it is said; the same text has the same intents."""
     if not passage.words:
         return ()
+    clauses = clause_ends(passage, language)
     found = [
-        *(_of_rule(passage, language, each) for each in find_rules(passage, language)),
+        *(_of_rule(passage, clauses, each) for each in find_rules(passage, language)),
         *(_of_part(passage, each) for each in find_phrases(passage, language)),
         *_pictures(passage, lexicon),
         *_feelings(passage),
@@ -33,11 +34,11 @@ def find_intents(passage: Passage, language: Language, lexicon: Lexicon) -> tupl
     return tuple(sorted(found, key=lambda intent: (intent.stroke.seconds, -intent.certainty, intent.name)))
 
 
-def _of_rule(passage: Passage, language: Language, finding: Finding) -> Intent:
+def _of_rule(passage: Passage, clauses: Sequence[int], finding: Finding) -> Intent:
     rule, last = finding.rule, finding.last
     content = [k for k in range(finding.first, finding.last + 1) if passage.words[k].is_content]
     if rule.reach == "clause":
-        last = clause_end(passage, language, finding.last)
+        last = clauses[finding.last]
     elif rule.reach == "sentence":
         last = passage.sentences[passage.words[finding.first].sentence][-1]
     sure = min(

@@ -13,8 +13,8 @@ LEAST_PHRASE = 4  # words before a conjunction that begins a phrase of its own
 LONGEST_BREAK = 10.0  # [s] that a text may ask for
 DASH, ELLIPSIS = 0.15, 0.4  # [s] of silence beside that of the voice
 
-_BREAK = re.compile(r"<break\b[^>]*?time\s*=\s*[\"'](\d+\.?\d*|\.\d+)(ms|s)[\"'][^>]*>")
-_TAG = re.compile(r"<(/?)([A-Za-z][\w:-]*)\b[^<>]*>")
+_TAG = re.compile(r"<(/?)([A-Za-z]\w*+(?:[:-]++\w++)*+)[^<>]*+>")
+_TIME = re.compile(r"time\s*=\s*[\"'](\d++(?:\.\d*+)?|\.\d++)(ms|s)[\"']")  # of a break
 _CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f\ufeff\ufffe\uffff\ud800-\udfff]")
 _TOKENS = r"""
     (?P<silence>\x02\d+\.\d+\x03)
@@ -55,14 +55,14 @@ def _tokens(emoticon: str) -> re.Pattern[str]:
 def _without_tags(text: str) -> str:
     """The text with SSML's stress and breaks as control characters, and without other tags."""
 
-    def silence(found: re.Match[str]) -> str:
-        seconds = float(found[1]) / (1000 if found[2] == "ms" else 1)
-        return f"\x02{min(seconds, LONGEST_BREAK):.3f}\x03"
+    def written(tag: re.Match[str]) -> str:
+        is_end, name = bool(tag[1]), tag[2]
+        if name == "break" and not is_end and (time := _TIME.search(tag[0])):
+            seconds = float(time[1]) / (1000 if time[2] == "ms" else 1)
+            return f"\x02{min(seconds, LONGEST_BREAK):.3f}\x03"
+        return ("\x05" if is_end else "\x04") if name.lower() == "emphasis" else " "
 
-    def tag(found: re.Match[str]) -> str:
-        return ("\x05" if found[1] else "\x04") if found[2].lower() == "emphasis" else " "
-
-    return _TAG.sub(tag, _BREAK.sub(silence, text)) if "<" in text else text
+    return _TAG.sub(written, text) if "<" in text else text
 
 
 def _is_shouted(text: str) -> bool:
@@ -78,7 +78,7 @@ class _Reading:
     is_shouted: bool
     words: list[Word] = field(default_factory=list)
     kinds: list[Kind] = field(default_factory=list)
-    between: str = ""  # since the last word
+    between: list[str] = field(default_factory=list)  # since the last word
     silence: float = 0.0  # [s] likewise
     is_phrase_over: bool = False
     is_stressed: bool = False
@@ -102,12 +102,12 @@ class _Reading:
                 self.feelings.append((max(len(self.kinds) - (not self._is_open()), 0), self.language.emoticons[text]))
             case "ellipsis" | "dash":
                 self.silence += ELLIPSIS if kind == "ellipsis" else DASH
-                self.between += "... " if kind == "ellipsis" else ", "
+                self.between.append("... " if kind == "ellipsis" else ", ")
                 self.is_phrase_over = True
             case "stop":
                 self._stop(text)
             case _:
-                self.between += " " if text.isspace() else text
+                self.between.append(" " if text.isspace() else text)
                 self.is_phrase_over |= kind == "comma" or text in "()[]\u201c\u201d"
 
     def passage(self) -> Passage:
@@ -116,7 +116,7 @@ class _Reading:
             self.kinds.append("statement")
         last = max(len(self.kinds) - 1, 0)
         feelings = tuple((min(sentence, last), feeling) for sentence, feeling in self.feelings if self.kinds)
-        tail = " ".join(self.between.split())
+        tail = " ".join("".join(self.between).split())
         return Passage(tuple(self.words), tuple(self.kinds), tail, self.silence, feelings, self.language.tag)
 
     def _is_open(self) -> bool:
@@ -130,7 +130,7 @@ class _Reading:
         word = Word(
             text=text.lower() if is_loud or (self.is_shouted and len(text) > 1) else text,
             plain=plain,
-            before=re.sub(r"\s+", " ", self.between),
+            before=re.sub(r"\s+", " ", "".join(self.between)),
             sentence=len(self.kinds),
             phrase=self._phrase(plain),
             is_content=not self.language.has("function", plain),
@@ -138,7 +138,7 @@ class _Reading:
             pause=self.silence,
         )
         self.words.append(word)
-        self.between, self.silence, self.is_phrase_over = "", 0.0, False
+        self.between, self.silence, self.is_phrase_over = [], 0.0, False
 
     def _phrase(self, plain: str) -> int:
         """The phrase of the next word: a conjunction begins one where the last has some words already."""
@@ -151,7 +151,7 @@ class _Reading:
 
     def _stop(self, text: str) -> None:
         last = self.words[-1].plain if self.words else ""
-        self.between += text
+        self.between.append(text)
         is_short = self.language.has("abbreviation", last) or (len(last) == 1 and last.isalpha() and last != "i")
         if text == "." and (is_short or not self._is_open()):
             return

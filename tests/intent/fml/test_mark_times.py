@@ -17,6 +17,8 @@ def test_speeches_begin_where_they_say_or_behind_one_another():
     assert 2.0 < times["a:n"] < times["a:end"] == times["b:m"] < times["b:end"]
     assert times["c:start"] == pytest.approx(times["a:n"] + 0.5)
     assert marks.moment("a:none") is None
+    assert marks.moment("1200").seconds == 1200.0
+    assert marks.moment("1200.01") is marks.moment("a:m+1198.01") is None
     assert marks.speech_end("a:none").seconds == times["a:end"]
 
 

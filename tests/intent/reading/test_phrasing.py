@@ -1,7 +1,7 @@
 import pytest
 
 from kinesic.intent.reading.language import load_language
-from kinesic.intent.reading.phrasing import clause_end, find_phrases, stressed_near
+from kinesic.intent.reading.phrasing import clause_ends, find_phrases, stressed_near
 from kinesic.intent.reading.words import read_text
 
 
@@ -54,7 +54,7 @@ def test_the_first_verb_of_a_sentence_is_found():
 )
 def test_a_clause_ends_at_punctuation_or_where_another_begins(text, last):
     passage = read_text(text, load_language())
-    assert passage.words[clause_end(passage, load_language(), 1)].plain == last
+    assert passage.words[clause_ends(passage, load_language())[1]].plain == last
 
 
 def test_a_weak_word_leaves_its_stroke_to_the_next_content_word():

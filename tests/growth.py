@@ -1,0 +1,34 @@
+"""How the time of some work grows with what it is given."""
+
+from collections.abc import Callable
+from time import process_time
+from typing import TypeVar
+
+T = TypeVar("T")
+
+ENOUGH = 0.03  # [s] of processor time that can be compared
+MOST = 2**21  # of a size
+ROUNDS = 3
+STRAIGHT = 3.0  # times as long for twice as much: a straight line has 2, a square 4
+
+
+def growth(work: Callable[[T], object], make: Callable[[int], T], *, size: int = 256, most: int = MOST) -> float:
+    """How many times longer the work takes for twice as much, the quickest of some rounds.
+
+    Args:
+        work: that is measured.
+        make: what it is given, by its size.
+        size: to begin with; it grows until the work takes long enough to be compared.
+        most: to which it grows.
+    """
+    while _seconds(work, make(size)) < ENOUGH and size < most:
+        size *= 2
+    small, large = make(size), make(2 * size)
+    pairs = [(_seconds(work, small), _seconds(work, large)) for _ in range(ROUNDS)]
+    return min(large for _, large in pairs) / max(min(small for small, _ in pairs), 1e-6)
+
+
+def _seconds(work: Callable[[T], object], given: T) -> float:
+    began = process_time()
+    work(given)
+    return process_time() - began

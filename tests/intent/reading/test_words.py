@@ -1,0 +1,35 @@
+import pytest
+
+from kinesic.intent.reading.language import load_language
+from kinesic.intent.reading.words import read_text
+
+from ...growth import STRAIGHT, growth
+
+
+@pytest.mark.parametrize(
+    ("text", "pauses"),
+    [
+        ('one <break time="2s"/> two', [0.0, 2.0]),
+        ("one <break strength='x' time = '.5ms'> two", [0.0, 0.0005]),
+        ('one <break time="2min" time="1s"/> two', [0.0, 1.0]),
+        ('one <break time="99s"/> two', [0.0, 10.0]),
+        ('one </break time="2s"> two', [0.0, 0.0]),
+        ('one <breaks time="2s"/> two', [0.0, 0.0]),
+        ('one <b time="2s"/> two', [0.0, 0.0]),
+    ],
+)
+def test_a_break_asks_for_a_pause(text: str, pauses: list[float]) -> None:
+    assert [word.pause for word in read_text(text, load_language()).words] == pytest.approx(pauses, abs=0.0006)
+
+
+def test_words_in_an_emphasis_are_stressed_and_other_tags_are_nothing() -> None:
+    text = "one <Emphasis level='strong'>two</Emphasis> <s>three</s> <emphasis-less>four</emphasis-less>"
+    words = read_text(text, load_language()).words
+    assert [word.plain for word in words if word.emphatic] == ["two"]
+    assert [word.plain for word in words] == ["one", "two", "three", "four"]
+
+
+@pytest.mark.parametrize("piece", ["<break ", "<break time='1s' ", "<a-", "-a", "time=", "<break time='1"])
+def test_twice_as_many_tags_take_at_most_twice_as_long(piece: str) -> None:
+    language = load_language()
+    assert growth(lambda text: read_text(text, language), lambda size: f"<break {size * piece}") < STRAIGHT

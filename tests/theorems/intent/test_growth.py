@@ -1,0 +1,54 @@
+"""Twice as much text, or twice as many intentions, take about twice as long to be given behaviours."""
+
+import pytest
+
+from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.expressivity.style.style import Style
+from kinesic.intent.author import author
+from kinesic.intent.fml.author import author_fml
+
+from ...growth import STRAIGHT, growth
+
+TEXTS = (
+    "no ",
+    "no, ",
+    "you I ",
+    "so happy! ",
+    "NO so ",
+    "a, b and c, ",
+    ":) a ",
+    "!",
+    "ly",
+    "<break ",
+    "<break time='1s' ",
+    "<a-",
+)
+
+
+@pytest.fixture(scope="module")
+def lexicon() -> Lexicon:
+    return Lexicon.load()
+
+
+@pytest.mark.parametrize("piece", TEXTS)
+def test_a_text_of_whatever_words(piece: str, lexicon: Lexicon) -> None:
+    style = Style.load("neutral")
+    assert growth(lambda text: author(text, lexicon, style), lambda size: size * piece, size=512) < STRAIGHT
+
+
+@pytest.mark.parametrize("time", ["s:m{k}", "{k}", "s:start", "nowhere"])
+@pytest.mark.parametrize("kind", ['emotion type="joy"', 'performative type="agree"', 'certainty type="x"'])
+def test_intentions_wherever_they_are(kind: str, time: str) -> None:
+    def document(count: int) -> str:
+        inside = "".join(f'word <tm id="m{k}"/><pitchaccent start="s:m{k}" end="s:m{k}+0.2"/>' for k in range(count))
+        intentions = "".join(f'<{kind} start="{time.format(k=k)}" end="s:end"/>' for k in range(count))
+        return f'<fml-apml><bml id="b"><speech id="s">{inside}</speech></bml><fml>{intentions}</fml></fml-apml>'
+
+    assert growth(author_fml, document, size=512) < STRAIGHT
+
+
+def test_an_intention_of_a_long_name() -> None:
+    def document(size: int) -> str:
+        return f'<fml-apml><bml id="b"/><fml><emotion type="{size * "a-"}" start="0"/></fml></fml-apml>'
+
+    assert growth(author_fml, document, most=2**19) < STRAIGHT
