@@ -49,6 +49,8 @@ def read_calibration(robot: Path, name: str) -> Calibration:
     path = calibration_path(robot)
     if not path.exists():
         return NONE
+    if not path.is_file():
+        raise ConfigError(f"{path}: no ordinary file; remove or rename it")
     found = read_toml(path, Calibration)
     if found.robot != name:
         raise ConfigError(f"{path}: calibrates {found.robot or 'no robot'}, but stands for {name}; remove or rename it")

@@ -1,14 +1,15 @@
 """A robot's file that extends another one: it says only what is different.
 
-`extends = "NAME"` in [robot] names another robot, or a file beside this one. Entries of lists are known by their names:
-one that is there already takes the keys that are written anew, others are added at the end. Tables take further keys.
-Exclusions add up, and buses, where any are described, replace those of the other robot.
+`extends = "NAME"` in [robot] names a robot of this package, or a file in the folder of this one. Entries of lists are
+known by their names: one that is there already takes the keys that are written anew, others are added at the end.
+Tables take further keys. Exclusions add up, and buses, where any are described, replace those of the other robot.
 """
 
 from collections.abc import Mapping
 from pathlib import Path
 
-from kinesic.body.config import ConfigError, T, fit_schema, locate, read_tables
+from kinesic.body.config import ConfigError, T, fit_schema, locate, names_of, read_tables, suggestion
+from kinesic.body.named_file import check_inside
 
 DEEPEST = 8  # robots that extend one another
 
@@ -33,8 +34,22 @@ def _read(path: Path, below: tuple[Path, ...]) -> Tables:
     if path in below or len(below) >= DEEPEST:
         chain = ", which extends ".join(each.name for each in (*below, path))
         raise ConfigError(f"{path}: it extends itself: {chain}; one of them must describe a whole robot")
-    source = path.parent / extends if extends.endswith(".toml") else locate("robot", extends)
-    return _extended(_read(source, (*below, path)), tables)
+    return _extended(_read(_find(extends, path), (*below, path)), tables)
+
+
+def _find(extends: str, path: Path) -> Path:
+    """Where the other robot is: one of this package, or a file in the folder of this one or below."""
+    if extends in names_of("robot"):
+        return locate("robot", extends)
+    if not extends.endswith(".toml"):
+        known = suggestion(extends, names_of("robot"))
+        raise ConfigError(f"{path}: no robot {extends}{known} (or name a .toml file beside this one)")
+    named = path.parent / extends
+    try:
+        check_inside(path.parent, named)
+    except ConfigError as error:
+        raise ConfigError(f"{path}: extends = {extends!r}: {error}") from None
+    return named
 
 
 def _extended(tables: Tables, added: Tables) -> Tables:

@@ -46,6 +46,7 @@ class Recording:
 
     path: Path  # of a WAV file
     marks: tuple[tuple[str, float], ...] = ()  # name, [s] from the start of the file
+    folder: Path | None = None  # in which it must lie, that of the document which names it; None: anywhere
 
 
 @dataclass(frozen=True)

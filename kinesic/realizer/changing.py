@@ -103,7 +103,7 @@ def change_manner(
         raise ValueError(f"amount is {amount:g}, outside [0, 1]")
     scene, name = replace(scene, said=()), None
     if style is not None:
-        loaded = Style.load(style) if isinstance(style, str) else style
+        loaded = style_preset(style) if isinstance(style, str) else style
         if block is None:
             scene = replace(scene, setup=replace(scene.setup, style=loaded))
         else:

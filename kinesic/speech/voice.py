@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from kinesic.body.choices import VoiceName
 from kinesic.body.config import ConfigError
+from kinesic.body.named_file import check_inside
 from kinesic.body.utterance import Phoneme, Recording, Script, Sound, Utterance, Voice
 from kinesic.speech.durations import DurationModel
 from kinesic.speech.espeak import Espeak
@@ -56,7 +57,7 @@ class Recorded:
         if script.recording is None:
             return _keep_times(script, self.voice.say(script, rate=rate, pitch=pitch))
         try:
-            sound = read_wav(_with_ending(script.recording.path))
+            sound = read_wav(_find(script.recording))
         except RecordingError as error:
             said = self.say(replace(script, recording=None), rate=rate, pitch=pitch)
             return replace(said, remarks=(f"{error}: it is said instead", *said.remarks))
@@ -78,10 +79,24 @@ def _keep_times(script: Script, said: Utterance) -> Utterance:
     return replace(said, marks={**said.marks, **kept}, remarks=(*said.remarks, *([remark] if apart else [])))
 
 
-def _with_ending(path: Path) -> Path:
-    """A recording may be named without its ending."""
+def _find(recording: Recording) -> Path:
+    """The file of a recording, which may be named without its ending."""
+    path = recording.path
+    _check(path, recording.folder)
+    if path.suffix or not path.name or path.exists():
+        return path
     named = path.with_name(f"{path.name}.wav")
-    return named if not path.suffix and not path.exists() and named.exists() else path
+    _check(named, recording.folder)
+    return named if named.exists() else path
+
+
+def _check(path: Path, folder: Path | None) -> None:
+    """Refuses a recording outside of the folder in which it must lie."""
+    if folder is not None:
+        try:
+            check_inside(folder, path)
+        except ConfigError as error:
+            raise RecordingError(f"the recording {error}") from None
 
 
 def read_wav(path: Path) -> Sound:

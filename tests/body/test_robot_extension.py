@@ -1,3 +1,4 @@
+import os
 from pathlib import Path
 
 import pytest
@@ -73,3 +74,40 @@ def test_an_unknown_robot_is_named(tmp_path: Path):
     path.write_text(HEAD.replace("upper22", "uper22"), encoding="utf-8")
     with pytest.raises(ConfigError, match=r"no robot uper22; did you mean upper22\?"):
         Robot.load(path)
+
+
+def robot(extends: str) -> str:
+    return f'[robot]\nname = "mine"\nextends = "{extends}"\n'
+
+
+@pytest.mark.parametrize("place", ["base.toml", "below/base.toml"])
+def test_a_file_of_its_folder_may_be_extended(place: str, tmp_path: Path):
+    (tmp_path / place).parent.mkdir(exist_ok=True)
+    (tmp_path / place).write_text(robot("upper22"))
+    (tmp_path / "mine.toml").write_text(robot(place))
+    assert Robot.load(tmp_path / "mine.toml").name == "mine"
+
+
+@pytest.mark.parametrize(
+    "extends", ["../secret.toml", "{outside}/secret.toml", "link.toml", "../secret", "{outside}/secret"]
+)
+def test_no_file_of_another_folder_is_read(extends: str, tmp_path: Path):
+    home = tmp_path / "home"
+    home.mkdir()
+    (tmp_path / "secret.toml").write_text(robot("upper22"))
+    (home / "link.toml").symlink_to("../secret.toml")
+    (home / "mine.toml").write_text(robot(extends.format(outside=tmp_path)))
+    told = r"mine\.toml: .*(outside of the folder .*copy that file there|no robot .*secret[; ])"
+    with pytest.raises(ConfigError, match=told):
+        Robot.load(home / "mine.toml")
+
+
+def test_nobody_waits_for_a_pipe(tmp_path: Path):
+    os.mkfifo(tmp_path / "pipe.toml")
+    (tmp_path / "mine.toml").write_text(robot("pipe.toml"))
+    with pytest.raises(ConfigError, match=r"mine\.toml: extends = 'pipe\.toml': .* is no ordinary file"):
+        Robot.load(tmp_path / "mine.toml")
+    (tmp_path / "mine.toml").write_text(robot("upper22"))
+    os.mkfifo(tmp_path / "mine.calibration.toml")
+    with pytest.raises(ConfigError, match="no ordinary file"):
+        Robot.load(tmp_path / "mine.toml")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from kinesic.bml.block import Head
-from kinesic.body.config import ConfigError
+from kinesic.body.config import CONFIGS, ConfigError
 from kinesic.expressivity.style.style import Style
 from kinesic.motion.limit_check import check_limits
 from kinesic.planning.setup import Setup
@@ -138,6 +138,7 @@ def test_a_block_changes_another(nodding: Scene, target: str, parameter: str, va
         ("amount", "much", "'much' is no number"),
         ("amount", "7", "outside [0, 1]"),
         ("style", "nobody", "nobody"),
+        ("style", str(CONFIGS / "styles" / "calm.toml"), "no style "),
     ],
 )
 def test_what_cannot_be_changed_is_warned(nodding: Scene, parameter: str, value: str, said: str) -> None:

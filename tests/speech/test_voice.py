@@ -24,6 +24,8 @@ SPEECH = (
     '<speech id="s"><text>Hello, my <sync id="m"/>friend</text></speech></bml>'
 )
 
+SPOKEN = '<bml id="b"><speech id="s">hi<description type="audio/wav"><audio ref="{}"/></description></speech></bml>'
+
 
 def test_auto_speaks_where_an_engine_is_installed():
     if espeak_fault():
@@ -210,3 +212,27 @@ def test_marks_in_the_text_say_when_they_fall_in_a_recording(tmp_path: Path):
     gone = VOICE.say(Script("Hello", (Mark("m", 5, 0.125),), recording=Recording(tmp_path / "none")))
     assert gone.marks["m"] == 0.125
     assert "it is said instead" in gone.remarks[0]
+
+
+@pytest.mark.parametrize("name", ["../away.wav", "{outside}/away.wav", "link.wav", "link", "../away", "pipe.wav"])
+def test_a_document_plays_no_recording_of_another_folder(name: str, tmp_path: Path):
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    wav(tmp_path / "away.wav")
+    (folder / "link.wav").symlink_to("../away.wav")
+    os.mkfifo(folder / "pipe.wav")
+    document = SPOKEN.format(name.format(outside=tmp_path))
+    said = synthesise_block(parse(document, source=str(folder / "my.bml")), set_up())["s"]
+    assert said.voice != "recording"
+    assert "it is said instead" in said.remarks[0]
+    assert "is outside of the folder" in said.remarks[0] or "is no ordinary file" in said.remarks[0]
+
+
+@pytest.mark.parametrize("name", ["own.wav", "own", "below/own.wav", "near.wav"])
+def test_a_document_plays_recordings_of_its_folder(name: str, tmp_path: Path):
+    (tmp_path / "below").mkdir()
+    wav(tmp_path / "own.wav")
+    wav(tmp_path / "below" / "own.wav")
+    (tmp_path / "near.wav").symlink_to("below/own.wav")
+    said = synthesise_block(parse(SPOKEN.format(name), source=str(tmp_path / "my.bml")), set_up())["s"]
+    assert (said.voice, said.duration) == ("recording", 2.0)

@@ -232,7 +232,8 @@ def _recording(description: Element, named: BehaviourElement, reading: DocumentR
         if child.local in MARKS and "time" in child.attributes
         if (mark := (child.attributes.get("id") or child.attributes.get("name") or "").strip())
     )
-    return Recording(Path(reading.source).parent / name, marks)
+    folder = Path(reading.source).parent
+    return Recording(folder / name, marks, folder)
 
 
 def _file(description: Element) -> str:

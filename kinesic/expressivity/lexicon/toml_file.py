@@ -11,6 +11,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import ConfigError, read_toml, suggestion
+from kinesic.body.named_file import check_inside
 from kinesic.body.robot import Side
 from kinesic.expressivity.keyframes import Touch
 from kinesic.expressivity.lexicon.body_table import PLAIN_TABLE, Bodies, BodyTable, body_form, overlay_table
@@ -130,6 +131,9 @@ def read_gestures(path: Path, bodies: Bodies = NO_BODIES) -> LexiconPart:
     paths = sorted(path.glob("*.toml")) if path.is_dir() else [path]
     if not paths:
         raise ConfigError(f"{path}: a folder without .toml files")
+    if path.is_dir():
+        for each in paths:
+            check_inside(path, each)
     files = [(each, read_toml(each, GestureFile)) for each in paths]
     known: dict[str, BodyTable] = {**bodies}
     for _, file in files:

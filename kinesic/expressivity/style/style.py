@@ -9,7 +9,7 @@ from typing import Literal, get_args
 import msgspec
 
 from kinesic.bml.block import RANGES, Modality
-from kinesic.body.config import ConfigError, locate, read_toml, suggestion
+from kinesic.body.config import ConfigError, locate, names_of, read_toml, suggestion
 from kinesic.motion.easing import Easing
 from kinesic.motion.keys import ACCENT, EVEN, LATE_ACCENT, SOFTEST, STEEPEST, Passage
 
@@ -188,6 +188,8 @@ def style_preset(name: str) -> Style:
     Raises:
         ConfigError: there is no such style.
     """
+    if name not in names_of("style"):
+        raise ConfigError(f"no style {name}{suggestion(name, names_of('style'))}")
     return Style.load(name)
 
 

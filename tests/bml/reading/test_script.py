@@ -131,7 +131,9 @@ def recording(description: str, source: str = "/spoken/here.bml") -> Recording |
     ],
 )
 def test_a_recording_is_named_in_many_ways(kind: str, inside: str):
-    assert recording(f'<description type="{kind}"{inside}/description>') == Recording(Path("/spoken/one.wav"))
+    assert recording(f'<description type="{kind}"{inside}/description>') == Recording(
+        Path("/spoken/one.wav"), folder=Path("/spoken")
+    )
 
 
 def test_a_recording_gives_times_to_marks():
@@ -139,7 +141,7 @@ def test_a_recording_gives_times_to_marks():
         '<description type="audio/x-wav"><audio ref="sounds/one.wav"/><sync id="m" time="0.75"/>'
         '<mark name="n" time="1"/></description>'
     )
-    assert found == Recording(Path("/spoken/sounds/one.wav"), (("m", 0.75), ("n", 1.0)))
+    assert found == Recording(Path("/spoken/sounds/one.wav"), (("m", 0.75), ("n", 1.0)), Path("/spoken"))
 
 
 def test_a_time_that_is_no_number_is_refused():

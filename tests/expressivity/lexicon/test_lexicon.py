@@ -1,3 +1,4 @@
+import os
 from itertools import pairwise
 from pathlib import Path
 
@@ -290,6 +291,20 @@ def test_a_wrong_file_teaches(tmp_path: Path, old, new, message):
     with pytest.raises(ConfigError, match=message) as error:
         Lexicon.load(tmp_path / "own.toml")
     assert "own.toml" in str(error.value)
+
+
+@pytest.mark.parametrize("odd", ["pipe", "link"])
+def test_a_folder_of_gestures_leads_nowhere_else(odd: str, tmp_path: Path):
+    folder = tmp_path / "gestures"
+    folder.mkdir()
+    (folder / "a.toml").touch()
+    (tmp_path / "b.toml").touch()
+    if odd == "pipe":
+        os.mkfifo(folder / "b.toml")
+    else:
+        (folder / "b.toml").symlink_to("../b.toml")
+    with pytest.raises(ConfigError, match=r"b\.toml' is (outside|no ordinary file)"):
+        Lexicon.load(folder)
 
 
 def test_missing_files_and_empty_folders_are_named(tmp_path: Path):
