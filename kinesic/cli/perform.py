@@ -10,7 +10,7 @@ import click
 from kinesic.bml.block import Block
 from kinesic.cli.ending_signals import STOPPED
 from kinesic.cli.options import FAULT, Output, Performers, Planning, TwinOptions
-from kinesic.cli.plain_words import printable
+from kinesic.cli.plain_words import printable, printable_xml
 from kinesic.cli.plan import document_name, is_motion, parse_document, parse_text, plan_motion
 from kinesic.cli.playback import follow_servos, perform_on_servos, play_whole, preview_window, write_live
 from kinesic.cli.progress import Stage, share_of, show_stages
@@ -93,7 +93,7 @@ def say_text(
 ) -> int:
     """Writes BML for a text and performs it; only prints it, if that is wanted."""
     if to == "bml":
-        click.echo(write_bml(text, planning.set_up()), nl=False)
+        click.echo(printable_xml(write_bml(text, planning.set_up())), nl=False)
         return 0
     return perform_file("said", planning, performers, way, output, film, text=text)
 

@@ -10,6 +10,7 @@ from rich.table import Table
 from kinesic.bml.block import Behaviour, Block, BmlError, Speech
 from kinesic.bml.parse import parse
 from kinesic.cli.options import Planning, read_input
+from kinesic.cli.plain_words import printable, printable_xml
 from kinesic.cli.progress import show_stages
 from kinesic.cli.summary import print_notices
 from kinesic.cli.terminal import console, error_console, quote_text
@@ -66,12 +67,12 @@ def _print_bml(file: str, known: Setup) -> int:
     """Prints the BML that is written for a plain text or FML; of BML, what it is."""
     read = read_input(file)
     if file.lower().endswith(TEXT):
-        click.echo(write_bml(read.decode("utf-8", "replace"), known), nl=False)
+        click.echo(printable_xml(write_bml(read.decode("utf-8", "replace"), known)), nl=False)
     elif is_fml(read):
         bml, unshown = write_fml(read, known, source=document_name(file))
-        click.echo(bml, nl=False)
+        click.echo(printable_xml(bml), nl=False)
         for each in unshown:
-            click.echo(f"not shown: {quote_text(each)}", err=True)
+            click.echo(f"not shown: {printable(each)}", err=True)
     else:
         raise BmlError(f"{document_name(file)}: it is BML already, or a motion; --to bml is for FML and plain text")
     return 0

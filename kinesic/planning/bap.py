@@ -111,18 +111,30 @@ def _columns(robot: Robot) -> tuple[_Column, ...]:
     return tuple(sorted(found, key=lambda column: column.number))
 
 
-def write_bap(trajectory: Sampled, robot: Robot, path: Path) -> None:
-    """Writes a motion frame by frame, with the signs of the standard; hinges without a BAP name are left out."""
+def write_bap(trajectory: Sampled, robot: Robot, path: Path, *, called: Path | None = None) -> None:
+    """Writes a motion frame by frame, with the signs of the standard; hinges without a BAP name are left out.
+
+    Args:
+        trajectory: planned or measured.
+        robot: whose it is.
+        path: of the file.
+        called: the path that it will have, whose name stands in it; None: the same.
+    """
     columns = _columns(robot)
     numbers = {column.number for column in columns}
     mask = " ".join("1" if number in numbers else "0" for number in range(1, PARAMETERS + 1))
     count = int(np.ceil(trajectory.duration * RATE)) + 1
     angles = trajectory.sample(np.arange(count) / RATE)[0]
     turned = angles[:, [column.hinge for column in columns]] * [column.sign for column in columns]
-    lines = [f"{VERSION} {_name(path)} {RATE} {count}"]
+    lines = [f"{bap_heading(called or path)}{count}"]
     for frame, row in enumerate(np.rint(turned * PER_RADIAN).astype(int).tolist()):
         lines += [mask, " ".join(str(value) for value in (frame, *row))]
     path.write_text("\n".join(lines) + "\n", encoding="ascii")
+
+
+def bap_heading(path: Path) -> str:
+    """Gives what a file of this name begins with, up to the number of its frames."""
+    return f"{VERSION} {_name(path)} {RATE} "
 
 
 def read_bap(path: Path, robot: Robot) -> BapFrames:

@@ -2,6 +2,7 @@
 
 import csv
 from pathlib import Path
+from zipfile import BadZipFile, ZipFile
 
 import numpy as np
 
@@ -9,9 +10,12 @@ from kinesic.body.command import RATE
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 from kinesic.files.output_file import new_file
-from kinesic.planning.bap import Sampled, write_bap
+from kinesic.planning.bap import Sampled, bap_heading, write_bap
 
 SUFFIXES = (".npz", ".csv", ".bap")
+ARRAYS = ("times", "names", "angles", "speeds", "accelerations")  # of npz
+COLUMN = "time_s"  # first of csv
+HEAD = 512  # [bytes] in which a file says what it is
 
 
 def save_motion(motion: Sampled, robot: Robot, path: Path, *, force: bool) -> Path:
@@ -28,22 +32,59 @@ def save_motion(motion: Sampled, robot: Robot, path: Path, *, force: bool) -> Pa
     """
     check_motion_file(path)
     with new_file(path, force=force) as fresh:
-        write_motion(motion, robot, fresh)
+        write_motion(motion, robot, fresh, called=path)
     return path
 
 
-def write_motion(trajectory: Sampled, robot: Robot, path: Path, *, rate: int = RATE) -> None:
+def replace_motion(motion: Sampled, robot: Robot, path: Path, *, force: bool) -> Path:
+    """Writes a motion as `save_motion` does; one that was written so before is replaced without being forced.
+
+    Raises:
+        ConfigError: as `save_motion`; what is there and no such motion is somebody's.
+    """
+    check_motion_file(path)
+    may_replace = force or is_own_motion(path)
+    if not may_replace and path.is_file() and not path.is_symlink():
+        raise ConfigError(f"{path} is there, and no motion that kinesic wrote; force=True replaces it, or name another")
+    return save_motion(motion, robot, path, force=may_replace)
+
+
+def is_own_motion(path: Path) -> bool:
+    """Says whether a file begins as `write_motion` writes one of its suffix."""
+    if not path.is_file():
+        return False
+    try:
+        if path.suffix == ".npz":
+            with ZipFile(path) as file:
+                return sorted(file.namelist()) == sorted(f"{name}.npy" for name in ARRAYS)
+        with path.open("rb") as file:
+            head = file.read(HEAD).decode("utf-8", "replace")
+    except (OSError, BadZipFile):
+        return False
+    return head.startswith(COLUMN if path.suffix == ".csv" else bap_heading(path))
+
+
+def write_motion(
+    trajectory: Sampled, robot: Robot, path: Path, *, rate: int = RATE, called: Path | None = None
+) -> None:
     """Writes a trajectory, sampled at a rate [Hz]; the suffix names the format.
 
     npz holds `times` [s], `names`, `angles` [rad], `speeds` [rad/s] and `accelerations` [rad/s^2]; csv holds time and
     angles; bap is the MPEG-4 text format at 25 frames/s.
+
+    Args:
+        trajectory: planned or measured.
+        robot: whose it is.
+        path: of the file.
+        rate: [Hz] of npz and csv.
+        called: the path that it will have; bap has its name inside.
 
     Raises:
         ConfigError: the suffix is not known.
     """
     check_motion_file(path)
     if path.suffix == ".bap":
-        write_bap(trajectory, robot, path)
+        write_bap(trajectory, robot, path, called=called)
         return
     times = np.arange(int(np.ceil(trajectory.duration * rate)) + 1) / rate
     angles, speeds, accelerations = trajectory.sample(times)
@@ -55,7 +96,7 @@ def write_motion(trajectory: Sampled, robot: Robot, path: Path, *, rate: int = R
     else:
         with path.open("w", newline="", encoding="utf-8") as file:
             rows = csv.writer(file)
-            rows.writerow(["time_s", *(f"{name}_rad" for name in names)])
+            rows.writerow([COLUMN, *(f"{name}_rad" for name in names)])
             rows.writerows([f"{value:.9g}" for value in (time, *row)] for time, row in zip(times, angles, strict=True))
 
 

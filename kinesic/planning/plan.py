@@ -26,7 +26,7 @@ from kinesic.planning.certify import certify
 from kinesic.planning.clashes import ClashFinder
 from kinesic.planning.clearance import REPAIRS, Conditioner, culprits, keep_clear
 from kinesic.planning.finger_postures import with_finger_keys
-from kinesic.planning.motion_files import save_motion
+from kinesic.planning.motion_files import replace_motion
 from kinesic.planning.postures import Postures, postures
 from kinesic.planning.setup import Setup
 from kinesic.planning.speech import (
@@ -86,13 +86,17 @@ class Plan:
         """
         return self.trajectory.at(self.trajectory.zero + self.syncs[when].planned if isinstance(when, str) else when)
 
-    def save(self, path: str | Path) -> Path:
+    def save(self, path: str | Path, *, force: bool = False) -> Path:
         """Writes the motion; the suffix names the format: .npz, .csv or .bap.
 
+        Args:
+            path: of the file; a motion that was saved there before is replaced.
+            force: whether any other ordinary file may be replaced, too.
+
         Raises:
-            ConfigError: the suffix is not known, or the path is a folder's or a link's.
+            ConfigError: the suffix is not known, or the path is a folder's, a link's or, unless forced, another file's.
         """
-        return save_motion(self.trajectory, self.setup.robot, Path(path), force=True)
+        return replace_motion(self.trajectory, self.setup.robot, Path(path), force=force)
 
     def __str__(self) -> str:
         """One line: what, on which robot, in which manner, how long, and what had to give."""

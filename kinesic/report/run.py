@@ -16,7 +16,7 @@ from kinesic.controller.performance import Performance as DryRun
 from kinesic.controller.servo_performance import ServoRun
 from kinesic.files.output_file import new_file
 from kinesic.files.output_folder import MARKER, check_folder
-from kinesic.planning.motion_files import save_motion
+from kinesic.planning.motion_files import replace_motion
 from kinesic.planning.syncs import Syncs, SyncTime
 from kinesic.report.checks import Check, checks, grade
 from kinesic.report.films import film_processes
@@ -103,13 +103,17 @@ class Performance(DryRun):
             when = self.plan.trajectory.zero + met
         return State(*(sealed(row[0]) for row in self.motion.sample(np.array([when]))))
 
-    def save(self, path: str | Path) -> Path:
+    def save(self, path: str | Path, *, force: bool = False) -> Path:
         """Writes what was measured; the suffix names the format: .npz, .csv or .bap.
 
+        Args:
+            path: of the file; a motion that was saved there before is replaced.
+            force: whether any other ordinary file may be replaced, too.
+
         Raises:
-            ConfigError: the suffix is not known, or the path is a folder's or a link's.
+            ConfigError: the suffix is not known, or the path is a folder's, a link's or, unless forced, another file's.
         """
-        return save_motion(self.motion, self.plan.setup.robot, Path(path), force=True)
+        return replace_motion(self.motion, self.plan.setup.robot, Path(path), force=force)
 
     def report(self, folder: str | Path, *, film: bool = True) -> Written:
         """Writes report.html, report.json and what belongs to them; an earlier report in the folder is replaced.

@@ -18,6 +18,7 @@ FILE_VERBS = {
     "plan.npz": ("plan", "nowhere.bml"),
     "plan.csv": ("plan", "nowhere.bml"),
     "plan.bap": ("plan", "nowhere.bml"),
+    "plan.glb": ("plan", "nowhere.bml"),
     "face.png": ("face", "--bml", "nowhere.bml"),
     "sheet.png": ("face", "--sheet"),
     "gesture.png": ("gestures", "render", "nowhere"),

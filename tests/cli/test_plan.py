@@ -2,6 +2,7 @@
 
 import re
 from pathlib import Path
+from xml.etree import ElementTree
 
 BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 TALK = BLOCK.format(
@@ -57,6 +58,24 @@ def test_a_stroke_on_a_word_says_when_the_hand_is_fastest(kinesic):
     median = float(re.search(r"hands are fastest ([\d.]+) s from their words \(median, strokes: 1\)", words)[1])
     assert abs(abs(stroke - fastest) - median) < 0.011
     assert "fastest" not in kinesic("plan", "-", stdin=TALK).out
+
+
+def test_a_terminal_obeys_nothing_of_what_is_printed_as_bml(kinesic, tmp_path):
+    odd = "A\u009b2J\u202e\u0085B"
+    fml = (
+        f'<fml-apml><bml id="b"><head id="h" lexeme="NOD" x="{odd}"/><speech id="s"><tm id="a"/>{odd}</speech></bml>'
+        f'<fml><no type="{odd}" start="s:a"/></fml></fml-apml>'
+    )
+    (tmp_path / "odd.txt").write_text(odd)
+    ended = kinesic("plan", "-", "--to", "bml", stdin=fml.encode())
+    assert (ended.code, ended.out.count("A&#155;2J&#8238;&#133;B")) == (0, 2)
+    assert r"not shown: no-A\x9b2J\u202e\x85B" in ended.err
+    tree = ElementTree.fromstring(ended.out)
+    assert [tree.find("head").get("x"), "".join(tree.find("speech").itertext()).strip()] == [odd, odd]
+    others = [kinesic("plan", "odd.txt", "--to", "bml"), kinesic("say", odd, "--to", "bml")]
+    for each in (ended, *others):
+        assert each.code == 0, each.err
+        assert all(letter.isprintable() or letter == "\n" for letter in each.out + each.err)
 
 
 def test_fml_is_printed_as_bml_with_what_nothing_shows(kinesic):
