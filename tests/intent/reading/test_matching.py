@@ -1,0 +1,26 @@
+import random
+
+from kinesic.intent.reading.language import load_language
+from kinesic.intent.reading.matching import find_rules
+from kinesic.intent.reading.words import read_text
+
+
+def test_of_words_that_mean_the_same_the_outermost_are_found() -> None:
+    language = load_language()
+    chance = random.Random(1)
+    rules = [" ".join(words) for words in language.rules]
+    for _ in range(200):
+        passage = read_text(" ".join(chance.choices(rules, k=12)), language)
+        found = find_rules(passage, language)
+        assert list(found) == sorted(found, key=lambda each: (each.first, each.last))
+        spans = {(each.rule.intent, each.first, each.last) for each in found}
+        for intent, first, last in spans:
+            around = [each for each in spans - {(intent, first, last)} if each[0] == intent]
+            assert not [each for each in around if each[1] <= first and last <= each[2]]
+
+
+def test_words_of_one_meaning_stay_in_those_of_another() -> None:
+    language = load_language()
+    passage = read_text("Thank you so much, my friend.", language)
+    spans = {(each.first, each.last) for each in find_rules(passage, language)}
+    assert len(spans) > 1
