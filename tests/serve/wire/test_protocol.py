@@ -38,6 +38,7 @@ def test_blanks_between_messages_are_no_messages():
     assert frames.feed(b" \n<a/>\0\n\0 \0<b/>") == [b"<a/>"]
     assert frames.is_midway
     assert frames.feed(b"\0\n") == [b"<b/>"]
+    assert [*frames.feed(b"<c"), *frames.feed(b" d/>\0")] == [b"<c d/>"]
     assert not frames.is_midway
 
 

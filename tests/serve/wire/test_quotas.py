@@ -1,9 +1,11 @@
+import re
+from pathlib import Path
 from xml.etree.ElementTree import fromstring
 
 import pytest
 
 from kinesic.serve.wire import quotas
-from kinesic.serve.wire.quotas import Quotas, TokenBucket, quota_feedback
+from kinesic.serve.wire.quotas import USUAL, Quotas, TokenBucket, quota_feedback
 
 
 @pytest.mark.parametrize(
@@ -12,6 +14,14 @@ from kinesic.serve.wire.quotas import Quotas, TokenBucket, quota_feedback
 def test_a_rule_that_forbids_everything_is_refused(name):
     with pytest.raises(ValueError, match=f"{name} is 0, must be above 0"):
         Quotas(**{name: 0})
+
+
+def test_the_usual_limits_are_those_of_the_documentation():
+    page = (Path(__file__).parents[3] / "docs" / "serve.md").read_text(encoding="utf-8")
+    rows = dict(re.findall(r"^\| `(\w+)`(?:, `burst`)? \| ([\d ]*\d)", page, re.MULTILINE))
+    told = {name: float(figure.replace(" ", "")) for name, figure in rows.items() if hasattr(USUAL, name)}
+    assert told.keys() >= {"message", "depth", "duration", "rate", "waiting", "clients", "unread"}
+    assert told == {name: getattr(USUAL, name) for name in told}
 
 
 def test_a_bucket_lets_a_burst_through_and_then_the_rate(monkeypatch):
