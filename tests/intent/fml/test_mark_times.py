@@ -3,6 +3,7 @@ import pytest
 from kinesic.bml.reading.document import read_document
 from kinesic.intent.fml.intentions import read_intentions
 from kinesic.intent.fml.mark_times import estimate_mark_times
+from kinesic.intent.reading.passage import SYLLABLE
 
 BLOCK = """<fml-apml><bml><speech id="a" start="2"><tm id="m"/>One <tm id="n"/>two</speech>
 <speech id="b"><tm id="m"/>three</speech><speech id="c" start="a:n + 0.5"/></bml>
@@ -16,6 +17,8 @@ def test_speeches_begin_where_they_say_or_behind_one_another():
     assert times["a:m"] == times["a:start"] == 2.0
     assert 2.0 < times["a:n"] < times["a:end"] == times["b:m"] < times["b:end"]
     assert times["c:start"] == pytest.approx(times["a:n"] + 0.5)
+    longer = estimate_mark_times(read_document(BLOCK.replace("One", "Banana"), source="b").bml).times
+    assert longer["a:n"] - times["a:n"] == pytest.approx(2 * SYLLABLE)
     assert marks.moment("a:none") is None
     assert marks.moment("1200").seconds == 1200.0
     assert marks.moment("1200.01") is marks.moment("a:m+1198.01") is None

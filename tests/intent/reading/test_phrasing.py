@@ -62,3 +62,11 @@ def test_a_weak_word_leaves_its_stroke_to_the_next_content_word():
     words = [word.plain for word in passage.words]
     assert stressed_near(passage, words.index("you")) == words.index("garden")
     assert stressed_near(passage, words.index("takes")) == words.index("takes")
+
+
+@pytest.mark.parametrize(("weak", "stressed"), [("you", "river"), ("from", "garden"), ("it", "garden")])
+def test_a_weak_word_far_from_the_next_leaves_its_stroke_to_the_nearest(weak, stressed):
+    passage = read_text("The river to you of me from it to the garden", load_language())
+    words = [word.plain for word in passage.words]
+    assert len(passage.phrases) == 1
+    assert words[stressed_near(passage, words.index(weak))] == stressed
