@@ -24,11 +24,13 @@ def growth(work: Callable[[T], object], make: Callable[[int], T], *, size: int =
     while _seconds(work, make(size)) < ENOUGH and size < most:
         size *= 2
     small, large = make(size), make(2 * size)
-    pairs = [(_seconds(work, small), _seconds(work, large)) for _ in range(ROUNDS)]
-    return min(large for _, large in pairs) / max(min(small for small, _ in pairs), 1e-6)
+    times = 1 + int(ENOUGH / max(_seconds(work, small), ENOUGH / 100))
+    pairs = [(_seconds(work, small, times), _seconds(work, large, times)) for _ in range(ROUNDS)]
+    return min(large for _, large in pairs) / min(small for small, _ in pairs)
 
 
-def _seconds(work: Callable[[T], object], given: T) -> float:
+def _seconds(work: Callable[[T], object], given: T, times: int = 1) -> float:
     began = process_time()
-    work(given)
+    for _ in range(times):
+        work(given)
     return process_time() - began

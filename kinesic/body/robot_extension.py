@@ -8,8 +8,7 @@ Tables take further keys. Exclusions add up, and buses, where any are described,
 from collections.abc import Mapping
 from pathlib import Path
 
-from kinesic.body.config import ConfigError, T, fit_schema, locate, names_of, read_tables, suggestion
-from kinesic.body.named_file import check_inside
+from kinesic.body.config import ConfigError, T, check_inside, fit_schema, locate, names_of, read_tables, suggestion
 
 DEEPEST = 8  # robots that extend one another
 

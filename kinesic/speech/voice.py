@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesic.body.choices import VoiceName
-from kinesic.body.config import ConfigError
-from kinesic.body.named_file import check_inside
+from kinesic.body.config import ConfigError, check_inside
 from kinesic.body.utterance import Phoneme, Recording, Script, Sound, Utterance, Voice
 from kinesic.speech.durations import DurationModel
 from kinesic.speech.espeak import Espeak

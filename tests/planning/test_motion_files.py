@@ -6,7 +6,7 @@ import pytest
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 from kinesic.planning.bap import NUMBERS, PARAMETERS
-from kinesic.planning.motion_files import write_motion
+from kinesic.planning.motion_files import replace_motion, save_motion, write_motion
 
 ROBOT = Robot.load()
 
@@ -57,3 +57,27 @@ def test_numbers_of_the_standard():
 def test_an_unknown_suffix_names_the_known_ones(motion, tmp_path):
     with pytest.raises(ConfigError, match=r"m\.txt.*\.npz, \.csv, \.bap"):
         write_motion(motion, ROBOT, tmp_path / "m.txt")
+
+
+@pytest.mark.parametrize("ending", ["csv", "npz", "bap"])
+def test_only_what_was_written_so_before_is_replaced_unforced(ending: str, motion, tmp_path):
+    path = tmp_path / f"m.{ending}"
+    for somebodys in (b"dear", b"", b"PK\3\4", b"3.2 other 25 1\n", b"time,x\n", b"\xff"):
+        path.write_bytes(somebodys)
+        with pytest.raises(ConfigError, match=r"no motion that kinesic wrote; force=True replaces it"):
+            replace_motion(motion, ROBOT, path, force=False)
+        assert path.read_bytes() == somebodys
+    for force in (True, False):
+        assert replace_motion(motion, ROBOT, path, force=force) == path
+    other = save_motion(motion, ROBOT, tmp_path / f"n.{ending}", force=False)
+    assert replace_motion(motion, ROBOT, other, force=False) == other
+
+
+def test_an_archive_of_other_arrays_stays(motion, tmp_path):
+    np.savez(tmp_path / "m.npz", times=[1.0])
+    with pytest.raises(ConfigError, match="no motion"):
+        replace_motion(motion, ROBOT, tmp_path / "m.npz", force=False)
+
+
+def test_a_bap_file_has_its_own_name_inside(motion, tmp_path):
+    assert save_motion(motion, ROBOT, tmp_path / "wave.bap", force=False).read_text().startswith("3.2 wave 25 26\n")

@@ -10,8 +10,7 @@ import msgspec
 import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.body.config import ConfigError, read_toml, suggestion
-from kinesic.body.named_file import check_inside
+from kinesic.body.config import ConfigError, check_inside, read_toml, suggestion
 from kinesic.body.robot import Side
 from kinesic.expressivity.keyframes import Touch
 from kinesic.expressivity.lexicon.body_table import PLAIN_TABLE, Bodies, BodyTable, body_form, overlay_table
