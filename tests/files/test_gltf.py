@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from kinesic.files.gltf import GltfFile
+from kinesic.files.gltf import COMPONENTS, GltfFile
 
 
 def read(path: Path) -> tuple[dict, bytes]:
@@ -69,3 +69,7 @@ def test_nodes_are_shown_and_completed(file: GltfFile, tmp_path: Path):
     tables, _ = read(tmp_path / "x.glb")
     assert tables["nodes"] == [{"name": "a", "children": [1]}, {"name": "b"}]
     assert tables["scenes"][tables["scene"]]["nodes"] == [0]
+
+
+def test_numbers_have_the_codes_of_the_standard():
+    assert COMPONENTS == {"u1": 5121, "u2": 5123, "u4": 5125, "f4": 5126}

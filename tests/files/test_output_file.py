@@ -139,3 +139,20 @@ def test_adding_goes_on_where_the_file_ended_and_never_through_a_link(tmp_path: 
     (tmp_path / "link").symlink_to("log")
     with pytest.raises(OSError, match="link"):
         open_to_add(tmp_path / "link")
+
+
+def test_nothing_is_replaced_unless_that_is_asked_for(tmp_path: Path):
+    path = tmp_path / "mine"
+    path.write_text("dear")
+    for write in (check_file, lambda path: write_text(path, "new")):
+        with pytest.raises(ConfigError, match="exists already"):
+            write(path)
+    with pytest.raises(ConfigError, match="exists already"), new_file(path):
+        pass
+    assert path.read_text() == "dear"
+
+
+def test_what_is_added_to_is_made_as_any_file(tmp_path: Path):
+    open_to_add(tmp_path / "log").close()
+    (tmp_path / "any").touch()
+    assert (tmp_path / "log").stat().st_mode == (tmp_path / "any").stat().st_mode

@@ -235,3 +235,13 @@ def test_a_folder_above_that_becomes_a_link_meanwhile_leads_nowhere(made: Path, 
         made.parent.symlink_to("mine")
     assert (mine / "letter").read_text() == "dear"
     assert os.listdir(tmp_path / "away" / "demo") == [MARKER]
+
+
+def test_no_folder_is_replaced_unless_that_is_asked_for(tmp_path: Path):
+    with new_folder(tmp_path / "mine") as fresh:
+        (fresh / "letter").write_text("dear")
+    with pytest.raises(ConfigError, match="exists already; --force"):
+        check_folder(tmp_path / "mine")
+    with pytest.raises(ConfigError, match="exists already; --force"), new_folder(tmp_path / "mine"):
+        pass
+    assert (tmp_path / "mine" / "letter").read_text() == "dear"
