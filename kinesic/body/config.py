@@ -14,6 +14,8 @@ from typing import TypeVar, get_args
 
 import msgspec
 
+from kinesic.body.toml_scan import find_excess
+
 CONFIGS = Path(__file__).resolve().parent.parent / "configs"
 
 LARGEST = 4_000_000  # [bytes]
@@ -54,10 +56,10 @@ def read_tables(path: Path) -> dict[str, object]:
         raise ConfigError(f"{path}: no such file") from None
     except OSError as error:
         raise ConfigError(f"{path}: {error.strerror}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except ConfigError:
+        raise
+    except ValueError as error:
         raise ConfigError(f"{path}: not TOML: {error}") from None
-    except RecursionError:
-        raise ConfigError(f"{path}: not TOML: tables or lists are too deep inside one another") from None
     for place, value in odd:
         raise ConfigError(f"{path}: {place} is {value}, must be a finite number")
     return data
@@ -132,7 +134,13 @@ def suggestion(word: str, known: Iterator[str] | list[str] | tuple[str, ...]) ->
 
 @lru_cache(maxsize=16)
 def _parsed(text: str) -> tuple[dict[str, object], list[tuple[str, float]]]:
-    """The tree of a TOML text, and its numbers that are not finite, with their places; robots share many files."""
+    """The tree of a TOML text, and its numbers that are not finite, with their places; robots share many files.
+
+    Raises:
+        ValueError: it is not TOML, or more than any file needs; also of whole numbers with thousands of digits.
+    """
+    if excess := find_excess(text):
+        raise ValueError(excess)
     data = tomllib.loads(text)
     return data, [(place, value) for place, value in _numbers(data, "$") if not math.isfinite(value)]
 

@@ -42,12 +42,12 @@ def read_description(path: Path, *, calibrated: bool = True) -> Description:
         ConfigError: a file is missing or wrong.
     """
     file = read_robot(path, RobotFile)
-    _check_size(path, file)
+    _check_whole(path, file)
     return robot_from_tables(file, path, read_calibration(path, file.robot.name) if calibrated else NONE)
 
 
-def _check_size(path: Path, file: RobotFile) -> None:
-    """Refuses more than any robot has, which would keep the machine busy for hours."""
+def _check_whole(path: Path, file: RobotFile) -> None:
+    """Refuses more than any robot has, which would keep the machine busy for hours, and a clearance that is none."""
     capsules = sum(len(body.capsules) for body in file.body)
     counts = (
         ("bodies", len(file.body), 500),
@@ -57,6 +57,9 @@ def _check_size(path: Path, file: RobotFile) -> None:
     for what, count, most in counts:
         if count > most:
             raise ConfigError(f"{path}: {count} {what}, at most {most} are taken")
+    if file.collision.clearance < 0.0:
+        what = f"{path}: [collision] clearance is {file.collision.clearance:g} m, and segments would meet"
+        raise ConfigError(f"{what}; it must be 0 or more, such as 0.01")
 
 
 def robot_from_tables(file: RobotFile, path: Path, calibration: Calibration = NONE) -> Description:

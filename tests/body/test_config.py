@@ -1,5 +1,6 @@
 import os
 from pathlib import Path
+from time import process_time
 
 import msgspec
 import pytest
@@ -92,7 +93,7 @@ def test_a_file_without_end_is_refused(tmp_path: Path):
 def test_lists_inside_one_another_without_end_are_refused(tmp_path: Path, text: str):
     path = tmp_path / "deep.toml"
     path.write_text(text)
-    with pytest.raises(ConfigError, match=r"deep\.toml: not TOML: .*too deep"):
+    with pytest.raises(ConfigError, match=r"deep\.toml: not TOML: in line 1 more than 32 lists"):
         read_toml(path, msgspec.Struct)
 
 
@@ -133,3 +134,19 @@ def test_nothing_but_an_ordinary_file(folder: Path, name: str, why: str) -> None
 def test_a_folder_may_be_reached_by_a_link(folder: Path) -> None:
     (folder.parent / "linked").symlink_to(folder)
     check_inside(folder.parent / "linked", folder.parent / "linked" / "own")
+
+
+def test_a_whole_number_of_thousands_of_digits_is_refused(tmp_path: Path):
+    path = tmp_path / "digits.toml"
+    path.write_text("a = " + "1" * 5000)
+    with pytest.raises(ConfigError, match=r"digits\.toml: not TOML: .*digits"):
+        read_toml(path, msgspec.Struct)
+
+
+def test_a_key_without_end_is_refused_before_it_is_parsed(tmp_path: Path):
+    path = tmp_path / "dotted.toml"
+    path.write_text(".".join(["a"] * 450_000) + " = 1")  # parsing it takes minutes
+    began = process_time()
+    with pytest.raises(ConfigError, match=r"dotted\.toml: not TOML: a key in line 1 has more than 32 parts"):
+        read_toml(path, msgspec.Struct)
+    assert process_time() - began < 1.0

@@ -28,6 +28,7 @@ def changed(tmp_path: Path):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
+        ("clearance = 0.010", "clearance = -5.0", r"\[collision\] clearance is -5 m.*must be 0 or more"),
         ("[collision]\nclearance", "[collision]\nclearence", r"`clearence`.*did you mean clearance\?"),
         ("range_deg = [0, 135]", "range = [0, 135]", r"`range`.*did you mean range_deg\?"),
         ("range_deg = [0, 135]", "range_deg = [135, 0]", r"l_elbow_flexion: range_deg is \[135\.0, 0\.0\]"),

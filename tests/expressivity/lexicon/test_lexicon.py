@@ -278,6 +278,7 @@ def test_gestures_of_the_user_come_first(tmp_path: Path):
         ('"beat"', '"beet"', "beet"),
         ("in up", "inn", r"gesture own: inn is no direction; did you mean in\?"),
         ("in up", "in out", r"gesture own: 'in out' points nowhere"),
+        ('"XC"', "1e308", r"gesture own: a hand is 1e\+308 arm lengths outward, outside \[-5, 5\]"),
         ("XC", "XD", r"gesture own: XD is no sector of x; known: XEP"),
         ("{ both = { at = [0.3, 0.2, 0.5] } }", "{}", r"gesture own: a key without hands"),
         ("{ both =", "{ left = { at = [0.3, 0, 0.5] }, both =", r"gesture own: a key has both and a single hand"),
