@@ -14,11 +14,22 @@ from typing import TypeVar, get_args
 
 import msgspec
 
-from kinesic.body.toml_scan import find_excess
-
 CONFIGS = Path(__file__).resolve().parent.parent / "configs"
 
 LARGEST = 4_000_000  # [bytes]
+MOST_PARTS = 32  # of a dotted key
+MOST_NESTED = 32  # lists and tables inside one another
+
+_PART = r"""(?:"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+'|[\w+-]++)"""  # of a key, or a value
+_DOT = r"[ \t]*+\.[ \t]*+"
+_BASIC = r"""\"{3}(?:[^"\\]|\\.?|"{1,2}(?!"))*+(?:"{3,5}|\Z)"""  # strings of several lines
+_LITERAL = r"""'{3}(?:[^']|'{1,2}(?!'))*+(?:'{3,5}|\Z)"""
+_DEEP = rf"(?P<deep>{_PART}(?:{_DOT}{_PART}){{{MOST_PARTS}}})"
+_REST = r"""[^\w+"'#\[\]{}-]++|."""
+_TOKENS = re.compile(
+    rf"{_BASIC}|{_LITERAL}|{_DEEP}|{_PART}(?:{_DOT}{_PART})*+|\#[^\n]*+|(?P<open>[\[{{])|(?P<close>[\]}}])|{_REST}",
+    re.DOTALL,
+)
 
 T = TypeVar("T")
 
@@ -51,18 +62,55 @@ def read_tables(path: Path) -> dict[str, object]:
             raw = file.read(LARGEST + 1)
         if len(raw) > LARGEST:
             raise ConfigError(f"{path}: more than {LARGEST // 1_000_000} MB; such a file has some kB")
-        data, odd = _parsed(raw.decode("utf-8"))
+        return parse_tables(raw.decode("utf-8"), path)
     except FileNotFoundError:
         raise ConfigError(f"{path}: no such file") from None
     except OSError as error:
         raise ConfigError(f"{path}: {error.strerror}") from None
-    except ConfigError:
-        raise
+    except UnicodeDecodeError as error:
+        raise ConfigError(f"{path}: not TOML: {error}") from None
+
+
+def parse_tables(text: str, path: Path) -> dict[str, object]:
+    """Reads the tables of a TOML text as they stand there.
+
+    Args:
+        text: of a file.
+        path: of the file, for messages.
+
+    Raises:
+        ConfigError: it is not TOML, or has numbers that are not finite.
+    """
+    try:
+        data, odd = _parsed(text)
     except ValueError as error:
         raise ConfigError(f"{path}: not TOML: {error}") from None
     for place, value in odd:
         raise ConfigError(f"{path}: {place} is {value}, must be a finite number")
     return data
+
+
+def find_excess(text: str) -> str:
+    """Says what of a TOML text is too much to be parsed, and where; nothing when it may be parsed.
+
+    The time of the parser grows with the square of the parts of a dotted key, and it calls itself for every nesting.
+    """
+    nested = 0
+    for token in _TOKENS.finditer(text):
+        match token.lastgroup:
+            case "open":
+                nested += 1
+                if nested > MOST_NESTED:
+                    return f"in {_line(text, token)} more than {MOST_NESTED} lists or tables are inside one another"
+            case "close":
+                nested -= 1
+            case "deep":
+                return f"a key in {_line(text, token)} has more than {MOST_PARTS} parts; a.b.c has three"
+    return ""
+
+
+def _line(text: str, token: re.Match[str]) -> str:
+    return f"line {text.count(chr(10), 0, token.start()) + 1}"
 
 
 def fit_schema(data: object, schema: type[T], path: Path) -> T:
