@@ -3,11 +3,15 @@
 import multiprocessing
 import os
 from collections.abc import Callable
-from multiprocessing.connection import Connection
+from multiprocessing.connection import Connection, wait
 from multiprocessing.context import ForkServerContext, SpawnContext
+from multiprocessing.process import parent_process
+from threading import Thread
 from typing import TypeVarTuple
 
 SLOW = ("scipy.interpolate", "scipy.optimize", "scipy.spatial.transform")  # to import, and all that plans needs them
+
+ORPHANED = 1  # the exit code of a child whose parent has gone
 
 Arguments = TypeVarTuple("Arguments")
 
@@ -63,13 +67,26 @@ class Child:
         self._process.join(seconds)
         return self._process.exitcode
 
-    def kill(self) -> None:
-        """Ends it at once, and waits until it has."""
+    def kill(self, *, wait: bool = True) -> None:
+        """Ends it at once.
+
+        Args:
+            wait: until it has ended, which takes some milliseconds.
+        """
         self._process.kill()
-        self._process.join()
+        if wait:
+            self._process.join()
 
 
 def _work_apart(work: Callable[[*Arguments], None], *arguments: *Arguments) -> None:
-    """Works in a group of its own, which no terminal signals."""
+    """Works in a group of its own, which no terminal signals, and ends with its parent whatever it is doing."""
     os.setpgid(0, 0)
+    Thread(target=_end_with_parent, name="end with parent", daemon=True).start()
     work(*arguments)
+
+
+def _end_with_parent() -> None:
+    parent = parent_process()
+    if parent is not None:
+        wait([parent.sentinel])
+        os._exit(ORPHANED)  # not by an exception: the work is another thread's

@@ -2,6 +2,9 @@
 
 import os
 import signal
+import subprocess
+import sys
+import time
 from multiprocessing.connection import Connection
 
 import pytest
@@ -52,3 +55,37 @@ def test_a_child_that_is_killed_closes_its_end_of_the_pipe():
         ours.recv()
     assert child.wait() == -signal.SIGKILL
     child.kill()  # once more does no harm
+
+
+ORPHAN = """
+import os, time
+from kinesic.child import Child, child_context
+
+def set_up_for_ever(line):
+    line.send(os.getpid())
+    while True:
+        sum(range(1000))
+
+if __name__ == "__main__":
+    context = child_context()
+    ours, theirs = context.Pipe()
+    child = Child(context, set_up_for_ever, theirs)
+    print(ours.recv(), flush=True)
+    time.sleep(600.0)
+"""
+
+
+def test_a_child_that_is_busy_ends_with_a_parent_that_is_killed(tmp_path):
+    script = tmp_path / "parent.py"
+    script.write_text(ORPHAN)
+    with subprocess.Popen([sys.executable, str(script)], stdout=subprocess.PIPE, text=True) as parent:
+        child = int(parent.stdout.readline())
+        parent.kill()
+    for _ in range(200):
+        try:
+            os.kill(child, 0)
+        except ProcessLookupError:
+            return
+        time.sleep(0.05)
+    os.kill(child, signal.SIGKILL)
+    pytest.fail("it goes on alone")
