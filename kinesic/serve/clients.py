@@ -7,7 +7,7 @@ from itertools import count
 
 from kinesic.bml.block import NoticeType
 from kinesic.realizer.request import Message
-from kinesic.serve.desk.desk import Asker
+from kinesic.serve.desk.asker import Asker
 from kinesic.serve.messages import Restyling
 from kinesic.serve.queues import OutputQueue
 from kinesic.serve.session import Session
@@ -101,7 +101,7 @@ class ClientRegistry:
             bucket=TokenBucket(rate, burst),
             questions=TokenBucket(DRAGGED * rate, DRAGGED * burst),
             excess=TokenBucket(rate, EXCESS * burst),
-            output=OutputQueue(self.rules.unread),
+            output=OutputQueue(self.rules.unread, self.rules.unread_bytes),
             movable=movable,
         )
         self._clients[client.number] = client

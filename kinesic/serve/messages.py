@@ -82,7 +82,12 @@ class Resumption:
     stops: int
 
 
-ClientRequest = DocumentRequest | Interruption | Restyling | Resumption
+@dataclass(frozen=True)
+class Renewal:
+    """To the planner: read anew which gestures are known."""
+
+
+ClientRequest = DocumentRequest | Interruption | Restyling | Resumption | Renewal
 
 
 @dataclass(frozen=True, eq=False)

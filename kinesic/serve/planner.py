@@ -3,12 +3,13 @@
 import traceback
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from math import isfinite
 from multiprocessing.connection import Connection, wait
 
 from kinesic.bml.block import BmlError, Bounds
 from kinesic.body.config import ConfigError
-from kinesic.expressivity.style.style import Style
+from kinesic.expressivity.style.style import Style, style_preset
 from kinesic.planning.setup import Setup
 from kinesic.realizer.contention import with_engaged_hands
 from kinesic.realizer.realizer import (
@@ -35,11 +36,13 @@ from kinesic.serve.messages import (
     PlannerReady,
     Proposal,
     ProposalVerdict,
+    Renewal,
     RequestDone,
     Restyling,
     Resumption,
 )
 from kinesic.serve.refiner import RefinedPlan, RefinementJob, pack, unpack
+from kinesic.serve.renewal import renew_setup
 from kinesic.serve.tracks import Track, Version, make_track, track_version
 from kinesic.serve.warm_up import warm_up
 from kinesic.serve.wire.protocol import json_answer
@@ -84,7 +87,8 @@ def run_planner(
     try:
         setup = make_setup()
         warm_up(setup, properties.accompaniment)
-        planning = PlannerState(setup, loop, refiner, properties, beginning=requests.recv(), rules=rules)
+        renewed = partial(renew_setup, make_setup)
+        planning = PlannerState(setup, renewed, loop, refiner, properties, beginning=requests.recv(), rules=rules)
         loop.send(PlannerReady())
         while True:
             pending = wait([requests, loop, refiner], planning.pause)
@@ -108,6 +112,7 @@ class PlannerState:
     def __init__(
         self,
         setup: Setup,
+        renewed: Callable[[Setup], Setup],
         loop: Connection,
         refiner: Connection,
         properties: LoopProperties,
@@ -119,6 +124,7 @@ class PlannerState:
         self._loop, self._refiner, self._clock, self._rules = loop, refiner, properties.clock, rules
         self._bounds = Bounds(rules.message, rules.depth)
         self._stops, self._took = beginning.stops, 0.0
+        self._renewed, self._renewals = renewed, 0  # how gestures are read anew, and how often they were
         self._accompaniment = properties.accompaniment
         self._versions = dict[str, Version]()  # of the tracks that the loop has
         self._refining = False  # whether the refiner is at work
@@ -156,6 +162,9 @@ class PlannerState:
                 self._propose(lambda scene, now: interrupt(scene, now, block))
             case Restyling():
                 self._restyle(request)
+            case Renewal():
+                self._scene = replace(self._scene, setup=self._renewed(self._scene.setup))
+                self._renewals += 1
             case Resumption(stops) if stops == self._stops:
                 self._propose(_resume)
 
@@ -165,7 +174,7 @@ class PlannerState:
             return
         first, *others = self._scene.replans
         self._scene = replace(self._scene, replans=tuple(others))
-        self._refiner.send_bytes(pack(RefinementJob(first, self._scene.setup.style)))
+        self._refiner.send_bytes(pack(RefinementJob(first, self._scene.setup.style, self._renewals)))
         self._refining = True
 
     def improve(self, data: bytes) -> None:
@@ -227,7 +236,7 @@ class PlannerState:
         try:
             style: Style | str | None = request.style
             if request.block is None and (request.style or request.changes):
-                base = Style.load(request.style) if request.style else self._scene.setup.style
+                base = style_preset(request.style) if request.style else self._scene.setup.style
                 style = base.changed(request.changes)
             self._propose(
                 lambda scene, now: change_manner(scene, now, style=style, amount=request.amount, block=request.block)

@@ -9,6 +9,7 @@ from asyncio import TimerHandle, get_running_loop
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from multiprocessing.connection import Connection
 from multiprocessing.context import ForkServerContext, SpawnContext
 
@@ -17,7 +18,7 @@ from kinesic.controller import perform
 from kinesic.planning.setup import Setup
 from kinesic.serve import planner, refiner
 from kinesic.serve.loop import Loop
-from kinesic.serve.messages import ClientRequest, DocumentRequest, PlannerReady, RequestDone
+from kinesic.serve.messages import ClientRequest, DocumentRequest, PlannerReady, Renewal, RequestDone
 from kinesic.serve.wire.quotas import Quotas
 
 PIPE = 1 << 20  # [bytes] that anybody may have a pipe keep
@@ -32,11 +33,12 @@ class PlannerProcess:
     requests: Connection
     loop: Connection  # for the loop
     refiner: Connection  # for a refiner
+    renewals: int  # how often gestures had been read anew when it began
 
     def end(self) -> None:
         """Ends it at once, in whatever state it is."""
         self.requests.close()
-        self.child.kill()
+        self.child.kill(wait=False)
 
 
 class Planner:
@@ -71,8 +73,7 @@ class Planner:
         self.warm = False
         self.deaths = 0  # so far
         self.failed = False  # it cannot even be started
-        self._outdated = False  # whether it knows less than it could
-        self._replaced = False  # whether it is ended on purpose
+        self._renewals = 0  # how often gestures were to be read anew
 
     @property
     def free(self) -> bool:
@@ -105,7 +106,7 @@ class Planner:
         from_planner, to_refiner = context.Pipe()
         given = (self._make_setup, requests, to_loop, to_refiner, self._loop.properties, self._rules)
         child = Child(context, planner.run_planner, *given, name="planner")
-        return PlannerProcess(child, to_requests, to_planner, from_planner)
+        return PlannerProcess(child, to_requests, to_planner, from_planner, self._renewals)
 
     def _context(self) -> ForkServerContext | SpawnContext:
         """How processes begin: with nothing of the server's threads."""
@@ -115,10 +116,15 @@ class Planner:
         """Has it fulfil a request; only while it is free."""
         if self._working is None or not self.free:
             raise RuntimeError("the planner is at work: send when it is free")
+        self._renewals += isinstance(request, Renewal)
+        self._give(self._working, request)
+
+    def _give(self, working: PlannerProcess, request: ClientRequest) -> None:
         self._present = request
-        self._watch = get_running_loop().call_later(self._rules.planning, self._working.child.kill)
+        end = partial(working.child.kill, wait=False)
+        self._watch = get_running_loop().call_later(self._rules.planning, end)
         with suppress(OSError):  # it has died, as the loop will find out
-            self._working.requests.send(request)
+            working.requests.send(request)
 
     def receive(self, news: PlannerReady | RequestDone | None) -> None:
         """Takes what it says to the server; None: it has died."""
@@ -130,43 +136,35 @@ class Planner:
                 self.warm, self._cold_deaths = True, 0
                 if self._spare is None:
                     self._spare = self._begin()
-                if self._outdated:
-                    self.renew()
+                if self._working is not None and self._working.renewals < self._renewals:
+                    self._give(self._working, Renewal())
                 self._idle()
             case RequestDone():
                 self._idle()
             case None:
                 self._cold_deaths += not self.warm
-                self.deaths += not self._replaced
-                self.warm = self._replaced = False
+                self.deaths += 1
+                self.warm = False
                 self._end_working()
                 self.failed = self._cold_deaths >= COLD_DEATHS
                 self._lost(present)
                 if not self.failed:
                     self.start()
 
-    def renew(self) -> None:
-        """Has a planner take over that makes its setup anew, once the present one is warm; what plays goes on."""
-        self._outdated = True
-        if not self.warm or self._working is None:
-            return  # when it is warm
-        self._outdated, self._replaced = False, True
-        if self._spare is not None:
-            self._spare.end()
-        self._spare = self._begin()
-        self._working.child.kill()
-
     def close(self) -> None:
-        """Ends the processes."""
+        """Ends the processes, and waits until they have."""
         self._end_working()
         if self._spare is not None:
             self._spare.end()
+        for each in (self._working, self._spare):
+            if each is not None:
+                each.child.wait()
 
     def _end_working(self) -> None:
         if self._working is not None:
             self._working.end()
         if self._refiner is not None:
-            self._refiner.kill()
+            self._refiner.kill(wait=False)
 
 
 def _widen(pipe: Connection) -> None:

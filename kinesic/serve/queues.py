@@ -5,6 +5,7 @@ So nobody waits behind somebody else's heap, and a slow reader costs nobody else
 
 from asyncio import Event
 from collections import deque
+from sys import getsizeof
 
 from kinesic.bml.block import Notice, NoticeType
 from kinesic.bml.feedback import warning
@@ -57,9 +58,10 @@ class FairQueue:
 class OutputQueue:
     """Messages to a client, in order; a full one loses its oldest syncPointProgress, or else its oldest message."""
 
-    def __init__(self, most: int) -> None:
-        """Begins empty, for so many messages at most."""
-        self._most, self._lost, self._ended = most, 0, False
+    def __init__(self, most: int, most_bytes: int) -> None:
+        """Begins empty, for so many messages at most, or one that takes more bytes of memory than they may."""
+        self._most, self._most_bytes, self._lost, self._ended = most, most_bytes, 0, False
+        self._bytes = 0
         self._messages: deque[str] = deque()
         self._news = Event()
 
@@ -70,11 +72,14 @@ class OutputQueue:
         """Adds a message; never waits."""
         if self._ended:
             return
-        if len(self._messages) == self._most:
+        size = getsizeof(message)
+        while self._messages and (len(self._messages) == self._most or self._bytes + size > self._most_bytes):
             minor = next((k for k, each in enumerate(self._messages) if each.startswith(MINOR)), 0)
+            self._bytes -= getsizeof(self._messages[minor])
             del self._messages[minor]
             self._lost += 1
         self._messages.append(message)
+        self._bytes += size
         self._news.set()
 
     def end(self) -> None:
@@ -96,4 +101,6 @@ class OutputQueue:
             lost, self._lost = self._lost, 0
             text = f"rule unread: {lost} messages were dropped, because they were not read in time"
             return warning(Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, NOBODY, text))
-        return self._messages.popleft()
+        message = self._messages.popleft()
+        self._bytes -= getsizeof(message)
+        return message

@@ -13,6 +13,7 @@ from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
 from kinesic.realizer.realizer import prepare_block
 from kinesic.realizer.request import TimedRequest
+from kinesic.serve.renewal import renew_setup
 
 NICE = 5  # behind loop and planner
 SETUP = "setup"  # stands for it where a plan is sent: either side has its own
@@ -24,6 +25,7 @@ class RefinementJob:
 
     request: TimedRequest
     style: Style  # of those that do not say theirs
+    renewals: int = 0  # how often gestures were read anew so far
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,10 +73,12 @@ def run_refiner(make_setup: Callable[[], Setup], planner: Connection) -> None:
     """Does the jobs that the planner sends, one after the other, until the planner has ended."""
     try:
         os.nice(NICE)
-        setup = make_setup()
+        setup, renewals = make_setup(), 0
         while True:
             job = unpack(planner.recv_bytes(), setup)
             if isinstance(job, RefinementJob):
+                if job.renewals != renewals:
+                    setup, renewals = renew_setup(make_setup, setup), job.renewals
                 styled = setup if job.style == setup.style else replace(setup, style=job.style)
                 planner.send_bytes(pack(_refine(job.request, styled)))
     except (EOFError, BrokenPipeError, ConnectionResetError):

@@ -1,9 +1,10 @@
 """Performs for a server: the loop that plays, the planner, and what waits to be planned."""
 
-from asyncio import AbstractEventLoop, Event, get_running_loop, sleep
+from asyncio import AbstractEventLoop, Event, Task, create_task, get_running_loop, shield, sleep
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
+from time import monotonic
 
 from kinesic.planning.setup import Setup
 from kinesic.realizer.request import Message, block_id
@@ -15,6 +16,7 @@ from kinesic.serve.messages import (
     DocumentRequest,
     Interruption,
     PlannerReady,
+    Renewal,
     RequestDone,
     Restyling,
     Resumption,
@@ -27,6 +29,7 @@ from kinesic.serve.wire.quotas import Quotas, quota_feedback
 from kinesic.speech.speaker import Speaker
 
 LOOK = 0.02  # [s] between two looks at whether it is at rest
+RENEWAL = 1.0  # [s] between two times at which the planner reads gestures anew
 
 
 class Session:
@@ -57,12 +60,14 @@ class Session:
         self._documents, self._requests = FairQueue(rules.waiting), deque[ClientRequest]()
         self._halted = False
         self._warm = Event()
+        self._renewal: Task[None] | None = None  # has the planner read gestures anew
+        self._renewed = -RENEWAL  # [s] of the machine's monotonic clock, when it was last told to
         self.clock = Clock()
         effects = Effects(Speaker(self.clock.now) if accompaniment.sound else None, face=accompaniment.face)
         setup = make_setup()
         self.loop = Loop(setup, sinks, self.clock, effects=effects, tell=self._pass_on, news=self._pass_news)
         self.planner = Planner(make_setup, self.loop, rules=rules, idle=self._feed, lost=self._refuse_lost)
-        self.desk = Desk(make_setup, setup, self.loop, rules, folder=folder, on_gestures_saved=self.planner.renew)
+        self.desk = Desk(make_setup, self.loop, rules, folder=folder, on_gestures_saved=self._renew)
 
     async def start(self) -> None:
         """Lets the loop run, and waits until the planner is warm.
@@ -150,8 +155,21 @@ class Session:
         self.loop.leave()
         if self.loop.is_alive():
             self.loop.join()
+        if self._renewal is not None:
+            self._renewal.cancel()
         self.planner.close()
         self.desk.close()
+
+    async def _renew(self) -> None:
+        """Returns when the planner has been told to read gestures anew, which it is once a second at most."""
+        if self._renewal is None or self._renewal.done():
+            self._renewal = create_task(self._renew_soon())
+        await shield(self._renewal)
+
+    async def _renew_soon(self) -> None:
+        await sleep(max(0.0, self._renewed + RENEWAL - monotonic()))
+        self._renewed = monotonic()
+        self._request(Renewal())
 
     def _request(self, request: ClientRequest) -> None:
         self._requests.append(request)

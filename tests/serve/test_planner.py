@@ -33,7 +33,9 @@ def wired() -> tuple[PlannerState, Connection]:
     to_planner, to_loop = Pipe()
     beginning = LoopStart(stay(setup.robot.skeleton.rest, start=clock.now()), 0, ())
     properties = LoopProperties(clock, SILENT)
-    return PlannerState(setup, to_loop, Pipe()[0], properties, beginning=beginning, rules=USUAL), to_planner
+    return PlannerState(
+        setup, lambda known: known, to_loop, Pipe()[0], properties, beginning=beginning, rules=USUAL
+    ), to_planner
 
 
 def fulfil(wired: tuple[PlannerState, Connection], name: str) -> list[object]:

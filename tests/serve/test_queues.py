@@ -63,14 +63,14 @@ async def _messages(queue):
 
 
 def test_messages_come_in_order():
-    queue = OutputQueue(3)
+    queue = OutputQueue(3, 100_000)
     for message in "abc":
         queue.put(message)
     assert drained(queue) == ["a", "b", "c"]
 
 
 def test_of_too_many_the_oldest_minor_ones_go_first_and_the_loss_is_told():
-    queue = OutputQueue(3)
+    queue = OutputQueue(3, 100_000)
     for message in ("first", f"{MINOR} 1", f"{MINOR} 2", "second", "third", "fourth"):
         queue.put(message)
     told, *left = drained(queue)
@@ -79,15 +79,32 @@ def test_of_too_many_the_oldest_minor_ones_go_first_and_the_loss_is_told():
 
 
 def test_it_never_holds_more_than_it_may():
-    queue = OutputQueue(5)
+    queue = OutputQueue(5, 100_000)
     for number in range(1000):
         queue.put(str(number))
     assert len(queue) == 5
 
 
+def test_it_never_takes_more_memory_than_it_may():
+    queue, document = OutputQueue(512, 1_000_000), "\U0001f600" + "x" * 49_999  # 200 kB in memory
+    for number in range(100):
+        queue.put(document + str(number))
+    assert len(queue) == 4
+    told, *left = drained(queue)
+    assert "96 messages were dropped" in told
+    assert [each[-2:] for each in left] == ["96", "97", "98", "99"]
+
+
+def test_a_message_that_is_larger_than_all_may_be_is_kept_alone():
+    queue = OutputQueue(5, 1000)
+    queue.put("small")
+    queue.put("x" * 2000)
+    assert drained(queue)[1:] == ["x" * 2000]
+
+
 def test_one_that_waits_gets_what_comes():
     async def both():
-        queue = OutputQueue(2)
+        queue = OutputQueue(2, 100_000)
         waiting = asyncio.create_task(queue.take())
         await asyncio.sleep(0)
         queue.put("late")
@@ -97,7 +114,7 @@ def test_one_that_waits_gets_what_comes():
 
 
 def test_nothing_goes_in_after_the_end():
-    queue = OutputQueue(2)
+    queue = OutputQueue(2, 100_000)
     queue.end()
     queue.put("a")
     assert drained(queue) == []

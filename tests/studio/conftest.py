@@ -1,12 +1,13 @@
 """One server and one browser for all tests of the page."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pytest
 
 from kinesic.cli.live.studio import StudioPlanning
+from kinesic.cli.options import Planning
 from kinesic.controller.perform import set_up
 from kinesic.serve.wire.quotas import Quotas
 from kinesic.studio.page import page_files
@@ -57,7 +58,7 @@ def studio(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
         pytest.skip("no Chromium: apt-get install chromium")
     folder, setup = tmp_path_factory.mktemp("documents"), set_up()
     files = page_files(setup.robot, setup.lexicon)
-    make_setup = StudioPlanning("upper22", "neutral", {}, folder).set_up
+    make_setup = replace(StudioPlanning.of(Planning("upper22", "neutral", {})), folder=folder).set_up
     with running(Quotas(), files=files, folder=folder, make_setup=make_setup) as server:
         url = f"http://localhost:{server.port}/"
         with opened(url, tmp_path_factory.mktemp("profile"), *SOFTWARE) as page:

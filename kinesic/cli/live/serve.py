@@ -14,6 +14,7 @@ import click
 from kinesic.body.command import Sink
 from kinesic.body.config import ConfigError, suggestion
 from kinesic.cli.ending_signals import leave_closed_terminal
+from kinesic.cli.live.frozen import FrozenPlanning
 from kinesic.cli.options import FAULT, Door, Performers, Planning
 from kinesic.cli.playback import warn_of_lost_events
 from kinesic.cli.progress import show_stages
@@ -42,11 +43,11 @@ def serve_blocks(
     rules: tuple[str, ...],
 ) -> int:
     """Performs blocks as they come by TCP, WebSocket and standard input, until somebody ends it."""
-    return open_and_serve(planning, door, performers, sound, rules)
+    return open_and_serve(FrozenPlanning.of(planning), door, performers, sound, rules)
 
 
 def open_and_serve(
-    planning: Planning,
+    planning: FrozenPlanning,
     door: Door,
     performers: Performers,
     sound: bool | None,
@@ -129,8 +130,8 @@ def _is_here(host: str) -> bool:
         return host == "localhost"
 
 
-def _open_sinks(planning: Planning, performers: Performers) -> list[RealTimeSink]:
-    robot, sinks = planning.set_up().robot, performers.sinks
+def _open_sinks(planning: FrozenPlanning, performers: Performers) -> list[RealTimeSink]:
+    robot, sinks = planning.robot, performers.sinks
     opened = [RealTimeSink(RealTwin(robot))] if "twin" in sinks else []
     if "servos" in sinks:
         servos = Servos(robot, all_ports(performers.ports, Manifest.of(robot).bauds), log=Path("events.jsonl"))

@@ -8,6 +8,8 @@ from pathlib import Path
 import click
 
 from kinesic.body.config import ConfigError
+from kinesic.cli.live.folder_gestures import read_folder
+from kinesic.cli.live.frozen import FrozenPlanning
 from kinesic.cli.live.serve import open_and_serve
 from kinesic.cli.options import Door, Performers, Planning
 from kinesic.expressivity.lexicon.lexicon import Lexicon
@@ -18,22 +20,17 @@ from kinesic.serve.server import Address
 from kinesic.studio.page import page_files
 
 
-@dataclass(frozen=True)
-class StudioPlanning(Planning):
+@dataclass(frozen=True, eq=False)
+class StudioPlanning(FrozenPlanning):
     """Planning that also knows the gestures of the studio's folder, as they are when it is set up."""
 
-    folder: Path
+    folder: Path = Path()
 
     def set_up(self) -> Setup:
-        """Loads everything that the options name, and the gestures of the folder that can be read.
-
-        Raises:
-            ConfigError: something that an option names is missing or wrong.
-        """
-        setup, given = super().set_up(), self.options.get("lexicon")
-        paths = [path for path in sorted(self.folder.glob("*.toml")) if _has_gestures(path)]
+        """Makes what planning needs, with the gestures of the folder that can be read."""
+        setup = super().set_up()
         with suppress(ConfigError):  # they contradict each other: none of them is known
-            return replace(setup, lexicon=Lexicon.load(*paths, given))
+            return replace(setup, lexicon=Lexicon.load(*read_folder(self.folder).parts, self.gestures))
         return setup
 
 
@@ -55,9 +52,11 @@ def open_studio(
         _check_document(file, place)
     if not place.is_dir():
         raise ConfigError(f"--folder {place}: there is no such folder; make it first")
-    planning = StudioPlanning(planning.robot, planning.style, planning.options, place.resolve())
-    setup = planning.set_up()
+    known = replace(StudioPlanning.of(planning), folder=place.resolve())
+    setup = known.set_up()
     files = page_files(setup.robot, setup.lexicon, style=planning.style, document=None if file is None else file.name)
+    for fault in read_folder(known.folder).faults:
+        click.echo(f"passed over: {fault}", err=True)
 
     def opened(address: Address) -> None:
         url = f"http://{address}/"
@@ -65,15 +64,7 @@ def open_studio(
         if browser and has_display():
             webbrowser.open(url)
 
-    return open_and_serve(planning, door, performers, sound, rules, files=files, folder=place.resolve(), opened=opened)
-
-
-def _has_gestures(path: Path) -> bool:
-    """Whether a file, and no link to one, holds gestures and nothing that is wrong."""
-    try:
-        return not path.is_symlink() and len(Lexicon.load(path).forms) > len(Lexicon.load().forms)
-    except (ConfigError, OSError):
-        return False
+    return open_and_serve(known, door, performers, sound, rules, files=files, folder=known.folder, opened=opened)
 
 
 def _check_document(file: Path, folder: Path) -> None:

@@ -10,7 +10,7 @@ from kinesic.bml.block import Mode
 from kinesic.body.config import CONFIGS, ConfigError
 from kinesic.body.robot import OTHER_SIDE, Side
 from kinesic.expressivity.lexicon.body_form import NO_BODY, BodyForm
-from kinesic.expressivity.lexicon.body_table import Bodies, body_form
+from kinesic.expressivity.lexicon.body_table import body_form
 from kinesic.expressivity.lexicon.form import GestureForm, Match, StrokeKey
 from kinesic.expressivity.lexicon.gestuary import is_enabled, read_gestuary
 from kinesic.expressivity.lexicon.names import read_name, split_words
@@ -36,17 +36,19 @@ class Lexicon:
     bodies: Mapping[str, BodyForm] = field(default_factory=dict)  # what the body does, by category
 
     @classmethod
-    def load(cls, *paths: str | Path | None) -> "Lexicon":
+    def load(cls, *users_own: str | Path | LexiconPart | None) -> "Lexicon":
         """Reads the gestures and names of `configs/gestures/`, behind those of files or folders of the user's.
 
         Args:
-            paths: gestuaries (.xml) of Greta, TOML files, folders of TOML files, the most important first; None: none.
+            users_own: gestuaries (.xml) of Greta, TOML files, folders of TOML files, or what `read_part` has read of
+                them, the most important first; None: none.
 
         Raises:
             ConfigError: a file is missing or wrong.
         """
         own = _own()
-        parts = [_read_part(Path(path), own.bodies) for path in paths if path is not None]
+        given = [each for each in users_own if each is not None]
+        parts = [each if isinstance(each, LexiconPart) else read_part(each) for each in given]
         users = join_parts(parts, {name: table for part in reversed(parts) for name, table in part.bodies.items()})
         forms, senses = zip(*users.entries, *own.entries, strict=True)
         names = (
@@ -57,7 +59,8 @@ class Lexicon:
         bodies = {name: body_form(table) for name, table in {**own.bodies, **users.bodies}.items()}
         lexicon = cls(forms, senses, names, (*users.classes, *own.classes), bodies)
         for problem in check_names(users.synonyms, users.classes, lexicon.forms_by_id):
-            raise ConfigError(f"{', '.join(map(str, paths))}: {problem}")
+            files = [str(each) for each in given if not isinstance(each, LexiconPart)]
+            raise ConfigError(f"{', '.join(files) or 'gestures'}: {problem}")
         return lexicon
 
     @cached_property
@@ -162,8 +165,13 @@ def _own() -> LexiconPart:
     return read_gestures(CONFIGS / "gestures")
 
 
-def _read_part(path: Path, bodies: Bodies) -> LexiconPart:
-    """Reads a file or folder of the user's, whose bodies do what is usual where it does not say it."""
+def read_part(path: str | Path) -> LexiconPart:
+    """Reads a file or folder of the user's, whose bodies do what is usual where it does not say it.
+
+    Raises:
+        ConfigError: a file is missing or wrong.
+    """
+    path, bodies = Path(path), _own().bodies
     if path.suffix.lower() != ".xml":
         return read_gestures(path, bodies)
     usual = {name: body_form(table) for name, table in bodies.items()}

@@ -183,13 +183,13 @@ class Style:
 
 @cache
 def style_preset(name: str) -> Style:
-    """Reads a style of `configs/styles/` once.
+    """Reads a style of `configs/styles/` once, and no other file, whoever names it.
 
     Raises:
         ConfigError: there is no such style.
     """
-    if name not in names_of("style"):
-        raise ConfigError(f"no style {name}{suggestion(name, names_of('style'))}")
+    if name not in (known := names_of("style")):
+        raise ConfigError(f"no style {name}{suggestion(name, known)}")
     return Style.load(name)
 
 

@@ -1,21 +1,17 @@
-"""Answers clients' questions: what is quick at once, what is to be planned in a process of its own."""
+"""Answers clients' questions; nothing of it is worked out in the thread that reads clients."""
 
-from asyncio import Task, create_task, current_task, sleep
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Awaitable, Callable
+from functools import partial
 from pathlib import Path
 
-import numpy as np
-from msgspec.structs import asdict
-
-from kinesic.body.config import ConfigError
-from kinesic.body.robot import SIDES
 from kinesic.planning.setup import Setup
-from kinesic.serve.desk.documents import DocumentFolder
-from kinesic.serve.desk.drafter import Drafter, Send
-from kinesic.serve.desk.reach import reach_posture
+from kinesic.serve.desk.asker import Asker
+from kinesic.serve.desk.drafter import DraftQuestion, answer_draft, unanswered_draft
+from kinesic.serve.desk.helper import Helper, Unanswered
+from kinesic.serve.desk.keeper import DocumentKeeper
+from kinesic.serve.desk.reach import answer_reach, unanswered_reach
+from kinesic.serve.desk.watches import Watches
 from kinesic.serve.loop import Loop
-from kinesic.serve.wire.protocol import json_answer
 from kinesic.serve.wire.questions import (
     GestureQuestion,
     OpenRequest,
@@ -27,119 +23,60 @@ from kinesic.serve.wire.questions import (
 )
 from kinesic.serve.wire.quotas import Quotas
 
-GESTURE_SUFFIX = ".toml"  # of a file of gestures
-MAX_WATCH_RATE = 50.0  # [Hz] at which a client may watch
-DIGITS = 4  # of angles [rad] and lengths [m]
 
-
-@dataclass(frozen=True, eq=False)
-class Asker:
-    """A client with a question."""
-
-    number: int
-    send: Send
-    is_there: Callable[[], bool]
+async def _know_already() -> None:
+    """What is done about saved gestures where nobody performs."""
 
 
 class Desk:
-    """Answers questions; everything here happens in the asyncio loop of the server."""
+    """Answers questions, now or when the answer is known; never waits."""
 
     def __init__(
         self,
         make_setup: Callable[[], Setup],
-        setup: Setup,
         loop: Loop,
         rules: Quotas,
         *,
         folder: Path | None = None,
-        on_gestures_saved: Callable[[], None] = lambda: None,
+        on_gestures_saved: Callable[[], Awaitable[None]] = _know_already,
     ) -> None:
         """Opens; nothing is begun before the first question.
 
         Args:
-            make_setup: makes what planning needs, in another process.
-            setup: the same, made here.
+            make_setup: makes what planning needs, in other processes.
             loop: of the robot that is watched.
             rules: for documents that are planned.
             folder: where documents are kept; None: nowhere.
-            on_gestures_saved: called when gestures were saved there.
+            on_gestures_saved: returns when saved gestures will be known to whatever comes next.
         """
-        self._on_gestures_saved = on_gestures_saved
-        self._setup, self._loop = setup, loop
-        self._documents = DocumentFolder(folder)
-        self._watches: dict[int, Task[None]] = {}  # by client
-        self.drafter = Drafter(make_setup, rules)
+        self._rules = rules
+        self._watches = Watches(loop.body)
+        self.drafter = Helper[DraftQuestion](make_setup, answer_draft, rules, name="drafter")
+        self._reacher = Helper[ReachQuestion](make_setup, answer_reach, rules, name="reacher")
+        self._keeper = DocumentKeeper(folder, self.drafter, rules, on_gestures_saved)
 
     def answer(self, asker: Asker, question: Question) -> None:
-        """Answers a question, now or when its answer is known."""
+        """Answers a question."""
         match question:
             case ReachQuestion():
-                asker.send(self._reach(question))
+                self._reacher.ask(asker.number, question, partial(self._tell_reach, asker, question))
             case PlanQuestion() | GestureQuestion():
-                self.drafter.ask(asker.number, question, asker.send)
+                self.drafter.ask(asker.number, question, partial(self._tell_draft, asker, question))
+                self._reacher.warm_up()  # whoever writes may drag a hand soon
             case WatchRequest(rate):
-                self._watch(asker, rate)
+                self._watches.set(asker, rate)
             case SaveRequest() | OpenRequest():
-                asker.send(self._save_or_open(question))
+                self._keeper.take(asker, question)
 
     def close(self) -> None:
         """Ends all that it has begun."""
-        for task in self._watches.values():
-            task.cancel()
+        self._watches.close()
+        self._keeper.close()
         self.drafter.close()
+        self._reacher.close()
 
-    def _reach(self, question: ReachQuestion) -> str:
-        robot, rest = self._setup.robot, self._setup.robot.skeleton.rest
-        start = rest if question.posture is None else np.array(question.posture, dtype=np.float64)
-        target = np.array(question.target, dtype=np.float64)
-        if start.shape != rest.shape:
-            why = f"posture has {len(start)} angles, {robot.name} has {len(rest)} hinges"
-            return json_answer("refused", do="reach", id=question.id, why=why)
-        side = next(side for side in SIDES if question.side.startswith(side))
-        found = reach_posture(robot, self._setup.distances, side, target, start)
-        return json_answer(
-            "reach",
-            id=question.id,
-            angles=[round(float(angle), DIGITS) for angle in found.angles],
-            residual=round(found.residual, DIGITS),
-            reached=found.reached,
-            limits=found.limits,
-            contact=found.contact,
-        )
+    def _tell_reach(self, asker: Asker, question: ReachQuestion, found: str | Unanswered) -> None:
+        asker.send(unanswered_reach(question, found) if isinstance(found, Unanswered) else found)
 
-    def _save_or_open(self, request: SaveRequest | OpenRequest) -> str:
-        try:
-            match request:
-                case SaveRequest(name, text):
-                    self._documents.save(name, text)
-                    if name.endswith(GESTURE_SUFFIX):
-                        self.drafter.renew()
-                        self._on_gestures_saved()
-                    return json_answer("saved", id=request.id, name=name)
-                case OpenRequest(str(name)):
-                    return json_answer("document", id=request.id, name=name, text=self._documents.read(name))
-                case OpenRequest():
-                    return json_answer("documents", id=request.id, names=self._documents.names())
-        except (ConfigError, OSError) as error:
-            return json_answer("refused", do=_verb(request), id=request.id, why=str(error))
-
-    def _watch(self, asker: Asker, rate: float) -> None:
-        before = self._watches.pop(asker.number, None)
-        if before is not None:
-            before.cancel()
-        if rate > 0.0:
-            self._watches[asker.number] = create_task(self._report(asker, 1.0 / min(rate, MAX_WATCH_RATE)))
-
-    async def _report(self, asker: Asker, period: float) -> None:
-        """Tells a client how the robot is until it is gone."""
-        try:
-            while asker.is_there():
-                asker.send(json_answer("body", **asdict(self._loop.body())))
-                await sleep(period)
-        finally:
-            if self._watches.get(asker.number) is current_task():  # not one at another rate that has replaced it
-                del self._watches[asker.number]
-
-
-def _verb(request: SaveRequest | OpenRequest) -> str:
-    return "save" if isinstance(request, SaveRequest) else "open"
+    def _tell_draft(self, asker: Asker, question: PlanQuestion | GestureQuestion, found: str | Unanswered) -> None:
+        asker.send(unanswered_draft(question, found, self._rules) if isinstance(found, Unanswered) else found)

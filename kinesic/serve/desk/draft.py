@@ -17,7 +17,7 @@ from kinesic.planning.setup import Setup
 Json = str | int | float | bool | None | Sequence["Json"] | Mapping[str, "Json"]
 
 RATE = 50.0  # [Hz] of the angles
-SOURCE = "document"
+SOURCE = "<document>"  # no file, so that it names none beside it
 PLACE = re.compile(rf"{SOURCE}:(\d+):(\d+): (.*)", re.DOTALL)
 
 

@@ -57,9 +57,8 @@ def draft_gesture(toml: str, changes: tuple[str, ...], setup: Setup) -> dict[str
         What docs/serve.md says of `gesture`; for a file that is refused, the error and its place.
     """
     try:
-        form, lexicon = _read(toml, setup)
-        known = replace(setup, lexicon=lexicon, style=setup.style.changed(changes))
-        planned = plan_block(parse(ALONE.format(quoteattr(form.id))), known)
+        (form, *_), lexicon = read_gesture_file(toml, setup)
+        planned = plan_alone(form, replace(setup, lexicon=lexicon, style=setup.style.changed(changes)))
     except (BmlError, ConfigError) as error:
         return {"error": _error(str(error), toml)}
     table = tomllib.loads(toml)["gesture"][0]
@@ -72,7 +71,21 @@ def draft_gesture(toml: str, changes: tuple[str, ...], setup: Setup) -> dict[str
     }
 
 
-def _read(toml: str, setup: Setup) -> tuple[GestureForm, Lexicon]:
+def plan_alone(form: GestureForm, known: Setup) -> Plan:
+    """Plans a gesture that nothing else goes with.
+
+    Raises:
+        BmlError: it cannot be planned.
+    """
+    return plan_block(parse(ALONE.format(quoteattr(form.id))), known)
+
+
+def read_gesture_file(toml: str, setup: Setup) -> tuple[tuple[GestureForm, ...], Lexicon]:
+    """Reads a file of gestures: its gestures, of which there is at least one, and a lexicon with them.
+
+    Raises:
+        ConfigError: it is wrong, or has no gesture.
+    """
     with TemporaryDirectory() as folder:
         path = Path(folder) / "gesture.toml"
         path.write_text(toml, encoding="utf-8")
@@ -80,9 +93,10 @@ def _read(toml: str, setup: Setup) -> tuple[GestureForm, Lexicon]:
             lexicon = Lexicon.load(path)
         except ConfigError as error:
             raise ConfigError(str(error).replace(f"{path}: ", "").replace(str(path), "the file")) from None
-    if len(lexicon.forms) <= len(Lexicon.load().forms):
+    forms = lexicon.forms[: len(lexicon.forms) - len(Lexicon.load().forms)]
+    if not forms:
         raise ConfigError("the file has no gesture; it needs a table [[gesture]] with id and keys")
-    return lexicon.forms[0], replace(lexicon, bodies=setup.lexicon.bodies)
+    return forms, replace(lexicon, bodies=setup.lexicon.bodies)
 
 
 def _key_times(planned: Plan, form: GestureForm) -> Sequence[float]:

@@ -8,11 +8,17 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.dynamics import Distances
 from kinesic.body.reach import Reach
-from kinesic.body.robot import Robot, Side
+from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.ik.arm.refine import refine_posture
 from kinesic.ik.solve import REACHED, solve
 from kinesic.planning.collision import Spacing, separate
+from kinesic.planning.setup import Setup
+from kinesic.serve.desk.helper import Unanswered
+from kinesic.serve.wire.protocol import json_answer
+from kinesic.serve.wire.questions import ReachQuestion
+from kinesic.serve.wire.quotas import Quotas
 
+DIGITS = 4  # of angles [rad] and lengths [m]
 AT_LIMIT = 1e-3  # [rad] from the end of its range, where a hinge is at its limit
 
 
@@ -70,3 +76,34 @@ def _at_limit(robot: Robot, posture: Floats, side: Side) -> Iterator[str]:
     for joint in robot.arm(side).joints:
         if min(posture[joint] - skeleton.lower[joint], skeleton.upper[joint] - posture[joint]) < AT_LIMIT:
             yield skeleton.names[joint]
+
+
+def answer_reach(question: ReachQuestion, setup: Setup, _rules: Quotas) -> str:
+    """Answers a client that asks how a hand reaches a place."""
+    robot, rest = setup.robot, setup.robot.skeleton.rest
+    start = rest if question.posture is None else np.array(question.posture, dtype=np.float64)
+    if start.shape != rest.shape:
+        return _refusal(question, f"posture has {len(start)} angles, {robot.name} has {len(rest)} hinges")
+    target = np.array(question.target, dtype=np.float64)
+    side = next(side for side in SIDES if question.side.startswith(side))
+    found = reach_posture(robot, setup.distances, side, target, start)
+    return json_answer(
+        "reach",
+        id=question.id,
+        angles=[round(float(angle), DIGITS) for angle in found.angles],
+        residual=round(found.residual, DIGITS),
+        reached=found.reached,
+        limits=found.limits,
+        contact=found.contact,
+    )
+
+
+def unanswered_reach(question: ReachQuestion, why: Unanswered) -> str:
+    """Answers a question of which the posture was not found."""
+    if why is Unanswered.OUTDATED:
+        return json_answer("reach", id=question.id, outdated=True)
+    return _refusal(question, why.value)
+
+
+def _refusal(question: ReachQuestion, why: str) -> str:
+    return json_answer("refused", do="reach", id=question.id, why=why)

@@ -53,7 +53,7 @@ def test_a_drafter_that_dies_costs_one_answer(server):
         client.do("plan", bml=NOD, id=1)
         told(client, "plan")
         drafter = server.open.clients.session.desk.drafter
-        os.kill(drafter._child._process.pid, signal.SIGKILL)
+        os.kill(drafter._process[0]._process.pid, signal.SIGKILL)
         client.do("plan", bml=NOD, id=2)
         answers = [told(client, "plan")]
         if "error" in answers[0]:
@@ -62,15 +62,48 @@ def test_a_drafter_that_dies_costs_one_answer(server):
         assert answers[-1]["block"] == "b"
 
 
-def test_a_planner_that_is_renewed_often_is_no_death_and_loses_no_block(server):
-    planner = server.open.clients.session.planner
-    deaths = planner.deaths
-    for _ in range(3):
-        server.tasks.call_soon_threadsafe(planner.renew)
+@pytest.mark.parametrize(
+    ("helper", "question", "settings"),
+    [
+        ("drafter", "plan", {"bml": NOD + " " * 900_000}),
+        ("_reacher", "reach", {"side": "left", "target": [0.3, 0.2, 0.3]}),
+    ],
+)
+def test_a_process_that_does_not_read_holds_nobody_up(server, helper, question, settings):
+    with server.client() as client, server.client() as other:
+        client.do(question, **settings)
+        told(client, question)
+        process = getattr(server.open.clients.session.desk, helper)._process[0]._process
+        os.kill(process.pid, signal.SIGSTOP)
+        try:
+            client.do(question, **settings)
+            time.sleep(0.1)
+            other.do("ping", id="now")
+            assert json.loads(other.receive(5))["told"] == "pong"
+        finally:
+            os.kill(process.pid, signal.SIGCONT)
+        told(client, question)
+
+
+def test_of_reaches_that_wait_only_the_newest_is_answered(server):
     with server.client() as client:
-        for message in client.perform(NOD.replace('"b"', '"renewed"')):
-            assert "warningFeedback" not in message
-    assert (planner.deaths, planner.failed) == (deaths, False)
+        for k in range(50):
+            client.do("reach", side="left", target=[0.3, 0.2, 0.01 * k], id=k)
+        answers = [told(client, "reach") for _ in range(50)]
+        assert {each["id"] for each in answers} == set(range(50))
+        assert "angles" in answers[-1]
+        assert any(each.get("outdated") for each in answers)
+
+
+def test_clients_name_styles_of_ours_alone(server, tmp_path):
+    (tmp_path / "secret.toml").write_text('password = "hunter2"')
+    with server.client() as client:
+        for block in ({}, {"block": "b"}):
+            for style in (str(tmp_path / "secret.toml"), str(tmp_path / "gone.toml"), "../styles/calm"):
+                client.do("style", style=style, **block)
+                why = told(client, "refused")["why"]
+                assert why.startswith(f"no style {style}"), why
+                assert "password" not in why
 
 
 def test_a_watch_tells_the_body_until_it_is_ended(server):

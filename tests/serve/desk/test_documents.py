@@ -1,9 +1,11 @@
 """Documents of clients: kept byte for byte, by plain names, and nothing outside their folder."""
 
+import os
+
 import pytest
 
 from kinesic.body.config import ConfigError
-from kinesic.serve.desk.documents import DocumentFolder
+from kinesic.serve.desk.documents import MOST_BYTES, MOST_NAMES, DocumentFolder
 
 
 def test_what_is_saved_is_read_again(tmp_path):
@@ -11,7 +13,7 @@ def test_what_is_saved_is_read_again(tmp_path):
     folder.save("a.bml", "one\r\n  two\n")
     folder.save("a.bml", "three\r\n\n")
     assert (tmp_path / "a.bml").read_bytes() == b"three\r\n\n"
-    assert (folder.read("a.bml"), folder.names()) == ("three\r\n\n", ("a.bml",))
+    assert (folder.read("a.bml"), folder.list().names) == ("three\r\n\n", ("a.bml",))
 
 
 @pytest.mark.parametrize(
@@ -32,9 +34,13 @@ def test_links_and_folders_are_no_documents(tmp_path):
     (mine / "link.bml").symlink_to(tmp_path / "secret")
     (mine / "folder.bml").mkdir()
     folder = DocumentFolder(mine)
-    assert folder.names() == ()
-    with pytest.raises(ConfigError, match="no such document"):
-        folder.read("link.bml")
+    os.mkfifo(mine / "pipe.bml")
+    assert folder.list().names == ()
+    for name in ("link.bml", "pipe.bml", "folder.bml"):
+        with pytest.raises(ConfigError, match="no such document"):
+            folder.read(name)
+        assert folder.read_present(name) == ""
+    assert folder.read_present("gone.bml") is None
     with pytest.raises(ConfigError, match="link"):
         folder.save("link.bml", "x")
     assert (tmp_path / "secret").read_text() == "secret"
@@ -43,4 +49,17 @@ def test_links_and_folders_are_no_documents(tmp_path):
 def test_without_a_folder_nothing_is_kept():
     with pytest.raises(ConfigError, match="--folder"):
         DocumentFolder(None).save("a.bml", "x")
-    assert DocumentFolder(None).names() == ()
+    assert DocumentFolder(None).list().names == ()
+
+
+def test_lists_and_documents_have_bounds(tmp_path):
+    for number in range(MOST_NAMES + 1):
+        (tmp_path / f"d{number:04}.bml").touch()
+    folder = DocumentFolder(tmp_path)
+    found = folder.list()
+    assert (len(found.names), found.is_whole) == (MOST_NAMES, False)
+    with pytest.raises(ConfigError, match=r"d0019\.bml and 980 more"):
+        folder.read("gone.bml")
+    (tmp_path / "d0000.bml").write_text("x" * (MOST_BYTES + 1))
+    with pytest.raises(ConfigError, match="more than 1000000 bytes"):
+        folder.read("d0000.bml")

@@ -1,0 +1,89 @@
+"""A process that answers: whatever it does, whoever asks waits for it only so long, and nobody else at all."""
+
+import asyncio
+import importlib
+import time
+from dataclasses import replace
+
+import pytest
+
+from kinesic.controller.perform import set_up
+from kinesic.serve.desk import helper
+from kinesic.serve.desk.helper import Helper, Unanswered
+from kinesic.serve.wire.quotas import USUAL
+
+pytestmark = pytest.mark.realtime
+
+HASTY = replace(USUAL, planning=1.0)
+LONG = "x" * 900_000
+
+
+ANSWERS = """
+import time
+
+def never_set_up():
+    time.sleep(600.0)
+
+def echo(question, setup, rules):
+    if question.startswith("sleep"):
+        time.sleep(float(question.split()[1]))
+    return f"{len(question)} {setup.robot.name}"
+
+def fail(question, setup, rules):
+    raise SystemExit(3)
+"""
+
+
+@pytest.fixture
+def work(tmp_path, monkeypatch):
+    """What other processes do, in a module that they can import, too."""
+    (tmp_path / "answers_of_helpers.py").write_text(ANSWERS)
+    monkeypatch.syspath_prepend(tmp_path)
+    return importlib.import_module("answers_of_helpers")
+
+
+def ask_all(asked: Helper, questions, *, seconds: float = 30.0):
+    """Answers in the order of questions (client, text, wait [s]), and the longest time [s] that others had to wait."""
+
+    async def all_of_them():
+        answers, longest = {}, 0.0
+        for number, (client, text, rest) in enumerate(questions):
+            asked.ask(client, text, lambda found, number=number: answers.setdefault(number, found))
+            await asyncio.sleep(rest)
+        end = time.monotonic() + seconds
+        while len(answers) < len(questions) and time.monotonic() < end:
+            before = time.monotonic()
+            await asyncio.sleep(0.001)
+            longest = max(longest, time.monotonic() - before)
+        asked.close()
+        return [answers.get(number) for number in range(len(questions))], longest
+
+    return asyncio.run(all_of_them())
+
+
+def test_one_that_never_is_ready_holds_nobody_up_and_is_ended(work, monkeypatch):
+    monkeypatch.setattr(helper, "START", 1.0)
+    asked = Helper(work.never_set_up, work.echo, HASTY, name="stuck")
+    answers, longest = ask_all(asked, [(1, LONG, 0.0), (2, LONG, 0.0)])
+    assert answers == [Unanswered.FAILED] * 2
+    assert longest < 0.5
+
+
+def test_an_answer_that_takes_too_long_costs_itself_alone(work):
+    asked = Helper(set_up, work.echo, HASTY, name="slow")
+    answers, longest = ask_all(asked, [(1, "sleep 600", 0.0), (2, "quick", 0.0)])
+    assert answers == [Unanswered.FAILED, "5 upper22"]
+    assert longest < 0.5
+
+
+def test_of_a_clients_that_wait_the_newest_is_answered_and_others_keep_their_turn(work):
+    asked = Helper(set_up, work.echo, USUAL, name="newest")
+    questions = [(1, "sleep 0.3", 0.1), (1, "a", 0.0), (2, "bb", 0.0), (1, "ccc", 0.0), (1, "dddd", 0.0)]
+    answers, _ = ask_all(asked, questions)
+    assert answers == ["9 upper22", Unanswered.OUTDATED, "2 upper22", Unanswered.OUTDATED, "4 upper22"]
+
+
+def test_one_that_dies_fails_its_question_and_the_next_one_has_another(work):
+    asked = Helper(set_up, work.fail, USUAL, name="dying")
+    answers, _ = ask_all(asked, [(1, "a", 0.0), (2, "b", 0.0)])
+    assert answers == [Unanswered.FAILED] * 2

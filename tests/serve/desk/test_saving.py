@@ -1,0 +1,108 @@
+"""What clients save: documents, and gestures that were tried; nothing that changes the robot, or that ends anything."""
+
+import json
+import re
+from dataclasses import replace
+
+import pytest
+
+from kinesic.cli.live.studio import StudioPlanning
+from kinesic.cli.options import Planning
+from kinesic.serve.wire.quotas import Quotas
+
+from ..conftest import running
+
+pytestmark = pytest.mark.realtime
+
+ROBOT = '[robot]\nname = "mine"\nextends = "upper22"\n'
+GESTURE = 'category = "beat"\n\n[[gesture]]\nid = "{}"\nkeys = [{{ right = {{ at = [0.5, {}, 0.5] }} }}]\n'
+NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}"><head id="n" lexeme="NOD" start="0"/></bml>'
+OWN = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}"><gesture id="g" lexeme="{}" start="0"/></bml>'
+
+
+@pytest.fixture(scope="module")
+def studio(tmp_path_factory):
+    """A server of documents in whose folder its own robot lies."""
+    folder = tmp_path_factory.mktemp("documents")
+    (folder / "mine.toml").write_text(ROBOT)
+    (folder / "names.toml").write_text('[synonyms]\nbeat = ["thump"]\n')
+    known = replace(StudioPlanning.of(Planning(str(folder / "mine.toml"), "neutral", {})), folder=folder)
+    with running(Quotas(rate=1000.0, burst=1000), folder=folder, make_setup=known.set_up) as server:
+        yield server, folder
+
+
+def saved(client, name: str, text: str) -> str:
+    """Why a document is not kept; nothing where it is."""
+    client.do("save", name=name, text=text)
+    while True:
+        answer = json.loads(client.receive(30))
+        if answer["told"] in ("saved", "refused"):
+            return answer.get("why", "")
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "why"),
+    [
+        ("mine.toml", ROBOT + "[collision]\nclearance = -5.0\n", "something else than gestures"),
+        ("mine.toml", GESTURE.format("mine", 0.3), "something else than gestures"),
+        ("names.toml", GESTURE.format("mine", 0.3), "something else than gestures"),
+        ("robot.toml", ROBOT, "it has robot"),
+        ("style.toml", "spatial = 0.5\n", "it has spatial"),
+        ("targets.toml", "cup = [0.0, 0.0, 0.0]\n", "it has cup"),
+        ("names2.toml", GESTURE.format("mine", 0.3) + '[synonyms]\nmine = ["yes"]\n', "it has synonyms"),
+        ("empty.toml", "# nothing\n", "no gesture"),
+        ("digits.toml", "category = " + "1" * 5000, "not TOML"),
+        ("dotted.toml", ".".join(["a"] * 90_000) + " = 1", "more than 32 parts"),
+        ("large.toml", "#" * 200_001, "at most 200000"),
+        ("far.toml", GESTURE.format("beat", "1e308"), "arm lengths up"),
+        ("wrong.toml", GESTURE.format("mine", 0.3).replace("right", "rihgt"), "rihgt"),
+    ],
+)
+def test_what_is_no_file_of_gestures_is_refused_and_nothing_is_written(studio, name, text, why):
+    server, folder = studio
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    with server.client() as client:
+        assert why in saved(client, name, text)
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
+
+
+def test_gestures_are_kept_replaced_and_known_to_the_next_block(studio):
+    server, folder = studio
+    with server.client() as client:
+        for height in (0.3, 0.4):
+            text = GESTURE.format("own_beat", height)
+            assert saved(client, "own.toml", text) == ""
+            assert (folder / "own.toml").read_text() == text
+            messages = "".join(client.perform(OWN.format(f"own{int(10 * height)}", "own_beat")))
+            assert "warningFeedback" not in messages, messages
+
+
+def test_documents_are_kept_as_they_are(studio):
+    server, folder = studio
+    with server.client() as client:
+        assert saved(client, "draft.bml", "<bml> half a docum") == ""
+    assert (folder / "draft.bml").read_text() == "<bml> half a docum"
+
+
+def test_who_saves_without_end_keeps_no_planner_from_anybody(studio):
+    server, _ = studio
+    deaths = server.open.clients.session.planner.deaths
+    with server.client() as saver, server.client() as client:
+        for number in range(12):
+            saver.do("save", name="again.toml", text=GESTURE.format("again", 0.3 + 0.01 * (number % 2)), id=number)
+        messages = "".join(client.perform(NOD.format("meanwhile")))
+        client.do("status")
+        assert json.loads(client.receive(20))["planner"] == "warm"
+    assert "warningFeedback" not in messages, messages
+    assert re.search(r'id="meanwhile:end"', messages)
+    assert server.open.clients.session.planner.deaths == deaths
+
+
+def test_who_asks_for_more_documents_than_are_read_is_told(studio):
+    server, folder = studio
+    (folder / "big.bml").write_text("x" * 900_000)
+    with server.client() as client:
+        for number in range(60):
+            client.do("open", name="big.bml", id=number)
+        answers = [client.receive(20) for _ in range(20)]
+    assert any("wait already" in answer or "were dropped" in answer for answer in answers)
