@@ -4,12 +4,13 @@ Started as a program, `python flood.py KIND PORT`, it floods until it is ended.
 """
 
 import base64
+import json
 import os
 import selectors
 import socket
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from threading import Thread
 
 FRAGMENTS, FLOODERS = (
@@ -20,6 +21,10 @@ DRIPPERS = 100  # connections that send single bytes
 CROWD = 1000  # connections at once
 BLOCKS = 40  # [1/s]
 DOCUMENT = 4_000_000  # [bytes]
+ROUNDS, REACHES = 8, 20  # [1/s] of questions; reaches in each
+BLANKS = 400_000  # [bytes] that a question is longer than it need be
+PLAN = '<bml id="asked"><gesture id="g" lexeme="BEAT" start="0"/></bml>'
+GESTURE = 'category = "beat"\n[[gesture]]\nid = "flood"\nkeys = [{ right = { at = [0.5, %.2f, 0.5] } }]\n'
 PAUSE = 0.01  # [s] after a failure
 HERE = "127.0.0.1"
 
@@ -121,6 +126,39 @@ def send_documents(port: int) -> None:
             time.sleep(PAUSE)
 
 
+def send_questions(port: int) -> None:
+    """All that may be asked, as fast as a client may: hands dragged, long plans, gestures, documents kept and opened."""
+    number = 0
+    while True:
+        try:
+            with socket.create_connection((HERE, port), 5.0) as client:
+                Thread(target=_drain, args=(client,), daemon=True).start()
+                client.sendall(_message(do="watch", rate=50))
+                while True:
+                    number += 1
+                    client.sendall(b"".join(_questions(number)))
+                    time.sleep(1.0 / ROUNDS)
+        except OSError:
+            time.sleep(PAUSE)
+
+
+def _questions(number: int) -> Iterator[bytes]:
+    """One round of them."""
+    gesture = GESTURE % (0.2 + 0.01 * (number % 20))
+    yield _message(do="plan", bml=PLAN + " " * BLANKS, id=number)
+    yield _message(do="gesture", toml=gesture, id=number)
+    yield _message(do="save", name=f"flood{number % 5}.toml", text=gesture, id=number)
+    yield _message(do="save", name="flood.bml", text="\U0001f600" + " " * BLANKS, id=number)
+    yield _message(do="open", name="flood.bml", id=number)
+    yield _message(do="open", id=number)
+    for k in range(REACHES):
+        yield _message(do="reach", side="right", target=[0.05, 0.25, 0.2 + 0.02 * k], id=k)
+
+
+def _message(**values: object) -> bytes:
+    return json.dumps(values, ensure_ascii=False).encode() + b"\0"
+
+
 def _drain(client: socket.socket) -> None:
     try:
         while client.recv(65_536):
@@ -135,6 +173,7 @@ FLOODS: dict[str, tuple[Callable[[int], None], int]] = {  # what is done, on how
     "connections": (open_connections, 1),
     "blocks": (send_blocks, 1),
     "documents": (send_documents, FLOODERS),
+    "questions": (send_questions, FLOODERS),
 }
 
 

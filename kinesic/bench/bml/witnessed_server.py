@@ -44,7 +44,8 @@ def read_goals(path: Path, joints: int, last: int) -> Floats:
 
 async def _serve(path: Path) -> None:
     sinks = [RealTimeSink(GoalRecorder(path)), RealTimeSink(RealTwin(set_up().robot))]
-    async with open_serving(set_up, sinks, address=Address("127.0.0.1", 0)) as serving:
+    address, folder = Address("127.0.0.1", 0), path.parent  # where clients may keep documents, too
+    async with open_serving(set_up, sinks, address=address, folder=folder) as serving:
         print(f"listening at {serving.address}", file=sys.stderr, flush=True)  # noqa: T201 - a program of its own
         await until_done(serving, asyncio.Event(), console=True)
 

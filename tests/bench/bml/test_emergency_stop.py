@@ -1,9 +1,11 @@
 """The bench of the emergency stop: that it sees stops, and that its floods are floods."""
 
 import ast
+import json
 import socket
 import sys
 from pathlib import Path
+from time import monotonic
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from kinesic.bench.bml import flood
 from kinesic.bench.bml.emergency_stop import IDLE, Stopping, flooding, measure_stops, stop_figures, watched_server
 from kinesic.bench.bml.witnessed_server import GoalRecorder, read_goals
 from kinesic.body.command import Command
+from kinesic.client import Client
 
 pytestmark = pytest.mark.realtime
 
@@ -34,13 +37,33 @@ def test_every_stop_is_acknowledged_and_goals_come_to_rest(server, name):
 
 @pytest.mark.parametrize(
     ("name", "first"),
-    [("fragments", b"GET / HTTP/1.1"), ("drips", b"<"), ("blocks", b'<bml id="flood1">'), ("documents", b"<bml id=")],
+    [
+        ("fragments", b"GET / HTTP/1.1"),
+        ("drips", b"<"),
+        ("blocks", b'<bml id="flood1">'),
+        ("documents", b"<bml id="),
+        ("questions", b'{"do": "watch", "rate": 50}\0{"do": "plan", '),
+    ],
 )
 def test_floods_say_what_they_are_to_say(name, first):
     with socket.create_server(("127.0.0.1", 0)) as listener, flooding(name, listener.getsockname()[1]):
         connection, _ = listener.accept()
         with connection:
             assert connection.recv(len(first), socket.MSG_WAITALL) == first
+
+
+def test_a_flood_of_questions_asks_what_is_answered(server):
+    with flooding("questions", server.port), Client(port=server.port) as client:
+        answers = {"plan", "gesture", "reach", "saved", "document", "documents"}
+        for number, question in enumerate(flood._questions(1)):
+            if b"reach" not in question or number % 10 == 0:
+                client.send_bytes(question.rstrip(b"\0"))
+        end = monotonic() + 30.0
+        while answers and monotonic() < end:
+            told = json.loads(client.receive(30.0) or "{}")
+            assert told["told"] not in ("refused", "failed"), told
+            answers.discard(told["told"])
+        assert not answers
 
 
 def test_a_crowd_connects_and_comes_again():

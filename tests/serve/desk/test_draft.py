@@ -36,3 +36,15 @@ def test_a_refusal_says_where(upper22_setup):
     assert draft("<bml", (), upper22_setup, bounds=BOUNDS, longest=60.0)["error"]["line"] == 1
     assert "at most 1 s" in draft(WORDS, (), upper22_setup, bounds=BOUNDS, longest=1.0)["error"]["text"]
     assert "power" in draft(WORDS, ("powr=1",), upper22_setup, bounds=BOUNDS, longest=9.0)["error"]["text"]
+
+
+def test_a_draft_reads_no_file_whatever_it_names(upper22_setup, tmp_path):
+    (tmp_path / "a.wav").write_bytes(b"no sound")
+    spoken = '<bml id="b"><speech id="s" start="0"><text>hi</text><description priority="1" type="audio/wav">{}'
+    said = set()
+    for name in (tmp_path / "a.wav", tmp_path / "gone.wav", tmp_path, "/etc/passwd"):
+        document = spoken.format(f'<file ref="{name}"/></description></speech></bml>')
+        found = draft(document, (), upper22_setup, bounds=BOUNDS, longest=60.0)
+        said.update(each["text"].replace(str(name), "FILE") for each in found["notices"])
+    assert len(said) == 1, said
+    assert "a document that is no file has no folder" in said.pop()
