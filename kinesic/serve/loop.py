@@ -10,6 +10,7 @@ from contextlib import ExitStack, suppress
 from math import inf, isnan
 from multiprocessing.connection import Connection, wait
 from operator import attrgetter
+from select import POLLOUT, poll
 from threading import Event, Thread
 from time import monotonic, sleep
 
@@ -91,6 +92,7 @@ class Loop(Thread):
         self._consenting = [each.sink for each in sinks if isinstance(each.sink, ConsentingSink)]
         self._orders: deque[Callable[[], None]] = deque()
         self._planner: Connection | None = None
+        self._untold: Halted | None = None  # the last stop, until the planner is told
         self._out = clock.now()  # [s] until when commands are out
         self._leave = Event()
         _rehearse_stop(setup)
@@ -166,6 +168,7 @@ class Loop(Thread):
     def _tick(self) -> None:
         while self._orders:
             self._orders.popleft()()
+        self._tell_planner()
         now = self._now()
         self.late += now - self._out > 2 * PERIOD
         for each in self._sinks:
@@ -249,7 +252,7 @@ class Loop(Thread):
             each.repeat_from(max(cut, self._out + PERIOD / 2))
 
     def _link(self, planner: Connection, stops: int) -> None:
-        self._planner = planner
+        self._planner, self._untold = planner, None
         if stops != self._stops_made:
             self._tell_halt(self._out)
 
@@ -264,10 +267,24 @@ class Loop(Thread):
         self._tell_halt(time)
 
     def _tell_halt(self, time: float) -> None:
-        """Sends the planner the motion of the last emergency stop, which began at a time [s] of the clock."""
+        """Has the planner told the motion of the last emergency stop, which began at a time [s] of the clock."""
+        self._untold = Halted(self._stops_made, time, self.motion)
+
+    def _tell_planner(self) -> None:
+        """Sends the planner the last stop as soon as it reads: the loop waits for nobody, however many stops come."""
+        if self._untold is None or (self._planner is not None and not _takes_more(self._planner)):
+            return
         if self._planner is not None:
             with suppress(OSError):  # it has died, and the next one begins from here
-                self._planner.send(Halted(self._stops_made, time, self.motion))
+                self._planner.send(self._untold)
+        self._untold = None
+
+
+def _takes_more(pipe: Connection) -> bool:
+    """Whether a message of some kB can be sent without waiting: at least three quarters of its buffer are free."""
+    waiting = poll()
+    waiting.register(pipe, POLLOUT)
+    return bool(waiting.poll(0))
 
 
 def _rounded(angles: Floats) -> tuple[float, ...]:

@@ -7,6 +7,7 @@ import fcntl
 import sys
 from asyncio import TimerHandle, get_running_loop
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
@@ -18,7 +19,7 @@ from kinesic.controller import perform
 from kinesic.planning.setup import Setup
 from kinesic.serve import planner, refiner
 from kinesic.serve.loop import Loop
-from kinesic.serve.messages import ClientRequest, DocumentRequest, PlannerReady, Renewal, RequestDone
+from kinesic.serve.messages import ClientRequest, DocumentRequest, LoopStart, PlannerReady, Renewal, RequestDone
 from kinesic.serve.wire.quotas import Quotas
 
 PIPE = 1 << 20  # [bytes] that anybody may have a pipe keep
@@ -73,6 +74,7 @@ class Planner:
         self.warm = False
         self.deaths = 0  # so far
         self.failed = False  # it cannot even be started
+        self._thread = ThreadPoolExecutor(1, thread_name_prefix="planner")
         self._renewals = 0  # how often gestures were to be read anew
 
     @property
@@ -90,8 +92,7 @@ class Planner:
             self._spare = self._begin()
         self._working, self._spare = self._spare, None
         beginning = self._loop.beginning()
-        with suppress(OSError):  # it has died just now, as the loop will find out
-            self._working.requests.send(beginning)
+        self._thread.submit(_send, self._working.requests, beginning)  # long motions do not go into a pipe at once
         self._refiner = Child(
             self._context(), refiner.run_refiner, self._make_setup, self._working.refiner, name="refiner"
         )
@@ -123,8 +124,7 @@ class Planner:
         self._present = request
         end = partial(working.child.kill, wait=False)
         self._watch = get_running_loop().call_later(self._rules.planning, end)
-        with suppress(OSError):  # it has died, as the loop will find out
-            working.requests.send(request)
+        _send(working.requests, request)
 
     def receive(self, news: PlannerReady | RequestDone | None) -> None:
         """Takes what it says to the server; None: it has died."""
@@ -159,12 +159,19 @@ class Planner:
         for each in (self._working, self._spare):
             if each is not None:
                 each.child.wait()
+        self._thread.shutdown(wait=False)
 
     def _end_working(self) -> None:
         if self._working is not None:
             self._working.end()
         if self._refiner is not None:
             self._refiner.kill(wait=False)
+
+
+def _send(pipe: Connection, message: LoopStart | ClientRequest) -> None:
+    """Sends a planner what it waits for."""
+    with suppress(OSError):  # it has died, as the loop will find out
+        pipe.send(message)
 
 
 def _widen(pipe: Connection) -> None:

@@ -18,6 +18,7 @@ pytestmark = pytest.mark.realtime
 
 BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}">{}</bml>'
 NOD = '<head id="h" lexeme="NOD" start="0" end="0.5"/>'
+STOPS = 250
 BEAT = '<gesture id="g" lexeme="BEAT" mode="LEFT_HAND" stroke="1"/>'
 
 
@@ -154,3 +155,25 @@ def test_a_gesture_takes_the_hand_that_another_block_leaves_free(server, becomes
     robot, at = set_up().robot, passed(answers, "beside:g:stroke")
     pose = min((command for _, command in server.witness.commands), key=lambda each: abs(each.time - at)).angles
     assert np.abs((pose - robot.skeleton.rest)[list(robot.joints("l_arm"))]).max() > np.radians(10.0)
+
+
+def test_a_planner_that_reads_nothing_does_not_hold_up_the_loop_however_many_stops_come(becomes):
+    setup, clock = set_up(), Clock()
+    ours, planner = Pipe()
+    loop = Loop(setup, [], clock, effects=Effects(), tell=lambda message, sender: None, news=lambda news: None)
+    loop.link(ours, loop.beginning())
+    loop.start()
+    try:
+        for _ in range(STOPS):
+            before = loop._out
+            loop.halt()
+            assert becomes(lambda before=before: loop._out > before), "it ticks no longer"
+        told = 0
+        while told < STOPS and planner.poll(1.0):
+            told = planner.recv().stops
+        assert told == STOPS  # the last one is told in any case
+    finally:
+        loop.leave()
+        planner.close()
+        loop.join(10.0)
+    assert not loop.is_alive()

@@ -127,7 +127,7 @@ def send_documents(port: int) -> None:
 
 
 def send_questions(port: int) -> None:
-    """All that may be asked, as fast as a client may: hands dragged, long plans, gestures, documents kept and opened."""
+    """All that may be asked, as fast as a client may: hands dragged, long plans, gestures, documents saved, opened."""
     number = 0
     while True:
         try:
