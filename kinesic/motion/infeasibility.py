@@ -35,6 +35,7 @@ class Infeasibility:
     slopes: Floats  # (m + 2,) [1/s] of the amount over the times of start, keys and end
     binding: tuple[Quantity | None, ...]  # (m + 1,) the limit that binds most in each gap
     controls: Floats  # (k + 3,) [rad] control points of the motion that exceeds the limits least
+    programs: int = 1  # that were solved
 
 
 def guess_share(segment: SplineSegment, limits: Limits) -> float:
@@ -49,14 +50,15 @@ def measure_shortage(segment: SplineSegment, limits: Limits) -> Infeasibility | 
     found = _least(segment, limits)
     if found is None:
         return None
-    slopes = _slopes(segment, found)
+    slopes, programs = _slopes(segment, found), 1
     if found.amount > SPARE and (abs(slopes.sum()) > UNEVEN * np.abs(slopes).sum() or np.abs(slopes).max() < FLAT):
         beside = [key for key, pair in enumerate(pairwise(found.binding)) if pair != (None, None)]
+        programs += len(beside)
         for key in beside:
             slopes[key + 1] = _difference(segment, limits, key, found.amount)
     total = float(np.abs(slopes).sum())
     even = slopes - slopes.sum() * np.abs(slopes) / total if total else slopes
-    return Infeasibility(found.amount, even, found.binding, found.controls)
+    return Infeasibility(found.amount, even, found.binding, found.controls, programs)
 
 
 @dataclass(frozen=True, eq=False)

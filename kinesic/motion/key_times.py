@@ -12,7 +12,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
+from itertools import pairwise, takewhile
 
 import numpy as np
 
@@ -112,7 +112,9 @@ class Search:
         self._relax(short)
 
     def _lacking(self, pending: list[SplineSegment]) -> list[tuple[SplineSegment, Infeasibility | None]]:
-        found = [(segment, self._shortage(segment)) for segment in pending]
+        """Those that lack time, as far as the budget allows to measure them: others turn up as they have no motion."""
+        within = takewhile(lambda segment: not self._budget.spent, pending)
+        found = [(segment, self._shortage(segment)) for segment in within]
         return [(segment, lack) for segment, lack in found if lack is None or lack.amount > -MARGIN / 4]
 
     def _lengthen(self, segment: SplineSegment, found: Infeasibility | None) -> None:
@@ -135,9 +137,10 @@ class Search:
         """Remembered by keys and places, which determine it: many a segment stays the same when others move."""
         known = (segment.hinge, segment.marks, segment.grid.pieces, segment.places.tobytes())
         if known not in self._shortages:
-            self._budget.spend(segment.grid.pieces)
-            self._looked += segment.grid.pieces
-            self._shortages[known] = measure_shortage(segment, self._limits)
+            found = self._shortages[known] = measure_shortage(segment, self._limits)
+            work = segment.grid.pieces * (1 if found is None else found.programs)
+            self._budget.spend(work)
+            self._looked += work
         return self._shortages[known]
 
     def _segments(self, times: Floats) -> Iterator[SplineSegment]:
@@ -203,7 +206,8 @@ class Search:
         for segment, lack in measure(self.times):
             self._note(segment, lack)
         kept = self._lengthened({way: span for way, span in self._spans.items() if way not in open_ways})
-        times = stretch_until_enough(self._problem(kept, self._all_cuts), self.times, self._limits, measure)
+        problem = self._problem(kept, self._all_cuts)
+        times = stretch_until_enough(problem, self.times, self._limits, measure, self._budget)
         if times is None and max(self._tries[way] for way in short) <= PLANES:
             self._stiff |= open_ways
             self._spans = {way: span for way, span in self._spans.items() if way not in open_ways}

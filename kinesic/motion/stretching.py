@@ -11,6 +11,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.body.limits import Limits
+from kinesic.motion.budget import ENDLESS, Budget
 from kinesic.motion.infeasibility import Infeasibility
 from kinesic.motion.key_time_lp import KeyTimeProblem, relax_key_times, strain
 from kinesic.motion.segments import SplineSegment
@@ -19,6 +20,7 @@ from kinesic.motion.time_warp import LACKING, stretch_times
 Lacks = Sequence[tuple[SplineSegment, Infeasibility | None]]
 
 ROUNDS = 10
+WORK = 12  # pieces that could be measured while the linear program of one is solved
 RADIUS = 0.4  # share by which time is stretched in the first round
 FINE = 1e-4  # [s] to which spans are rounded up, so that every processor finds the same
 MARGIN = 0.002  # of the time, that is reserved for each segment
@@ -50,7 +52,11 @@ class _Look:
 
 
 def stretch_until_enough(
-    problem: KeyTimeProblem, times: Floats, limits: Limits, measure: Callable[[Floats], Lacks]
+    problem: KeyTimeProblem,
+    times: Floats,
+    limits: Limits,
+    measure: Callable[[Floats], Lacks],
+    budget: Budget = ENDLESS,
 ) -> Floats | None:
     """Finds key times near some others at which all segments that are measured have a motion.
 
@@ -59,9 +65,10 @@ def stretch_until_enough(
         times: (m,) [s] where to begin.
         limits: of all hinges.
         measure: segments at some times, with what each lacks.
+        budget: for the linear programs.
 
     Returns:
-        (m,) [s] block time; None when none were found.
+        (m,) [s] block time; None when none were found, or the budget is spent before.
     """
 
     def look(times: Floats) -> _Look | None:
@@ -73,6 +80,9 @@ def stretch_until_enough(
     reserves: dict[tuple[int, int], float] = {}
     for _ in range(ROUNDS):
         if here is None or here.suffices:
+            break
+        budget.spend(WORK * sum(segment.grid.pieces for segment, _ in here.lacks))
+        if budget.spent:
             break
         kept = [reserves.get(_place(segment), MARGIN) for segment, _ in here.lacks]
         found = stretch_times(problem, here.times, here.lacks, limits=limits, radius=radius, reserves=kept)

@@ -27,7 +27,7 @@ from kinesic.planning.setup import Setup
 APART = 0.2  # [s] by which strokes may move apart; more is seen beside a word
 SEARCHES = 12  # of a block; what comes after is judged by the estimate
 MANY = 4 * SEARCHES  # neighbours that may lack time: more are a crowd, which the estimate alone judges
-WORK = 30_000  # pieces of splines that all searches may measure
+WORK = 100_000  # pieces of splines that all searches may measure
 LEAST = 0.02  # [s] of which nobody needs to give way
 
 

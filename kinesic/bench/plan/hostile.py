@@ -4,7 +4,7 @@ import json
 import random
 import subprocess
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from kinesic.bench.blocks import ROOT, throng
@@ -62,6 +62,14 @@ def nods(count: int, every: float) -> Write:
     return lambda lexemes: _document(f'<head id="h{k}" lexeme="NOD" start="{every * k:.2f}"/>' for k in range(count))
 
 
+def looks(count: int) -> Write:
+    """So many looks to and fro, each begun while the one before it lasts."""
+    return lambda lexemes: _document(
+        f'<gaze id="g{k}" target="{("left", "right")[k % 2]}" start="{0.3 * k:.2f}" end="{0.3 * k + 0.6:.2f}"/>'
+        for k in range(count)
+    )
+
+
 def ring(count: int, sync: str) -> Write:
     """So many nods, each of which begins at a sync point of the next one, and the last at that of the first."""
     return lambda lexemes: _document(
@@ -98,7 +106,7 @@ def _always(inside: str) -> Write:
     return lambda lexemes: ROOT.format(inside)
 
 
-def _document(lines: Iterator[str]) -> str:
+def _document(lines: Iterable[str]) -> str:
     return ROOT.format("".join(lines))
 
 
@@ -115,6 +123,7 @@ DOCUMENTS: Mapping[str, Write] = {
     "row_100": stairs(100, 0.3, 1.0),
     "nods_1000_s": nods(1000, 1.0),
     "nods_hurried": nods(1000, 0.1),
+    "looks_500": looks(500),
     "ring_of_ends": ring(500, "end"),
     "ring_of_starts": ring(500, "start"),
     "contradictions": contradictions(200),

@@ -1,0 +1,17 @@
+"""A monologue of half a minute keeps its gestures and their words, in every manner in which there is time."""
+
+import pytest
+
+from kinesic.body.config import CONFIGS
+from kinesic.controller.options import LIVELY
+from kinesic.controller.perform import plan, set_up
+
+STORY = (CONFIGS / "bml" / "story.bml").read_text(encoding="utf-8")
+LATE = 0.15  # [s] by which a stroke may miss its word where gestures are large and quick
+
+
+@pytest.mark.parametrize("style", ["neutral", "joyful", "angry", "proud"])
+def test_nothing_is_left_out_and_strokes_stay_on_their_words(style: str):
+    planned = plan(STORY, set_up(style=style, **LIVELY))
+    assert [name for name, outcome in planned.keyframes.outcomes.items() if outcome.kind == "dropped"] == []
+    assert max(abs(sync.planned - sync.asked) for sync in planned.syncs if sync.is_stroke) <= LATE
