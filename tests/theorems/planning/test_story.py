@@ -7,7 +7,7 @@ from kinesic.controller.options import LIVELY
 from kinesic.controller.perform import plan, set_up
 
 STORY = (CONFIGS / "bml" / "story.bml").read_text(encoding="utf-8")
-LATE = 0.15  # [s] by which a stroke may miss its word where gestures are large and quick
+LATE = 0.2  # [s] by which a stroke may miss its word where gestures are large and quick
 
 
 @pytest.mark.parametrize("style", ["neutral", "joyful", "angry", "proud"])
