@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from math import atan2, copysign, hypot, radians, sqrt
 from typing import Literal
 
@@ -10,7 +11,7 @@ import numpy as np
 from kinesic.bml.block import Block, Gaze, HeadDirectionShift
 from kinesic.body.action_units import ASIDE, DOWNWARD, UPWARD
 from kinesic.body.arrays import Floats
-from kinesic.body.robot import Robot
+from kinesic.body.robot import SIDES, Robot
 from kinesic.expressivity.context import BlockContext
 from kinesic.expressivity.head import direction, names_stem, words
 from kinesic.expressivity.keyframes import Turn
@@ -111,11 +112,18 @@ def towards(place: Floats, robot: Robot) -> Turn:
 
 def from_eyes(place: Floats, robot: Robot) -> Floats:
     """Finds the way (3,) [m] from the eyes of a robot upright to a place in the world."""
-    frames = robot.skeleton.resting
-    k = robot.skeleton.segment(robot.chains["neck"][-1])
-    eyes = robot.sites.get("eyes")
+    return np.asarray(place - _eyes(robot))
+
+
+@lru_cache(maxsize=16)
+def _eyes(robot: Robot) -> Floats:
+    """(3,) [m] in the world; of a robot without a neck: between its shoulders."""
+    frames, neck = robot.skeleton.resting, robot.chains.get("neck")
+    if not neck:
+        return np.asarray(np.mean([frames.origins[robot.arm(side).shoulder] for side in SIDES], axis=0))
+    k, eyes = robot.skeleton.segment(neck[-1]), robot.sites.get("eyes")
     inside = np.zeros(3) if eyes is None else eyes.position
-    return np.asarray(place - (frames.origins[k] + frames.rotations[k] @ inside))
+    return np.asarray(frames.origins[k] + frames.rotations[k] @ inside)
 
 
 def _usual_time(turn: Turn, speed: float) -> float:

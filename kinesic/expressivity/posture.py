@@ -74,14 +74,7 @@ def pose(posture: Posture, lexicon: Lexicon, robot: Robot) -> Pose | None:
     Returns:
         None when it can do nothing of what was asked.
     """
-    parts: list[_Part] = []
-    left_out: list[str] = []
-    for name, lexeme in posture.poses:
-        part = _part(name.upper(), lexeme, lexicon)
-        if part is None:
-            left_out.append(f"no pose {lexeme} of {name}")
-        else:
-            parts.append(part)
+    parts, left_out = _parts(posture, lexicon, robot)
     arms = tuple(part.arms for part in parts if part.arms is not None)
     stance = (posture.stance or "").upper()
     if stance:
@@ -97,6 +90,31 @@ def pose(posture: Posture, lexicon: Lexicon, robot: Robot) -> Pose | None:
     for part in parts:
         leaned, bowed = add_turns(leaned, part.lean), add_turns(bowed, part.head)
     return Pose(limit_trunk(leaned, robot), arms, clip_turn(bowed, room(robot, "neck")), "; ".join(left_out))
+
+
+def _parts(posture: Posture, lexicon: Lexicon, robot: Robot) -> tuple[list[_Part], list[str]]:
+    """What its poses ask, and why some ask nothing; of two for one arm, the first counts."""
+    parts: list[_Part] = []
+    left_out: list[str] = []
+    placed: dict[Side, str] = {}
+    for name, lexeme in posture.poses:
+        part = _part(name.upper(), lexeme, lexicon)
+        sides: tuple[Side, ...] = () if part is None or part.arms is None else _sides(part.arms)
+        before = next((placed[side] for side in sides if side in placed), None)
+        if part is None:
+            left_out.append(f"no pose {lexeme} of {name}")
+        elif before is not None:
+            left_out.append(f"the pose {lexeme} of {name} is left out: the arms are in {before}")
+        elif part.head != UPRIGHT and not robot.joints("neck"):
+            left_out.append(f"no neck for the pose {lexeme} of {name}")
+        else:
+            parts.append(part)
+            placed |= dict.fromkeys(sides, lexeme)
+    return parts, left_out
+
+
+def _sides(arms: Arms) -> tuple[Side, ...]:
+    return tuple(sorted(arms.sides)) if isinstance(arms, GestureForm) else _SIDES[arms]
 
 
 def _stance(stance: str, lexicon: Lexicon, *, stays: bool) -> _Part | None:

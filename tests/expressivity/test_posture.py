@@ -125,3 +125,11 @@ def test_standing_up_lets_the_arms_hang_again(perform):
     reached = {frame.time: frame.hands["l"].reach for frame in frames.frames}
     assert reached[1] is not None
     assert reached[3] is None
+
+
+def test_of_two_poses_for_one_arm_the_first_counts_and_the_other_is_said(robot, lexicon):
+    twice = pose(Posture(poses=(("ARMS", "ARMS_AKIMBO"), ("ARMS", "ARMS_CROSSED"))), lexicon, robot)
+    assert [each.id for each in twice.arms] == ["akimbo"]
+    assert "ARMS_CROSSED" in twice.left_out
+    each = pose(Posture(poses=(("LEFT_ARM", "ARMS_AKIMBO"), ("RIGHT_ARM", "ARMS_NEUTRAL"))), lexicon, robot)
+    assert (len(each.arms), each.left_out) == (2, "")
