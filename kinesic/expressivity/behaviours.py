@@ -28,11 +28,13 @@ from kinesic.expressivity.keyframes import Outcome
 from kinesic.expressivity.lexicon.body_form import NO_BODY, BodyForm
 from kinesic.expressivity.lexicon.form import GestureForm, Match
 from kinesic.expressivity.lexicon.lexicon import mirror_form
+from kinesic.expressivity.lexicon.names import shorten_name
 from kinesic.expressivity.turns import UPRIGHT, Layer, exclusive, pass_layer
 
 REALISED = Outcome("realised")
 DEICTIC = "deictic"  # category of gestures that point
 WIDEST = 0.5  # more of the body's part at a spatial extent of 1, and less at -1
+HEAD_KNOWN = "nod, shake, up, down, left, right, aside, tilt, forward, back and their synonyms are known"
 WEIGHED: tuple[Modality, Modality, Modality] = ("head", "torso", "gesture")
 COUNTING = "count"  # gestures whose names begin with it count on one hand
 
@@ -71,7 +73,7 @@ def gesture_move(timed: TimedBehaviour, action: Gesture, context: BlockContext) 
     if match is None:
         near = ", ".join(context.lexicon.near(action.lexeme))
         hint = f"near to it: {near}, which may mean something else" if near else "`kinesic gestures list` shows all"
-        return drop_behaviour(f"the lexicon has no gesture for {action.lexeme}; {hint}")
+        return drop_behaviour(f"the lexicon has no gesture for {shorten_name(action.lexeme)}; {hint}")
     match = _for_hands(match, action, context)
     form = match.form
     if not form.keys and not form.rest:
@@ -162,6 +164,8 @@ def head_move(timed: TimedBehaviour, action: Head, context: BlockContext) -> Mov
         return _lacking("neck", context)
     manner = context.manner(timed.behaviour)
     form = head_form(action, context.robot, manner)
+    if form is None:
+        return drop_behaviour(f"no movement of the head is called {shorten_name(action.lexeme)}; {HEAD_KNOWN}")
     outcome, warnings = substitution_outcome(form.substitute, form.clipped)
     return Move(outcome, head=(head_layer(form, timed.times, context.pace, manner),), warnings=warnings)
 
@@ -173,7 +177,7 @@ def torso_move(timed: TimedBehaviour, action: Torso, context: BlockContext) -> M
     lean = trunk.named_lean(action, context.robot, context.manner(timed.behaviour).spatial)
     if lean is None:
         return drop_behaviour(
-            f"torso movement {action.lexeme} is unknown; lean, recline, turn, left and right are known"
+            f"torso movement {shorten_name(action.lexeme)} is unknown; lean, recline, turn, left and right are known"
         )
     if lean.clipped and lean.turn == UPRIGHT:
         return drop_behaviour(f"the trunk cannot: {lean.clipped}")

@@ -111,6 +111,8 @@ def _look_spans(look: Gaze | HeadDirectionShift, way: float) -> dict[str, float]
 
 def _head_spans(head: Head, pace: Pace, manner: Expressivity) -> dict[str, float]:
     form = head_form(head, pace.robot, manner)
+    if form is None:
+        return {}
     swing = swing_time(form, pace, manner)
     if form.kind == "direction":
         return {"ready": 0.85 * swing, "stroke": 0.15 * swing, "relax": LOOK, "end": swing}

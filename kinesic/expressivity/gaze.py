@@ -13,8 +13,9 @@ from kinesic.body.action_units import ASIDE, DOWNWARD, UPWARD
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import SIDES, Robot
 from kinesic.expressivity.context import BlockContext
-from kinesic.expressivity.head import direction, names_stem, words
+from kinesic.expressivity.head import direction
 from kinesic.expressivity.keyframes import Turn
+from kinesic.expressivity.lexicon.movement_words import read_head_name
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.turns import UPRIGHT, Hold, add_turns, axes, clip_turn, excess, hold_turn, room, scale_turn
 
@@ -74,9 +75,9 @@ def aim(action: Gaze | HeadDirectionShift, context: BlockContext, base: Aim = ST
         return _share_turn(add_turns(base.head, offset), influence=influence, robot=robot, base=base)
     place, missing = context.find_target(action.target), ""
     if place is None and isinstance(action, HeadDirectionShift):
-        found = words(action.target)
-        if names_stem(found, "up", "down", "left", "right", "aside", "neutral", "tilt"):
-            return _share_turn(scale_turn(direction(found), 0.5), influence=None, robot=robot, base=base)
+        name = read_head_name(action.target)
+        if name is not None and name.kind == "direction":
+            return _share_turn(scale_turn(direction(name.words), 0.5), influence=None, robot=robot, base=base)
     if place is None:
         place, missing = context.targets.get(AUDIENCE), context.unknown_target(action.target)
     if place is None:

@@ -1,16 +1,15 @@
 """Head movements that return: nods, shakes, and the directions that a lexeme's words name."""
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import radians
-from typing import Literal
 
 import numpy as np
 
 from kinesic.bml.block import Head
 from kinesic.body.robot import Robot
 from kinesic.expressivity.keyframes import Turn
+from kinesic.expressivity.lexicon.movement_words import HeadKind, amplitude_factor, read_head_name
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import Expressivity, passage_of
 from kinesic.expressivity.turns import (
@@ -33,16 +32,13 @@ SWING = 0.17  # [s] one way, at ease
 MORE = 2  # nods or shakes that full repetition adds
 
 _AHEAD = 0.85  # of a direction: where the head is when ready
-_DIRECTIONS = ("up", "down", "left", "right", "forward", "back")
-_SHAKES = ("shake", "spin", "swing", "wiggle", "lateral", "negat", "deny")
-_SCALES = {"big": 1.5, "large": 1.5, "strong": 1.5, "small": 0.5, "subtle": 0.5, "tiny": 0.5}
 
 
 @dataclass(frozen=True)
 class HeadForm:
     """What a head does in one stroke."""
 
-    kind: Literal["nod", "shake", "direction"]
+    kind: HeadKind
     peak: Turn
     repetition: int = 1
     substitute: str = ""  # why it is not the lexeme itself
@@ -59,26 +55,12 @@ class HeadForm:
         return (1.0, -1.0) * (self.repetition + self.more) + (1.0, 0.0)
 
 
-def words(lexeme: str) -> tuple[str, ...]:
-    """Splits a lexeme into its words, lower-case: `Down_Aside_Right`, `ShakeLeft`."""
-    return tuple(word.lower() for word in re.findall(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])", lexeme))
-
-
-def amplitude_factor(lexeme_words: tuple[str, ...]) -> float:
-    """Reads the factor on amplitude of words such as big and small."""
-    return next((_SCALES[word] for word in lexeme_words if word in _SCALES), 1.0)
-
-
-def names_stem(lexeme_words: tuple[str, ...], *stems: str) -> bool:
-    """Whether a word begins with one of some stems."""
-    return any(word.startswith(stems) for word in lexeme_words)
-
-
-def head_form(head: Head, robot: Robot, manner: Expressivity) -> HeadForm:
-    """Finds the form of a head movement, inside the range of the neck.
+def head_form(head: Head, robot: Robot, manner: Expressivity) -> HeadForm | None:
+    """Finds the form of a head movement, inside the range of the neck; None when its name means nothing here.
 
     A nod of amount a peaks at a x 20 deg, a shake at a x 25 deg to each side, a direction at a x 30 deg on each
-    axis that its words name: up and down tilt, left and right turn, and roll when the word is aside or tilt.
+    axis that its words name: up and down tilt, left and right turn, and roll when the word is aside or tilt. A
+    direction that is repeated is gone to and left again, as a nod is.
     Spatial extent from -1 to 1 makes all of them up to half smaller or larger; repetition nods or shakes up to
     `MORE` times more.
 
@@ -87,14 +69,21 @@ def head_form(head: Head, robot: Robot, manner: Expressivity) -> HeadForm:
         robot: whose neck moves.
         manner: of the head; spatial extent and repetition are used.
     """
-    found = words(head.lexeme)
-    kind, peak, substitute = _meaning(head.lexeme, found)
-    peak = scale_turn(peak, head.amount * amplitude_factor(found) * (1 + 0.5 * manner.spatial))
+    name = read_head_name(head.lexeme)
+    if name is None:
+        return None
+    kind, peak = (
+        name.kind,
+        {"nod": Turn(tilt=NOD), "shake": Turn(torsion=SHAKE)}.get(name.kind) or direction(name.words),
+    )
+    if kind == "direction" and head.repetition > 1:
+        kind = "nod"
+    peak = scale_turn(peak, head.amount * amplitude_factor(name.words) * (1 + 0.5 * manner.spatial))
     within = room(robot, "neck")
     lost = excess(peak, within)
     why = f"{lost:.1f} deg beyond the neck's range are left out" if lost > 0.05 else ""
     more = 0 if kind == "direction" else round(MORE * max(0.0, manner.repetition))
-    return HeadForm(kind, clip_turn(peak, within), max(1, head.repetition), substitute, why, more)
+    return HeadForm(kind, clip_turn(peak, within), max(1, head.repetition), name.stands_for, why, more)
 
 
 def swing_time(form: HeadForm, pace: Pace, manner: Expressivity) -> float:
@@ -102,11 +91,12 @@ def swing_time(form: HeadForm, pace: Pace, manner: Expressivity) -> float:
     return pace.turn_time("neck", form.peak, manner.temporal, manner.power, usual=SWING)
 
 
-def direction(lexeme_words: tuple[str, ...]) -> Turn:
+def direction(words: tuple[str, ...]) -> Turn:
     """Finds the rotation that words such as up, left and aside name, one `DIRECTION` on each axis."""
-    tilt = DIRECTION * (names_stem(lexeme_words, "down", "forward") - names_stem(lexeme_words, "up", "back", "toss"))
-    side = DIRECTION * (names_stem(lexeme_words, "left") - names_stem(lexeme_words, "right"))
-    if names_stem(lexeme_words, "aside", "tilt", "lean", "roll", "inclin"):
+    named = frozenset(words)
+    tilt = DIRECTION * (bool(named & {"down", "forward", "bow"}) - bool(named & {"up", "back", "toss"}))
+    side = DIRECTION * (("left" in named) - ("right" in named))
+    if named & {"aside", "tilt", "lean", "roll", "incline"}:
         return Turn(tilt=tilt, roll=-side if side or tilt else DIRECTION)
     return Turn(torsion=side, tilt=tilt)
 
@@ -178,18 +168,3 @@ def _pin_swings(times: Mapping[str, float], last: int, natural: float) -> dict[i
     ends = [times[sync] for sync in ("strokeEnd", "relax", "end") if times[sync] >= least]
     pinned[last] = ends[0] if ends else pinned[before] + natural * (last - before)
     return pinned
-
-
-def _meaning(lexeme: str, lexeme_words: tuple[str, ...]) -> tuple[Literal["nod", "shake", "direction"], Turn, str]:
-    """Kind, peak at amount 1, and why it is a substitute."""
-    if names_stem(lexeme_words, "nod"):
-        return "nod", Turn(tilt=NOD), ""
-    if names_stem(lexeme_words, "shake"):
-        return "shake", Turn(torsion=SHAKE), ""
-    if names_stem(lexeme_words, "neutral"):
-        return "direction", UPRIGHT, ""
-    if names_stem(lexeme_words, "tilt", "aside", "toss", "roll", *_DIRECTIONS):
-        return "direction", direction(lexeme_words), ""
-    if names_stem(lexeme_words, *_SHAKES):
-        return "shake", Turn(torsion=SHAKE), f"a shake stands for {lexeme}"
-    return "nod", Turn(tilt=NOD), f"a nod stands for {lexeme or 'a head movement without lexeme'}"

@@ -19,10 +19,12 @@ from kinesic.expressivity.behaviours import (
 from kinesic.expressivity.context import BlockContext
 from kinesic.expressivity.hands.poses import poses
 from kinesic.expressivity.hands.strokes import Stroke
-from kinesic.expressivity.head import direction, names_stem, words
+from kinesic.expressivity.head import direction
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.lexicon.form import GestureForm
 from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.expressivity.lexicon.movement_words import movement_words, read_head_name, read_trunk_name
+from kinesic.expressivity.lexicon.names import shorten_name
 from kinesic.expressivity.trunk import Lean, hold_lean, limit_trunk, trunk_direction
 from kinesic.expressivity.turns import (
     UPRIGHT,
@@ -40,7 +42,7 @@ _ARMS: Mapping[str, Mode] = {"ARMS": "both", "LEFT_ARM": "left", "RIGHT_ARM": "r
 _TRUNK = ("BODY", "TORSO", "SPINE", "TRUNK")
 _WHOLE = "WHOLEBODY"
 _FROM_GESTURES = {"open": "welcome"}  # poses of the arms that are the end of a gesture
-_EASE = ("neutral", "idle", "stand", "rest", "hang", "side")  # words for arms that hang
+_EASE = frozenset({"neutral", "idle", "stand", "rest", "hang", "side"})  # words for arms that hang
 
 Arms = GestureForm | Mode  # a rest form; a mode: these arms hang
 _SIDES: Mapping[str, tuple[Side, ...]] = {"both": ("l", "r"), "left": ("l",), "right": ("r",)}
@@ -102,7 +104,7 @@ def _parts(posture: Posture, lexicon: Lexicon, robot: Robot) -> tuple[list[_Part
         sides: tuple[Side, ...] = () if part is None or part.arms is None else _sides(part.arms)
         before = next((placed[side] for side in sides if side in placed), None)
         if part is None:
-            left_out.append(f"no pose {lexeme} of {name}")
+            left_out.append(f"no pose {shorten_name(lexeme)} of {name}")
         elif before is not None:
             left_out.append(f"the pose {lexeme} of {name} is left out: the arms are in {before}")
         elif part.head != UPRIGHT and not robot.joints("neck"):
@@ -130,15 +132,14 @@ def _stance(stance: str, lexicon: Lexicon, *, stays: bool) -> _Part | None:
 
 def _part(name: str, lexeme: str, lexicon: Lexicon) -> _Part | None:
     """Finds what one pose asks of trunk, arms or head; None when they can do nothing of it."""
-    found = words(lexeme)
     if name in _ARMS:
         arms = _arms(lexeme, _ARMS[name], lexicon)
         return None if arms is None else _Part(arms=arms)
     if name == "HEAD":
-        turned = names_stem(found, "up", "down", "left", "right", "forward", "back", "aside", "tilt", "neutral")
-        return _Part(head=scale_turn(direction(found), BENT)) if turned else None
+        held = read_head_name(lexeme)
+        return _Part(head=scale_turn(direction(held.words), BENT)) if held and held.kind == "direction" else None
     if name == _WHOLE or name in _TRUNK:
-        leaned = trunk_direction(found)
+        leaned = trunk_direction(read_trunk_name(lexeme))
         arms = None if name != _WHOLE or leaned not in (None, UPRIGHT) else _arms(lexeme, "both", lexicon)
         if leaned is not None or arms is not None:
             return _Part(lean=scale_turn(leaned or UPRIGHT, BENT), arms=arms)
@@ -147,8 +148,8 @@ def _part(name: str, lexeme: str, lexicon: Lexicon) -> _Part | None:
 
 def _arms(lexeme: str, mode: Mode, lexicon: Lexicon) -> Arms | None:
     """Finds the rest form of a pose of the arms, or the arms that hang; None when the lexicon knows none."""
-    found = words(lexeme)
-    if names_stem(found, *_EASE):
+    found = movement_words(lexeme)
+    if _EASE & {*found}:
         return mode
     gesture = next((form for word, form in _FROM_GESTURES.items() if word in found), None)
     if gesture is not None and (match := lexicon.find(gesture, mode)) is not None and match.form.keys:
@@ -168,7 +169,7 @@ def posture_moves(postures: Sequence[TimedBehaviour], context: BlockContext) -> 
         posed = pose(action, context.lexicon, context.robot)
         if posed is None:
             requested = [f"stance {action.stance}"] if action.stance else []
-            names = ", ".join((*requested, *(f"{lexeme} of {part}" for part, lexeme in action.poses)))
+            names = ", ".join((*requested, *(f"{shorten_name(lexeme)} of {part}" for part, lexeme in action.poses)))
             known = "standing, sitting, leaning, and rest poses of the arms, are known"
             moves[timed.behaviour.id] = drop_behaviour(f"no pose {names}; {known}")
         elif posed.lean.clipped and posed.lean.turn == UPRIGHT and not posed.arms:

@@ -18,8 +18,8 @@ from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot, Side
 from kinesic.expressivity.hands.poses import Poses, resting_hands
 from kinesic.expressivity.hands.strokes import HandStroke
-from kinesic.expressivity.head import amplitude_factor, names_stem, words
 from kinesic.expressivity.keyframes import Turn
+from kinesic.expressivity.lexicon.movement_words import amplitude_factor, read_trunk_name
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import Expressivity
 from kinesic.expressivity.turns import (
@@ -58,7 +58,7 @@ def named_lean(torso: Torso, robot: Robot, spatial: float) -> Lean | None:
     Returns:
         None when no word means a movement of the trunk.
     """
-    found = words(torso.lexeme)
+    found = read_trunk_name(torso.lexeme)
     turn = trunk_direction(found)
     return (
         None
@@ -75,18 +75,17 @@ def hold_lean(turn: Turn, times: Mapping[str, float], *, chain: str, stays: bool
 
 def trunk_direction(lexeme_words: tuple[str, ...]) -> Turn | None:
     """Finds the rotation of amount 1 that words name; None when they name none."""
-    turning = names_stem(lexeme_words, "turn", "twist", "look", "rotat")
-    tilt = LEAN * (
-        names_stem(lexeme_words, "forward", "down", "front") - names_stem(lexeme_words, "recline", "back", "up")
-    )
-    side = LEAN * (names_stem(lexeme_words, "left") - names_stem(lexeme_words, "right"))
+    named = frozenset(lexeme_words)
+    turning = "turn" in named
+    tilt = LEAN * (bool(named & {"forward", "down", "front"}) - bool(named & {"recline", "back", "up"}))
+    side = LEAN * (("left" in named) - ("right" in named))
     if side or tilt:
         return Turn(torsion=side if turning else 0.0, tilt=tilt, roll=0.0 if turning else -side)
-    if names_stem(lexeme_words, "lean", "inclin", "bow", "tilt"):
+    if named & {"lean", "incline", "bow", "tilt"}:
         return Turn(tilt=LEAN)
     if turning:
         return Turn(torsion=LEAN)
-    return UPRIGHT if names_stem(lexeme_words, "neutral", "nothing", "upright") else None
+    return UPRIGHT if named & {"neutral", "nothing", "upright"} else None
 
 
 def limit_trunk(turn: Turn, robot: Robot) -> Lean:

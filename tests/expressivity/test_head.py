@@ -103,13 +103,33 @@ def test_a_direction_is_held_until_relax(robot, pace, nod_times):
     assert turn_at(layer, 1.0).torsion == 0
 
 
-@pytest.mark.parametrize(("lexeme", "kind"), [("SPIN", "shake"), ("", "nod"), ("Y", "nod"), ("JOY_SIGNAL", "nod")])
+@pytest.mark.parametrize(
+    ("lexeme", "kind"), [("SPIN", "shake"), ("", "nod"), ("ROTATION", "nod"), ("nod_merrily", "nod")]
+)
 def test_other_lexemes_are_substituted(perform, nod_times, lexeme, kind, robot):
     assert head_form(Head(lexeme), robot, Expressivity()).kind == kind
     frames = perform(("h", Head(lexeme), nod_times))
     assert frames.outcomes["h"].kind == "substituted"
     assert kind in frames.outcomes["h"].why
     assert [notice.id for notice in frames.notices] == ["bml1:h"]
+
+
+@pytest.mark.parametrize("lexeme", ["upset", "uproar", "downtown", "leftover", "handshake", "JOY_SIGNAL", "Y"])
+def test_a_name_that_means_no_movement_is_dropped_by_name(perform, nod_times, lexeme):
+    frames = perform(("h", Head(lexeme), nod_times))
+    assert frames.outcomes["h"].kind == "dropped"
+    assert lexeme in frames.outcomes["h"].why
+    assert frames.uses["h"] == frozenset()
+
+
+@pytest.mark.parametrize("lexeme", ["UP", "TILT", "LEFT"])
+def test_a_direction_that_repeats_is_gone_to_again_and_again(robot, pace, nod_times, lexeme):
+    times = {**nod_times, "stroke:2": 0.9, "stroke:3": 1.5, "strokeEnd": 2.0, "relax": 2.0, "end": 2.0}
+    form = head_form(Head(lexeme, repetition=3), robot, Expressivity())
+    layer = head_layer(form, times, pace, Expressivity())
+    assert form.peak == head_form(Head(lexeme), robot, Expressivity()).peak
+    assert {turn_at(layer, time) for time in (0.5, 0.9, 1.5)} == {form.peak}
+    assert {turn_at(layer, time) for time in (0.7, 1.2, 2.0)} == {UPRIGHT}
 
 
 def test_sizes(robot):

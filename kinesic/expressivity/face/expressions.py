@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 import msgspec
@@ -12,7 +12,8 @@ from kinesic.bml.block import Face
 from kinesic.body.action_units import UNITS, FaceSide, channels, face_keys, unknown_unit
 from kinesic.body.arrays import Floats
 from kinesic.body.config import CONFIGS, ConfigError, read_toml
-from kinesic.expressivity.head import amplitude_factor
+from kinesic.expressivity.lexicon.movement_words import NEGATIONS, amplitude_factor, movement_words
+from kinesic.expressivity.lexicon.names import KEPT, word_set
 from kinesic.expressivity.lexicon.senses import Sense, nearest_sense, read_lexeme
 from kinesic.expressivity.style.style import NEUTRAL, Expressivity
 from kinesic.motion.easing import ease
@@ -26,6 +27,11 @@ SETTLING = 0.35  # [s] from there to what is held
 FADING = 0.4  # of the intensity, that a power of -1 loses while it holds
 LONGEST = 2.0  # [s] that this takes
 BRIDGED = 1.0  # [s] between two expressions, over which a fluidity of 1 leads from one into the other
+
+_VAGUE = word_set(  # words that say what is shown only together with the others
+    "raise lower open close up down high wide part pull press tight stretch blow kind content"
+)
+_FILLERS = word_set("face facial expression emotion look very really and in at with slow slowly fast quick")
 
 _SIDES: Mapping[str, FaceSide] = {"left": "left", "right": "right"}
 
@@ -50,13 +56,15 @@ class Expression:
     units: Mapping[str, float]  # key of Command.face -> 0..1
     flutter: float = 0.0  # [s] period in which it comes and goes; 0: it stays
     unknown: tuple[str, ...] = ()  # lexemes that mean nothing here
+    left_out: tuple[str, ...] = ()  # words of the others that mean nothing here
 
 
 def expression(face: Face, *, path: Path = EXPRESSIONS) -> Expression:
     """Finds what a face behaviour shows.
 
-    A lexeme is taken apart into words; the expression counts that most of them speak of. Words such as small and big,
-    left and right change it. Of several lexemes the stronger intensity counts for each action unit.
+    A lexeme is taken apart into words; the expression counts that most of them speak of, and what is negated is none.
+    Words such as small and big, left and right change it. Of several lexemes the stronger intensity counts for each
+    action unit.
 
     Args:
         face: lexemes, or an action unit by number; the amount is the intensity of the unit.
@@ -70,19 +78,19 @@ def expression(face: Face, *, path: Path = EXPRESSIONS) -> Expression:
             return Expression({}, unknown=(str(face.action_unit),))
         return Expression(dict.fromkeys(channels(face.action_unit, face.side), _inside(face.amount)))
     units: dict[str, float] = {}
-    flutter, unknown = 0.0, []
+    flutter, unknown, left_out = 0.0, list[str](), list[str]()
     for lexeme in face.lexemes:
         found = _entry(lexeme, path)
         if found is None:
             unknown.append(lexeme)
             continue
-        entry, scale, named = found
-        side = named if face.side == "both" else face.side
-        for unit, full in entry.units.items():
+        side = found.side if face.side == "both" else face.side
+        for unit, full in found.entry.units.items():
             for channel in face_keys(unit) if side == "both" else channels(int(unit.lstrip("LR")), side):
-                units[channel] = max(units.get(channel, 0.0), _inside(full * face.amount * scale))
-        flutter = flutter or entry.flutter
-    return Expression(units, flutter, tuple(unknown))
+                units[channel] = max(units.get(channel, 0.0), _inside(full * face.amount * found.scale))
+        flutter = flutter or found.entry.flutter
+        left_out += found.left_out
+    return Expression(units, flutter, tuple(unknown), tuple(left_out))
 
 
 @cache
@@ -102,14 +110,31 @@ def entries(path: Path = EXPRESSIONS) -> tuple[ExpressionEntry, ...]:
     return tuple(found)
 
 
-@cache
-def _entry(lexeme: str, path: Path) -> tuple[ExpressionEntry, float, FaceSide] | None:
-    """Finds the expression that a lexeme means, a factor on its intensity, and the side it names."""
+@dataclass(frozen=True, eq=False)
+class _Found:
+    """The expression that a lexeme means."""
+
+    entry: ExpressionEntry
+    scale: float  # of its intensity
+    side: FaceSide
+    left_out: tuple[str, ...]  # words that it does not show
+
+
+@lru_cache(maxsize=KEPT)
+def _entry(lexeme: str, path: Path) -> _Found | None:
     known, reading = entries(path), read_lexeme(lexeme)
     found = nearest_sense(reading.words, [Sense(tuple(entry.words), "face", entry.says) for entry in known])
-    return (
-        None if found is None else (known[found[0]], amplitude_factor(reading.words), _SIDES.get(reading.mode, "both"))
+    if found is None or NEGATIONS & {*reading.words}:
+        return None
+    index, meant = found
+    others = [word for word in reading.words if word not in meant]
+    sized = movement_words("_".join(others))
+    left_out = tuple(
+        word for word, size in zip(others, sized, strict=True) if word not in _FILLERS and size not in ("big", "small")
     )
+    if left_out and {*meant} <= _VAGUE:
+        return None
+    return _Found(known[index], amplitude_factor(sized), _SIDES.get(reading.mode, "both"), left_out)
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ from kinesic.expressivity.face.expressions import BRIDGED, Envelope, Expression,
 from kinesic.expressivity.face.eyes import AHEAD, Eyes, blink_times, blinking, flitting, gaze_units, looking, meeting
 from kinesic.expressivity.face.visemes import SEAL, visemes
 from kinesic.expressivity.keyframes import BodyMove, Outcome
+from kinesic.expressivity.lexicon.names import shorten_name
 from kinesic.expressivity.style.style import Expressivity, Style
 
 LEAST = 1e-3  # intensity below which an action unit is not told
@@ -96,11 +97,13 @@ def outcome(action: Face) -> Outcome:
     if action.action_unit is None and not action.lexemes:
         return Outcome("dropped", "it names neither a lexeme nor an action unit")
     shown = expression(action)
-    if not shown.unknown:
+    if not shown.unknown and not shown.left_out:
         return Outcome("realised")
     if action.action_unit is not None:
         return Outcome("dropped", unknown_unit(str(action.action_unit)))
-    why = f"no expression for {', '.join(shown.unknown)}"
+    if not shown.unknown:
+        return Outcome("substituted", f'"{" ".join(shown.left_out)}" is left out')
+    why = f"no expression for {', '.join(map(shorten_name, shown.unknown))}"
     return Outcome("dropped" if len(shown.unknown) == len(action.lexemes) else "substituted", why)
 
 

@@ -9,6 +9,7 @@ from kinesic.bml.block import Mode
 
 SIDE_WORDS: dict[str, Mode] = {"left": "left", "right": "right", "both": "both"}
 KEPT = 4096  # names that are remembered taken apart; documents of strangers may hold any number
+SHOWN = 60  # characters of a name in a message
 CATEGORIES = frozenset(
     {"metaphoric", "iconic", "emblem", "emblematic", "adaptor", "performative", "adjectival", "lexicalized"}
 )
@@ -84,6 +85,16 @@ class GestureName:
             first += 1
         left_out = (*self.left_out, *self.words[:first], *self.words[last:])
         return replace(self, words=self.words[first:last], left_out=left_out)
+
+
+def word_set(text: str) -> frozenset[str]:
+    """Makes a set of words from a text."""
+    return frozenset(text.split())
+
+
+def shorten_name(name: str) -> str:
+    """Cuts a name of a stranger to what a message can show."""
+    return name if len(name) <= SHOWN else f"{name[:SHOWN]}..."
 
 
 @lru_cache(maxsize=KEPT)

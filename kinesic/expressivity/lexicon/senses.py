@@ -3,9 +3,10 @@
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import lru_cache
 
 from kinesic.bml.block import Mode
+from kinesic.expressivity.lexicon.names import KEPT
 
 _WORD = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])")
 _NOISE = frozenset({"a", "an", "the", "of", "to", "ges", "gesture", "pos", "pose", "posture", "hand", "lexeme"})
@@ -13,7 +14,7 @@ _SIDES: dict[str, Mode] = {"l": "left", "r": "right", "b": "both"}
 _SIDE_WORDS: dict[str, Mode] = {"left": "left", "right": "right", "both": "both"}
 _ENDINGS = ("s", "es", "d", "ed", "ing", "er", "est", "ly", "ment")
 _SHORTEST_STEM = 3  # letters
-_SHORTEST_ABBREVIATION = 4  # letters
+LONGEST = 120  # characters of a name that are read; a longer one is none
 
 _EXACT, _NEAR, _CATEGORY = 1.0, 0.75, 0.25
 
@@ -41,6 +42,8 @@ def read_lexeme(lexeme: str) -> LexemeReading:
     Articles, digits and words such as `Ges` say nothing about the meaning. A single letter L, R or B names the
     side; the words left, right and both do so too, if other words are there to carry the meaning.
     """
+    if len(lexeme) > LONGEST:
+        return LexemeReading(())
     tokens = [word.lower() for word in _WORD.findall(lexeme)]
     words = [word for word in tokens if len(word) > 1 and word not in _NOISE]
     sides = [_SIDES[word] for word in tokens if word in _SIDES]
@@ -82,13 +85,11 @@ def _mark(word: str, sense: Sense) -> tuple[float, int]:
 
 
 def _near(word: str, known: str) -> bool:
-    """An inflection either way (tables, large-r) or an abbreviation (manip for manipulate)."""
-    if word in _inflections(known) or known in _inflections(word):
-        return True
-    return len(word) >= _SHORTEST_ABBREVIATION and known.startswith(word)
+    """An inflection either way: tables, large-r."""
+    return word in _inflections(known) or known in _inflections(word)
 
 
-@cache
+@lru_cache(maxsize=KEPT)
 def _inflections(word: str) -> frozenset[str]:
     """A word with the usual endings, a silent e dropped; words of one or two letters have none."""
     if len(word) < _SHORTEST_STEM:

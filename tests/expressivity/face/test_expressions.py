@@ -7,6 +7,8 @@ from kinesic.bml.block import Face
 from kinesic.body.action_units import CHANNELS, UNITS, channels
 from kinesic.body.config import ConfigError
 from kinesic.expressivity.face.expressions import FADING, OVERSHOOT, QUICKEST, WIDEST, Envelope, entries, expression
+from kinesic.expressivity.face.tracks import outcome
+from kinesic.expressivity.keyframes import Outcome
 from kinesic.expressivity.style.style import Expressivity
 
 CORE = {  # BML 1.0's lexemes, and the units that must be among those they move
@@ -179,3 +181,14 @@ def test_a_jerky_face_begins_abruptly():
     jerk = [np.abs(np.diff(Envelope.of(TIMES).at(FINE, Expressivity(fluidity=f)), 2)).max() for f in (0.0, -0.5, -1.0)]
     assert jerk == sorted(jerk)
     assert jerk[2] > 10 * jerk[0]
+
+
+@pytest.mark.parametrize("lexeme", ["not_happy", "no_smile", "never_angry", "open_door", "happ", "smile " * 100])
+def test_what_is_negated_or_only_looks_like_an_expression_is_none(lexeme: str):
+    assert expression(Face((lexeme,))).unknown == (lexeme,)
+
+
+def test_a_word_that_no_expression_shows_is_said():
+    assert expression(Face(("nice_smile",))).left_out == ("nice",)
+    assert outcome(Face(("nice_smile",))) == Outcome("substituted", '"nice" is left out')
+    assert outcome(Face(("very_big_smile",))) == Outcome("realised")

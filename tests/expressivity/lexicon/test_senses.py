@@ -13,16 +13,18 @@ from kinesic.expressivity.lexicon.senses import LexemeReading, Sense, nearest_se
         ("right", LexemeReading(("right",), "unspecified")),
         ("beat4", LexemeReading(("beat",), "unspecified")),
         ("", LexemeReading((), "unspecified")),
+        ("smile " * 100, LexemeReading((), "unspecified")),
     ],
 )
 def test_a_lexeme_is_taken_apart(lexeme, reading):
     assert read_lexeme(lexeme) == reading
 
 
-def test_exact_words_outweigh_inflected_and_abbreviated_ones():
+def test_exact_words_outweigh_inflected_ones_and_letters_mean_nothing():
     senses = [Sense(("manipulate", "larger"), "iconic"), Sense(("other", "large"), "beat"), Sense(("x",), "iconic")]
     assert nearest_sense(["large"], senses) == (1, ("large",))
-    assert nearest_sense(["manip"], senses) == (0, ("manip",))
+    assert nearest_sense(["larges"], senses) == (1, ("larges",))
+    assert nearest_sense(["manip"], senses) is None
     assert nearest_sense(["iconic"], senses) == (0, ("iconic",))
     assert nearest_sense(["zzz"], senses) is None
     assert nearest_sense([], senses) is None
