@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 from kinesic.bml.block import NoticeType
+from kinesic.bml.reading.elements import DIRECTIONS
 from kinesic.bml.reading.manner import GRETA_FIELDS
 from kinesic.bml.reading.namespaces import foreign_attributes, is_core
 from kinesic.bml.reading.reader import BehaviourElement, DocumentReading
@@ -18,6 +19,8 @@ from kinesic.bml.reading.vocabulary import (
     EMPTY,
     INSIDE,
     KINDS,
+    NEEDED,
+    NOTHING,
     PARTS,
     SPOKEN,
 )
@@ -80,13 +83,16 @@ class _Notes:
         """Notes what nobody reads of a behaviour."""
         known = (*ATTRIBUTES[element.local], *AGENTS, "id")
         self._note_attributes(element, (*known, *(name for name in element.attributes if sync_name(name))))
-        for name in _ineffective(element):
-            what = f"the {name} '{element.attributes[name]}' of {_place(element)} has no effect"
-            self._note((name, f"{element.local}="), NoticeType.CUSTOM_ATTRIBUTE_NOT_SUPPORTED, what)
+        self._note_values(element)
         if element.local == "speech":
             self._note_speech(element)
         else:
             self._note_inside(element, None)
+
+    def _note_values(self, element: Element) -> None:
+        for name in _ineffective(element):
+            what = f"the {name} '{_cut(element.attributes[name])}' of {_place(element)} has no effect"
+            self._note((name, f"{element.local}="), NoticeType.CUSTOM_ATTRIBUTE_NOT_SUPPORTED, what)
 
     def note_element(self, element: Element, around: Element) -> None:
         """Notes an element that has no effect where it stands."""
@@ -142,6 +148,7 @@ class _Notes:
                 continue
             if known is not None:
                 self._note_attributes(child, known)
+                self._note_values(child)
             elif child.text.strip():
                 what = f"{_place(child)} in <{element.written}> has no effect: its text is said"
                 self._note((f"<{child.local}", "speech"), NoticeType.PARSING_FAILURE, what)
@@ -160,15 +167,18 @@ class _Notes:
     def _note_text(self, element: Element) -> None:
         for piece in element.content:
             if isinstance(piece, str) and piece.strip():
-                shown = " ".join(piece.split())
-                shown = shown if len(shown) <= SHOWN else f"{shown[:SHOWN]}..."
-                what = f"the text '{shown}' in {_place(element)} has no effect and is passed over"
+                what = f"the text '{_cut(piece)}' in {_place(element)} has no effect and is passed over"
                 self._note(("text", element.local), NoticeType.PARSING_FAILURE, what)
 
     def _note(self, key: tuple[str, str], kind: NoticeType, what: str) -> None:
         if key not in self.seen:
             self.seen.add(key)
             self.reading.note(kind, what)
+
+
+def _cut(text: str) -> str:
+    shown = " ".join(text.split())
+    return shown if len(shown) <= SHOWN else f"{shown[:SHOWN]}..."
 
 
 def _place(element: Element) -> str:
@@ -190,3 +200,12 @@ def _ineffective(element: Element) -> Iterator[str]:
     for (local, name), empty in EMPTY.items():
         if local == element.local and name in written and written[name] not in empty:
             yield name
+    for (local, name), other in NEEDED.items():
+        value = written.get(name, "")
+        is_known = name != "offsetDirection" or value.upper().replace("_", "") in DIRECTIONS
+        if local == element.local and value not in NOTHING and is_known and written.get(other, "") in NOTHING:
+            yield name
+    if element.local == "say-as" and "detail" in written and written.get("interpret-as") != "tts:digits":
+        yield "detail"
+    if element.local == "speech" and "text" in written and spoken_part(element).text.strip():
+        yield "text"

@@ -67,11 +67,20 @@ ALTERNATIVES: Mapping[str, tuple[tuple[str, ...], ...]] = {  # names of one thin
     **dict.fromkeys(("gaze", "gazeShift"), (("influence", "modality"),)),
     "wait": (("duration", "max-wait"),),
 }
-EMPTY: Mapping[tuple[str, str], frozenset[str]] = {  # values that say nothing beside the rest; others have no effect
+EMPTY: Mapping[tuple[str, str], frozenset[str]] = {  # values that are followed, or need not be; others have no effect
     ("gaze", "type"): frozenset({"at"}),
     ("gazeShift", "type"): frozenset({"at"}),
     ("head", "action"): frozenset({"rotation"}),
     ("speech", "type"): frozenset({"text/plain", "application/ssml+xml"}),
     ("speech", "voice"): frozenset(),
+    ("prosody", "contour"): frozenset(),
+    ("prosody", "duration"): frozenset(),
+    ("say-as", "interpret-as"): frozenset({"characters", "telephone", "tts:char", "tts:digits", "tts:key"}),
+    ("say-as", "format"): frozenset({"glyphs"}),
+}
+NOTHING = frozenset({"", "none"})  # values that are as good as no attribute
+NEEDED: Mapping[tuple[str, str], str] = {  # attributes that have no effect without another one
+    **dict.fromkeys((("gaze", "offsetAngle"), ("gazeShift", "offsetAngle")), "offsetDirection"),
+    **dict.fromkeys((("gaze", "offsetDirection"), ("gazeShift", "offsetDirection")), "offsetAngle"),
 }
 KINDS = frozenset({"lexicalized", "lexicalised", "facs"})  # values of `type` that say how the rest is written

@@ -33,6 +33,18 @@ def notices(text: str) -> list[str]:
             "</description></gesture>",
             ["<SPEED.value> (line 1) in <description>"],
         ),
+        ('<gaze id="z" target="user" offsetAngle="20"/>', ["the offsetAngle '20' of <gaze>"]),
+        (
+            '<gazeShift id="z" target="user" offsetAngle="9" offsetDirection="NONE"/>',
+            ["offsetAngle '9'"],
+        ),
+        ('<gaze id="z" target="user" offsetDirection="UP"/>', ["the offsetDirection 'UP' of <gaze>"]),
+        ('<speech id="s" text="Bye"><text>Hi</text></speech>', ["the text 'Bye' of <speech>"]),
+        ('<speech id="s"><text>Hi <prosody rate="fast" contour="(0%,+9)">you</prosody></text></speech>', ["contour"]),
+        (
+            '<speech id="s"><text><say-as interpret-as="date" format="mdy" detail="2">1</say-as></text></speech>',
+            ["the interpret-as 'date'", "the format 'mdy'", "the detail '2'"],
+        ),
         ('<speech id="s" voice="Anna">Hi</speech>', ["the voice 'Anna' of <speech>"]),
         ('<speech id="s"><text>Hi <laugh/>you</text></speech>', ["<laugh> (line 1) in <text>"]),
         ('<speech id="s"><text>Hi <m:loud>you</m:loud></text></speech>', ["<m:loud> (line 1) in <text>"]),
@@ -59,6 +71,9 @@ def test_each_kind_is_said_once(inside: str, words: list[str]) -> None:
         '<face id="f" type="FACS" au="1" side="LEFT"/><gaze id="z" type="AT" target="user"/>',
         '<face id="f"><lexeme lexeme="joy"/><description type="kinesic"><power>0.1</power></description></face>',
         '<head id="h" action="ROTATION" rotation="X"/>',
+        '<gaze id="z" target="user" offsetAngle="20" offsetDirection="UP"/><speech id="s" text="Hi"/>',
+        '<speech id="s"><text><say-as interpret-as="tts:digits" detail="2">12</say-as>'
+        '<prosody range="high">you</prosody></text></speech>',
         '<speech id="s"><head id="h" lexeme="NOD"/><text>Hi <mark name="m"/><emphasis level="strong">you</emphasis>'
         '</text><description type="audio/wav" ref="a.wav"><sync id="m" time="1"/></description></speech>',
         '<speech id="s"><text>Hi</text><description priority="1" type="application/ssml+xml">'
