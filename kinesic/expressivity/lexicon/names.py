@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from itertools import pairwise
 
 from kinesic.bml.block import Mode
 
@@ -22,6 +23,7 @@ _HANDS: dict[str, Mode] = {
     **dict.fromkeys(("r", "rt", "rh", "rhand", "rarm"), "right"),
     **dict.fromkeys(("b", "bt", "bh", "2h"), "both"),
 }
+_LIMBS = frozenset({"arm", "arms", "hand", "hands"})
 _NOISE = frozenset(  # says nothing of the meaning
     {"a", "an", "the", "x", "zz", "1h", "ges", "gesture", "pos", "pose", "posture", "lexeme", "signal", "loop"}
     | {"anim", "animation", "motion", "motex", "greta"}
@@ -40,12 +42,13 @@ class GestureName:
     words: tuple[str, ...]  # lower-case, in order, numbers included
     hand: Mode = "unspecified"  # that a suffix names, such as R, Lf, 2H, or a word that was put aside
     left_out: tuple[str, ...] = ()  # words put aside that say more than a hand
+    limbs: frozenset[str] = frozenset()  # words that follow the letter of a hand: `RArm_Offer`
 
     def shortened(self) -> Iterator["GestureName"]:
         """Yields the name whole, then with less and less of what says how, and not what, is done.
 
         Numbers and categories tell variants apart; left, right and both name the hand, where no suffix does; low, big
-        or slowly say how.
+        or slowly say how; arm and hand behind the letter of a hand say no more than it does.
         """
         yield self
         numberless = self._without(frozenset(word for word in self.words if word.isdigit()))
@@ -56,6 +59,8 @@ class GestureName:
         bare = named.sideless()
         yield bare
         yield bare._trimmed()
+        if self.limbs:
+            yield bare._without(self.limbs)._trimmed()
 
     def sideless(self) -> "GestureName":
         """Takes left, right and both as the hand, or leaves them out where another hand is named."""
@@ -110,4 +115,5 @@ def read_name(name: str) -> GestureName:
     hands = [_HANDS[word] for word in words if word in _HANDS]
     told = tuple(word.lstrip("0") or "0" if word.isdigit() else word for word in words)
     kept = tuple(word for word in told if word not in _HANDS and word not in _NOISE)
-    return GestureName(kept, hands[-1] if hands else "unspecified")
+    limbs = frozenset(after for word, after in pairwise(words) if word in _HANDS and after in _LIMBS)
+    return GestureName(kept, hands[-1] if hands else "unspecified", limbs=limbs)

@@ -55,6 +55,12 @@ def test_numbers_categories_hands_and_manner_are_put_aside_in_this_order():
     ]
 
 
+def test_arm_and_hand_behind_the_letter_of_a_hand_are_put_aside_last():
+    assert shorter("RArm_Offer_low")[-1] == (("offer",), "right", ("low",))
+    assert (("arm", "offer", "low"), "right", ()) in shorter("RArm_Offer_low")
+    assert shorter("OfferArm_R")[-1] == (("offer", "arm"), "right", ())
+
+
 def test_a_side_is_left_out_where_the_suffix_names_another_hand():
     assert shorter("StopLeftRt")[-1] == (("stop",), "right", ("left",))
     assert shorter("StopRightRt")[-1] == (("stop",), "right", ())
