@@ -19,7 +19,7 @@ from kinesic.report.document_lines import document_lines
 from kinesic.report.plots.hands import hands
 from kinesic.report.plots.joints import joints, still_hinges
 from kinesic.report.plots.margins import margins
-from kinesic.report.plots.score import score
+from kinesic.report.plots.score import BROAD, NARROW, score
 from kinesic.report.plots.spark import spark
 from kinesic.report.replay import replay_data
 from kinesic.report.report import Json
@@ -108,7 +108,7 @@ def write_page(
         no_face=recordings.why_no_face,
         voice=_embedded(recordings.voice, SOUND_TYPES),
         zero=performance.plan.trajectory.zero,
-        score=score(performance),
+        scores=[drawn for layout in (BROAD, NARROW) if (drawn := score(performance, layout))],
         joints=list(joints(performance)),
         still=still_hinges(performance),
         hands=hands(performance),

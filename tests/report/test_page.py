@@ -67,7 +67,7 @@ def page(performance: Performance, data: dict[str, Json], folder: Path, film: Pa
 def test_page_says_what_was_meant_then_the_verdict_then_figures_and_pictures(text: str, data: dict[str, Json]) -> None:
     places = [
         text.index(mark)
-        for mark in ('<p class="transcript"', "<h1>", 'class="tiles"', 'id="stage"', 'class="plot"', "<h2>")
+        for mark in ('<p class="transcript"', "<h1>", 'class="tiles"', 'id="stage"', 'class="plot broad"', "<h2>")
     ]
     assert places == sorted(places)
     assert verdict(data) in "".join(Outline(text).words)

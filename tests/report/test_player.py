@@ -139,7 +139,7 @@ def edges(selector: str) -> str:
 def test_the_time_line_stands_over_the_score_and_first_on_a_telephone(url: str, tmp_path: Path):
     with opened(url, tmp_path) as page:
         page.until("document.querySelector('#stage')?.hidden === false")
-        for width in (700, 1180):
+        for width, style in ((360, "narrow"), (390, "narrow"), (560, "narrow"), (700, "broad"), (1180, "broad")):
             page.call("Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1, mobile=False)
             for time in (0.0, 1.0):
                 seek(page, time)
@@ -147,8 +147,20 @@ def test_the_time_line_stands_over_the_score_and_first_on_a_telephone(url: str, 
                 share = "const max = document.querySelector('[data-part=time]').max;"
                 track = "const track = document.querySelector('.line').getBoundingClientRect().width - 16;"
                 thumb = float(str(page.value(f"(() => {{ {share} {track} return {mark}; }})()")))
-                assert thumb == pytest.approx(page.value(edges(".playhead"))[0], abs=2.0)
-            assert page.value(edges(".tiles"))[1] < page.value(edges("#stage"))[1]
-        page.call("Emulation.setDeviceMetricsOverride", width=390, height=800, deviceScaleFactor=1, mobile=False)
-        assert page.value(edges("#stage"))[1] < page.value(edges(".tiles"))[1]
-        assert page.value("document.documentElement.scrollWidth <= document.documentElement.clientWidth")
+                assert thumb == pytest.approx(page.value(edges(f".{style} .playhead"))[0], abs=2.0)
+            above = page.value(edges("#stage"))[1] < page.value(edges(".tiles"))[1]
+            assert above == (style == "narrow")
+            hidden = "broad" if style == "narrow" else "narrow"
+            assert page.value(f"document.querySelector('.{hidden}').getBoundingClientRect().width") == 0
+            assert page.value("document.documentElement.scrollWidth <= document.documentElement.clientWidth")
+
+
+def test_the_face_leaves_the_head_of_the_robot_free(url: str, tmp_path: Path):
+    with opened(url, tmp_path) as page:
+        page.until("document.querySelector('#stage')?.hidden === false")
+        for width in (360, 390, 1180):
+            page.call("Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1, mobile=False)
+            left, _ = page.value(edges(".view .face"))
+            begin, _ = page.value(edges(".view"))
+            whole = page.value("document.querySelector('.view').getBoundingClientRect().width")
+            assert (left - begin) / whole > 0.7  # the head is in the middle

@@ -25,7 +25,7 @@ class Colour(StrEnum):
     FAIL = "var(--fail)"
 
 
-WIDTH = 11.0  # [in] of every figure; the page scales it
+WIDTH = 11.0  # [in] of a figure; the page scales it
 INCH = 72  # units of the drawing, which are those of type
 SMALL = 7.5  # size of letters
 TICK, GAP = 2.0, 3.0  # length of a tick, and air to its label
@@ -39,11 +39,17 @@ Layer = Literal["under", "lines", "over"]
 
 
 class Figure:
-    """A figure of `WIDTH`, to which axes are added."""
+    """A figure to which axes are added."""
 
-    def __init__(self, height: float) -> None:
-        """Begins a figure that is `height` [in] high."""
-        self.height = height
+    def __init__(self, height: float, *, width: float = WIDTH, style: str = "plot") -> None:
+        """Begins a figure.
+
+        Args:
+            height: [in].
+            width: [in]; the page scales it to its own.
+            style: its classes in the style sheet of the page.
+        """
+        self.height, self.width, self._style = height, width, style
         self._axes: list[Axes] = []
         self._words: list[str] = []
 
@@ -69,11 +75,12 @@ class Figure:
         body = "".join([*(axes.svg() for axes in self._axes), *self._words])
         columns = sorted({(axes.left, axes.left + axes.width) for axes in self._axes if axes.timed})
         heads = "".join(
-            f'<i class="playhead" data-from="{x0 / INCH / WIDTH:.5f}" data-to="{x1 / INCH / WIDTH:.5f}"></i>'
+            f'<i class="playhead" data-from="{x0 / INCH / self.width:.5f}" data-to="{x1 / INCH / self.width:.5f}"></i>'
             for x0, x1 in columns
         )
-        view = f'viewBox="0 0 {WIDTH * INCH:g} {self.height * INCH:g}"'
-        return Markup(f'<div class="plot"><div><svg {view}>{body}</svg>{heads}</div></div>')  # every text is escaped
+        view = f'viewBox="0 0 {self.width * INCH:g} {self.height * INCH:g}"'
+        drawn = f"<svg {view}>{body}</svg>{heads}"
+        return Markup(f'<div class="{self._style}"><div>{drawn}</div></div>')  # every text is escaped
 
 
 class Axes:

@@ -11,7 +11,7 @@ from kinesic.report.plots.fitting import POINTS, fit_text, spaced_indices, thin_
 from kinesic.report.plots.hands import hands
 from kinesic.report.plots.joints import joints, still_hinges
 from kinesic.report.plots.margins import margins
-from kinesic.report.plots.score import score
+from kinesic.report.plots.score import NARROW, score
 
 
 def words_of(figure: str) -> set[str | None]:
@@ -53,6 +53,14 @@ def test_figures_over_time_bear_playheads_where_their_axes_are(
         assert heads
         assert all(0.0 < float(begin) < float(end) < 1.0 for begin, end in heads)
     assert "playhead" not in ways
+
+
+def test_a_narrow_score_shows_the_same_over_its_bars(hurried: Performance, acts: str) -> None:
+    narrow = score(hurried, NARROW) or ""
+    assert {"offer", "NOD"} <= words_of(narrow) & words_of(acts)
+    (head,) = re.findall(r'class="playhead" data-from="([\d.]+)" data-to="([\d.]+)"', narrow)
+    assert float(head[0]) == pytest.approx(NARROW.left / NARROW.width, abs=1e-4)
+    assert float(head[1]) == pytest.approx(1 - NARROW.right / NARROW.width, abs=1e-4)
 
 
 def test_thinned_keeps_the_extremes() -> None:
