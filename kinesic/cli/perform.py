@@ -28,9 +28,9 @@ from kinesic.planning.setup import Setup
 from kinesic.report.checks import checks
 from kinesic.report.films import film_processes
 from kinesic.report.output import Written, add_films, default_folder, write_report
-from kinesic.report.page import verdict
 from kinesic.report.report import Json, report
 from kinesic.report.servo_report import live_checks
+from kinesic.report.verdict import verdict
 from kinesic.sim.servo_factors import read_twins
 
 

@@ -15,6 +15,7 @@ from kinesic.expressivity.keyframes import Outcome
 from kinesic.planning.plan import Plan
 from kinesic.report.checks import GRAVITY, Check
 from kinesic.report.checks.twin import measure_tracking
+from kinesic.report.labels import label_with_id
 
 COLOURS = {"pass": "green", "warn": "yellow", "poor": "magenta", "fail": "red"}
 MEANINGS = {"dropped": "red", "partly": "yellow", "substituted": "yellow", "warning": "yellow"}  # the gravest first
@@ -38,9 +39,11 @@ def print_notices(plan: Plan, screen: Console, *, most: int | None = None) -> No
         screen: where.
         most: lines that are printed; None: all.
     """
-    found = rank_notices(plan)
+    found, block = rank_notices(plan), plan.timeline.block
     for meaning, notice in found[:most]:
-        text = f"{notice.id}: {notice.text.removeprefix(f'{meaning}: ')}"
+        id = notice.id.removeprefix(f"{block.id}:")
+        name = notice.id if id == notice.id else label_with_id(id, block)
+        text = f"{name}: {notice.text.removeprefix(f'{meaning}: ')}"
         line = Text.assemble((f"{meaning:11}", MEANINGS[meaning]), f" {printable(text)}")
         screen.print(line, soft_wrap=True)
     if most is not None and len(found) > most:

@@ -4,6 +4,7 @@ from kinesic.bml.block import (
     Action,
     Activate,
     Behaviour,
+    Block,
     Custom,
     Face,
     Gaze,
@@ -19,6 +20,7 @@ from kinesic.bml.block import (
     Torso,
     Wait,
 )
+from kinesic.planning.syncs import SyncTime
 
 MOST = 40  # letters
 WHOLE = "WHOLEBODY"  # the part of a pose that goes without saying
@@ -28,6 +30,17 @@ def label(behaviour: Behaviour) -> str:
     """Names what a behaviour asks for: its lexeme, or what it looks, points or goes at."""
     words = " ".join(_words(behaviour.action).split()) or behaviour.type
     return words if len(words) <= MOST else f"{words[: MOST - 1]}\u2026"
+
+
+def label_with_id(id: str, block: Block) -> str:
+    """Names a behaviour of a block by what it does, with its id where that says something else: `offer (g9)`."""
+    name = next((label(behaviour) for behaviour in block.behaviours if behaviour.id == id), id)
+    return name if name.lower() == id.lower() else f"{name} ({id})"
+
+
+def label_sync(sync: SyncTime, block: Block) -> str:
+    """Names a sync point by its behaviour: `stroke of offer (g9)`."""
+    return f"{sync.sync} of {label_with_id(sync.behaviour, block)}"
 
 
 def _words(action: Action) -> str:

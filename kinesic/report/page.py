@@ -11,7 +11,6 @@ from markupsafe import Markup, escape
 
 from kinesic.controller.performance import Performance
 from kinesic.expressivity.style.style import MODALITIES, RANGES
-from kinesic.report.checks import GRAVITY
 from kinesic.report.checks.servos import CONTINUOUS, draw_load, loads
 from kinesic.report.conditioning import find_deviations, story
 from kinesic.report.content_policy import content_policy
@@ -26,6 +25,7 @@ from kinesic.report.report import Json
 from kinesic.report.scene import SCENE_SCRIPTS, TEMPLATES, read_scripts
 from kinesic.report.shapes import shapes_made
 from kinesic.report.transcript import transcribe
+from kinesic.report.verdict import format_number, gravity_of, rows_of, verdict
 
 FILM_TYPES = {".webp": "image/webp", ".png": "image/png", ".gif": "image/gif"}
 SOUND_TYPES = {".wav": "audio/wav"}
@@ -35,7 +35,6 @@ SEEN = 0.5  # [deg] from which on a part of the body is told to move
 FIRST_CHAPTERS = 6  # behaviours likewise
 OUTCOMES = {"dropped": 0, "substituted": 1, "partly": 2, "realised": 3}
 SCRIPTS = (*SCENE_SCRIPTS, "film.js", "replay.js")
-STATUSES: list[str] = list(GRAVITY)  # the gravest first
 TITLES = {
     "meaning": "Meaning",
     "amplitude": "Amplitude",
@@ -79,7 +78,7 @@ def write_page(
     Raises:
         ValueError: a film or the sound is of another type.
     """
-    chapters, strained, rows = story(performance), loads(performance), _rows(data, "behaviours")
+    chapters, strained, rows = story(performance), loads(performance), rows_of(data, "behaviours")
     player = read_scripts(SCRIPTS)
     text = _template().render(
         data=data,
@@ -88,8 +87,8 @@ def write_page(
         player=Markup(player),
         policy=content_policy(f"\n{player}\n", img_src="data: blob:", media_src="data:"),
         replay=replay_data(performance),
-        tiles=tiles(_rows(data, "checks")),
-        checks=sorted(_rows(data, "checks"), key=_gravity),
+        tiles=tiles(rows_of(data, "checks")),
+        checks=sorted(rows_of(data, "checks"), key=gravity_of),
         behaviours=sorted(rows, key=lambda row: OUTCOMES[str(row["outcome"])]),
         fates={row["id"]: row for row in rows},
         transcript=transcribe(performance.plan),
@@ -135,39 +134,6 @@ def _template() -> Template:
         "shapes": shapes_made,
     }
     return environment.get_template("page.jinja")
-
-
-def verdict(data: Mapping[str, Json]) -> str:
-    """Says the report in one line: whether all is well, of what, and what is not.
-
-    Args:
-        data: what `report` says.
-    """
-    checks = _rows(data, "checks")
-    bad = [row for row in checks if row["status"] in ("fail", "poor")]
-    dropped = [row for row in _rows(data, "behaviours") if row["outcome"] == "dropped"]
-    timing = data["timing"]
-    duration = format_number(timing["duration_s"]) if isinstance(timing, dict) else "?"
-    counts = (
-        (sum(row["status"] == "warn" for row in checks), "missed goal"),
-        (len(dropped), "dropped behaviour"),
-        (len(_rows(data, "warnings")), "warning"),
-    )
-    notes = ", ".join(f"{count} {noun}{'s' if count > 1 else ''}" for count, noun in counts if count)
-    beyond = ", ".join(_beyond(row) for row in sorted(bad, key=_gravity))
-    what = f"{data['input']} on {data['robot']}, {duration} s"
-    found = "fail" if any(row["status"] == "fail" for row in bad) else "poor" if bad else "ok"
-    return f"{found}: {what}, {beyond or 'nothing fails'}{'; ' if notes else ''}{notes}"
-
-
-def _beyond(row: Mapping[str, Json]) -> str:
-    """A check and the limit that it is beyond; units are in the table below."""
-    word = "limit" if row["status"] == "fail" else "poor below" if row["at_least"] else "poor above"
-    return f"{row['name']} {format_number(row['value'])} ({word} {format_number(row['limit'])})"
-
-
-def _gravity(row: Mapping[str, Json]) -> int:
-    return STATUSES.index(str(row["status"]))
 
 
 def shift(seconds: float) -> str:
@@ -242,7 +208,7 @@ def tiles(checks: Sequence[Mapping[str, Json]]) -> list[Tile]:
 
 
 def _tile(title: str, rows: list[Mapping[str, Json]]) -> Tile:
-    worst = min(rows, key=lambda row: (_gravity(row), -_nearness(row)))
+    worst = min(rows, key=lambda row: (gravity_of(row), -_nearness(row)))
     unit = str(worst["unit"])
     value, shown = quantity(worst["value"], unit)
     limit, beside = quantity(worst["limit"], unit)
@@ -282,23 +248,9 @@ def quantity(value: Json, unit: str) -> tuple[str, str]:
     return brief.replace("-", "\u2212"), SYMBOLS.get(unit, unit)
 
 
-def format_number(value: Json) -> str:
-    """Formats a number with three digits that count; other values as they are, none as a dash."""
-    if value is None:
-        return "\u2013"
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return str(value)
-    return f"{value:.0f}" if abs(value) >= 100 else f"{value + 0.0:.3g}"
-
-
 def breakable(name: str) -> Markup:
     """Lets a narrow column break a name after its underscores."""
     return Markup(escape(name).replace("_", Markup("_<wbr>")))
-
-
-def _rows(data: Mapping[str, Json], name: str) -> list[dict[str, Json]]:
-    table = data[name]
-    return [row for row in table if isinstance(row, dict)] if isinstance(table, list) else []
 
 
 def _embedded(file: Path | None, types: Mapping[str, str]) -> str | None:

@@ -21,9 +21,9 @@ from kinesic.planning.syncs import Syncs, SyncTime
 from kinesic.report.checks import Check, checks, grade
 from kinesic.report.films import film_processes
 from kinesic.report.output import Written, add_films, write_report
-from kinesic.report.page import verdict
 from kinesic.report.report import Json, report
 from kinesic.report.servo_report import live_checks, live_log, with_live
+from kinesic.report.verdict import verdict
 from kinesic.sim.log import write_log
 
 LOG = "servos.npz"

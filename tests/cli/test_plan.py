@@ -38,8 +38,8 @@ def test_sync_points_that_move_say_when_they_were_asked(kinesic):
 def test_dropped_behaviours_are_the_first_warnings(kinesic):
     ended = kinesic("plan", "-", stdin=TALK)
     first, *others = ended.err.splitlines()
-    assert first.startswith("dropped     b:odd: ")
-    assert any(line.startswith("warning     b:rushed: ") for line in others)
+    assert first.startswith("dropped     xyzzy (odd): ")
+    assert any(line.startswith("warning     offer (rushed): ") for line in others)
 
 
 def test_a_motion_that_was_made_elsewhere_has_no_behaviours(kinesic, tmp_path: Path):

@@ -3,7 +3,8 @@
 import pytest
 
 from kinesic.bml.parse import parse
-from kinesic.report.labels import MOST, label
+from kinesic.planning.syncs import SyncTime
+from kinesic.report.labels import MOST, label, label_sync, label_with_id
 
 NAMES = {
     '<gesture lexeme="beat" stroke="1"/>': "beat",
@@ -35,3 +36,9 @@ def test_a_long_name_is_cut():
     (behaviour,) = parse(f'<bml id="b"><gesture id="g" lexeme="{"very" * 30}"/></bml>').behaviours
     assert len(label(behaviour)) == MOST
     assert label(behaviour).endswith("\u2026")
+
+
+def test_the_id_stands_behind_where_it_says_something_else():
+    block = parse('<bml id="b"><gesture id="g9" lexeme="offer"/><head id="nod" lexeme="NOD"/></bml>')
+    assert [label_with_id(id, block) for id in ("g9", "nod", "gone")] == ["offer (g9)", "NOD", "gone"]
+    assert label_sync(SyncTime("g9", "stroke", 0.0, 0.0), block) == "stroke of offer (g9)"

@@ -39,7 +39,7 @@ LIMITS = {
     "collision.foreseen": Limit("m", at_least=True, poor=0.0),
     "collision.pace": Limit("ratio", at_least=True, poor=0.5),
     "collision.performed": Limit("ratio", "fail", at_least=True),
-    "meaning.performed": Limit("ratio", at_least=True, poor=0.75),
+    "meaning.performed": Limit("ratio", at_least=True, poor=0.9),
     "amplitude.path": Limit("ratio", poor=0.25),
     "timing.shift": Limit("s", poor=0.5),
     "timing.twin": Limit("s", poor=0.1),

@@ -5,6 +5,7 @@ from math import inf
 from kinesic.controller.performance import Performance
 from kinesic.report.checks.check import Check
 from kinesic.report.conditioning import story
+from kinesic.report.labels import label_with_id
 
 PATH_LOST = 0.05  # share of a stroke's path
 VISIBLE = {"m": 0.02, "deg": 3.0}  # that a path must lose before anybody sees it
@@ -13,13 +14,14 @@ VISIBLE = {"m": 0.02, "deg": 3.0}  # that a path must lose before anybody sees i
 def content_checks(performance: Performance) -> list[Check]:
     """Checks the share of behaviours that are performed, and the stroke that lost most of its path."""
     plan = performance.plan
-    dropped = [name for name, outcome in plan.keyframes.outcomes.items() if outcome.kind == "dropped"]
-    total, found = len(plan.timeline.block.behaviours), list[Check]()
+    block = plan.timeline.block
+    dropped = [label_with_id(id, block) for id, outcome in plan.keyframes.outcomes.items() if outcome.kind == "dropped"]
+    total, found = len(block.behaviours), list[Check]()
     if total:
         where = f"dropped: {', '.join(dropped)}" if dropped else ""
         found.append(Check.of("meaning.performed", 1.0 - len(dropped) / total, 1.0, where))
     losses = [
-        (loss.share, f"{loss.part} in {changed.behaviour}")
+        (loss.share, f"{loss.part} in {label_with_id(changed.behaviour, block)}")
         for changed in story(performance)
         for loss in changed.losses
         if loss.asked - loss.planned > VISIBLE.get(loss.unit, inf)

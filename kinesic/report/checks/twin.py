@@ -8,6 +8,7 @@ from kinesic.controller.performance import Performance
 from kinesic.controller.smoothness import visible_jerk
 from kinesic.planning.syncs import SHIFT_TO_WARN
 from kinesic.report.checks.check import Check, format_time
+from kinesic.report.labels import label_sync
 from kinesic.sim.servo_factors import NOMINAL
 
 STROKE_MEDIAN = 0.015  # [s]
@@ -28,8 +29,9 @@ def timing_checks(performance: Performance) -> list[Check]:
 
 def stroke_errors(performance: Performance) -> list[tuple[float | None, str]]:
     """Measures (error [s] to the asked time in the twin, name) of each stroke; None: it never arrived."""
+    block = performance.plan.timeline.block
     return [
-        (None if lag is None else sync.planned + lag - sync.asked, sync.name)
+        (None if lag is None else sync.planned + lag - sync.asked, label_sync(sync, block))
         for sync, lag in performance.lags.items()
         if sync.is_stroke
     ]
@@ -40,7 +42,7 @@ def _shift(performance: Performance) -> Check:
     worst = max(moved, key=lambda sync: abs(sync.planned - sync.asked), default=None)
     if worst is None:
         return Check.of("timing.shift", 0.0, SHIFT_TO_WARN)
-    where = f"{len(moved)} moved, most {worst.name}"
+    where = f"{len(moved)} moved, most {label_sync(worst, performance.plan.timeline.block)}"
     return Check.of("timing.shift", abs(worst.planned - worst.asked), SHIFT_TO_WARN, where)
 
 
@@ -49,7 +51,8 @@ def _arrival(performance: Performance) -> list[Check]:
     if not late:
         return []
     worst = max(late, key=lambda sync: late[sync])
-    return [Check.of("timing.twin", late[worst], ARRIVAL, f"{worst.name} {format_time(worst.planned)}")]
+    where = f"{label_sync(worst, performance.plan.timeline.block)} {format_time(worst.planned)}"
+    return [Check.of("timing.twin", late[worst], ARRIVAL, where)]
 
 
 def _strokes(performance: Performance) -> list[Check]:

@@ -99,7 +99,7 @@ def test_words_of_strangers_are_printed_as_they_stand(kinesic, tmp_path):
     (tmp_path / "[red]m.bml").write_bytes(NOD.replace(b'id="h"', b'id="[/x]&#x9b;31m" amount="5"'))
     ended = kinesic("perform", "[red]m.bml", "--no-film", "--out", "o")
     assert ended.code == 0, ended.err
-    assert "warning     b:[/x]\\x9b31m: " in ended.out
+    assert "warning     NOD ([/x]\\x9b31m): " in ended.out
     assert "ok: [red]m.bml on upper22" in ended.out
     (tmp_path / "evil.bml").write_bytes(NOD.replace(b"NOD", "\x9b31m".encode()))
     ended = kinesic("plan", "evil.bml", "--out", "evil.npz")
