@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 from kinesic.bench.bml.conformance import play_suite
+from kinesic.bench.bml.draft_names import judge_draft_names
 from kinesic.bench.bml.expectations import (
     ExpectationVerdict,
     Parsing,
@@ -25,7 +26,8 @@ def bench() -> list[Figure]:
 
 
 def verdicts() -> Iterator[ExpectationVerdict]:
-    """Judges every expectation of all suites."""
+    """Judges every expectation of all suites: of others, where they are, and our own."""
+    yield from judge_draft_names(set_up())
     if (scenarios := expected(SCENARIOS, Scenarios)) is not None:
         yield from play_suite(SCENARIOS, *scenarios, set_up())
     if (documents := expected(DOCUMENTS, Parsing)) is not None:

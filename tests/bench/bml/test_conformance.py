@@ -10,6 +10,7 @@ from msgspec import structs
 from kinesic.bench import bml
 from kinesic.bench.blocks import corpus_folder
 from kinesic.bench.bml.conformance import CHECKS, place_targets, play_suite
+from kinesic.bench.bml.draft_names import SCENARIOS, SUITE, DraftScenario, judge_scenario
 from kinesic.bench.bml.expectations import (
     ExpectationVerdict,
     Parsing,
@@ -176,9 +177,19 @@ def test_figures_count_and_explain() -> None:
 
 def test_without_a_corpus_figures_have_a_reason(corpus: Path) -> None:
     found = bml.bench()
-    assert [figure.value for figure in found] == [None, None, None]
-    assert all("KINESIC_CORPUS" in figure.why for figure in found)
+    own = [figure for figure in found if figure.name.startswith(f"bml.{SUITE}.")]
+    others = [figure for figure in found if figure not in own]
+    assert [figure.value for figure in others] == [None, None, None]
+    assert all("KINESIC_CORPUS" in figure.why for figure in others)
+    assert [figure.value for figure in own] == [len(SCENARIOS), 0]
     assert corpus_folder() == corpus
+
+
+def test_a_sync_point_that_comes_at_another_time_or_never_fails() -> None:
+    inside = '<gesture id="g" type="beat" stroke_start="2.0"/>'
+    assert judge_scenario(DraftScenario(inside, {"g:strokeStart": 2.0}), set_up()) == ""
+    late = DraftScenario(inside, {"g:strokeStart": 1.0, "h:stroke": 2.0})
+    assert judge_scenario(late, set_up()) == "g:strokeStart at 2.000 s, not at 1 s; h:stroke never, not at 2 s"
 
 
 def test_every_shown_expectation_passes() -> None:
