@@ -15,6 +15,7 @@ import numpy as np
 from kinesic.bml.block import Gesture, Pointing
 from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.robot import SIDES
+from kinesic.expressivity.hands.engaged import Clash
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.motion.budget import Budget
 from kinesic.motion.condition import condition
@@ -38,6 +39,12 @@ class Neighbours:
     behaviours: tuple[str, str]
     strokes: Pair  # their keys
     hinges: tuple[int, ...]  # of the hands that do both
+    brief: bool = False  # whether each stroke is one key alone
+
+    @property
+    def known_as(self) -> tuple[tuple[str, str], tuple[int, ...], bool]:
+        """What a search for their times is remembered by."""
+        return self.behaviours, self.hinges, self.brief
 
     def moved_apart(self, keys: Keys, times: Floats) -> float:
         """By how much the strokes are farther apart than asked [s], at times (m,) [s] of the keys."""
@@ -54,10 +61,10 @@ class ClashFinder:
         Args:
             setup: robot and limits.
         """
-        self.clashes: dict[frozenset[str], float] = {}  # two behaviours -> [s] by which they would move apart
+        self.clashes: dict[frozenset[str], Clash] = {}
         self.crowded = False  # whether the last look found so many that nothing can be searched exactly
         self._setup, self._budget = setup, Budget(WORK)
-        self._exactly: dict[tuple[tuple[str, str], tuple[int, ...]], float] = {}  # [s], which takes long to search
+        self._exactly: dict[tuple[tuple[str, str], tuple[int, ...], bool], float] = {}  # [s], which takes long
 
     @property
     def spent(self) -> bool:
@@ -69,14 +76,14 @@ class ClashFinder:
 
         Of a row of gestures only the worst neighbours count, and those that are farther off: when one of two has given
         way, the others may have time. In a crowd, on which the budget is spent, every second one of a row gives way at
-        once: a round of its own for each of the worst would take too long.
+        once: a round of its own for each of the worst would take too long. Strokes that became brief are new.
 
         Args:
             frames: of a block.
             postures: that solve them.
         """
         every = _neighbours(frames, postures, self._setup)
-        coming = [each for each in every if frozenset(each.behaviours) not in self.clashes]
+        coming = [each for each in every if not self._is_known(each)]
         guesses = self._suspects(coming, postures)
         self.crowded = len(guesses) > MANY
         if self.crowded:
@@ -88,10 +95,14 @@ class ClashFinder:
             zip(suspects, apart, chain_sums(suspects, apart), strict=True), key=_worst_first
         ):
             if here > LEAST and whole > APART and near.isdisjoint(each.behaviours):
-                self.clashes[frozenset(each.behaviours)] = here
+                self.clashes[frozenset(each.behaviours)] = Clash(here, each.brief)
                 near |= {*each.behaviours} if self.spent else _beside(each, every)
                 added |= {*each.behaviours}
         return frozenset(added)
+
+    def _is_known(self, pair: Neighbours) -> bool:
+        clash = self.clashes.get(frozenset(pair.behaviours))
+        return clash is not None and (clash.brief or not pair.brief)
 
     def _suspects(self, coming: Sequence[Neighbours], postures: Sequence[KeyPosture]) -> list[tuple[Neighbours, float]]:
         """Neighbours that may lack so much time, and how much [s], in the order of their strokes."""
@@ -105,7 +116,7 @@ class ClashFinder:
         return [(each, here) for each, here, whole in rows if here > LEAST and whole > APART]
 
     def _search(self, pair: Neighbours, guess: float, postures: Sequence[KeyPosture]) -> float:
-        known, budget = (pair.behaviours, pair.hinges), self._budget
+        known, budget = pair.known_as, self._budget
         if known not in self._exactly:
             exactly = len(self._exactly) < SEARCHES and not budget.spent
             found = _search(pair, postures, self._setup, budget) if exactly else guess
@@ -180,8 +191,11 @@ def _neighbours(frames: KeyFrames, postures: Sequence[KeyPosture], setup: Setup)
         own = [id for id in moving if f"{side}_hand" in frames.uses[id]]
         for pair in pairwise(sorted(own, key=lambda id: row_of[id, "stroke"])):
             sides.setdefault(pair, []).extend(setup.robot.arm(side).joints)
+    brief = {
+        id for id in moving if len({row_of.get((id, sync)) for sync in ("strokeStart", "stroke", "strokeEnd")}) == 1
+    }
     return [
-        Neighbours((a, b), (row_of[a, "stroke"], row_of[b, "stroke"]), tuple(hinges))
+        Neighbours((a, b), (row_of[a, "stroke"], row_of[b, "stroke"]), tuple(hinges), {a, b} <= brief)
         for (a, b), hinges in sorted(sides.items(), key=lambda pair: row_of[pair[0][1], "stroke"])
     ]
 

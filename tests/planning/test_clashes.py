@@ -194,3 +194,23 @@ def test_a_crowd_is_judged_by_the_estimate_alone_and_loses_the_newest_half_at_on
     assert kept
     assert kept <= {f"g{k}" for k in range(6)}
     assert len(rounds) <= 4
+
+
+def counted(apart: float) -> str:
+    numbers = enumerate(("one", "two", "three", "four", "five"))
+    return ROOT.format("".join(f'<gesture id="g{k}" lexeme="count_{n}" stroke="{1 + apart * k}"/>' for k, n in numbers))
+
+
+@pytest.mark.parametrize("apart", [0.24, 0.28, 0.3, 0.32])
+def test_numbers_that_clash_are_shown_once_before_one_is_left_out(planned, apart):
+    found = planned(counted(apart))
+    assert "dropped" not in {outcome.kind for outcome in found.keyframes.outcomes.values()}
+    strokes = [times(found)[f"g{k}:stroke"] for k in range(5)]
+    assert strokes == pytest.approx([1 + apart * k for k in range(5)], abs=0.01)
+
+
+def test_numbers_too_near_even_when_shown_once_are_dropped_by_name(planned):
+    outcomes = planned(counted(0.06)).keyframes.outcomes
+    dropped = [outcome.why for outcome in outcomes.values() if outcome.kind == "dropped"]
+    assert 0 < len(dropped) < 5
+    assert all("s late" in why or "is busy" in why for why in dropped)

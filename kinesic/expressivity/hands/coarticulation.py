@@ -22,7 +22,7 @@ from kinesic.expressivity.hands.conflict_words import (
 from kinesic.expressivity.hands.engaged import Clashes, Engaged
 from kinesic.expressivity.hands.making_room import Room, Tied
 from kinesic.expressivity.hands.poses import REST, Poses, pose_distance, resting_hands
-from kinesic.expressivity.hands.strokes import HandStroke, Stroke, do_stroke, overlaps, shortened, show_once
+from kinesic.expressivity.hands.strokes import HandStroke, Stroke, do_stroke, is_brief, overlaps, shortened, show_once
 from kinesic.expressivity.keyframes import Outcome
 from kinesic.expressivity.style.pace import Pace
 
@@ -154,8 +154,14 @@ class _Hands:
         return self._late_by(work, stroke) == 0.0 and (twice or self.room.may_part(work, stroke, option))
 
     def _late_by(self, work: HandStroke, stroke: Stroke) -> float:
-        """How late a hand is that comes from one stroke to another which do not overlap [s]."""
-        return self.clashes.get(frozenset((work.id, stroke.id)), 0.0)
+        """How late a hand is that comes from one stroke to another which do not overlap [s].
+
+        Nothing is known of two that have become brief since they were found to clash: whoever plans them looks again.
+        """
+        clash = self.clashes.get(frozenset((work.id, stroke.id)))
+        if clash is None or (not clash.brief and is_brief(work.stroke) and is_brief(stroke)):
+            return 0.0
+        return clash.late
 
     def _engagements(self, stroke: Stroke, option: Poses) -> list[Engaged]:
         """Lists, in time order, what other blocks need the hands for so that they cannot come in time."""

@@ -5,7 +5,16 @@ from dataclasses import dataclass
 
 from kinesic.body.robot import Side
 
-Clashes = Mapping[frozenset[str], float]  # two behaviours -> [s] by which one hand is late from stroke to stroke
+
+@dataclass(frozen=True)
+class Clash:
+    """Two strokes that are too near for the hand that does both, though they do not overlap."""
+
+    late: float  # [s] by which the hand comes too late from one to the other
+    brief: bool = False  # whether each of them was but one key: then neither can be made briefer
+
+
+Clashes = Mapping[frozenset[str], Clash]  # of two behaviours
 
 
 @dataclass(frozen=True)

@@ -99,11 +99,9 @@ def _clashing(row: Sequence[HandStroke], k: int, clashes: Clashes) -> list[str]:
 def _deferred_poses(row: Sequence[HandStroke], clashes: Clashes) -> dict[str, tuple[str, ...]]:
     """Says of rest poses that clash with a gesture what becomes of them."""
     poses = [(work.id, _clashing(row, k, clashes)) for k, work in enumerate(row) if work.stroke.rest]
+    lacking = {pair: f"{clash.late:.2f} s lack between both" for pair, clash in clashes.items()}
     return {
-        id: tuple(
-            f"is taken as the hands go back from {other}: {clashes[frozenset((id, other))]:.2f} s lack between both"
-            for other in others
-        )
+        id: tuple(f"is taken as the hands go back from {other}: {lacking[frozenset((id, other))]}" for other in others)
         for id, others in poses
         if others
     }

@@ -103,6 +103,11 @@ def shortened(stroke: Stroke) -> Stroke:
     return replace(stroke, times=times, options=tuple(_at_stroke(option) for option in stroke.options))
 
 
+def is_brief(stroke: Stroke) -> bool:
+    """Whether a stroke is over when it has begun: it is one key alone."""
+    return stroke.times["strokeStart"] == stroke.times["strokeEnd"]
+
+
 def show_once(work: HandStroke, pace: Pace) -> HandStroke:
     """Reduces what hands do for a stroke to its one key."""
     return do_stroke(shortened(work.stroke), _at_stroke(work.poses), pace)

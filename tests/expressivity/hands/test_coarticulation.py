@@ -6,7 +6,7 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.reach import Reach
-from kinesic.expressivity.hands.engaged import Engaged
+from kinesic.expressivity.hands.engaged import Clash, Engaged
 from kinesic.expressivity.hands.keys import hand_at
 from kinesic.expressivity.hands.phases import arrange_hands
 from kinesic.expressivity.hands.poses import REST, Poses, pose_distance, resting_hands
@@ -281,7 +281,7 @@ def test_what_made_room_for_a_stroke_that_gave_way_has_its_times_back(pace, over
 
 def test_a_dropped_stroke_says_when_there_would_be_time(pace, crossing):
     first, second = crossing
-    for clashes, apart in (({}, 0.0), ({frozenset(("g1", "g2")): 0.5}, 1.0)):
+    for clashes, apart in (({}, 0.0), ({frozenset(("g1", "g2")): Clash(0.5)}, 1.0)):
         late = replace(second, times={sync: time + apart for sync, time in second.times.items()})
         why = arrange_hands([first, late], pace, clashes=clashes).outcomes["g2"].why
         at = float(why.split("with its stroke at ")[1].split(" s")[0])
@@ -293,7 +293,7 @@ def test_a_dropped_stroke_says_when_there_would_be_time(pace, crossing):
 def test_strokes_that_clash_count_as_overlapping(pace, phases):
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.0, 1.2, 2.0), (right(A, B),))
     second = Stroke("g2", phases(1.2, 1.5, 1.5, 1.8, 1.8, 2.0, 2.6), (right(C, A),))
-    clashes = {frozenset(("g1", "g2")): 0.31}
+    clashes = {frozenset(("g1", "g2")): Clash(0.31)}
     assert arrange_hands([first, second], pace).outcomes == {}
     found = arrange_hands([first, second], pace, clashes=clashes)
     why = "its stroke is at 1.80 s, from that of g1 at 1.00 s the right hand comes 0.31 s late"

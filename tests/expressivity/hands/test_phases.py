@@ -6,6 +6,7 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.reach import Reach
+from kinesic.expressivity.hands.engaged import Clash
 from kinesic.expressivity.hands.keys import HandKey, hand_at
 from kinesic.expressivity.hands.phases import arrange_hands
 from kinesic.expressivity.hands.poses import REST, Poses, pointing_poses, poses, resting_hands, shoulder
@@ -195,7 +196,7 @@ def test_a_rest_pose_that_clashes_with_a_gesture_is_taken_on_the_way_back_and_sa
     at_once = arrange_hands([gesture, pose], pace)
     assert {key.time for key in at_once.hands["r"] if key.hand is C} == {1.5}
     assert at_once.remarks == {}
-    found = arrange_hands([gesture, pose], pace, clashes={frozenset(("g", "p")): 0.4})
+    found = arrange_hands([gesture, pose], pace, clashes={frozenset(("g", "p")): Clash(0.4)})
     assert [key.hand for key in found.hands["r"]] == [REST, A, B, B, C]
     assert times_of(found.hands["r"])[-1] == 2.0
     assert found.remarks == {"p": ("is taken as the hands go back from g: 0.40 s lack between both",)}
