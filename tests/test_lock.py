@@ -33,6 +33,14 @@ def test_versions_are_tied_to_no_place():
     assert "kinesic" not in PINS
 
 
+def test_the_simulator_comes_without_its_studio_which_nothing_uses():
+    assert "mujoco-core" in PINS
+    assert not {"mujoco", "mujoco-studio"} & PINS.keys()
+    assert {"glfw", "PyOpenGL"} <= PINS.keys()  # films need them
+    sources = [path.read_text(encoding="utf-8") for path in (ROOT / "kinesic").rglob("*.py")]
+    assert not any(re.search(r"mujoco[. ](?:import )?studio", text) for text in sources)
+
+
 def test_make_uses_them():
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     assert "TESTED := --constraint requirements.lock" in makefile

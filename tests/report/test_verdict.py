@@ -1,0 +1,36 @@
+"""The verdict in one line: what is wrong, and what an audience will miss."""
+
+import re
+
+import pytest
+
+from kinesic.controller.performance import Performance
+from kinesic.report.report import Json, report
+from kinesic.report.verdict import verdict
+
+
+@pytest.fixture(scope="module")
+def data(hurried: Performance) -> dict[str, Json]:
+    return report(hurried, source="hurried.bml")
+
+
+def test_verdict_names_what_fails(data: dict[str, Json]) -> None:
+    line = verdict(data)
+    assert re.match(r"poor: hurried\.bml on upper22, [\d.]+ s, 1 of 4 dropped: xyzzy; .*\d+ warnings$", line)
+    whole = data | {"checks": [], "behaviours": [], "warnings": []}
+    assert re.match(r"ok: hurried\.bml on upper22, [\d.]+ s, nothing fails$", verdict(whole))
+    wrong: dict[str, Json] = {"name": "collision.twin", "status": "fail", "value": 0.004, "limit": 0.01}
+    data = whole
+    assert re.match(r"fail: .*, collision\.twin 0\.004 \(limit 0\.01\)", verdict(data | {"checks": [wrong]}))
+    late: dict[str, Json] = {"name": "timing.shift", "status": "poor", "value": 6.0, "limit": 0.5, "at_least": False}
+    assert re.match(r"poor: .* s, timing\.shift 6 \(poor above 0\.5\)", verdict(data | {"checks": [late]}))
+    both = verdict(data | {"checks": [late, wrong]})
+    assert re.match(r"fail: .*, collision\.twin 0\.004 \(limit 0\.01\), timing\.shift 6 \(poor above 0\.5\)", both)
+
+
+def test_of_many_that_are_dropped_the_verdict_names_three(data: dict[str, Json]) -> None:
+    rows: list[Json] = [{"id": f"g{k}", "name": f"x{k}", "outcome": "dropped"} for k in range(5)]
+    few: list[Json] = [*rows[:1], *({"id": f"h{k}", "name": "beat", "outcome": "realised"} for k in range(9))]
+    assert "5 of 5 dropped: x0, x1, x2 and 2 more" in verdict(data | {"checks": [], "behaviours": rows})
+    assert verdict(data | {"checks": [], "behaviours": few}).startswith("ok: ")
+    assert "1 of 10 dropped: x0" in verdict(data | {"checks": [], "behaviours": few})
