@@ -9,6 +9,7 @@
 
 #pragma once
 
+#include "inequalities.h"
 #include "tied_system.h"
 
 namespace kinesic::motion {
@@ -30,20 +31,10 @@ constexpr double POSITIVE = 1e-3;  // least slack and multiplier of a start
 class InteriorPoint {
   public:
     explicit InteriorPoint(const SplineProgram& program)
-        : p(program), n(p.size), m(p.fixed()), rows(p.rows()), many(2 * rows + 2 * n + (p.relaxing ? 1 : 0)), system(p),
+        : p(program), n(p.size), m(p.fixed()), limits(p), rows(limits.rows()), many(limits.count()), system(p),
           x(n), y(m), dx(n), dy(m) {
-        for (auto* values : {&t, &z, &h, &gap, &dt, &dz, &away, &across, &inverse, &weights}) values->resize(many);
+        for (auto* values : {&t, &z, &gap, &dt, &dz, &away, &across, &inverse, &weights}) values->resize(many);
         for (auto* values : {&right, &step, &border, &solved, &rest}) values->resize(system.size());
-        norms.resize(rows);
-        p.each_row([&](int number, auto kind, int row) {
-            h[number] = h[rows + number] = p.bound(kind, row);
-            for (double share : p.stencils[kind]) norms[number] += share * share;
-        });
-        for (int j = 0; j < n; ++j) {
-            h[2 * rows + j] = p.upper[j];
-            h[2 * rows + n + j] = -p.lower[j];
-        }
-        if (p.relaxing) h[many - 1] = -p.easy;
     }
 
     // Whether there is a solution.
@@ -54,7 +45,7 @@ class InteriorPoint {
             const double mean = product() / many;
             if (primal <= CLOSE && dual <= ROUNDED * (1.0 + largest)) {
                 if (mean <= SMALL && (p.relaxing || polish())) return true;
-                if (mean <= ENOUGH) best = x;
+                if (mean <= ENOUGH) keep();
             }
             if (mean <= LEAST || impossible) break;
             weigh();
@@ -66,8 +57,11 @@ class InteriorPoint {
             if (!(std::max(steps.primal, steps.dual) > STALLED && std::isfinite(steps.mean))) break;
             move(steps);
         }
-        if (best.empty()) return false;
-        x = best;
+        if (best.x.empty()) return false;
+        x = best.x;
+        y = best.y;
+        z = best.z;
+        s = best.s;
         return true;
     }
 
@@ -77,49 +71,35 @@ class InteriorPoint {
     double pull(int row) const { return std::max(z[row], z[rows + row]); }  // multiplier of a row of a limit
 
   private:
+    struct Point {
+        std::vector<double> x, y, z;
+        double s = 0.0;
+    };
+
+    void keep() {
+        best.x = x;
+        best.y = y;
+        best.z = z;
+        best.s = s;
+    }
+
     struct Steps {
         double primal, dual, mean;  // the mean product after them
     };
-
-    // G (x, s)
-    void apply(const std::vector<double>& points, double relaxation, std::vector<double>& into) const {
-        p.each_row([&](int number, auto kind, int row) {
-            const double along = p.along(kind, row, points.data()), eased = p.relaxing ? POWERS[kind] * relaxation : 0.0;
-            into[number] = along - eased;
-            into[rows + number] = -along - eased;
-        });
-        for (int j = 0; j < n; ++j) {
-            into[2 * rows + j] = points[j];
-            into[2 * rows + n + j] = -points[j];
-        }
-        if (p.relaxing) into[many - 1] = -relaxation;
-    }
-
-    // Adds G' v to the places of control points; returns its part of s.
-    double transpose(const std::vector<double>& v, std::vector<double>& into) const {
-        double part = p.relaxing ? -v[many - 1] : 0.0;
-        p.each_row([&](int number, auto kind, int row) {
-            const double both = v[number] - v[rows + number];
-            for (int k = 0; k < WIDTHS[kind]; ++k) into[system.place(row + k)] += p.stencils[kind][k] * both;
-            if (p.relaxing) part -= POWERS[kind] * (v[number] + v[rows + number]);
-        });
-        for (int j = 0; j < n; ++j) into[system.place(j)] += v[2 * rows + j] - v[2 * rows + n + j];
-        return part;
-    }
 
     // The solution of all conditions with D = 1, with slacks and multipliers moved to be positive.
     void begin() {
         std::fill(weights.begin(), weights.end(), 1.0);
         assemble();
         std::fill(right.begin(), right.end(), 0.0);
-        const double part = transpose(h, right) - (p.relaxing ? 1.0 : 0.0);
+        const double part = limits.transpose(system, limits.bounds(), right) - (p.relaxing ? 1.0 : 0.0);
         for (int j = 0; j < n && !p.relaxing; ++j) right[system.place(j)] += p.pull[j];
         for (int k = 0; k < m; ++k) right[system.tie(k)] = p.values[k];
         s = solve_system(part);
         take(x, y);
-        apply(x, s, t);
+        limits.apply(x, s, t);
         for (int q = 0; q < many; ++q) {
-            t[q] = h[q] - t[q];
+            t[q] = limits.bound(q) - t[q];
             z[q] = -t[q];
         }
         lift(t);
@@ -140,7 +120,7 @@ class InteriorPoint {
     // Residuals: of x and y in `rest`, of s in `drift`, of inequalities in `gap`.
     void measure() {
         std::fill(rest.begin(), rest.end(), 0.0);
-        drift = transpose(z, rest) + (p.relaxing ? 1.0 : 0.0);
+        drift = limits.transpose(system, z, rest) + (p.relaxing ? 1.0 : 0.0);
         largest = 0.0;
         for (int k = 0; k < m; ++k) {
             double lacking = -p.values[k];
@@ -155,10 +135,10 @@ class InteriorPoint {
             impossible = contradicts();
             add_form();
         }
-        apply(x, s, gap);
+        limits.apply(x, s, gap);
         primal = dual = 0.0;
         for (int q = 0; q < many; ++q) {
-            gap[q] += t[q] - h[q];
+            gap[q] += t[q] - limits.bound(q);
             primal = std::max(primal, std::abs(gap[q]));
         }
         for (int k = 0; k < m; ++k) primal = std::max(primal, std::abs(rest[system.tie(k)]));
@@ -170,7 +150,7 @@ class InteriorPoint {
     // 0 <= z' (h - G x) + y' (values - A x) = z' h + y' values - (G' z + A' y)' x, of which x is bounded.
     bool contradicts() const {
         double most = 0.0;
-        for (int q = 0; q < many; ++q) most += h[q] * z[q];
+        for (int q = 0; q < many; ++q) most += limits.bound(q) * z[q];
         for (int k = 0; k < m; ++k) most += p.values[k] * y[k];
         for (int j = 0; j < n; ++j)
             most += std::abs(rest[system.place(j)]) * std::max(std::abs(p.lower[j]), std::abs(p.upper[j]));
@@ -196,7 +176,7 @@ class InteriorPoint {
         const std::vector<double> before = x, ties = y, multipliers = z;
         for (int q = 0; q < many; ++q) {
             const bool met = z[q] > MET * t[q];
-            weights[q] = met ? FIRM / norm(q) : 0.0;
+            weights[q] = met ? FIRM / limits.norm(q) : 0.0;
             if (!met) z[q] = 0.0;
         }
         assemble();
@@ -211,18 +191,18 @@ class InteriorPoint {
             for (int i = 0; i < m; ++i) off = std::max(off, std::abs(rest[system.tie(i)]));
             if (off <= POLISH) break;
             std::fill(right.begin(), right.end(), 0.0);
-            transpose(across, right);
+            limits.transpose(system, across, right);
             for (int i = 0; i < system.size(); ++i) right[i] = -right[i] - rest[i];
             system.solve(right, step);
             take(dx, dy);
-            apply(dx, 0.0, away);
+            limits.apply(dx, 0.0, away);
             for (int j = 0; j < n; ++j) x[j] += dx[j];
             for (int i = 0; i < m; ++i) y[i] += dy[i];
             for (int q = 0; q < many; ++q) z[q] += weights[q] * (gap[q] + away[q]);
         }
-        apply(x, 0.0, gap);
+        limits.apply(x, 0.0, gap);
         bool good = true;
-        for (int q = 0; q < many && good; ++q) good = gap[q] <= h[q] + CLOSE && z[q] >= -CLOSE;
+        for (int q = 0; q < many && good; ++q) good = gap[q] <= limits.bound(q) + CLOSE && z[q] >= -CLOSE;
         if (!good) {
             x = before;
             y = ties;
@@ -231,9 +211,6 @@ class InteriorPoint {
         }
         return good;
     }
-
-    // Square of the length of an inequality's row.
-    double norm(int q) const { return q < 2 * rows ? norms[q % rows] : 1.0; }
 
     double product() const {
         double sum = 0.0;
@@ -293,11 +270,11 @@ class InteriorPoint {
             across[q] = (z[q] * gap[q] - product) * inverse[q];
         }
         std::fill(right.begin(), right.end(), 0.0);
-        const double part = transpose(across, right);
+        const double part = limits.transpose(system, across, right);
         for (int i = 0; i < system.size(); ++i) right[i] = -right[i] - rest[i];
         ds = solve_system(-part - drift);
         take(dx, dy);
-        apply(dx, ds, away);
+        limits.apply(dx, ds, away);
         for (int q = 0; q < many; ++q) {
             dt[q] = -gap[q] - away[q];
             dz[q] = across[q] + weights[q] * away[q];
@@ -330,11 +307,13 @@ class InteriorPoint {
     }
 
     const SplineProgram& p;
-    const int n, m, rows, many;  // control points, rows that are fixed, rows of limits, inequalities
+    const int n, m;  // control points, rows that are fixed
+    const Inequalities limits;
+    const int rows, many;  // rows of limits, inequalities
     TiedSystem system;
-    std::vector<double> x, y, dx, dy, best;
-    std::vector<double> t, z, h, gap, dt, dz, away, across, inverse, weights;  // (many,)
-    std::vector<double> norms;  // (rows,) squares of lengths
+    Point best;  // the last one that is good enough
+    std::vector<double> x, y, dx, dy;
+    std::vector<double> t, z, gap, dt, dz, away, across, inverse, weights;  // (many,)
     std::vector<double> right, step, border, solved, rest;  // (n + m,) in the places of the band
     double s = 0.0, ds = 0.0, corner = 1.0, drift = 0.0, primal = 0.0, dual = 0.0, largest = 0.0;
     bool impossible = false;
