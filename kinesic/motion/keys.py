@@ -206,7 +206,11 @@ class Keys:
 
     def led(self, hinge: int) -> Flags:
         """(k - 1,) whether there are path keys between a hinge's k successive firm keys."""
-        return np.diff(np.flatnonzero(self.firm[self.keyed[:, hinge]])) > 1
+        return self._led[hinge]
+
+    @cached_property
+    def _led(self) -> tuple[Flags, ...]:
+        return tuple(np.diff(np.flatnonzero(self.firm[column])) > 1 for column in self.keyed.T)
 
     def spread(self, times: Floats) -> Floats:
         """Moves the times (m,) [s] of keys on a path in between those of the firm ones, as evenly as asked."""
