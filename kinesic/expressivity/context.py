@@ -22,7 +22,7 @@ from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.resolve import resolve_styles
 from kinesic.expressivity.style.style import Expressivity, Style
-from kinesic.expressivity.variation import EXACT, Deviation, Variation, deviations
+from kinesic.expressivity.variation import EXACT, Deviation, Variation, deviations, needs_place
 
 
 def read_targets(path: Path) -> Mapping[str, Floats]:
@@ -84,7 +84,15 @@ class BlockContext:
     @cached_property
     def deviations(self) -> Mapping[str, Deviation]:
         """Behaviour id -> how a gesture differs from what was asked; empty where none does."""
-        return deviations(self.block, self.shared.variation)
+        found = deviations(self.block, self.shared.variation)
+        return {id: each.in_place if id in self._placed else each for id, each in found.items()}
+
+    @cached_property
+    def _placed(self) -> frozenset[str]:
+        """Ids of gestures whose hands must be where they are asked."""
+        asked = {each.id: each.action for each in self.block.behaviours if isinstance(each.action, Gesture)}
+        matches = {id: self.lexicon.find(action.lexeme, action.mode) for id, action in asked.items()}
+        return frozenset(id for id, match in matches.items() if match is not None and needs_place(match.form))
 
     def find_gesture(self, behaviour: Behaviour, action: Gesture) -> Match | None:
         """Finds the gesture that a behaviour means, in its place; None when the lexicon has none."""

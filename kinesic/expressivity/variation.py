@@ -3,7 +3,7 @@
 Nobody makes the same beat twice. In captured takes of one person, the durations of beats have a standard deviation of
 13 to 21 % and the lengths of their ways of 31 to 36 %; the same beat, repeated, is taken to vary half as much. A
 deviation follows from the seed and amount, the block's id, and the gesture's id and number among the block's gestures,
-so that a performance can be repeated.
+so that a performance can be repeated. Where a hand is, is part of what some gestures mean: they keep place and size.
 """
 
 from collections.abc import Mapping
@@ -17,6 +17,7 @@ from kinesic.bml.block import RANGES, Behaviour, Block, Gesture, Pointing
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import Robot
 from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
+from kinesic.expressivity.lexicon.legibility_table import legibility_table
 from kinesic.expressivity.lexicon.space import shift_position, spread_hands
 from kinesic.expressivity.style.style import Expressivity, Style
 
@@ -38,6 +39,7 @@ class Variation:
 
 
 EXACT = Variation()
+HERE = sealed(np.zeros(3))
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +50,11 @@ class Deviation:
     temporal: float  # of the temporal extent
     place: Floats  # (3,) forward, outward, up [arm lengths] of all stroke keys
     other_hand: bool  # whether the hand that would not have been taken makes it, where either may
+
+    @property
+    def in_place(self) -> "Deviation":
+        """The same without what would take a hand from its place."""
+        return replace(self, spatial=0.0, place=HERE)
 
     def style(self, style: Style) -> Style:
         """Changes the style of a behaviour, inside the ranges of its numbers; the body is as large as the hands."""
@@ -64,7 +71,7 @@ class Deviation:
 
     def form(self, form: GestureForm, robot: Robot) -> GestureForm:
         """Shifts the stroke keys of a gesture; fixed axes, hands that touch and rest poses stay where they are."""
-        if form.rest:
+        if form.rest or not self.place.any():
             return form
         return replace(form, keys=tuple(self._key(key, robot) for key in form.keys))
 
@@ -82,6 +89,12 @@ class Deviation:
         shift = sealed(np.where(pose.fixed, 0.0, self.place))
         path = pose.path and pose.path.mapped(pose.path.amplitude, lambda point: sealed(point + shift))
         return replace(pose, position=shift_position(pose.position, shift, robot), path=path)
+
+
+def needs_place(form: GestureForm) -> bool:
+    """Whether a gesture would mean something else, or nothing, where its hands were elsewhere."""
+    touching = any(pose.touch for key in form.keys for pose in key.hands.values())
+    return touching or form.id in legibility_table().places
 
 
 def deviations(block: Block, variation: Variation) -> Mapping[str, Deviation]:

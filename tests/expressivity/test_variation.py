@@ -9,7 +9,16 @@ from kinesic.expressivity.context import BlockContext
 from kinesic.expressivity.durations import spans
 from kinesic.expressivity.realise import keyframes
 from kinesic.expressivity.style.style import Expressivity, Style
-from kinesic.expressivity.variation import EXACT, OTHER_HAND, PLACE, SPATIAL, TEMPORAL, Variation, deviations
+from kinesic.expressivity.variation import (
+    EXACT,
+    OTHER_HAND,
+    PLACE,
+    SPATIAL,
+    TEMPORAL,
+    Variation,
+    deviations,
+    needs_place,
+)
 
 PERSON = Variation(1.0, 5)
 
@@ -146,3 +155,19 @@ def test_extents_stay_in_their_ranges(context):
             manner = there.manner(behaviour)
             assert 0.0 <= manner.spatial <= 1.0
             assert -1.0 <= manner.temporal <= 0.0
+
+
+def test_what_has_a_place_stays_there_in_its_size_and_differs_in_time_alone(context, lexicon):
+    placed = [form for form in lexicon.forms if needs_place(form)]
+    assert {"hush", "me", "watch_time", "arms_crossed"} <= {form.id for form in placed}
+    for seed in (1, 2):
+        there = context(block(*(Gesture(form.id) for form in placed)), variation=Variation(1.0, seed))
+        for behaviour in there.block.behaviours:
+            same = context(there.block).find_gesture(behaviour, behaviour.action).form
+            found, manner = there.find_gesture(behaviour, behaviour.action).form, there.manner(behaviour)
+            for key, usual in zip(found.keys, same.keys, strict=True):
+                for side, pose in key.hands.items():
+                    np.testing.assert_array_equal(pose.position, usual.hands[side].position)
+            assert manner.spatial == there.manner(behaviour, "head").spatial == 0.0
+            assert manner.temporal != 0.0
+    assert not needs_place(lexicon.find("beat").form)

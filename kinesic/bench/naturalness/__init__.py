@@ -1,6 +1,6 @@
 """Measures how the hands move in gestures of the lexicon and of people, and how far these are apart."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 
@@ -12,13 +12,14 @@ from kinesic.bench.naturalness.bars import MEDIANS, PART, bar_figures
 from kinesic.bench.naturalness.body import body_figures
 from kinesic.bench.naturalness.captured import captured_figures, measure_clips
 from kinesic.bench.naturalness.legibility import legibility_figures
-from kinesic.bench.naturalness.legibility_table import legibility_table
-from kinesic.bench.naturalness.lexicon import MeasuredGesture, by_style, measure_lexicon
+from kinesic.bench.naturalness.lexicon import MeasuredGesture, by_style, measure_lexicon, measure_varied
 from kinesic.bench.naturalness.rows import EFFORT, row_figures
 from kinesic.bench.naturalness.synchrony import synchrony_figures
 from kinesic.body.config import names_of
 from kinesic.body.robot import Robot
+from kinesic.expressivity.lexicon.legibility_table import legibility_table
 
+SEEDS = (1, 2)  # of variation, for which gestures must be legible, too
 CAPTURE = "capture"  # the corpus's folder of captured gestures
 
 
@@ -29,7 +30,8 @@ def bench() -> list[Figure]:
 
 def bench_styles(styles: Sequence[str]) -> list[Figure]:
     """Measures every gesture alone: all bars in the neutral manner, the rows in others."""
-    return lexicon_figures(measured(tuple(styles)), Robot.load().arm_length)
+    figures = lexicon_figures(measured(tuple(styles)), Robot.load().arm_length)
+    return figures + varied_figures() if NEUTRAL_STYLE in styles else figures
 
 
 def bench_clips(folder: Path) -> list[Figure]:
@@ -52,6 +54,12 @@ def measured(styles: tuple[str, ...]) -> tuple[MeasuredGesture, ...]:
     return tuple(measure_lexicon(every(styles)))
 
 
+@cache
+def varied() -> Mapping[int, tuple[MeasuredGesture, ...]]:
+    """Measures the lexicon as it varies by default, for some seeds; once in a process."""
+    return {seed: tuple(measure_varied(seed)) for seed in SEEDS}
+
+
 def lexicon_figures(gestures: Sequence[MeasuredGesture], arm: float) -> list[Figure]:
     """Sums up gestures in several manners.
 
@@ -66,12 +74,16 @@ def lexicon_figures(gestures: Sequence[MeasuredGesture], arm: float) -> list[Fig
             found += [*row_figures(PART, hands, MEDIANS), *bar_figures(group, arm), *synchrony_figures(PART)]
             found += body_figures(PART, [(each.gesture, each.category, each.body) for each in group])
             found += category_figures(group)
-            seen = {each.gesture: each.seen for each in group if each.seen is not None}
-            places = {each.gesture: each.place for each in group if each.place is not None}
-            found += legibility_figures(PART, seen, places, legibility_table())
+            found += _legibility(PART, group)
         else:
             found += row_figures(f"{PART}.{style}", hands, {})
     return found
+
+
+def varied_figures() -> list[Figure]:
+    """Says whether gestures can still be read where they vary as they do by default."""
+    found = (_legibility(f"{PART}.varied.{seed}", group) for seed, group in varied().items())
+    return [figure for figures in found for figure in figures]
 
 
 def category_figures(gestures: Sequence[MeasuredGesture]) -> list[Figure]:
@@ -81,6 +93,12 @@ def category_figures(gestures: Sequence[MeasuredGesture]) -> list[Figure]:
         hands = [each.hand for each in gestures if each.hand and each.category == category]
         found += row_figures(f"{PART}.category.{category}", hands, {}, names=EFFORT)
     return found
+
+
+def _legibility(part: str, group: Sequence[MeasuredGesture]) -> list[Figure]:
+    seen = {each.gesture: each.seen for each in group if each.seen is not None}
+    places = {each.gesture: each.place for each in group if each.place is not None}
+    return legibility_figures(part, seen, places, legibility_table())
 
 
 def _corpus_figures() -> list[Figure]:

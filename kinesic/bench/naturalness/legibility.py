@@ -3,9 +3,9 @@
 from collections.abc import Iterable, Mapping, Sequence
 
 from kinesic.bench.figure import Figure
-from kinesic.bench.naturalness.legibility_table import LegibilityTable
 from kinesic.bench.naturalness.likeness import Pair, nearest_pairs
 from kinesic.body.arrays import Floats
+from kinesic.expressivity.lexicon.legibility_table import LegibilityTable
 
 TOO_NEAR = 0.05  # [m] below which two gestures look alike
 LISTED = 0.08  # [m] up to which pairs are looked for

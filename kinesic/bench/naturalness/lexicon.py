@@ -7,9 +7,8 @@ from functools import partial
 
 import numpy as np
 
-from kinesic.bench.expressivity.lexicon import NEUTRAL_STYLE
+from kinesic.bench.expressivity.lexicon import NEUTRAL_STYLE, every
 from kinesic.bench.naturalness.body import BodyMeasures, measure_body
-from kinesic.bench.naturalness.legibility_table import legibility_table
 from kinesic.bench.naturalness.likeness import SAMPLES, measure_appearance
 from kinesic.bench.naturalness.measures import GestureMeasures, measure_hand
 from kinesic.bench.naturalness.places import place_distance
@@ -18,12 +17,14 @@ from kinesic.body.arrays import Floats
 from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.controller.perform import set_up
 from kinesic.expressivity.lexicon.form import GestureForm
+from kinesic.expressivity.lexicon.legibility_table import legibility_table
 from kinesic.expressivity.style.style import Style
+from kinesic.expressivity.variation import Variation
 from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
 from kinesic.planning.syncs import SHIFT_TO_WARN
 from kinesic.report.worker_pool import WorkerCrash, run_pool
-from kinesic.studies.gestures.isolated import plan_gesture, stroke_error
+from kinesic.studies.gestures.isolated import BEHAVIOUR, plan_gesture, stroke_error
 
 STROKE = 8.0  # [s] time enough for whatever comes before the slowest stroke, so that all times are natural
 PERIOD = 0.01  # [s] between samples
@@ -64,14 +65,19 @@ def measure_lexicon(tasks: Sequence[Task]) -> list[MeasuredGesture]:
     Raises:
         RuntimeError: a process died.
     """
-    found = []
-    for (gesture, style), result in run_pool(
-        tasks, partial(_prepare, set_up), jobs=os.cpu_count() or 1, preload=__name__
-    ):
-        if isinstance(result, WorkerCrash):
-            raise RuntimeError(f"{gesture} in style {style}: {result.reason}")
-        found.append(result)
-    return found
+    return _measure(tasks, set_up)
+
+
+def measure_varied(seed: int) -> list[MeasuredGesture]:
+    """Measures all gestures in the neutral style as they vary by default, in processes of their own.
+
+    Args:
+        seed: of the variation.
+
+    Raises:
+        RuntimeError: a process died.
+    """
+    return _measure(every((NEUTRAL_STYLE,)), partial(_set_up_varied, seed))
 
 
 def by_style(gestures: Iterable[MeasuredGesture]) -> dict[str, list[MeasuredGesture]]:
@@ -100,6 +106,21 @@ def measure_gesture(form: GestureForm, known: Setup) -> MeasuredGesture:
     )
 
 
+def _measure(tasks: Sequence[Task], make_setup: Callable[[], Setup]) -> list[MeasuredGesture]:
+    found = []
+    for (gesture, style), result in run_pool(
+        tasks, partial(_prepare, make_setup), jobs=os.cpu_count() or 1, preload=__name__
+    ):
+        if isinstance(result, WorkerCrash):
+            raise RuntimeError(f"{gesture} in style {style}: {result.reason}")
+        found.append(result)
+    return found
+
+
+def _set_up_varied(seed: int) -> Setup:
+    return replace(set_up(), variation=Variation(1.0, seed))
+
+
 def _prepare(make_setup: Callable[[], Setup]) -> Callable[[Task], MeasuredGesture]:
     known = make_setup()
     forms = {form.id: form for form in known.lexicon.forms}
@@ -123,12 +144,13 @@ def _measure_stroke(planned: Plan) -> Floats:
 
 
 def measure_place(form: GestureForm, planned: Plan) -> float | None:
-    """Measures how far the hand is from its place [m], of two hands the right one; None where it needs none."""
+    """Measures how far the hand that performs is from its place [m], of two hands the right one; None without place."""
     asked = legibility_table().places.get(form.id)
     if asked is None:
         return None
     angles = planned.trajectory.sample(np.array([_syncs(planned)[asked.when]]))[0][0]
-    return place_distance(planned.setup.robot, angles, "r" if "r" in form.sides else "l", asked)
+    side: Side = "r" if "r_hand" in planned.keyframes.uses[BEHAVIOUR] else "l"
+    return place_distance(planned.setup.robot, angles, side, asked)
 
 
 def _syncs(planned: Plan) -> dict[str, float]:

@@ -7,10 +7,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from kinesic.bench.naturalness.legibility_table import PlaceTable
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import OTHER_SIDE, Robot, Side
 from kinesic.body.skeleton import Frames, Segment
+from kinesic.expressivity.lexicon.legibility_table import PlaceTable
 
 TIPS = 1.8  # times as far from the wrist as the middle of the palm
 HIP = 0.2  # [arm lengths] from the midline

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from kinesic.bench.naturalness.legibility import different_pairs, legibility_figures
-from kinesic.bench.naturalness.legibility_table import AlikeTable, LegibilityTable, PlaceTable, legibility_table
+from kinesic.expressivity.lexicon.legibility_table import AlikeTable, LegibilityTable, PlaceTable, legibility_table
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 
 ROWS = {name: np.full((2, 1, 3), [0.0, at, 0.0]) for name, at in (("hush", 0.0), ("nose", 0.03), ("come", 0.2))}

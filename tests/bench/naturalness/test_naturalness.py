@@ -23,6 +23,12 @@ def few(known):
     return (*found, *(replace(each, style="calm") for each in found))
 
 
+@pytest.fixture(autouse=True)
+def varied(few, monkeypatch):
+    """Spares the benches the whole lexicon as it varies."""
+    monkeypatch.setattr(naturalness, "varied", lambda: {7: few[:2]})
+
+
 @pytest.fixture
 def folder(tmp_path):
     write_skeleton(tmp_path / "clips")
@@ -50,6 +56,13 @@ def test_styles_are_measured_alone_or_beside_clips(folder, few, capsys, monkeypa
     names = {figure["name"] for figure in json.loads(capsys.readouterr().out)}
     assert asked == [("neutral", "calm")]
     assert {"naturalness.flow", "naturalness.calm.flow", "naturalness.captured.flow", "naturalness.variety"} <= names
+
+
+def test_the_neutral_manner_is_measured_as_it_varies_too(few, monkeypatch):
+    monkeypatch.setattr(naturalness, "measured", lambda _: few)
+    names = {figure.name for figure in naturalness.bench_styles(["neutral", "calm"])}
+    assert {"naturalness.varied.7.alike", "naturalness.varied.7.misplaced"} <= names
+    assert not any(".varied." in figure.name for figure in naturalness.bench_styles(["calm"]))
 
 
 def test_pictures_are_of_the_styles_that_are_measured(few, folder, tmp_path, capsys, monkeypatch):

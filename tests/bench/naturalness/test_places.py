@@ -1,14 +1,16 @@
+from dataclasses import replace
 from math import degrees
 
 import numpy as np
 import pytest
 
 from kinesic.bench.naturalness.legibility import TOO_NEAR
-from kinesic.bench.naturalness.legibility_table import PlaceTable, legibility_table
 from kinesic.bench.naturalness.lexicon import measure_place
 from kinesic.bench.naturalness.likeness import measure_appearance, nearest_pairs
 from kinesic.bench.naturalness.places import place_distance
 from kinesic.body.robot import Robot
+from kinesic.expressivity.lexicon.legibility_table import PlaceTable, legibility_table
+from kinesic.expressivity.variation import Variation
 from kinesic.studies.gestures.isolated import plan_gesture
 
 ROBOT = Robot.load()
@@ -31,6 +33,18 @@ def stroke(planned, count=1):
 def test_hands_are_where_their_meaning_needs_them(plans, known):
     away = {name: measure_place(known.lexicon.forms_by_id[name], planned) for name, planned in plans.items()}
     assert [name for name, distance in away.items() if not 0.0 < distance <= PLACES[name].within] == []
+
+
+@pytest.mark.parametrize("name", ["adjust_cuff", "watch_time", "cry", "me", "photo"])
+def test_hands_are_there_too_where_gestures_vary(known, name):
+    form, varied = known.lexicon.forms_by_id[name], replace(known, variation=Variation(1.0, 2))
+    assert measure_place(form, plan_gesture(form, varied)) <= PLACES[name].within
+
+
+def test_the_hand_that_performs_is_the_one_that_is_measured(known):
+    form = known.lexicon.forms_by_id["phone_call"]
+    right, left = (measure_place(form, plan_gesture(form, known, mode)) for mode in ("right", "left"))
+    assert left == pytest.approx(right, abs=0.005)
 
 
 def test_gestures_at_the_head_do_not_look_alike(plans):
