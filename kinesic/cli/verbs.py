@@ -30,7 +30,7 @@ ON_HELP = (
     "Space stops the servos, Ctrl-C folds them to rest."
 )
 FORCE_HELP = "Replaces a folder that kinesic has made."
-COMPARED = ("whole_body=0", "fluidity=-1", "power=-1")
+COMPARED = ("effort=0", "whole_body=0", "power=-1")
 COMPARE_HELP = (
     "A setting, as for --set, or idle=0, variation=0: gestures are compared with and without it; repeat it "
     f"(default: {', '.join(COMPARED)})."

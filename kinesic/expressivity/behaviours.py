@@ -90,6 +90,7 @@ def gesture_move(timed: TimedBehaviour, action: Gesture, context: BlockContext) 
         if (deviation := context.deviations.get(timed.behaviour.id)) is not None:
             options = deviation.order_hands(options)
     works = tuple(poses(option, context.robot, manner) if option.keys else hanging_arms(SIDES) for option in options)
+    works = tuple(work.with_effort(context.styles[timed.behaviour.id].effort) for work in works)
     outcome, warnings = _match_outcome(match, context.robot)
     halves = action.mode == "unspecified"
     series = COUNTING if halves and form.id.startswith(f"{COUNTING}_") else ""
@@ -143,9 +144,10 @@ def pointing_move(timed: TimedBehaviour, action: Pointing, context: BlockContext
     both = Poses({side: work[side].hands[side] for side in SIDES}, work["l"].stroke, body=usual.symmetric)
     nearer = (work["l"], work["r"]) if place[1] > 0 else (work["r"], work["l"])
     options = {"left": (work["l"],), "right": (work["r"],), "both": (both,), "unspecified": nearer}
-    manner = context.manner(timed.behaviour, "gesture")
+    manner, weight = context.manner(timed.behaviour, "gesture"), context.styles[timed.behaviour.id].effort
     importance = 2 if timed.behaviour.required else 1
-    stroke = Stroke(timed.behaviour.id, timed.times, options[action.mode], manner=manner, importance=importance)
+    works = tuple(option.with_effort(weight) for option in options[action.mode])
+    stroke = Stroke(timed.behaviour.id, timed.times, works, manner=manner, importance=importance)
     return Move(strokes=(stroke,), shapes=("index",))
 
 

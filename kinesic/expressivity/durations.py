@@ -73,19 +73,20 @@ def _way(work: Poses, key: int, pace: Pace) -> float:
 def _spans(behaviour: Behaviour, context: BlockContext) -> Mapping[str, float]:
     """Natural seconds of one behaviour; empty when it moves nothing."""
     robot, pace, manner = context.robot, context.pace, context.manner(behaviour)
+    weight = context.styles[behaviour.id].effort
     match behaviour.action:
         case Gesture() as gesture:
             match = context.find_gesture(behaviour, gesture)
             if match is None or not match.form.keys:
                 return {}
-            work = poses(match.form, robot, manner)
+            work = poses(match.form, robot, manner).with_effort(weight)
             return stroke_spans(work, Effort(pace, work.nature, manner), holds=not match.form.rest)
         case Pointing(target):
             place = context.find_target(target)
             if place is None:
                 return {}
             side: Side = "l" if place[1] > 0 else "r"
-            pointing = pointing_poses(place, side, robot)
+            pointing = pointing_poses(place, side, robot).with_effort(weight)
             return stroke_spans(pointing, Effort(pace, pointing.nature, manner))
         case Head() as head:
             return _head_spans(head, pace, manner)

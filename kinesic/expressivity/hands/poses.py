@@ -58,6 +58,10 @@ class Poses:
         """How a hand comes to a key from the one before; None: straight."""
         return self.paths[side][key] if side in self.paths else None
 
+    def with_effort(self, weight: float) -> "Poses":
+        """Gives the gesture so much of its effort profile, 0 to 1."""
+        return replace(self, nature=replace(self.nature, weight=weight))
+
     def only(self, side: Side) -> "Poses":
         """Keeps the keys and paths of one hand alone."""
         paths = {side: self.paths[side]} if side in self.paths else {}

@@ -8,6 +8,7 @@ the duration of a way grows with its length to the power of 0.1 to 0.3. No time 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import log2
 from typing import Literal
 
 from kinesic.expressivity.style.pace import HASTE, Pace, hurry_time, natural_time
@@ -25,6 +26,8 @@ PREPARATION, RETURN, STROKE = 0.56, 0.96, 0.47  # [s] of a way of usual length
 WAY, SWING_WAY = 0.9, 0.35  # [arm lengths] of such a way from rest, and in a stroke
 SHORTEST = 0.02  # [arm lengths] below which no way takes less time
 FLAT, FLATTER, STEEP = 0.10, 0.25, 0.4  # exponents of the length: of the way there, back, and in a stroke
+PLAIN_BEGIN, PLAIN_BIT, PLAIN_WIDTH = 0.1, 0.15, 0.05  # [s], [s] and [m] of a target in Fitts' law
+PLAIN_FORCEFUL, PLAIN_HOLD = 2.4, 0.5  # times the least time of a stroke without any effort, and shares of it as hold
 READY, EASY, FORCEFUL = 1.05, 1.3, 1.6  # times what the servos need at least; an accent needs half as much again
 ROOM = 1.5  # times the same that power leaves a stroke: with less the servos round its accent off, and it is no faster
 CARRIED = 0.6  # of weakness: what the ways there and back have of it (Greta's share)
@@ -72,6 +75,7 @@ class Nature:
     category: str = ""  # of the lexicon, or anybody's own
     tempo: Tempo = "neutral"
     dynamic: bool = True  # the hand goes a way of its own in the stroke; else it comes to a pose and stays
+    weight: float = 1.0  # of all that: 0 hands are as fast as servos are at ease, and stop at every key .. 1
 
 
 PLAIN_NATURE = Nature()
@@ -107,18 +111,22 @@ class Effort:
         """Finds the natural time of the way from a hold to rest [s], which nothing hurries."""
         ease = RETURN * max(self.slowness, 1.0) ** CALM * self._length(distance, WAY) ** FLATTER
         least = self.pace.least_hand_time(distance)
-        return natural_time(max(ease, EASY * least), least, self.manner.temporal, CARRIED * min(self.manner.power, 0.0))
+        ease = self._blend(max(ease, EASY * least), max(_fitts(distance), EASY * least))
+        return natural_time(ease, least, self.manner.temporal, CARRIED * min(self.manner.power, 0.0))
 
     def stroke_time(self, distance: float) -> float:
         """Finds the natural time of one swing of a stroke [s]; power moves its force here."""
         ease = STROKE * self.slowness**SPREAD * self._length(distance, SWING_WAY) ** STEEP
         least = self.pace.least_hand_time(distance)
-        return natural_time(max(ease, FORCEFUL * least), least, self.manner.temporal, self.manner.power, room=ROOM)
+        ease = self._blend(max(ease, FORCEFUL * least), max(_fitts(distance), PLAIN_FORCEFUL * least))
+        return natural_time(ease, least, self.manner.temporal, self.manner.power, room=ROOM)
 
     def hold_time(self, stroke: float) -> float:
         """Finds how long the hand stays after a stroke, which took so many seconds in plain manner [s]."""
         dwell = DYNAMIC_DWELL * stroke / BEAT_TIME if self.nature.dynamic else DWELL
-        return hurry_time(self._character.hold * dwell, 0.0, self.manner.temporal, HASTE)
+        return hurry_time(
+            self._blend(self._character.hold * dwell, PLAIN_HOLD * stroke), 0.0, self.manner.temporal, HASTE
+        )
 
     def passage(self, phase: Phase, *, led: bool = False, leisure: float = 1.0) -> Passage:
         """Derives how the hand passes a key.
@@ -131,12 +139,13 @@ class Effort:
         manner = self.manner
         if phase == "retraction":
             even = UNHURRIED - (UNHURRIED - EVEN) * manner.fluidity
-            return replace(passage_of(manner, phase), easing="linear", steepness=even)
+            home = replace(passage_of(manner, phase), easing="linear", steepness=self._blend(even, EVEN))
+            return home if self.nature.weight > 0.0 else passage_of(manner, phase)
         if phase == "hold":
             return passage_of(manner, phase)
         if phase == "preparation":
             manner = replace(manner, power=min(manner.power, 0.0))
-        free = min(max((leisure - CROWDED) / (1.0 - CROWDED), 0.0), 1.0) if self.nature.dynamic else 0.0
+        free = self.nature.weight * min(max((leisure - CROWDED) / (1.0 - CROWDED), 0.0), 1.0) * self.nature.dynamic
         onward = SPOKEN_ONWARD if self.spoken else ONWARD
         swing = free * self._suppleness * (ALONG if led else onward if phase == "preparation" else THROUGH)
         accent = free * self._accent if phase == "stroke" and not led else 0.0
@@ -174,8 +183,18 @@ class Effort:
         least = self.pace.least_hand_time(distance)
         ease = PREPARATION * slowness * self._length(distance, WAY) ** FLAT
         weakness = CARRIED * min(self.manner.power, 0.0)
-        return natural_time(max(ease, easy * least), least, self.manner.temporal, weakness)
+        ease = self._blend(max(ease, easy * least), max(_fitts(distance), EASY * least))
+        return natural_time(ease, least, self.manner.temporal, weakness)
+
+    def _blend(self, ours: float, plain: float) -> float:
+        """What this gesture has of an amount, and of the one that it would have without any effort."""
+        return plain + self.nature.weight * (ours - plain)
 
     def _length(self, distance: float, usual: float) -> float:
         """Length of a way [m] in usual ones [arm lengths]."""
         return max(distance / self.pace.robot.arm_length, SHORTEST) / usual
+
+
+def _fitts(distance: float) -> float:
+    """Time of a way of the hand by Fitts' law [s], which knows neither phase nor gesture."""
+    return PLAIN_BEGIN + PLAIN_BIT * log2(distance / PLAIN_WIDTH + 1.0)

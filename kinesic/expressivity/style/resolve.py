@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Literal
 
 from kinesic.bml.block import Behaviour, Block, Manner, Modality
-from kinesic.expressivity.style.style import MODALITIES, RANGES, WHOLE_BODY, Expressivity, Style, style_preset
+from kinesic.expressivity.style.style import MODALITIES, RANGES, WEIGHTS, Expressivity, Style, style_preset
 
 # How far full activation goes from a parameter's value to the end of its range. An animated speaker moves wider,
 # faster, with more force and away from the body; how a movement flows and how often it is repeated stay his own.
@@ -98,12 +98,13 @@ def _resolve_style(style: Style, block: Block, behaviour: Behaviour) -> Style:
         modality: fold_activation(resolve_numbers(style, modality, block, behaviour).expressivity)
         for modality in MODALITIES
     }
-    return Style(style.name, settings=(), whole_body=_whole_body(style, block, behaviour), **manners)
+    whole_body, effort = (_weight(name, style, block, behaviour) for name in WEIGHTS)
+    return Style(style.name, settings=(), whole_body=whole_body, effort=effort, **manners)
 
 
-def _whole_body(style: Style, block: Block, behaviour: Behaviour) -> float:
-    """The weight of the body beside the hands: a setting's, else that of the preset which a document names last."""
-    if any(setting.parameter == WHOLE_BODY for setting in style.settings):
-        return style.whole_body
+def _weight(name: str, style: Style, block: Block, behaviour: Behaviour) -> float:
+    """A weight of the style as a whole: a setting's, else that of the preset which a document names last."""
     named = (behaviour.manner.style, block.manners.get("gesture", Manner()).style)
-    return next((style_preset(name).whole_body for name in named if name is not None), style.whole_body)
+    presets = [] if any(setting.parameter == name for setting in style.settings) else [*filter(None, named)]
+    weight: float = getattr(style_preset(presets[0]) if presets else style, name)
+    return weight

@@ -29,8 +29,10 @@ __all__ = [
 MODALITIES: tuple[Modality, ...] = get_args(Modality)
 Phase = Literal["preparation", "stroke", "hold", "retraction"]
 
-WHOLE_BODY = "whole_body"  # the weight of what the body does beside the hands, of a style as a whole
-WHOLE_BODY_RANGE = (0.0, 2.0)
+WEIGHTS: Mapping[str, tuple[float, float]] = {  # of a style as a whole, whatever moves
+    "whole_body": (0.0, 2.0),  # of what the body does beside the hands
+    "effort": (0.0, 1.0),  # of what each phase of a gesture gets by what the gesture is
+}
 
 FORCE = 1.5  # steepness that a power of 1 adds: what servos can still follow on the short ways of strokes
 GATHERED = 3.0  # exponent of power and tension: half of them forces much less than half
@@ -81,7 +83,7 @@ class Setting:
 
     def concerns(self, modality: Modality) -> bool:
         """Whether it is about a modality."""
-        return self.parameter != WHOLE_BODY and self.modality in (None, modality)
+        return self.parameter not in WEIGHTS and self.modality in (None, modality)
 
 
 class PartTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -113,6 +115,7 @@ class StyleTable(msgspec.Struct, forbid_unknown_fields=True):
     torso: PartTable = PartTable()
     face: PartTable = PartTable()
     whole_body: float = 1.0  # what head, trunk, shoulders and face do beside the hands, 0 nothing .. 2 twice as much
+    effort: float = 1.0  # of the profile that gives each phase its time and force, 0 nothing .. 1 all of it
 
     def expressivity(self, modality: Modality) -> Expressivity:
         """Joins the numbers of one modality."""
@@ -131,6 +134,7 @@ class Style:
     face: Expressivity = NEUTRAL
     settings: tuple[Setting, ...] = ()  # in force already; told again after the documents
     whole_body: float = 1.0  # 0 gestures are the hands' alone .. 2 the body does twice its part
+    effort: float = 1.0  # 0 every phase has what the servos do at ease .. 1 what people give it
 
     @classmethod
     def load(cls, name: str | Path = "neutral") -> "Style":
@@ -147,10 +151,10 @@ class Style:
                 found[modality] = table.expressivity(modality)
             except ValueError as error:
                 raise ConfigError(f"{path}: {error}") from None
-        least, most = WHOLE_BODY_RANGE
-        if not least <= table.whole_body <= most:
-            raise ConfigError(f"{path}: {WHOLE_BODY} is {table.whole_body:g}, outside [{least:g}, {most:g}]")
-        return cls(path.stem, settings=(), whole_body=table.whole_body, **found)
+        for name, (least, most) in WEIGHTS.items():
+            if not least <= (weight := getattr(table, name)) <= most:
+                raise ConfigError(f"{path}: {name} is {weight:g}, outside [{least:g}, {most:g}]")
+        return cls(path.stem, settings=(), whole_body=table.whole_body, effort=table.effort, **found)
 
     @classmethod
     def uniform(cls, manner: Expressivity, name: str = "own") -> "Style":
@@ -172,9 +176,16 @@ class Style:
         for setting in map(_setting, settings):
             concerned = [part for part in MODALITIES if setting.concerns(part)]
             parts = {part: replace(style.of(part), **{setting.parameter: setting.value}) for part in concerned}
-            whole = setting.value if setting.parameter == WHOLE_BODY else style.whole_body
-            style = replace(style, name=style.name, settings=(*style.settings, setting), whole_body=whole, **parts)
+            whole_body, effort = (
+                setting.value if setting.parameter == name else getattr(style, name) for name in WEIGHTS
+            )
+            said = (*style.settings, setting)
+            style = Style(style.name, settings=said, whole_body=whole_body, effort=effort, **(style._parts | parts))
         return style
+
+    @property
+    def _parts(self) -> dict[Modality, Expressivity]:
+        return {part: self.of(part) for part in MODALITIES}
 
     def numbers(self) -> Mapping[Modality, Mapping[str, float]]:
         """Lists all numbers by modality and name."""
@@ -243,7 +254,7 @@ def _setting(text: str) -> Setting:
     modality = next((known for known in MODALITIES if known == part), None)
     if point and modality is None:
         raise ConfigError(f"a style has no modality {part!r}{suggestion(part, MODALITIES)}")
-    ranges = RANGES if point else {**RANGES, WHOLE_BODY: WHOLE_BODY_RANGE}
+    ranges = RANGES if point else {**RANGES, **WEIGHTS}
     if name not in ranges:
         raise ConfigError(f"a style has no {name}{suggestion(name, list(ranges))}")
     try:

@@ -6,7 +6,7 @@ import pytest
 from kinesic.body.arrays import sealed
 from kinesic.expressivity.style.effort import ACCENT, CHARACTERS, CROWDED, LOOSE, PACES, ROOM, Effort, Nature
 from kinesic.expressivity.style.pace import HASTE, Pace
-from kinesic.expressivity.style.style import Expressivity, passage_of
+from kinesic.expressivity.style.style import NEUTRAL, Expressivity, passage_of
 from kinesic.motion.keys import ACCENT as ACCENT_EASING
 from kinesic.motion.keys import EVEN, LATE_ACCENT, SOFTEST, STEEPEST
 
@@ -61,6 +61,30 @@ def test_temporal_extent_hurries_every_phase(efforts, phase):
             times = [getattr(each, phase)(way) for each in manners]
             assert np.all(np.diff(times) < 0.0)
             assert times[0] == pytest.approx(HASTE * times[4])
+
+
+def test_without_weight_phases_have_what_the_servos_do_at_ease(efforts):
+    for effort in efforts:
+        none, half = (replace(effort, nature=replace(effort.nature, weight=weight)) for weight in (0.0, 0.5))
+        for way in WAYS[::5]:
+            fitts, least = 0.1 + 0.15 * np.log2(way / 0.05 + 1.0), effort.pace.least_hand_time(way)
+            assert none.stroke_time(way) == pytest.approx(max(fitts, 2.4 * least))
+            for name in ("preparation_time", "joining_time", "return_time"):
+                assert getattr(none, name)(way) == pytest.approx(max(fitts, 1.3 * least)), name
+            for name in PHASES:
+                both = [getattr(each, name)(way) for each in (none, half, effort)]
+                assert both[1] == pytest.approx((both[0] + both[2]) / 2)
+        assert none.hold_time(0.8) == pytest.approx(0.4)
+        for phase in ("preparation", "stroke", "hold", "retraction"):
+            assert none.passage(phase) == replace(none, spoken=True).passage(phase) == passage_of(NEUTRAL, phase)
+
+
+def test_swing_and_accent_grow_with_the_weight(pace):
+    found = [Effort(pace, Nature(weight=weight)).passage("stroke") for weight in (0.0, 0.5, 1.0)]
+    assert found[0].swing == 0.0 < found[1].swing < found[2].swing
+    assert found[1].steepness < found[2].steepness == SOFTEST + ACCENT
+    homes = [Effort(pace, Nature(weight=weight)).passage("retraction").steepness for weight in (0.5, 1.0)]
+    assert EVEN < homes[0] < homes[1]
 
 
 def test_power_goes_into_the_stroke_alone_and_weakness_into_all(pace):

@@ -94,3 +94,15 @@ def test_a_preset_that_a_document_names_brings_its_weight_of_the_body():
         shy,
     )
     assert weight(Style().changed(["whole_body=0"]), "shy") == 0.0
+    assert weight(Style().changed(["effort=0"]), "shy") == shy
+
+
+def test_the_weight_of_effort_is_the_style_s_unless_a_document_names_a_preset():
+    own, plain = Style().changed(["effort=0"]), replace(Style(), effort=0.25)
+    named = Block("b", (behaviour(),), manners={"gesture": Manner(style="shy")})
+    found = [
+        resolve_styles(style, block)["b"].effort
+        for style in (own, plain)
+        for block in (Block("b", (behaviour(),)), named)
+    ]
+    assert found == [0.0, 0.0, 0.25, 1.0]

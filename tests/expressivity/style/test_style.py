@@ -1,5 +1,5 @@
 import math
-from dataclasses import asdict, fields
+from dataclasses import asdict, fields, replace
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ from kinesic.body.config import CONFIGS, ConfigError
 from kinesic.expressivity.style.style import (
     MODALITIES,
     RANGES,
-    WHOLE_BODY,
+    WEIGHTS,
     Expressivity,
     Setting,
     Style,
@@ -31,9 +31,8 @@ def test_the_presets():
 def test_a_preset_loads_under_its_name_and_says_all_eight_numbers(name):
     assert Style.load(name).name == style_preset(name).name == name
     text = (CONFIGS / "styles" / f"{name}.toml").read_text().partition("[")[0]
-    assert [line.split()[0] for line in text.splitlines() if "=" in line and not line.startswith(WHOLE_BODY)] == list(
-        RANGES
-    )
+    said = [line.split()[0] for line in text.splitlines() if "=" in line]
+    assert [name for name in said if name not in WEIGHTS] == list(RANGES)
 
 
 def test_presets_differ_and_neutral_is_the_default():
@@ -68,6 +67,18 @@ def test_the_weight_of_the_whole_body_is_set_for_all_modalities_at_once(tmp_path
     path.write_text((CONFIGS / "styles" / "neutral.toml").read_text() + "whole_body = -1\n")
     with pytest.raises(ConfigError, match=r"whole_body is -1, outside \[0, 2\]"):
         Style.load(path)
+
+
+def test_the_weight_of_effort_goes_from_none_to_all_of_it(tmp_path):
+    assert Style().changed(["effort=0.25"]).effort == 0.25
+    assert Style().changed(["effort=0", "whole_body=2"]) == replace(
+        Style(), effort=0.0, whole_body=2.0, settings=(Setting("effort", 0.0), Setting("whole_body", 2.0))
+    )
+    with pytest.raises(ConfigError, match=r"effort is 1.5, outside \[0, 1\]"):
+        Style().changed(["effort=1.5"])
+    path = tmp_path / "own.toml"
+    path.write_text((CONFIGS / "styles" / "neutral.toml").read_text() + "effort = 0.5\n")
+    assert Style.load(path).effort == 0.5
 
 
 def test_the_parameters_are_the_fields():

@@ -5,6 +5,7 @@ import base64
 import numpy as np
 import pytest
 
+from kinesic.bench.naturalness.lexicon import measure_gesture
 from kinesic.body.config import ConfigError
 from kinesic.studies.gesture_perception.stimuli import (
     RATE,
@@ -64,6 +65,16 @@ def test_pairs_differ_by_the_setting_alone(known, documents, motions: dict[str, 
     changed = plan_gesture(known.lexicon.find("doubt_shrug").form, changed_setup(known, "whole_body=0"))
     assert pair.motions["changed"].angles[80] == pytest.approx(changed.trajectory.at(80 / RATE).angles, abs=1e-9)
     assert np.abs(pair.motions["changed"].angles[:80] - pair.motions["standard"].angles[:80]).max() > SEEN
+
+
+def test_the_profile_of_effort_can_be_taken_away(known, documents, motions: dict[str, Motion]):
+    pairs = plan_pairs(documents, motions, known, "effort=0", 3)
+    assert {pair.stimulus for pair in pairs} == set(NAMES)
+    form, plain = known.lexicon.find("offer").form, changed_setup(known, "effort=0")
+    hands = [measure_gesture(form, setup).hand for setup in (plain, known)]
+    assert hands[0].flow < 0.15 < 0.3 < hands[1].flow
+    assert hands[0].stroke_speed < 0.7 * hands[1].stroke_speed
+    assert hands[0].return_speed > 1.5 * hands[1].return_speed
 
 
 def test_pairs_begin_where_they_are_told(known, documents, motions: dict[str, Motion]):
