@@ -37,9 +37,11 @@ Thin lines go from the 5th to the 95th percentile, broad ones from the 25th to t
   axes normalised: -1.4 for one smooth reach; each stop and each tremor adds to it.
 - **Lead**: from the largest speed between `ready` and `strokeEnd` to the stroke.
 - **`word_lag`**: how far from its word a wrist is fastest between `ready` and `strokeEnd`, either way, in a passage of
-  eleven dynamic gestures whose `stroke` is tied to a word. Hands of people who talk lead the accent by a little (Pouw
-  and Dixon); the captured actors lead their own strokes by 0.43 s, as an animator marked them. Ours put
-  their force near the end of a stroke that meets a word, and at its beginning where nobody talks.
+  eleven dynamic gestures whose `stroke` is tied to a word; `word_lag_story`: in `story.bml`, whose sixteen gestures
+  nobody chose for it, in three styles; `nod_lag`: how far from the accented syllable's end seven nods end. Hands of
+  people who talk lead the accent by a little (Pouw and Dixon); the captured actors lead their own strokes by 0.43 s,
+  as an animator marked them. Ours put their force near the end of a stroke that meets a word, and at its beginning
+  where nobody talks.
 - **`alike`**: pairs of gestures with different meanings that cannot be told apart from the front by a robot without
   fingers. Two strokes, each in its own time, are as far apart as the elbow, wrist, finger tip, palm or head that
   differs most, RMS over the stroke, with depth counting half; below 50 mm they are alike. Pairs of one meaning, and

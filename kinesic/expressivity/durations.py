@@ -2,9 +2,12 @@
 
 from collections.abc import Mapping
 from itertools import pairwise
+from types import MappingProxyType
 
 from kinesic.bml.block import Behaviour, Face, Gaze, Gesture, Head, HeadDirectionShift, Pointing, Posture, Torso
+from kinesic.bml.timing.syllables import find_syllables
 from kinesic.body.robot import Side
+from kinesic.body.utterance import Utterance
 from kinesic.expressivity.context import BlockContext
 from kinesic.expressivity.gaze import aim, look_time
 from kinesic.expressivity.hands.poses import REST, Poses, pointing_poses, pose_distance, poses, resting_hands
@@ -17,14 +20,18 @@ from kinesic.expressivity.style.pace import HASTE, Pace
 from kinesic.expressivity.style.style import Expressivity
 from kinesic.expressivity.trunk import named_lean
 
+NOTHING_SAID: Mapping[str, Utterance] = MappingProxyType({})
 LEAST_LEAN = 0.3  # [s] at ease
 LOOK = 1.0  # [s] that a gaze or a head direction is held
 POSTURE = 2.0  # [s] that a posture or a lean is held
 ATTACK, DECAY = 0.3, 0.4  # [s] in which an expression of the face comes and goes
+NODDING = 1.1  # times what the neck needs at least, in which a nod comes up again to end with its syllable
 FACE_SHIFT = 0.8  # [s] in which one that stays comes
 
 
-def spans(context: BlockContext) -> Mapping[str, Mapping[str, float]]:
+def spans(
+    context: BlockContext, utterances: Mapping[str, Utterance] = NOTHING_SAID
+) -> Mapping[str, Mapping[str, float]]:
     """Finds the natural time from the previous sync point to each, for the behaviours that move something [s].
 
     Phases of a gesture take the times of its `Effort`. Temporal extent makes all of them shorter or longer, power the
@@ -32,11 +39,17 @@ def spans(context: BlockContext) -> Mapping[str, Mapping[str, float]]:
 
     Args:
         context: of the block whose behaviours are timed.
+        utterances: of its speeches: a nod whose stroke meets a word ends with the accented syllable.
 
     Returns:
         Behaviour id -> sync point -> [s].
     """
     found = {behaviour.id: _spans(behaviour, context) for behaviour in context.block.behaviours}
+    syllables = find_syllables(context.block, utterances)
+    for behaviour in context.block.behaviours:
+        if isinstance(behaviour.action, Head) and (behaviour.id, "stroke") in syllables:
+            left = syllables[behaviour.id, "stroke"]
+            found[behaviour.id] = _end_nod(found[behaviour.id], behaviour.action, left, context, behaviour)
     return {id: natural for id, natural in found.items() if natural}
 
 
@@ -102,6 +115,16 @@ def _spans(behaviour: Behaviour, context: BlockContext) -> Mapping[str, float]:
         case Posture() as posture:
             return _posture_spans(posture, context, manner, context.manner(behaviour, "torso"))
     return {}
+
+
+def _end_nod(
+    natural: Mapping[str, float], head: Head, left: float, context: BlockContext, behaviour: Behaviour
+) -> Mapping[str, float]:
+    """Lets a single nod come up again by the end of a syllable, so many seconds after its stroke, if the neck can."""
+    form = head_form(head, context.robot, context.manner(behaviour))
+    if form.kind != "nod" or len(form.swings) > 2:
+        return natural
+    return {**natural, "strokeEnd": max(left, NODDING * context.pace.least_turn_time("neck", form.peak))}
 
 
 def _look_spans(look: Gaze | HeadDirectionShift, way: float) -> dict[str, float]:

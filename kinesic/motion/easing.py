@@ -11,10 +11,12 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 
-Easing = Literal["minimum_jerk", "linear", "out_quart", "out_back", "out_bounce", "out_power", "in_power"]
+Easing = Literal["minimum_jerk", "linear", "out_quart", "out_back", "out_bounce", "out_power", "late"]
 
 PARTS = 16  # of a way, between which a quintic is as good as the easing
 QUADRATURE = 1024  # points of an average
+LAST = 0.18  # of a way, in which what is `late` comes to rest: with less, servos round the stop off
+SOONER = 1.5  # exponent of its steepness with which it comes to that
 OVERSHOOT = 0.1  # of OutBack, as a share of the way
 _BOUNCES = ((1.0, 0.0, 0.0), (2.0, 1.5, 0.75), (2.5, 2.25, 0.9375), (2.75, 2.625, 0.984375))  # end, middle, bottom
 
@@ -31,7 +33,7 @@ def ease(easing: Easing, shares: Floats, *, steepness: float = 4.0, overshoot: f
     Args:
         easing: which.
         shares: of the time, any shape.
-        steepness: exponent of `out_power` and `in_power`.
+        steepness: exponent of `out_power`; of `late` a quarter of it, and one more.
         overshoot: of `out_back`, as a share of the way.
     """
     x = np.clip(shares, 0.0, 1.0)
@@ -44,8 +46,8 @@ def ease(easing: Easing, shares: Floats, *, steepness: float = 4.0, overshoot: f
             return np.asarray(1.0 - (1.0 - x) ** 4)
         case "out_power":
             return np.asarray(1.0 - (1.0 - x) ** steepness)
-        case "in_power":
-            return np.asarray(x**steepness)
+        case "late":
+            return np.asarray(x ** (1.0 + steepness / 4.0))
         case "out_back":
             s = overshoot_shape(overshoot)
             return np.asarray(1.0 + (x - 1.0) ** 2 * ((s + 1.0) * (x - 1.0) + s))
@@ -67,9 +69,11 @@ def soften_easing(easing: Easing, steepness: float, overshoot: float = OVERSHOOT
 
     The easing is played in a shorter time and averaged over a window that makes up for it, with the speeds of minimum
     jerk as weights. The window is the whole time at steepness 1, where every easing is minimum jerk, and two ninths of
-    it at steepness 8.
+    it at steepness 8. What is `late` has its peak at its end however gently it rises: its window shrinks sooner.
     """
     window = 1.0 if easing == "minimum_jerk" else 2.0 / (1.0 + steepness)
+    if easing == "late":
+        window = max(LAST, steepness**-SOONER)
     at = np.linspace(0.0, 1.0, PARTS + 1)
     s = (np.arange(QUADRATURE) + 0.5) / QUADRATURE
     weights = 30.0 * np.stack(

@@ -21,7 +21,7 @@ Amount = TypeVar("Amount", float, Floats)
 EASINGS: tuple[Easing, ...] = get_args(Easing)
 SMOOTHEST = EASINGS.index("minimum_jerk")
 ACCENT: Easing = "out_power"  # of a way with an accent: most of the speed at its beginning
-LATE_ACCENT: Easing = "in_power"  # likewise, at its end
+LATE_ACCENT: Easing = "late"  # likewise, at its end
 OVERSHOOTING: tuple[Easing, ...] = ("out_back", "out_bounce")
 FORCED = 2.5  # steepness of a way that power alone forces
 SOFTEST, STEEPEST = 1.0, 8.0
@@ -73,10 +73,13 @@ class Passage:
 
     @property
     def calm(self) -> "Passage":
-        """The same without swing and accent; what overshoots does so no more steeply than full power makes it."""
+        """The same without swing and accent; what overshoots does so no more steeply than full power makes it.
+
+        An accent at the end of the way, which a word needs, stays: it leaves the way as it is.
+        """
         if self.easing in OVERSHOOTING:
             return replace(self, swing=0.0, steepness=min(self.steepness, FORCED))
-        return replace(self, swing=0.0, easing="minimum_jerk" if self.easing in (ACCENT, LATE_ACCENT) else self.easing)
+        return replace(self, swing=0.0, easing="minimum_jerk" if self.easing == ACCENT else self.easing)
 
     @property
     def flow(self) -> float:

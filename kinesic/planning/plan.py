@@ -191,7 +191,7 @@ def _plan_once(
     *,
     weighing: bool = True,
 ) -> Plan:
-    timeline = schedule(context.block, utterances, spans(context))
+    timeline = schedule(context.block, utterances, spans(context, utterances))
     without: dict[str, str] = {}
     finder, bounded = ClashFinder(setup), partial(conditioned, budget=budget)
     while True:

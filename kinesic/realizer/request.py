@@ -175,7 +175,7 @@ def retime_request(earlier: TimedRequest, setup: Setup) -> TimedRequest:
     """
     block = earlier.block
     utterances = earlier.utterances if earlier.is_decided else synthesise_block(block, setup)
-    timeline = schedule(block, utterances, spans(BlockContext(block, setup.context)))
+    timeline = schedule(block, utterances, spans(BlockContext(block, setup.context), utterances))
     return replace(earlier, block=block, utterances=utterances, timeline=timeline)
 
 

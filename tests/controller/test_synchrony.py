@@ -110,9 +110,9 @@ def test_the_twin_is_measured_and_strokes_that_it_never_did_are_left_out(known, 
     performed = perform(ROOT.format(OFFER), known)
     (twin,), (asked,) = performed.stroke_lags, planned_lags(offered)
     assert twin.lag == pytest.approx(asked.lag, abs=0.05)
-    later = {side: np.roll(path, 10, axis=0) for side, path in performed.measured.hands.items()}  # by 0.1 s
-    (late,) = replace(performed, measured=replace(performed.measured, hands=later)).stroke_lags
-    assert late.lag == pytest.approx(twin.lag + 0.1, abs=0.011)
+    sooner = {side: np.roll(path, -10, axis=0) for side, path in performed.measured.hands.items()}  # by 0.1 s
+    (early,) = replace(performed, measured=replace(performed.measured, hands=sooner)).stroke_lags
+    assert early.lag == pytest.approx(twin.lag - 0.1, abs=0.011)
     times = np.arange(0.0, offered.trajectory.zero + asked.accent - 0.1, 0.01)
     still = np.zeros((len(times), 3))
     assert measure_lags(offered, times, {"l": still, "r": still}) == ()

@@ -3,9 +3,10 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from kinesic.bml.block import Speech, Timeline
+from kinesic.bml.block import Block, Speech, Timeline
 from kinesic.bml.timing.constraints import Point, point_of, ties
 
+BLOCK = "bml"  # the block itself, which every time is counted from
 SILENT = "end"  # the one sync point of a speech at which no word begins
 
 
@@ -34,28 +35,40 @@ def find_words(timeline: Timeline) -> Mapping[tuple[str, str], Word]:
     """
     block = timeline.block.id
     times = {Point(block, one.behaviour.id, sync): time for one in timeline.timed for sync, time in one.times.items()}
+    return {
+        (point.behaviour, point.sync): Word(word.behaviour, word.sync, times[word] + offset)
+        for point, (word, offset) in tied_words(timeline.block, times).items()
+    }
+
+
+def tied_words(block: Block, known: Mapping[Point, float] | None = None) -> Mapping[Point, tuple[Point, float]]:
+    """Finds the words that a block ties its sync points to, and how much later than them these are asked [s].
+
+    Args:
+        block: with its speeches.
+        known: the points that count, with their times [s]; None: those of all behaviours.
+    """
     beside: dict[Point, list[tuple[Point, float]]] = {}
-    for tie in ties(timeline.block):
+    for tie in ties(block):
         left, right = point_of(tie.left), point_of(tie.right)
-        if left in times and right in times and left.behaviour != right.behaviour:
+        counted = {left, right} <= known.keys() if known is not None else BLOCK not in (left.behaviour, right.behaviour)
+        if left.behaviour != right.behaviour and counted:
             later = tie.left.offset - tie.right.offset
             beside.setdefault(left, []).append((right, later))
             beside.setdefault(right, []).append((left, -later))
-    speeches = {timed.behaviour.id for timed in timeline.timed if isinstance(timed.behaviour.action, Speech)}
+    speeches = {behaviour.id for behaviour in block.behaviours if isinstance(behaviour.action, Speech)}
     return {
-        (point.behaviour, point.sync): Word(word.behaviour, word.sync, time)
+        point: (word, offset)
         for word in beside
         if word.behaviour in speeches and word.sync != SILENT
-        for point, time in _coinciding(word, times[word], beside)
+        for point, offset in _coinciding(word, beside)
         if point.behaviour not in speeches
     }
 
 
-def _coinciding(
-    word: Point, time: float, beside: Mapping[Point, list[tuple[Point, float]]]
-) -> Iterator[tuple[Point, float]]:
-    """Yields all sync points that a document ties to a word, with their times [s]."""
-    found, waiting = {word: time}, [word]
+def _coinciding(word: Point, beside: Mapping[Point, list[tuple[Point, float]]]) -> Iterator[tuple[Point, float]]:
+    """Yields all sync points that a document ties to a word, and how much later than it they are asked [s]."""
+    found, waiting = {word: 0.0}, [word]
     while waiting:
         here = waiting.pop()
         for other, offset in beside.get(here, ()):

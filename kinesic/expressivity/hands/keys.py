@@ -25,6 +25,8 @@ PARALLEL = 0.99  # cosine of pointing and palm from which on they say no rotatio
 SAMPLING = 0.01  # [arm lengths] that a path may be off the straight way between two of its samples
 STEP = 0.2  # [arm lengths] from sample to sample at most: between them hinges turn evenly, and the hand leaves its path
 SURGE = 0.5  # by how much longer full power makes the hand speed up along a path
+BEGUN = 0.5  # of the largest speed, which who is fastest at the end has after its first swing
+BRAKE, BRAKING = 0.12, 0.5  # [s], and of the time of speeding up, in which a path ends at a word
 SMALL = 1e-6  # [rad] turns that are none
 
 
@@ -120,7 +122,9 @@ def _face_between(hand: Hand, keys: Sequence[HandKey], k: int, time: float) -> H
     return replace(hand, reach=structs.replace(hand.reach, pointing=sealed(along), palm=sealed(facing_there)))
 
 
-def along(keys: Sequence[HandKey], k: int, path: HandPath | None, *, unit: float, power: float) -> list[HandKey]:
+def along(
+    keys: Sequence[HandKey], k: int, path: HandPath | None, *, unit: float, power: float, late: bool = False
+) -> list[HandKey]:
     """Makes keys on a path, without those that it joins; none where the hand rests, or goes straight.
 
     They are as many as the curve needs, but no nearer to one another in time than keys may be.
@@ -131,13 +135,15 @@ def along(keys: Sequence[HandKey], k: int, path: HandPath | None, *, unit: float
         path: in the world; None: straight.
         unit: the arm length [m].
         power: of the gesture.
+        late: whether the hand is fastest at the end of the path, as a word sounds there.
     """
     a, b = keys[k - 1], keys[k]
     start, end = a.hand.reach, b.hand.reach
     if path is None or start is None or end is None:
         return []
     shares = path.samples(start.position, end.position, SAMPLING * unit, STEP * unit)
-    times = a.time + (b.time - a.time) * _when(shares, path.swings(start.position, end.position), power)
+    brake = BRAKE / (b.time - a.time) if late else None
+    times = a.time + (b.time - a.time) * _when(shares, path.swings(start.position, end.position), power, brake)
     positions = path.at(start.position, end.position, shares)
     found: list[HandKey] = []
     for share, time, position in zip(shares, map(float, times), positions, strict=True):
@@ -157,15 +163,17 @@ def _inverse_jacobians(ways: Floats) -> Floats:
     return np.asarray(np.eye(3) + cross / 2 + bend * cross @ cross)
 
 
-def _when(shares: Floats, swings: int, power: float) -> Floats:
+def _when(shares: Floats, swings: int, power: float, brake: float | None) -> Floats:
     """(m,) shares of the time at which (m,) shares of a path are reached.
 
     The hand speeds up in half a swing and slows down in the last half, later and more suddenly without power.
-    Greta's t^2 is fastest at the very end, where servos would have to stop it at once.
+    Greta's t^2 is fastest at the very end, where servos would have to stop it at once. Who is late speeds up all the
+    way, and slows down in a share `brake` of the time.
     """
     ramp = min(0.5, 0.5 * (1.0 + SURGE * power) / swings)
+    brake, begun = (ramp, 1.0) if brake is None else (min(brake, BRAKING * ramp), BEGUN)
     time = np.linspace(0.0, 1.0, 501)
-    speed = np.interp(time, [0.0, ramp, 1.0 - ramp, 1.0], [0.0, 1.0, 1.0, 0.0])
+    speed = np.interp(time, [0.0, ramp, 1.0 - brake, 1.0], [0.0, begun, 1.0, 0.0])
     along = np.concatenate([[0.0], np.cumsum(speed[1:] + speed[:-1])])
     return np.interp(shares, along / along[-1], time)
 

@@ -71,6 +71,10 @@ class HandStroke:
         """Of the behaviour."""
         return self.stroke.id
 
+    def is_stroke(self, key: int) -> bool:
+        """Whether one of its keys is a stroke."""
+        return key in (self.poses.stroke, *self.poses.again)
+
     def at(self, sync: str) -> float:
         """Time of one of its sync points [s]."""
         return self.stroke.times[sync]
@@ -170,15 +174,16 @@ def stroke_keys(work: HandStroke, side: Side, pace: Pace, leisure: float = 1.0) 
     hands, moments, effort = work.poses.hands[side], work.moments, work.effort(pace)
     kept = _keys_apart(moments, max(k for k, time in enumerate(moments) if time == work.at("stroke")))
     paths = [work.poses.path(side, b) if b == a + 1 else None for a, b in pairwise(kept)]
+    strokes = [work.is_stroke(k) for k in kept]
     poses = [
-        HandKey(
-            moments[k], hands[k], effort.passage("stroke" if k else "preparation", led=any(beside), leisure=leisure)
-        )
-        for k, *beside in zip(kept, (None, *paths), (*paths, None), strict=True)
+        HandKey(moments[k], hands[k], effort.passage(phase, led=any(beside), leisure=leisure, stroke=stroke))
+        for k, stroke, *beside in zip(kept, strokes, (None, *paths), (*paths, None), strict=True)
+        for phase in ("stroke" if k else "preparation",)
     ]
     keys = poses[:1]
     for k, path in enumerate(paths, 1):
-        keys += along(poses, k, path, unit=pace.robot.arm_length, power=work.stroke.manner.power)
+        late = work.stroke.spoken and strokes[k]
+        keys += along(poses, k, path, unit=pace.robot.arm_length, power=work.stroke.manner.power, late=late)
         keys.append(poses[k])
     if keys[0].time - work.at("ready") >= MERGE:
         keys.insert(0, HandKey(work.at("ready"), hands[0], effort.passage("preparation", leisure=0.0)))

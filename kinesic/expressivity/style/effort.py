@@ -12,7 +12,7 @@ from math import log2
 from typing import Literal
 
 from kinesic.expressivity.style.pace import HASTE, Pace, hurry_time, natural_time
-from kinesic.expressivity.style.style import NEUTRAL, Expressivity, Phase, passage_of
+from kinesic.expressivity.style.style import LEAST_LATE, NEUTRAL, Expressivity, Phase, passage_of
 from kinesic.motion.keys import EVEN, Passage
 
 Tempo = Literal["sudden", "neutral", "sustained"]
@@ -37,7 +37,6 @@ DWELL, DYNAMIC_DWELL = 1.8, 0.4  # factors on the hold of a pose, and of a strok
 
 ACCENT = 1.9  # steepness that a dynamic stroke adds to the softest
 SPOKEN_ACCENT = 6.4  # likewise where a word sounds at its end: people's hands are fastest at the accented syllable
-SPOKEN_LEAST = 0.6  # of that, which fluid and loose hands keep
 ONWARD, THROUGH = 0.9, 0.8  # swing at the key where a stroke begins, and at its other keys
 SPOKEN_ONWARD = 0.4  # at the key where one begins that meets a word: the rest of the speed is kept for the word
 ALONG = 0.4  # swing at both ends of a path, from which the hand must not stray
@@ -128,13 +127,14 @@ class Effort:
             self._blend(self._character.hold * dwell, PLAIN_HOLD * stroke), 0.0, self.manner.temporal, HASTE
         )
 
-    def passage(self, phase: Phase, *, led: bool = False, leisure: float = 1.0) -> Passage:
+    def passage(self, phase: Phase, *, led: bool = False, leisure: float = 1.0, stroke: bool = True) -> Passage:
         """Derives how the hand passes a key.
 
         Args:
             phase: that the way to the key belongs to.
             led: whether a path begins or ends at the key, along which the hand speeds up and slows down by itself.
             leisure: the share of its natural time that the gesture has, its neighbours considered.
+            stroke: whether the key is a stroke, which a word may meet.
         """
         manner = self.manner
         if phase == "retraction":
@@ -145,11 +145,14 @@ class Effort:
             return passage_of(manner, phase)
         if phase == "preparation":
             manner = replace(manner, power=min(manner.power, 0.0))
-        free = self.nature.weight * min(max((leisure - CROWDED) / (1.0 - CROWDED), 0.0), 1.0) * self.nature.dynamic
+            if self.spoken:  # who comes with a rush is fastest there, and not at the word
+                manner = replace(manner, fluidity=min(manner.fluidity, 0.0))
+        free = self.nature.weight * min(max((leisure - CROWDED) / (1.0 - CROWDED), 0.0), 1.0)
         onward = SPOKEN_ONWARD if self.spoken else ONWARD
-        swing = free * self._suppleness * (ALONG if led else onward if phase == "preparation" else THROUGH)
-        accent = free * self._accent if phase == "stroke" and not led else 0.0
-        return passage_of(manner, phase, accent=accent, late=self.spoken, swing=swing)
+        swing = self._suppleness * (ALONG if led else onward if phase == "preparation" else THROUGH)
+        accent = self._accent(met=self.spoken and stroke) if phase == "stroke" and not led else 0.0
+        swing = free * swing if self.nature.dynamic else 0.0
+        return passage_of(manner, phase, accent=free * accent, late=self.spoken, swing=swing)
 
     @property
     def plain(self) -> "Effort":
@@ -167,12 +170,11 @@ class Effort:
         """Factor on all accents: jerky hands begin their strokes at once, fluid and loose ones softly."""
         return (1.0 - self.manner.fluidity) * (1.0 + min(self.manner.tension, 0.0))
 
-    @property
-    def _accent(self) -> float:
-        """Steepness that a stroke adds to the softest; what meets a word keeps some, however softly it is done."""
-        if self.spoken:
-            return max(self._abruptness, SPOKEN_LEAST) * SPOKEN_ACCENT
-        return self._abruptness * ACCENT
+    def _accent(self, *, met: bool) -> float:
+        """Steepness that a way of a stroke adds to the softest; where a word meets one, that way alone has any."""
+        if met:
+            return max(self._abruptness, LEAST_LATE / SPOKEN_ACCENT) * SPOKEN_ACCENT
+        return self._abruptness * ACCENT if self.nature.dynamic and not self.spoken else 0.0
 
     @property
     def _character(self) -> Character:

@@ -38,6 +38,7 @@ FORCE = 1.5  # steepness that a power of 1 adds: what servos can still follow on
 GATHERED = 3.0  # exponent of power and tension: half of them forces much less than half
 BIG = 0.5  # power from which on a hand overshoots its accent, and power and tension from which on it bounces
 QUICK = 0.68  # of an accent: so much of its steepness makes OutBack as fast as the accent alone
+LEAST_LATE = 2.5  # steepness of an accent at the end of a way that neither weakness nor looseness takes away
 BIAS = 0.25  # of a power of 1: the hand goes on a little the way it came
 
 
@@ -212,7 +213,7 @@ def passage_of(
     Tension is the spline's tension, fluidity f its continuity c = (f - 1) / 2. On the way to a stroke and in it power
     and tension force the hand beyond its accent: it begins steeply, overshoots a little and comes back to its key in
     time; where both are big it bounces (thesis 8.7). Weakness takes the accent away, then keeps an even speed. No
-    time changes.
+    time changes. A late accent keeps what a word needs, whatever takes accents away, and gives way to a bounce alone.
 
     Args:
         manner: of the behaviour.
@@ -226,23 +227,24 @@ def passage_of(
         return passed
     power, tension, weakness = (max(0.0, value) for value in (manner.power, manner.tension, -manner.power))
     force, left = FORCE * power**GATHERED + tension**GATHERED, accent * (1.0 - weakness) - weakness
-    easing = LATE_ACCENT if late else ACCENT
+    if late and min(power, tension) < BIG and accent > 0.0:
+        left = max(left, LEAST_LATE * min(accent, 1.0)) + force
+        return replace(passed, bias=BIAS * power, easing=LATE_ACCENT, steepness=min(SOFTEST + left, STEEPEST))
     if force > 0.0:
-        easing, kept = _forced(power, tension, accent, easing)
+        easing, kept = _forced(power, tension, accent)
         steepness = SOFTEST + kept * max(left, 0.0) + force
         return replace(passed, bias=BIAS * power, easing=easing, steepness=min(steepness, STEEPEST))
     if left < 0.0:
         return replace(passed, easing="linear", steepness=EVEN - (STEEPEST - EVEN) * left)
-    return replace(passed, easing=easing, steepness=min(SOFTEST + left, STEEPEST)) if left > 0.0 else passed
+    return replace(passed, easing=ACCENT, steepness=min(SOFTEST + left, STEEPEST)) if left > 0.0 else passed
 
 
-def _forced(power: float, tension: float, accent: float, accented: Easing) -> tuple[Easing, float]:
+def _forced(power: float, tension: float, accent: float) -> tuple[Easing, float]:
     """Finds the easing of a forced way, and the share of an accent that it keeps: more power never peaks lower."""
     if min(power, tension) >= BIG:
         return "out_bounce", 1.0
-    most = BIG if accented == LATE_ACCENT else 0.0  # of tension: what overshoots has its force at its beginning
-    if accent > 0.0 and tension <= most and power < BIG:
-        return accented, 1.0
+    if accent > 0.0 and tension <= 0.0 and power < BIG:
+        return ACCENT, 1.0
     return "out_back", QUICK + (1.0 - QUICK) * min(max(power - BIG, tension) / BIG, 1.0)
 
 

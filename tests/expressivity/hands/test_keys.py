@@ -3,7 +3,10 @@ import pytest
 from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation, Slerp
 
-from kinesic.expressivity.hands.keys import Turning, facing_rotations
+from kinesic.body.reach import Reach
+from kinesic.expressivity.hands.keys import HandKey, Turning, along, facing_rotations
+from kinesic.expressivity.keyframes import Hand
+from kinesic.expressivity.lexicon.paths import shape_path
 from kinesic.motion.keys import PLAIN, Passage
 
 TIMES = (0.0, 0.4, 1.1, 1.5, 2.3)
@@ -82,3 +85,19 @@ def test_what_faces_somewhere_points_and_faces_there():
     matrix = facing_rotations(pointing, palm).as_matrix()
     np.testing.assert_allclose(matrix[:, 0], pointing, atol=1e-12)
     np.testing.assert_allclose(matrix[:, 2], palm, atol=1e-12)
+
+
+@pytest.mark.parametrize("turns", [1, 3])
+def test_who_is_late_is_fastest_in_the_last_swing_of_a_path_and_still_brakes(turns):
+    ends = [HandKey(time, Hand(Reach(np.array([0.3, -0.2, 1.0 + time / 10])))) for time in (0.0, 2.0)]
+    path = shape_path("circle", amplitude=(0.1, 0.0, 0.1), frequency=(turns, turns, turns))
+    fastest = []
+    for late in (False, True):
+        keys = [ends[0], *along(ends, 1, path, unit=0.42, power=0.0, late=late), ends[1]]
+        places = np.array([key.hand.reach.position for key in keys])
+        times = np.array([key.time for key in keys])
+        speeds = np.linalg.norm(np.diff(places, axis=0), axis=1) / np.diff(times)
+        fastest.append((times[:-1] + times[1:])[speeds.argmax()] / 2)
+        assert speeds[-1] < speeds.max()
+    assert fastest[1] > 2.0 - 1.0 / turns
+    assert fastest[1] > fastest[0]

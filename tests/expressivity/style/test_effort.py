@@ -6,9 +6,9 @@ import pytest
 from kinesic.body.arrays import sealed
 from kinesic.expressivity.style.effort import ACCENT, CHARACTERS, CROWDED, LOOSE, PACES, ROOM, Effort, Nature
 from kinesic.expressivity.style.pace import HASTE, Pace
-from kinesic.expressivity.style.style import NEUTRAL, Expressivity, passage_of
+from kinesic.expressivity.style.style import LEAST_LATE, NEUTRAL, Expressivity, passage_of
 from kinesic.motion.keys import ACCENT as ACCENT_EASING
-from kinesic.motion.keys import EVEN, LATE_ACCENT, SOFTEST, STEEPEST
+from kinesic.motion.keys import EVEN, LATE_ACCENT, SOFTEST, STEEPEST, Passage
 
 WAYS = np.linspace(0.02, 0.8, 27)
 EXTENTS = np.linspace(-1.0, 1.0, 9)
@@ -153,11 +153,34 @@ def test_a_stroke_that_meets_a_word_is_fastest_near_it_and_begins_with_less_swin
     assert spoken.passage("stroke").steepness > plain.passage("stroke").steepness
     assert 0.0 < spoken.passage("preparation").swing < plain.passage("preparation").swing
     assert spoken.passage("hold") == plain.passage("hold")
-    assert Effort(pace, POSE, spoken=True).passage("stroke") == Effort(pace, POSE).passage("stroke")
+    pose = Effort(pace, POSE, spoken=True)
+    assert (pose.passage("stroke").easing, pose.passage("stroke").swing) == (LATE_ACCENT, 0.0)
     for manner in ({"power": 1.0, "tension": 1.0}, {"fluidity": -1.0}):  # more than an easing can be
         assert Effort(pace, manner=Expressivity(**manner), spoken=True).passage("stroke").steepness == STEEPEST
-    for manner in ({"fluidity": 1.0}, {"tension": -1.0}, {"power": 0.4}, {"tension": 0.3}):
+    for manner in ({"fluidity": 1.0}, {"tension": -1.0}, {"power": 0.8}, {"tension": 0.8}, {"power": -1.0}):
         assert Effort(pace, manner=Expressivity(**manner), spoken=True).passage("stroke").easing == LATE_ACCENT
+
+
+def test_neither_weakness_nor_looseness_takes_the_accent_from_a_word(pace):
+    for manner in (
+        {"power": -1.0},
+        {"power": -1.0, "fluidity": 1.0, "tension": -1.0},
+        {"power": -0.5, "fluidity": 1.0},
+    ):
+        spoken = Effort(pace, manner=Expressivity(**manner), spoken=True)
+        assert spoken.passage("stroke").steepness >= SOFTEST + LEAST_LATE
+        assert spoken.passage("stroke", leisure=CROWDED).easing != LATE_ACCENT
+        assert spoken.passage("stroke", stroke=False).easing != LATE_ACCENT
+
+
+def test_only_the_way_to_the_word_has_an_accent_and_nobody_rushes_to_where_it_begins(pace):
+    spoken = Effort(pace, spoken=True)
+    assert spoken.passage("stroke", stroke=False) == replace(
+        Effort(pace).passage("stroke"), easing="minimum_jerk", steepness=Passage().steepness
+    )
+    fluid = Expressivity(fluidity=1.0)
+    assert spoken.passage("preparation") == replace(spoken, manner=fluid).passage("preparation")
+    assert Effort(pace, manner=fluid).passage("preparation").flow > Effort(pace).passage("preparation").flow
 
 
 def test_force_stays_out_of_the_way_to_a_stroke(pace):
