@@ -7,7 +7,7 @@ from gestures import BEGIN, DOCS, END, PAGE
 
 from kinesic.bench.expressivity.lexicon import NEUTRAL_STYLE
 from kinesic.bench.figure import Figure
-from kinesic.bench.naturalness import PART, draw, lexicon_figures, measured
+from kinesic.bench.naturalness import PART, SEEDS, draw, lexicon_figures, measured, varied_figures
 from kinesic.bench.naturalness.body import PARTS
 from kinesic.bench.naturalness.captured_table import captured_table
 from kinesic.bench.naturalness.lexicon import MeasuredGesture, by_style
@@ -51,6 +51,10 @@ Thin lines go from the 5th to the 95th percentile, broad ones from the 25th to t
   temple, chest, other wrist ...) than that file allows; `farthest_place` has the largest distances [mm]. Hands hover
   15 mm before what they touch, and are measured in their middle: 40 mm is as near as a palm comes. The throat and the
   own cuff are farther: no arm of this build folds so tightly.
+- **`alike_at_head`**: pairs of gestures with a place at the head that are nearer than 80 mm: mouth, nose, chin and eyes
+  are 25 to 60 mm apart, so that hands there differ little, whatever the elbows do; `think` and `phone_call` are told
+  apart by the elbow. **`low_shoulders`**: shrugs whose collar bones rise by less than 12 degrees.
+- **`varied.1`, `varied.2`**: the same as gestures vary by default, for two seeds.
 - A **dynamic** stroke has two keys or more and a path of more than a quarter of an arm length.
 - **`ks_`** is the Kolmogorov-Smirnov distance to the captured gestures: the largest difference between two shares of
   gestures up to a value, 0 to 1.
@@ -68,6 +72,7 @@ neither phase by law.
 any folder of clips in SmartBody's format in the same way (`ACTOR@NAME.skm` with its skeleton `ACTOR.sk`) beside them;
 `--style calm` measures the lexicon in one style alone.
 """
+VARIED = tuple(f"varied.{seed}" for seed in SEEDS)
 MARKS = {True: "met", False: "missed", None: ""}
 
 
@@ -105,7 +110,11 @@ def _bar_table(figures: Sequence[Figure]) -> Iterator[str]:
     yield "|---|---|---|---|---|"
     for figure in figures:
         name = figure.name.removeprefix(f"{PART}.")
-        if "." in name or (name in ROWS and figure.goal is None) or figure.value is None:
+        if (
+            (name.rpartition(".")[0] not in ("", *VARIED))
+            or (name in ROWS and figure.goal is None)
+            or figure.value is None
+        ):
             continue
         goal = "" if figure.goal is None else f"{'>=' if figure.better == 'higher' else '<='} {figure.goal:g}"
         note = "" if name in ROWS else figure.why
@@ -136,6 +145,6 @@ if __name__ == "__main__":
     styles = names_of("style")
     found = measured(styles)
     before, rest = PAGE.read_text(encoding="utf-8").split(BEGIN)
-    written_section = section(found, lexicon_figures(found, Robot.load().arm_length))
+    written_section = section(found, [*lexicon_figures(found, Robot.load().arm_length), *varied_figures()])
     PAGE.write_text(f"{before}{BEGIN}\n\n{written_section}\n\n{END}{rest.split(END)[1]}", encoding="utf-8")
     draw(styles, DOCS)

@@ -11,7 +11,7 @@ from kinesic.bench.naturalness import plots
 from kinesic.bench.naturalness.bars import MEDIANS, PART, bar_figures
 from kinesic.bench.naturalness.body import body_figures
 from kinesic.bench.naturalness.captured import captured_figures, measure_clips
-from kinesic.bench.naturalness.legibility import legibility_figures
+from kinesic.bench.naturalness.legibility import legibility_figures, shoulder_figure
 from kinesic.bench.naturalness.lexicon import MeasuredGesture, by_style, measure_lexicon, measure_varied
 from kinesic.bench.naturalness.rows import EFFORT, row_figures
 from kinesic.bench.naturalness.synchrony import synchrony_figures
@@ -98,7 +98,11 @@ def category_figures(gestures: Sequence[MeasuredGesture]) -> list[Figure]:
 def _legibility(part: str, group: Sequence[MeasuredGesture]) -> list[Figure]:
     seen = {each.gesture: each.seen for each in group if each.seen is not None}
     places = {each.gesture: each.place for each in group if each.place is not None}
-    return legibility_figures(part, seen, places, legibility_table())
+    lifts = {each.gesture: each.body.shoulders for each in group}
+    return [
+        *legibility_figures(part, seen, places, legibility_table()),
+        shoulder_figure(part, lifts, legibility_table()),
+    ]
 
 
 def _corpus_figures() -> list[Figure]:

@@ -1,14 +1,17 @@
 """Whether gestures can be read: hands where their meaning needs them, and no two alike that mean different things."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from math import degrees
 
 from kinesic.bench.figure import Figure
 from kinesic.bench.naturalness.likeness import Pair, nearest_pairs
+from kinesic.bench.naturalness.places import FACE
 from kinesic.body.arrays import Floats
 from kinesic.expressivity.lexicon.legibility_table import LegibilityTable
 
 TOO_NEAR = 0.05  # [m] below which two gestures look alike
 LISTED = 0.08  # [m] up to which pairs are looked for
+APART_AT_HEAD = 0.08  # [m] likewise of gestures at the head, which look alike sooner
 SHOWN = 5  # pairs that are named
 
 
@@ -38,10 +41,25 @@ def legibility_figures(
     if pairs:
         nearest = 1000 * pairs[0].distance
         figures.append(Figure(f"{part}.nearest_pair", nearest, "mm", 1000 * TOO_NEAR, "higher", told(pairs[:SHOWN])))
+    at_head = {name for name, asked in table.places.items() if asked.at in FACE}
+    near = [pair for pair in pairs if {pair.a, pair.b} <= at_head and pair.distance < APART_AT_HEAD]
+    figures.append(Figure(f"{part}.alike_at_head", float(len(near)), "pairs", None, "lower", told(near[:SHOWN])))
     if places:
         farthest = 1000 * max(places.values())
         figures.append(Figure(f"{part}.farthest_place", farthest, "mm", None, "lower", _ordered(places)))
     return figures
+
+
+def shoulder_figure(part: str, lifts: Mapping[str, float], table: LegibilityTable) -> Figure:
+    """Counts gestures whose shoulders should rise, and do not.
+
+    Args:
+        part: what the name of the figure begins with.
+        lifts: [rad] of the shoulder that rises more, by gesture.
+        table: what is asked.
+    """
+    low = [name for name, least in table.shoulders.items() if name in lifts and degrees(lifts[name]) < least]
+    return Figure(f"{part}.low_shoulders", float(len(low)), "gestures", 0.0, "lower", ", ".join(low))
 
 
 def told(pairs: Sequence[Pair]) -> str:

@@ -13,6 +13,7 @@ from kinesic.body.skeleton import Frames, Segment
 from kinesic.expressivity.lexicon.legibility_table import PlaceTable
 
 TIPS = 1.8  # times as far from the wrist as the middle of the palm
+AHEAD = 0.9  # [arm lengths] before the shoulders
 HIP = 0.2  # [arm lengths] from the midline
 FACE: Mapping[str, tuple[float, float, float]] = {  # shares: forward, aside, up to the crown or down to the chin
     "mouth": (0.9, 0.0, -0.63),
@@ -40,7 +41,16 @@ def place_distance(robot: Robot, angles: Floats, side: Side, asked: PlaceTable) 
     frames, palm = robot.skeleton.frames(angles), robot.arm(side).palm
     reach = palm.position * (TIPS if asked.part == "tips" else 1.0)
     hand = _point(frames, robot.skeleton.segment(palm.segment), reach)
+    if asked.at == "between chin and other palm":
+        return _line_distance(hand, _place(robot, frames, side, "chin"), _place(robot, frames, side, "other palm"))
     return float(np.linalg.norm(hand - _place(robot, frames, side, asked.at)))
+
+
+def _line_distance(point: Floats, start: Floats, end: Floats) -> float:
+    """From (3,) [m] to the nearest point of a line between two others [m]."""
+    way = end - start
+    share = np.clip((point - start) @ way / (way @ way), 0.0, 1.0)
+    return float(np.linalg.norm(point - start - share * way))
 
 
 def _place(robot: Robot, frames: Frames, side: Side, place: str) -> Floats:
@@ -60,12 +70,17 @@ def _place(robot: Robot, frames: Frames, side: Side, place: str) -> Floats:
         case "hip":
             root = _segment(robot, torso[0]).parent or torso[0]
             return _point(frames, robot.skeleton.segment(root), np.array([0.0, out * HIP * robot.arm_length, 0.0]))
+        case "ahead":
+            chest = frames.rotations[robot.skeleton.segment(torso[-1])]
+            middle = (frames.origins[other.shoulder] + frames.origins[robot.arm(side).shoulder]) / 2
+            before: Floats = middle + AHEAD * robot.arm_length * chest[:, 0]
+            return before
         case "other shoulder":
             shoulder: Floats = frames.origins[other.shoulder]
             return shoulder
         case "other forearm":
-            middle: Floats = (frames.origins[other.elbow] + frames.origins[other.wrist]) / 2
-            return middle
+            half_way: Floats = (frames.origins[other.elbow] + frames.origins[other.wrist]) / 2
+            return half_way
         case "other wrist":
             wrist: Floats = frames.origins[other.wrist]
             return wrist

@@ -26,6 +26,8 @@ Place = Literal[
     "other forearm",
     "other wrist",
     "other palm",
+    "ahead",  # almost an arm's length before the chest, on the midline
+    "between chin and other palm",
 ]
 
 
@@ -49,6 +51,7 @@ class LegibilityTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """All that is asked of gestures."""
 
     places: Mapping[str, PlaceTable]  # by gesture
+    shoulders: Mapping[str, float]  # [deg] that they rise at least, by gesture
     alike: tuple[AlikeTable, ...]
 
     def may_be_alike(self, a: str, b: str) -> bool:

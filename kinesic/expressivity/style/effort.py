@@ -13,7 +13,7 @@ from typing import Literal
 
 from kinesic.expressivity.style.pace import HASTE, Pace, hurry_time, natural_time
 from kinesic.expressivity.style.style import LEAST_LATE, NEUTRAL, Expressivity, Phase, passage_of
-from kinesic.motion.keys import EVEN, Passage
+from kinesic.motion.keys import EVEN, STEEPEST, Passage
 
 Tempo = Literal["sudden", "neutral", "sustained"]
 
@@ -39,9 +39,11 @@ ACCENT = 1.9  # steepness that a dynamic stroke adds to the softest
 SPOKEN_ACCENT = 6.4  # likewise where a word sounds at its end: people's hands are fastest at the accented syllable
 ONWARD, THROUGH = 0.9, 0.8  # swing at the key where a stroke begins, and at its other keys
 SPOKEN_ONWARD = 0.4  # at the key where one begins that meets a word: the rest of the speed is kept for the word
+SPOKEN_LOOSE = -0.15  # tension there at least, however loose the hand
 ALONG = 0.4  # swing at both ends of a path, from which the hand must not stray
 CROWDED = 0.7  # share of its natural time from which on a way has neither swing nor accent
-UNHURRIED = 5.0  # steepness of the linear easing of the way home: half as fast again as its mean
+UNHURRIED = 7.5  # steepness of the linear easing of the way home: a third faster than its mean
+SOFTENED = 2.0  # exponent with which fluidity makes the way home begin and end softly
 FIRM = 0.5  # power, tension or stiffness that takes the whole swing away
 LOOSE = 0.3  # of the swing, which a tension of -1 has by itself
 
@@ -138,7 +140,8 @@ class Effort:
         """
         manner = self.manner
         if phase == "retraction":
-            even = UNHURRIED - (UNHURRIED - EVEN) * manner.fluidity
+            soft, stiff = max(manner.fluidity, 0.0), max(-manner.fluidity, 0.0)
+            even = EVEN + (UNHURRIED - EVEN) * (1.0 - soft) ** SOFTENED + (STEEPEST - UNHURRIED) * stiff
             home = replace(passage_of(manner, phase), easing="linear", steepness=self._blend(even, EVEN))
             return home if self.nature.weight > 0.0 else passage_of(manner, phase)
         if phase == "hold":
@@ -146,7 +149,7 @@ class Effort:
         if phase == "preparation":
             manner = replace(manner, power=min(manner.power, 0.0))
             if self.spoken:  # who comes with a rush is fastest there, and not at the word
-                manner = replace(manner, fluidity=min(manner.fluidity, 0.0))
+                manner = replace(manner, fluidity=min(manner.fluidity, 0.0), tension=max(manner.tension, SPOKEN_LOOSE))
         free = self.nature.weight * min(max((leisure - CROWDED) / (1.0 - CROWDED), 0.0), 1.0)
         onward = SPOKEN_ONWARD if self.spoken else ONWARD
         swing = self._suppleness * (ALONG if led else onward if phase == "preparation" else THROUGH)

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from kinesic.bench.naturalness.legibility import TOO_NEAR
-from kinesic.bench.naturalness.lexicon import measure_place
+from kinesic.bench.naturalness.lexicon import measure_gesture, measure_place
 from kinesic.bench.naturalness.likeness import measure_appearance, nearest_pairs
 from kinesic.bench.naturalness.places import place_distance
 from kinesic.body.robot import Robot
@@ -39,6 +39,35 @@ def test_hands_are_where_their_meaning_needs_them(plans, known):
 def test_hands_are_there_too_where_gestures_vary(known, name):
     form, varied = known.lexicon.forms_by_id[name], replace(known, variation=Variation(1.0, 2))
     assert measure_place(form, plan_gesture(form, varied)) <= PLACES[name].within
+
+
+def test_a_stop_is_at_arms_length_before_the_chest(plans):
+    frames = ROBOT.skeleton.frames(stroke(plans["stop"])[0])
+    way = frames.origins[ROBOT.arm("r").wrist] - frames.origins[ROBOT.arm("r").shoulder]
+    assert np.linalg.norm(way) >= 0.85 * ROBOT.arm_length
+    assert abs(frames.origins[ROBOT.arm("r").wrist][1]) <= 0.06
+
+
+def test_a_violin_is_held_out_and_the_head_turns_to_it(plans):
+    frames = ROBOT.skeleton.frames(stroke(plans["violin"])[0])
+    left = ROBOT.arm("l")
+    assert np.linalg.norm(frames.origins[left.wrist] - frames.origins[left.shoulder]) > 0.65 * ROBOT.arm_length
+    face = frames.rotations[ROBOT.skeleton.segment(ROBOT.chains["neck"][-1])][:, 0]
+    assert degrees(np.arctan2(face[1], face[0])) > 15
+
+
+@pytest.mark.parametrize("name", legibility_table().shoulders)
+def test_shoulders_rise_where_that_is_the_gesture(known, name):
+    assert degrees(measure_gesture(known.lexicon.forms_by_id[name], known).body.shoulders) >= 12
+
+
+def test_think_and_a_call_are_told_apart_by_the_elbow(plans):
+    apart = measure_appearance(ROBOT, stroke(plans["think"], 60)) - measure_appearance(
+        ROBOT, stroke(plans["phone_call"], 60)
+    )
+    distances = np.sqrt((apart**2).sum(axis=-1).mean(axis=0))
+    assert distances[4] > 0.07, "the right elbow"
+    assert distances.max() > 0.08
 
 
 def test_the_hand_that_performs_is_the_one_that_is_measured(known):
