@@ -43,7 +43,7 @@ SPOKEN_LOOSE = -0.15  # tension there at least, however loose the hand
 ALONG = 0.4  # swing at both ends of a path, from which the hand must not stray
 CROWDED = 0.7  # share of its natural time from which on a way has neither swing nor accent
 UNHURRIED = 7.5  # steepness of the linear easing of the way home: a third faster than its mean
-SOFTENED = 2.0  # exponent with which fluidity makes the way home begin and end softly
+SOFTENED = 1.6  # exponent with which fluidity makes the way home begin and end softly
 FIRM = 0.5  # power, tension or stiffness that takes the whole swing away
 LOOSE = 0.3  # of the swing, which a tension of -1 has by itself
 
