@@ -122,7 +122,7 @@ def _end_nod(
 ) -> Mapping[str, float]:
     """Lets a single nod come up again by the end of a syllable, so many seconds after its stroke, if the neck can."""
     form = head_form(head, context.robot, context.manner(behaviour))
-    if form.kind != "nod" or len(form.swings) > 2:
+    if form is None or form.kind != "nod" or len(form.swings) > 2:
         return natural
     return {**natural, "strokeEnd": max(left, NODDING * context.pace.least_turn_time("neck", form.peak))}
 

@@ -15,7 +15,8 @@ from msgspec import structs
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.reach import Reach
-from kinesic.expressivity.hands.poses import REST, between
+from kinesic.expressivity.hands.blending import between
+from kinesic.expressivity.hands.poses import REST
 from kinesic.expressivity.keyframes import Hand
 from kinesic.expressivity.lexicon.paths import HandPath
 from kinesic.expressivity.turns import MERGE

@@ -1,4 +1,4 @@
-"""Hands in the world: where they rest, where the poses of a form are, and what lies between two of them."""
+"""Hands in the world: where they rest, where the poses of a form are, and how far it is from one to another."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -11,6 +11,7 @@ from msgspec import structs
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.reach import Reach
 from kinesic.body.robot import SIDES, Robot, Side
+from kinesic.expressivity.hands.blending import angle_between
 from kinesic.expressivity.keyframes import Hand
 from kinesic.expressivity.lexicon.body_form import NO_BODY, BodyForm
 from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
@@ -178,46 +179,8 @@ def pose_distance(a: Hand, b: Hand, rest: Reach) -> float:
         rest: how the hand hangs.
     """
     start, end = a.reach or rest, b.reach or rest
-    turn = max(_angle(start.palm, end.palm), _angle(start.pointing, end.pointing))
+    turn = max(angle_between(start.palm, end.palm), angle_between(start.pointing, end.pointing))
     return max(float(np.linalg.norm(start.position - end.position)), _LEVER * turn)
-
-
-def _angle(a: Floats | None, b: Floats | None) -> float:
-    """Between two directions [rad]; none where one is missing."""
-    return 0.0 if a is None or b is None else float(np.arccos(np.clip(a @ b, -1.0, 1.0)))
-
-
-def between(a: Hand, b: Hand, share: float, rest: Reach) -> Hand:
-    """Interpolates between two hands at a share of the way.
-
-    Args:
-        a: at share 0.
-        b: at share 1.
-        share: 0..1.
-        rest: where the hand hangs.
-
-    Returns:
-        At rest if both are. What only one of the two asks for holds on its half of the way.
-    """
-    if a.reach is None and b.reach is None:
-        return REST
-    if share <= 0 or share >= 1:
-        return a if share <= 0 else b
-    start, end, nearest = a.reach or rest, b.reach or rest, a if share < 0.5 else b
-    reach = nearest.reach or rest
-    return Hand(
-        Reach(
-            position=sealed(start.position + share * (end.position - start.position)),
-            pointing=_turn_between(start.pointing, end.pointing, share, reach.pointing),
-            palm=_turn_between(start.palm, end.palm, share, reach.palm),
-        ),
-        nearest.aim,
-        a.touch if a.touch == b.touch else None,
-        a.openness + share * (b.openness - a.openness),
-        a.effort + share * (b.effort - a.effort),
-        lift=a.lift + share * (b.lift - a.lift),
-        shape=nearest.shape,
-    )
 
 
 def _travels(
@@ -311,14 +274,3 @@ def _in_world(pose: HandPose, side: Side, robot: Robot, manner: Expressivity) ->
         effort=max(0.0, manner.power),
         shape=pose.shape,
     )
-
-
-def _turn_between(a: Floats | None, b: Floats | None, share: float, nearest: Floats | None) -> Floats | None:
-    """Turns on the great circle; the nearest where one is missing or they are opposite."""
-    if a is None or b is None:
-        return nearest
-    angle = _angle(a, b)
-    if angle < 1e-9 or angle > np.pi - 1e-6:
-        return nearest
-    mixed = (np.sin((1 - share) * angle) * a + np.sin(share * angle) * b) / np.sin(angle)
-    return sealed(mixed / np.linalg.norm(mixed))

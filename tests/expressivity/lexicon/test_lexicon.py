@@ -313,18 +313,3 @@ def test_missing_files_and_empty_folders_are_named(tmp_path: Path):
         Lexicon.load(tmp_path)
     with pytest.raises(ConfigError, match="no such file"):
         Lexicon.load(tmp_path / "none.toml")
-
-
-@pytest.mark.parametrize(
-    ("name", "gesture", "side"),
-    [
-        *(("RArm_Offer", "offer", "r"), ("LArm_Offer", "offer", "l"), ("RHand_Offer", "offer", "r")),
-        *(("RArm_Stop", "stop", "r"), ("RHandStop", "stop", "r"), ("RHandThumbUp", "thumb_up", "r")),
-        *(("LArm_Greet", "greet_wave", "l"), ("RArm_Shrug", "doubt_shrug", "r")),
-        *(("RArmUp", "raise_hand", "r"), ("LHandOnHip", "hand_on_hip", "l"), ("RHandShake", "handshake", "r")),
-    ],
-)
-def test_an_arm_or_hand_with_its_side_says_which_hand_does_it(name, gesture, side):
-    match = Lexicon.load().find(name)
-    assert match is not None
-    assert (match.form.id, match.form.sides, match.substitute) == (gesture, {side}, "")

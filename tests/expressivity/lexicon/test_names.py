@@ -2,6 +2,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.lexicon.names import GestureName, read_name, split_words
 
 
@@ -82,3 +83,18 @@ def test_any_text_can_be_taken_apart(text):
     for each in read_name(text).shortened():
         assert bool(each.words) == bool(read_name(text).words)
         assert set(each.words) <= set(read_name(text).words)
+
+
+@pytest.mark.parametrize(
+    ("name", "gesture", "side"),
+    [
+        *(("RArm_Offer", "offer", "r"), ("LArm_Offer", "offer", "l"), ("RHand_Offer", "offer", "r")),
+        *(("RArm_Stop", "stop", "r"), ("RHandStop", "stop", "r"), ("RHandThumbUp", "thumb_up", "r")),
+        *(("LArm_Greet", "greet_wave", "l"), ("RArm_Shrug", "doubt_shrug", "r")),
+        *(("RArmUp", "raise_hand", "r"), ("LHandOnHip", "hand_on_hip", "l"), ("RHandShake", "handshake", "r")),
+    ],
+)
+def test_an_arm_or_hand_with_its_side_says_which_hand_does_it(name, gesture, side):
+    match = Lexicon.load().find(name)
+    assert match is not None
+    assert (match.form.id, match.form.sides, match.substitute) == (gesture, {side}, "")

@@ -7,11 +7,11 @@ from kinesic.controller.options import LIVELY
 from kinesic.controller.perform import plan, set_up
 
 STORY = (CONFIGS / "bml" / "story.bml").read_text(encoding="utf-8")
-LATE = 0.2  # [s] by which a stroke may miss its word where gestures are large and quick
+LATE = {"joyful": 0.4}  # [s] by which a stroke may miss its word where gestures are large and near; else 0.2
 
 
-@pytest.mark.parametrize("style", ["neutral", "joyful", "angry", "proud"])
+@pytest.mark.parametrize("style", ["neutral", "calm", "joyful", "angry", "proud"])
 def test_nothing_is_left_out_and_strokes_stay_on_their_words(style: str):
     planned = plan(STORY, set_up(style=style, **LIVELY))
     assert [name for name, outcome in planned.keyframes.outcomes.items() if outcome.kind == "dropped"] == []
-    assert max(abs(sync.planned - sync.asked) for sync in planned.syncs if sync.is_stroke) <= LATE
+    assert max(abs(sync.planned - sync.asked) for sync in planned.syncs if sync.is_stroke) <= LATE.get(style, 0.2)
