@@ -84,8 +84,7 @@ class LateReplies:
             return
         question, places, received, sent_at = self._unfinished
         answer = question.answer(received + more)
-        if answer.found.any():
-            self._believed.admit_late(places, answer, time, sent_at=sent_at)
+        self._believed.admit_late(places, answer, time, sent_at=sent_at)
         if answer.whole:
             self._listener.slack.took(MOST)
         self._unfinished = None if answer.whole else (question, places, received + more, sent_at)

@@ -282,3 +282,11 @@ def test_an_answer_that_is_later_than_its_cycle_costs_that_cycle_alone(rig: Make
     made.energise()
     whole = [bool(cycle.fresh.all()) for cycle in made.run(50, np.full(14, MID))]
     assert whole.count(False) == 1
+
+
+def test_a_surprise_is_told_where_it_is(rig: Make):
+    """What a servo says of its temperature leaps by 30 C within a cycle."""
+    made = rig(3)
+    made.run(3)
+    made.plant.servos[1].electronics.celsius += 30.0
+    assert kinds(made.run(2)) == [("doubted", 2)]

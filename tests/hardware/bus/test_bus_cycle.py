@@ -224,3 +224,82 @@ def test_an_answer_that_comes_while_servos_are_asked_again_is_taken_and_nothing_
         assert made.bus._late._unfinished is None
         durations.append(cycle.duration)
     assert sum(duration > 0.006 for duration in durations) == 1, "one answer was late"
+
+
+def silence(made: Rig, *places: int) -> None:
+    """From now on, only the servos at these places do not answer."""
+    for place, servo in enumerate(made.plant.servos):
+        servo.mute = place in places
+
+
+def lose_question(made: Rig) -> None:
+    """The next that is said is lost on the wire."""
+    write, lost = made.wire.write, [True]
+    made.wire.write = lambda data: lost.pop() if lost else write(data)
+
+
+def test_what_is_made_good_by_asking_again_was_lost_and_not_late(rig: Make):
+    made = rig(3, period=0.05)
+    made.run(3)
+    lose_question(made)
+    made.bus._listener.tardy = True
+    assert made.run(1)[0].fresh.all()
+    assert not made.bus._listener.tardy
+
+
+def test_most_who_were_late_have_been_spoilt_by_asking_again(rig: Make):
+    """Nobody is heard until all were asked again, and then one of three."""
+    made = rig(3, period=0.05)
+    made.run(3)
+    lose_question(made)
+    silence(made, 0, 2)
+    assert made.run(1)[0].fresh.tolist() == [False, True, False]
+    assert made.bus._listener.tardy
+
+
+def test_who_is_made_good_among_others_tells_nothing_of_what_is_late(rig: Make):
+    made = rig(3, period=0.05)
+    made.run(3)
+    write, count = made.wire.write, [0]
+
+    def speak(data: bytes) -> None:
+        silence(made, *((2,) if not count[0] else ()))
+        count[0] += 1
+        write(data)
+
+    made.wire.write = speak
+    made.bus._listener.tardy = True
+    assert made.run(1)[0].fresh.all()
+    assert count[0] == 2
+    assert made.bus._listener.tardy
+
+
+def test_after_a_silent_cycle_one_who_answers_in_time_tells_that_nothing_was_late(rig: Make):
+    made = rig(3)
+    made.run(3)
+    silence(made, 0, 1, 2)
+    made.run(1)
+    made.bus._listener.tardy = True
+    silence(made, 1)
+    (cycle,) = made.run(1)
+    assert cycle.fresh.any()
+    assert not cycle.fresh.all()
+    assert not made.bus._listener.tardy
+
+
+def test_an_earlier_answer_that_comes_while_servos_are_asked_again_is_late(rig: Make):
+    """Its last servo is missing, and it is of a cycle 30 ms ago."""
+    made = rig(3)
+    made.run(3)
+    made.wire.write(made.bus._question.data)
+    made.wire.sleep(made.wire.now() + 0.005)
+    earlier = made.wire.read(made.wire.now())
+    made.wire.sleep(made.wire.now() + 0.03)
+    made.bus._believed.begin()
+    made.bus._listener.send(b"")
+    made.bus._sent_at = made.bus._listener.sent_at
+    made.bus._late.missed(made.bus._question)
+    made.bus._listener.received = earlier[:-22]
+    made.bus._look_again()
+    assert not made.bus._believed.fresh.any()
+    assert made.bus._believed.late.tolist() == [True, True, False]

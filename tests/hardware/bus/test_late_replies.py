@@ -7,7 +7,7 @@ import pytest
 
 from kinesic.hardware.bus.bounds import RecordBounds
 from kinesic.hardware.bus.cycle import BLOCK, CELLS, Records
-from kinesic.hardware.bus.late_replies import LAG, OWED, SETTLED, STUCK, LateReplies
+from kinesic.hardware.bus.late_replies import LAG, SETTLED, STUCK, LateReplies
 from kinesic.hardware.bus.listener import STEP, Listener
 from kinesic.hardware.bus.plausibility import PlausibilityFilter
 from kinesic.hardware.bus.query import ServoReplies, question_to
@@ -51,7 +51,7 @@ class Waiting:
         """Until when [s] the answer to a question at a time, which does not come, is waited for."""
         self.listener.sent_at = time
         self.late.missed(self.question)
-        return time + (8 + 3 * 22) * 1e-5 + OWED
+        return time + (8 + 3 * 22) * 1e-5 + 0.05
 
     def is_of_earlier(self, answer: ServoReplies, sent_at: float) -> bool:
         self.listener.sent_at = sent_at
@@ -197,6 +197,10 @@ def test_the_rest_of_an_answer_is_taken_when_it_comes_piece_by_piece(waiting: Wa
     waiting.believed.begin()
     waiting.late.catch_up(raw, 1.06)
     assert not waiting.believed.late.any(), "nothing is expected any more"
+    slow = waiting.listener.slack.usual
+    waiting.late.catch_up(waiting.ask(1.07), 1.08)
+    assert not waiting.believed.late.any()
+    assert waiting.listener.slack.usual == slow, "an answer is late once"
 
 
 def test_after_a_whole_answer_nothing_is_expected(waiting: Waiting):

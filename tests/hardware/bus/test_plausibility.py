@@ -89,6 +89,22 @@ def test_a_joint_with_torque_does_not_leap_however_often_it_is_said(gate: Plausi
     assert told(gate, blocks(3010, position=2090, torque=1), 3.01) == [True, True]
 
 
+def test_a_joint_with_torque_that_leapt_is_not_believed_for_moving_on_from_there(gate: PlausibilityFilter):
+    """It creeps on by less than it can in a cycle, and soon is far from where it leapt to."""
+    told(gate, blocks(1010, torque=1), 1.01)
+    for k in range(8):
+        lie = blocks(1020 + 10 * k, position=3400 - 100 * k, torque=1)
+        assert told(gate, lie, 1.02 + 0.01 * k) == [True, False]
+        assert gate.doubted == {1}, "at first"
+        assert list(gate.impossible) == ([1] if k else [])
+        if k:
+            assert gate.impossible[1] == "position leapt from 2048 to 3300, with torque"
+    gate.doubted.clear()
+    for k in range(8, 12):
+        assert told(gate, blocks(1020 + 10 * k, position=2600, torque=1), 1.02 + 0.01 * k) == [True, False]
+    assert not gate.doubted, "it is no new surprise"
+
+
 def test_a_joint_that_leapt_is_believed_when_it_is_limp(gate: PlausibilityFilter):
     told(gate, blocks(1010, torque=1), 1.01)
     for k in range(2, 20):
