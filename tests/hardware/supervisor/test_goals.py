@@ -165,6 +165,12 @@ def test_limp_servos_are_followed_where_they_are(steering, manifest):
     assert steering.goals.tolist() == [1900.0, 1905.0, *before[2:]]
 
 
+def test_where_servos_are_makes_no_goals_while_none_are_known(manifest):
+    steering = GoalSteering(manifest, USUAL)
+    steering.follow_limp(np.array([True, False, False, False, False]), np.full(5, 1900.0))
+    assert steering.goals is None
+
+
 def test_goals_are_told_ahead_by_what_the_profile_costs_and_never_outside_the_range(steering, manifest):
     lower, upper = manifest.spans
     for way, end in ((1.0, upper), (-1.0, lower)):

@@ -68,6 +68,13 @@ def test_a_servo_far_from_its_goal_that_does_not_move_is_stuck():
     assert not after(STUCK - 0.05, position=200).stuck.any()
 
 
+@pytest.mark.parametrize(("gap", "halted"), [(0.15, True), (0.16, False)])
+def test_who_is_not_heard_for_more_than_fifteen_hundredths_of_a_second_may_have_moved(gap: float, halted: bool):
+    load = update_load(LoadState.none(2), records(position=200), np.zeros(2), STILL, STRENGTH)
+    load = update_load(load, records(position=200), np.full(2, gap), STILL, STRENGTH)
+    assert load.stalled[1] == (gap if halted else 0.0)
+
+
 def test_an_old_record_tells_nothing():
     load = after(0.2, position=200, current=1000)
     again = update_load(load, records(position=200), load.taken, np.array([0.0, 200.0]), STRENGTH)

@@ -13,6 +13,7 @@ from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.axes import Axes, Snapshot
 from kinesic.hardware.supervisor.preflight import configure, take_over
 from kinesic.hardware.supervisor.torque import (
+    RAMP,
     TRIES,
     Procedure,
     adopt,
@@ -118,6 +119,25 @@ def test_torque_comes_where_servos_are_with_little_power_first(bench: Bench):
     for k, member in enumerate(bench.axes.manifest.members):
         for register, value in member.passing.items():
             assert bench.true(register)[k] == value
+
+
+def test_power_is_full_three_tenths_of_a_second_after_torque_came(bench: Bench):
+    steps = round(RAMP / PERIOD)
+    bench.run(energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=steps))
+    rising = [seen for seen in bench.seen if seen[Register.TORQUE_ENABLE][2] and seen[Register.GOAL_PWM][2] < FULL]
+    assert len(rising) * PERIOD == pytest.approx(0.3, abs=0.02)
+
+
+def test_gains_and_profile_go_out_with_the_first_goals(bench: Bench):
+    members = bench.axes.manifest.members
+    for register in members[0].passing:
+        bench.axes.put_all(register, EVERYBODY, 1)
+    bench.cycle()
+    begun = energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
+    bench.goals = np.rint(next(begun)).astype(np.int64)
+    bench.cycle()
+    for register in members[0].passing:
+        assert bench.true(register) == [member.passing[register] for member in members]
 
 
 def test_only_those_who_are_chosen_get_torque(bench: Bench):
