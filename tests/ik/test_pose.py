@@ -139,6 +139,20 @@ def test_of_two_ways_that_hold_a_pose_the_nearer_is_taken():
     assert flipped[:4] == pytest.approx(first[:4], abs=1e-6)
 
 
+@pytest.mark.parametrize("axis", [(0, 0, 1), (0, 1, 0), (0, 1, 1), (0, 1, -1), (1, 0, 1), (1, 1, 0), (1, 1, 1)])
+def test_the_last_hinge_of_a_wrist_may_lie_as_it_likes(axis: tuple[int, int, int]):
+    """Along an axis or between two or three, and a pose that it can hold is held."""
+    bend, tilt = BARE.joints[-1].hinges
+    chain = with_hand(BARE, bend, replace(tilt, axis=np.array(axis) / np.linalg.norm(axis), **ANY_TURN))
+    posture = np.array([0.3, 0.5, 0.2, 0.9, 0.4, 0.3, 0.7])
+    for turn in (-1.0, 0.7, 2.5):
+        posture[6] = turn
+        near = posture - 0.05
+        found = solve_pose(chain, *_pose(chain, posture), start=near)
+        assert found.reached
+        assert found.cells == 1
+
+
 @pytest.mark.parametrize("twist", [-0.7, 0.4])
 def test_in_gimbal_lock_the_first_hinge_stays_where_it_is(twist: float):
     """Twist, bend, twist: with a straight hand both twists do the same, and the second one does what is asked."""

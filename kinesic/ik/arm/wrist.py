@@ -75,7 +75,7 @@ def _climbed(
             ]
             best, height = _best(pivot, pairs, rest[k])
             change, angles[k] = max(change, abs(best - angles[k])), best
-        if change < TOLERANCE:
+        if change <= TOLERANCE:
             break
     return tuple(angles), height
 

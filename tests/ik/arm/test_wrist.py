@@ -1,13 +1,16 @@
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from numpy.random import default_rng
 
 from kinesic.body.robot import Robot
+from kinesic.ik.arm import wrist
 from kinesic.ik.arm.linkage import Link, Pivot, linkage_of
-from kinesic.ik.arm.wrist import HandDirection, direction_errors, orient
+from kinesic.ik.arm.wrist import TOLERANCE, HandDirection, direction_errors, orient
+from kinesic.ik.arm.wrist import _best as best
 from kinesic.ik.scalar3 import IDENTITY, Rotation, Vector, across, after, dot, rotated, unit
 
 CHAIN = Robot.load().arms["l"]
@@ -104,6 +107,29 @@ def level(angle: float) -> Vector:
 def test_one_hinge_turns_to_the_direction_or_to_the_nearer_stop(wanted: float, found: float) -> None:
     wishes = [HandDirection("pointing", level(0.0), level(wanted))]
     assert orient(one_hinge(-2.9, 1.0), IDENTITY, wishes, (0.0,)) == pytest.approx((found,), abs=1e-3)
+
+
+@pytest.mark.parametrize(("rest", "found"), [(-0.5, (-1.0, -1.0)), (0.5, (1.0, 1.0))])
+def test_of_two_ways_that_are_as_good_the_one_on_the_side_of_rest_is_taken(
+    rest: float, found: tuple[float, float]
+) -> None:
+    """Two hinges about one axis cannot turn to the back; by the left they come as near as by the right."""
+    hinge = one_hinge(-1.0, 1.0)
+    twice = replace(hinge, pivots=hinge.pivots * 2)
+    wishes = [HandDirection("pointing", (1.0, 0.0, 0.0), (-1.0, 0.0, 0.0))]
+    assert orient(twice, IDENTITY, wishes, (rest, 0.0)) == found
+
+
+@pytest.mark.parametrize(("rest", "rounds"), [(0.0, 1), (-TOLERANCE, 1), (-2 * TOLERANCE, 2), (-0.5, 2)])
+def test_a_climb_is_over_with_the_round_that_changes_next_to_nothing(
+    rest: float, rounds: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a hinge that stands at its stop, or comes there in the first round, and wants no more than 1e-3 beyond."""
+    looked = []
+    monkeypatch.setattr(wrist, "_best", lambda *asked: (looked.append(asked), best(*asked))[1])
+    wishes = [HandDirection("pointing", level(0.0), level(1e-3))]
+    assert orient(one_hinge(-2.0, 0.0), IDENTITY, wishes, (rest,)) == (0.0,)
+    assert len(looked) == rounds
 
 
 def test_directions_that_differ_are_missed_alike() -> None:
