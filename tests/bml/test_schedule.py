@@ -215,6 +215,33 @@ def test_what_is_required_stays_and_the_rest_gives(timed: Timing) -> None:
     assert list(why(timed(loop + gesture("c", 'start="a:end"')))) == ["b"]
 
 
+def test_a_speech_loses_the_time_that_cannot_be_met_and_keeps_the_others(timed: Timing) -> None:
+    found = timed(SPEECH.replace('id="s"', 'id="s" end="other:x:end" start="2"'))
+    assert (at(found, "s:start"), found.dropped) == (2.0, ())
+    assert [n.text for n in found.notices] == ["'s' is said without its end: other:x:end is not known here"]
+
+
+def test_a_speech_gives_way_to_what_is_required(timed: Timing) -> None:
+    order = '<constraint><before ref="g:start"><sync ref="s:end"/></before></constraint>'
+    required = "<required>" + gesture("g", 'start="1"') + "</required>"
+    found = timed(SPEECH.replace('id="s"', 'id="s" start="5"') + required + order)
+    assert list(why(found)) == ["s"]
+    assert at(found, "g:start") == 1.0
+
+
+def test_of_the_constraints_the_one_that_a_speech_cannot_meet_is_passed_over(timed: Timing) -> None:
+    met = '<constraint><after ref="1"><sync ref="g:start"/></after>'
+    unmet = '<synchronize><sync ref="s:start"/><sync ref="s:end"/></synchronize></constraint>'
+    found = timed(SPEECH + gesture("g") + met + unmet)
+    assert (at(found, "s:start"), at(found, "g:start")) == (0.0, 1.0)
+    assert [n.text.split(":")[0] for n in found.notices] == ["a constraint (line 1) is passed over"]
+
+
+def test_a_speech_that_is_placed_by_its_own_mark_starts_at_zero(timed: Timing) -> None:
+    found = timed(SPEECH.replace('id="s"', 'id="s" start="s:m-0.6"'))
+    assert (at(found, "s:start"), found.dropped) == (0.0, ())
+
+
 def test_the_longest_block(timed: Timing) -> None:
     assert timed('<gazeShift id="z" start="0" end="915"/>').end == 915.0
     with pytest.raises(BmlError, match=r"at most 1200 s: split it"):

@@ -165,8 +165,7 @@ class _Settling:
 
     def _alone(self, chain: SyncChain, known: Mapping[Point, float]) -> dict[Point, float]:
         if chain.is_rigid:
-            root, gap = self._potentials.find(chain.points[0])
-            return {root: -gap}
+            return {chain.points[0]: 0.0}  # the root of a class that has no other chain
         names = [point.sync for point in chain.points]
         given = {
             point.sync: _time(point, self._potentials, known) for point in chain.points if self._root(point) in known
