@@ -7,9 +7,13 @@ from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.style import Style
 from kinesic.intent.author import author, plan_behaviours
 from kinesic.intent.behaviour_sets import own_sets
+from kinesic.intent.budget import GAPS, Budget
+from kinesic.intent.choosing import ChosenBehaviour, choose_behaviours
+from kinesic.intent.intents import Intent, Moment
 from kinesic.intent.reading.language import load_language
 from kinesic.intent.reading.stress import count_syllables, stressed_syllable
 from kinesic.intent.reading.words import read_text
+from kinesic.intent.writing import write_behaviours
 
 BOXES = "No, I did not say that! There were three big boxes, and you took the small one."
 
@@ -93,3 +97,32 @@ def test_every_gesture_of_the_sets_is_in_the_lexicon(lexicon):
 def test_every_rule_has_a_behaviour_set():
     rules = [rule for found in load_language().rules.values() for rule in found]
     assert [rule.intent for rule in rules if own_sets().find(rule.intent) is None] == []
+
+
+def meant(name: str, start: float, end: float) -> Intent:
+    """An intention between two times [s], certain and strongest in the middle."""
+    moments = (Moment(f"{time:g}", time) for time in (start, (start + end) / 2, end))
+    return Intent(name, *moments, certainty=1.0, reason="for a test")
+
+
+def test_what_has_no_room_is_left_out_with_the_reason():
+    both = [meant("performative-greet", 1.0, 2.0), meant("performative-greet", 1.1, 2.1)]
+    for gestures, whys in (
+        (0, ["the budget of 0 gestures is spent on what is more certain"] * 2),
+        (9, ["0.1 s from performative-greet, which is at least as certain, is too near for the gesture"]),
+    ):
+        selection = choose_behaviours(both, own_sets(), Budget(gestures, GAPS, {}))
+        assert [each.why for each in selection.omissions if each.channel == "gesture"] == whys
+        assert sum(each.channel == "gesture" for each in selection.behaviours) == 2 - len(whys)
+
+
+@pytest.mark.parametrize(
+    ("channel", "lexeme", "least"),
+    [("face", "joy", 0.8), ("gaze", "audience", 0.7), ("gaze", "LEFT", 0.7), ("head", "TILT", 0.8)],
+)
+def test_what_is_meant_for_a_moment_is_shown_long_enough_to_be_seen(channel, lexeme, least):
+    """A face and a look set out a little before what is meant, and stay with it where that is longer."""
+    for end, shown in ((2.1, least), (5.0, 3.1)):
+        (written,) = write_behaviours([ChosenBehaviour(channel, lexeme, meant("emotion-joy", 2.0, end))])
+        times = {name: float(time) for name, time in re.findall(r' (start|end)="([\d.]+)"', written)}
+        assert times == {"start": 1.9, "end": pytest.approx(1.9 + shown)}

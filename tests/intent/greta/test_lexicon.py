@@ -81,6 +81,32 @@ def test_a_sequence_fills_its_intention_turn_by_turn(sets):
         assert all(part.start.seconds < part.stroke.seconds < part.end.seconds for part, _ in drawn)
 
 
+def test_what_does_not_repeat_is_shown_once_until_nothing_is_left(sets):
+    """Fear and anger; joy, which repeats, is excluded where fear came first."""
+    found, seen = sets.find("emotion-long"), []
+    for seed in range(20):
+        drawn = draw_sequence(intent("emotion-long"), found, random.Random(seed))
+        ids = [signal.id for _, signal in drawn if signal.channel == "face"]
+        if "3" not in ids:
+            seen.append(ids)
+            assert sorted(ids) == ["1", "2"]
+    assert seen
+
+
+@pytest.mark.parametrize("move", ["nod", "shake"])
+def test_head_movements_whose_size_nobody_says_are_of_the_middle_one(tmp_path, move):
+    sizes = [f"{move}_{size}" for size in ("small", "middle", "big")]
+    others = [f"{move}1", *{"nod": ["NodUpDown", "NodDownUp"], "shake": ["ShakeLeftRight", "ShakeRightLeft"]}[move]]
+    signals = "".join(f'<signal id="{name}" name="{name}" modality="head"/>' for name in (*sizes, *others))
+    path = tmp_path / "heads.xml"
+    path.write_text(f'<behaviorsets><behaviorset name="x"><signals>{signals}</signals></behaviorset></behaviorsets>')
+    choices = [signal.choices[0] for signal in read_lexicon(path).sets["x"].signals]
+    assert {choice.lexeme for choice in choices} == {move.upper()}
+    small, middle, big, *rest = (choice.amount for choice in choices)
+    assert 0.0 < small < middle < big < 1.0
+    assert rest == [middle] * len(others)
+
+
 def test_what_a_lexicon_says_of_chances_is_kept(sets):
     face = sets.sets["emotion-Odd"].signals[0]
     assert [(each.lexeme, each.probability) for each in face.choices] == [("joy", 0.5), ("none", 0.5)]
