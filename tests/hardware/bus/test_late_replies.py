@@ -90,7 +90,7 @@ def test_before_anything_was_missed_no_answer_is_of_an_earlier_question(waiting:
     assert not waiting.late.in_doubt
 
 
-@pytest.mark.parametrize(("after", "earlier"), [(-0.0005, True), (0.0005, False)])
+@pytest.mark.parametrize(("after", "earlier"), [(-0.0005, True), (0.0, True), (0.0005, False)])
 def test_a_missed_answer_may_come_fifty_milliseconds_after_its_own_time(waiting: Waiting, after: float, earlier: bool):
     assert waiting.is_of_earlier(whole(1.001, 1.001, 1.001), waiting.miss(1.02) + after) is earlier
 

@@ -140,6 +140,22 @@ def test_gains_and_profile_go_out_with_the_first_goals(bench: Bench):
         assert bench.true(register) == [member.passing[register] for member in members]
 
 
+def test_gains_and_profile_that_were_lost_are_said_again_before_torque(bench: Bench):
+    members = bench.axes.manifest.members
+    procedure = energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
+
+    def forget_once(snapshot: Snapshot, cycle: int) -> Snapshot:
+        if cycle == 1:
+            for k, servo in enumerate(bench.plant.servos):
+                for register, value in members[k].passing.items():
+                    servo.memory[register] = value + 1
+        return snapshot
+
+    bench.run(procedure, forget_once)
+    for register in members[0].passing:
+        assert bench.true(register) == [member.passing[register] for member in members]
+
+
 def test_only_those_who_are_chosen_get_torque(bench: Bench):
     bench.energised(0, 2)
     assert bench.true(Register.TORQUE_ENABLE) == [1, 0, 1, 0]
