@@ -1,6 +1,6 @@
 """Procedures that give and take torque, on virtual servos: cycle by cycle, as the supervisor runs them."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -8,84 +8,19 @@ import pytest
 
 from kinesic.hardware.protocol.packet import sync_write
 from kinesic.hardware.protocol.registers import WATCHDOG_TRIPPED, HardwareError, Register
-from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.protocol.wire import BusError
-from kinesic.hardware.supervisor.axes import Axes, Snapshot
-from kinesic.hardware.supervisor.preflight import configure, take_over
+from kinesic.hardware.supervisor.axes import Snapshot
 from kinesic.hardware.supervisor.torque import (
     RAMP,
     TRIES,
-    Procedure,
     adopt,
     energise,
     release_torque,
     watchdog_counts,
 )
-from kinesic.hardware.virtual.memory_wire import MemoryWire
-from kinesic.hardware.virtual.shaft_simulation import ShaftSimulation
-from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
 
-from .conftest import MODEL, PERIOD, manifest_of
-
-COUNT, FULL, WATCHDOG = 4, 885, 5
-EVERYBODY = range(COUNT)
-Change = Callable[
-    [Snapshot, int], Snapshot
-]  # what a procedure is told instead of a snapshot, by the number of the cycle
-
-
-class Bench:
-    """Four servos, and a procedure that is run on them."""
-
-    def __init__(self) -> None:
-        cable = Cable("body", tuple(ServoFitting(k + 1, model=MODEL) for k in EVERYBODY))
-        self.plant: ShaftSimulation
-        self.plant, buses = build_bus([cable])
-        self.wire = MemoryWire(buses["body"])
-        self.axes: Axes
-        self.axes, tables = take_over(manifest_of(COUNT, self.wire.baud), lambda name: self.wire, period=PERIOD)
-        configure(self.axes, tables)
-        self.goals: Ticks | None = None
-        self.power = np.full(COUNT, FULL)
-        self.seen: list[dict[Register, list[int]]] = []  # after each cycle, see WATCHED
-        self.last = self.cycle()
-
-    def true(self, register: Register) -> list[int]:
-        return [servo.memory[register] for servo in self.plant.servos]
-
-    def cycle(self) -> Snapshot:
-        due = self.wire.now() + PERIOD
-        snapshot = self.axes.cycle(self.goals)
-        self.wire.sleep(due)
-        self.seen.append({register: self.true(register) for register in WATCHED})
-        return snapshot
-
-    def run(
-        self,
-        procedure: Procedure,
-        change: Change = lambda snapshot, cycle: snapshot,
-        *,
-        places: Sequence[int] = EVERYBODY,
-    ) -> int:
-        """Runs a procedure for the servos at these places to its end; how many cycles that took."""
-        self.seen = []
-        given, cycles = next(procedure, None), 0
-        while True:
-            if given is not None:
-                self.goals = np.array(self.true(Register.PRESENT_POSITION) if self.goals is None else self.goals)
-                self.goals[list(places)] = np.rint(given)
-            self.last, cycles = self.cycle(), cycles + 1
-            try:
-                given = procedure.send(change(self.last, cycles))
-            except StopIteration:
-                return cycles
-
-    def energised(self, *places: int) -> None:
-        chosen = places or EVERYBODY
-        self.run(energise(self.axes, chosen, self.last, self.power, watchdog=WATCHDOG, steps=3), places=chosen)
-
-
-WATCHED = (Register.TORQUE_ENABLE, Register.GOAL_PWM, Register.GOAL_POSITION, Register.BUS_WATCHDOG)
+from .conftest import PERIOD
+from .torque_bench import COUNT, EVERYBODY, FULL, WATCHDOG, Bench, moved
 
 
 @pytest.fixture
@@ -93,13 +28,6 @@ def bench() -> Iterator[Bench]:
     made = Bench()
     yield made
     made.axes.close()
-
-
-def moved(snapshot: Snapshot, ticks: float) -> Snapshot:
-    """The same with the second servo elsewhere."""
-    records = snapshot.records.copy()
-    records["position"][1] += round(ticks)
-    return replace(snapshot, records=records)
 
 
 @pytest.mark.parametrize(("seconds", "counts"), [(0.02, 1), (0.1, 5), (0.1001, 6), (0.2, 10), (0.0, 0)])
