@@ -143,18 +143,21 @@ def distance(way: SplineSegment, wish: Floats, controls: Floats) -> float:
 
 
 @compiled
-@pytest.mark.parametrize("seed", range(20))
-def test_no_step_that_is_allowed_leads_nearer(seed: int):
+def test_no_step_that_is_allowed_leads_nearer():
     """At the optimum the slope of the distance points out of what is allowed, along any way to another motion in it."""
-    way, wish = random_segment(seed)
-    best = nearest_within_limits(way, wish, LIMITS)
-    if best is None:
-        pytest.skip("there is no motion in this time")
-    slope = way.grid.closeness @ best - way.grid.at_knots.T @ wish
-    for other in range(20):
-        rng = np.random.default_rng((seed, other))
-        found = nearest_within_limits(way, wish + rng.normal(0.0, 0.1, len(wish)), LIMITS)
-        assert found is None or slope @ (found - best) >= -1e-6
+    judged = 0
+    for seed in range(20):
+        way, wish = random_segment(seed)
+        best = nearest_within_limits(way, wish, LIMITS)
+        if best is None:  # there is no motion in this time
+            continue
+        slope = way.grid.closeness @ best - way.grid.at_knots.T @ wish
+        for other in range(20):
+            rng = np.random.default_rng((seed, other))
+            found = nearest_within_limits(way, wish + rng.normal(0.0, 0.1, len(wish)), LIMITS)
+            assert found is None or slope @ (found - best) >= -1e-6
+            judged += found is not None
+    assert judged >= 60
 
 
 @compiled
