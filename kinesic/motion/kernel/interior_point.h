@@ -4,7 +4,7 @@
 // G (x, s) + t = h, t > 0, and multipliers z > 0, Newton's step of all conditions becomes, after t and z are eliminated,
 //   [H + G' D G  A'] [dx]     D = z / t, A: what is fixed, y: its multipliers
 //   [A           0 ] [dy]
-// The relaxation s, which every limit knows, is a border of this system. Towards the end D grows without bounds, and
+// The relaxation s, which enters every row of a limit, is a border of this system. Towards the end D grows without bounds, and
 // rounding with it; an optimum is therefore found exactly from the limits that are met (Stellato et al., OSQP, 2020).
 
 #pragma once
@@ -34,7 +34,7 @@ class InteriorPoint {
         : p(program), n(p.size), m(p.fixed()), limits(p), rows(limits.rows()), many(limits.count()), system(p),
           x(n), y(m), dx(n), dy(m) {
         for (auto* values : {&t, &z, &gap, &dt, &dz, &away, &across, &inverse, &weights}) values->resize(many);
-        for (auto* values : {&right, &step, &border, &solved, &rest}) values->resize(system.size());
+        for (auto* values : {&right, &step, &border, &border_solution, &residuals}) values->resize(system.size());
     }
 
     // Whether there is a solution.
@@ -50,9 +50,9 @@ class InteriorPoint {
             if (mean <= LEAST || impossible) break;
             weigh();
             assemble();
-            aim(0.0, false);
+            find_direction(0.0, false);
             const double share = advance_by(1.0).mean / mean;
-            aim(share * share * share * mean, true);
+            find_direction(share * share * share * mean, true);
             const Steps steps = advance_by(SHORT);
             if (!(std::max(steps.primal, steps.dual) > STALLED && std::isfinite(steps.mean))) break;
             move(steps);
@@ -96,7 +96,7 @@ class InteriorPoint {
         for (int j = 0; j < n && !p.relaxing; ++j) right[system.place(j)] += p.pull[j];
         for (int k = 0; k < m; ++k) right[system.tie(k)] = p.values[k];
         s = solve_system(part);
-        take(x, y);
+        unpack(x, y);
         limits.apply(x, s, t);
         for (int q = 0; q < many; ++q) {
             t[q] = limits.bound(q) - t[q];
@@ -112,23 +112,23 @@ class InteriorPoint {
             for (double& value : values) value += 1.0 - std::min(lowest, 0.0);
     }
 
-    void take(std::vector<double>& points, std::vector<double>& multipliers) const {
+    void unpack(std::vector<double>& points, std::vector<double>& multipliers) const {
         for (int j = 0; j < n; ++j) points[j] = step[system.place(j)];
         for (int k = 0; k < m; ++k) multipliers[k] = step[system.tie(k)];
     }
 
-    // Residuals: of x and y in `rest`, of s in `drift`, of inequalities in `gap`.
+    // Residuals: of x and y in `residuals`, of s in `relaxation_residual`, of inequalities in `gap`.
     void measure() {
-        std::fill(rest.begin(), rest.end(), 0.0);
-        drift = limits.transpose(system, z, rest) + (p.relaxing ? 1.0 : 0.0);
+        std::fill(residuals.begin(), residuals.end(), 0.0);
+        relaxation_residual = limits.transpose(system, z, residuals) + (p.relaxing ? 1.0 : 0.0);
         largest = 0.0;
         for (int k = 0; k < m; ++k) {
             double lacking = -p.values[k];
             for (int d = 0; d < 4; ++d) {
-                rest[system.place(p.first[k] + d)] += p.shares[4 * k + d] * y[k];
+                residuals[system.place(p.first[k] + d)] += p.shares[4 * k + d] * y[k];
                 lacking += p.shares[4 * k + d] * x[p.first[k] + d];
             }
-            rest[system.tie(k)] = lacking;
+            residuals[system.tie(k)] = lacking;
             largest = std::max(largest, std::abs(y[k]));
         }
         if (!p.relaxing) {
@@ -141,19 +141,19 @@ class InteriorPoint {
             gap[q] += t[q] - limits.bound(q);
             primal = std::max(primal, std::abs(gap[q]));
         }
-        for (int k = 0; k < m; ++k) primal = std::max(primal, std::abs(rest[system.tie(k)]));
-        for (int j = 0; j < n; ++j) dual = std::max(dual, std::abs(rest[system.place(j)]));
-        dual = std::max(dual, std::abs(drift));
+        for (int k = 0; k < m; ++k) primal = std::max(primal, std::abs(residuals[system.tie(k)]));
+        for (int j = 0; j < n; ++j) dual = std::max(dual, std::abs(residuals[system.place(j)]));
+        dual = std::max(dual, std::abs(relaxation_residual));
     }
 
     // Whether multipliers prove that nothing keeps all limits (Farkas, 1902): for whatever does,
-    // 0 <= z' (h - G x) + y' (values - A x) = z' h + y' values - (G' z + A' y)' x, of which x is bounded.
+    // 0 <= z' (h - G x) + y' (values - A x) = z' h + y' values - (G' z + A' y)' x, and x lies between lower and upper.
     bool contradicts() const {
         double most = 0.0;
         for (int q = 0; q < many; ++q) most += limits.bound(q) * z[q];
         for (int k = 0; k < m; ++k) most += p.values[k] * y[k];
         for (int j = 0; j < n; ++j)
-            most += std::abs(rest[system.place(j)]) * std::max(std::abs(p.lower[j]), std::abs(p.upper[j]));
+            most += std::abs(residuals[system.place(j)]) * std::max(std::abs(p.lower[j]), std::abs(p.upper[j]));
         return most < 0.0;
     }
 
@@ -167,7 +167,7 @@ class InteriorPoint {
                 if (j >= d) sum += diagonal[j - d * n] * x[j - d];
                 if (j + d < n) sum += diagonal[j + d - d * n] * x[j + d];
             }
-            rest[system.place(j)] += sum;
+            residuals[system.place(j)] += sum;
         }
     }
 
@@ -188,13 +188,13 @@ class InteriorPoint {
                 across[q] = weights[q] * gap[q];
                 if (weights[q] > 0.0) off = std::max(off, std::abs(gap[q]));
             }
-            for (int i = 0; i < m; ++i) off = std::max(off, std::abs(rest[system.tie(i)]));
+            for (int i = 0; i < m; ++i) off = std::max(off, std::abs(residuals[system.tie(i)]));
             if (off <= POLISH) break;
             std::fill(right.begin(), right.end(), 0.0);
             limits.transpose(system, across, right);
-            for (int i = 0; i < system.size(); ++i) right[i] = -right[i] - rest[i];
+            for (int i = 0; i < system.size(); ++i) right[i] = -right[i] - residuals[i];
             system.solve(right, step);
-            take(dx, dy);
+            unpack(dx, dy);
             limits.apply(dx, 0.0, away);
             for (int j = 0; j < n; ++j) x[j] += dx[j];
             for (int i = 0; i < m; ++i) y[i] += dy[i];
@@ -246,7 +246,7 @@ class InteriorPoint {
         });
         for (int j = 0; j < n; ++j) system.line(j)[system.place(j)] += weights[2 * rows + j] + weights[2 * rows + n + j];
         system.factorise();
-        if (p.relaxing) system.solve(border, solved);
+        if (p.relaxing) system.solve(border, border_solution);
     }
 
     // Solves for `right` into `step`; returns the part of s, whose right side is given.
@@ -256,24 +256,24 @@ class InteriorPoint {
         double above = wanted, below = corner;
         for (int j = 0; j < n; ++j) {
             above -= border[system.place(j)] * step[system.place(j)];
-            below -= border[system.place(j)] * solved[system.place(j)];
+            below -= border[system.place(j)] * border_solution[system.place(j)];
         }
         const double part = above / below;
-        for (int i = 0; i < system.size(); ++i) step[i] -= part * solved[i];
+        for (int i = 0; i < system.size(); ++i) step[i] -= part * border_solution[i];
         return part;
     }
 
     // Newton's step towards products t z of `target`; with what the last step left out, where that is known.
-    void aim(double target, bool corrected) {
+    void find_direction(double target, bool corrected) {
         for (int q = 0; q < many; ++q) {
             const double product = t[q] * z[q] + (corrected ? dt[q] * dz[q] : 0.0) - target;
             across[q] = (z[q] * gap[q] - product) * inverse[q];
         }
         std::fill(right.begin(), right.end(), 0.0);
         const double part = limits.transpose(system, across, right);
-        for (int i = 0; i < system.size(); ++i) right[i] = -right[i] - rest[i];
-        ds = solve_system(-part - drift);
-        take(dx, dy);
+        for (int i = 0; i < system.size(); ++i) right[i] = -right[i] - residuals[i];
+        ds = solve_system(-part - relaxation_residual);
+        unpack(dx, dy);
         limits.apply(dx, ds, away);
         for (int q = 0; q < many; ++q) {
             dt[q] = -gap[q] - away[q];
@@ -314,8 +314,8 @@ class InteriorPoint {
     Point best;  // the last one that is good enough
     std::vector<double> x, y, dx, dy;
     std::vector<double> t, z, gap, dt, dz, away, across, inverse, weights;  // (many,)
-    std::vector<double> right, step, border, solved, rest;  // (n + m,) in the places of the band
-    double s = 0.0, ds = 0.0, corner = 1.0, drift = 0.0, primal = 0.0, dual = 0.0, largest = 0.0;
+    std::vector<double> right, step, border, border_solution, residuals;  // (n + m,) in the places of the band
+    double s = 0.0, ds = 0.0, corner = 1.0, relaxation_residual = 0.0, primal = 0.0, dual = 0.0, largest = 0.0;
     bool impossible = false;
 };
 
