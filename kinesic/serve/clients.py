@@ -9,7 +9,7 @@ from kinesic.bml.block import NoticeType
 from kinesic.realizer.request import Message
 from kinesic.serve.desk.asker import Asker
 from kinesic.serve.messages import Restyling
-from kinesic.serve.queues import OutputQueue
+from kinesic.serve.queues import OutputQueue, UnreadMemory
 from kinesic.serve.session import Session
 from kinesic.serve.wire.origin import Access
 from kinesic.serve.wire.protocol import (
@@ -82,6 +82,7 @@ class ClientRegistry:
         self.rules, self.access = rules, access
         self._clients: dict[int, ConnectedClient] = {}
         self._taken = 0  # places
+        self._unread = UnreadMemory(rules.unread_bytes_of_all)
         self._numbers = count(1)
         self.session = session(self)
 
@@ -101,7 +102,7 @@ class ClientRegistry:
             bucket=TokenBucket(rate, burst),
             questions=TokenBucket(DRAGGED * rate, DRAGGED * burst),
             excess=TokenBucket(rate, EXCESS * burst),
-            output=OutputQueue(self.rules.unread, self.rules.unread_bytes),
+            output=OutputQueue(self.rules.unread, self.rules.unread_bytes, self._unread),
             movable=movable,
         )
         self._clients[client.number] = client
@@ -118,7 +119,7 @@ class ClientRegistry:
         """Forgets a client that is gone; its blocks are performed all the same."""
         if self._clients.pop(client.number, None) is not None:
             self._taken -= client.placed
-        client.output.end()
+        client.output.discard()
 
     def is_token(self, token: str | None) -> bool:
         """Whether a client's token is right."""

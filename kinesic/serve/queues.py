@@ -55,13 +55,43 @@ class FairQueue:
         return found
 
 
+class UnreadMemory:
+    """Bounds the memory that the messages of all clients take: whoever has most to read loses the oldest of it."""
+
+    def __init__(self, most_bytes: int) -> None:
+        """Begins empty, for so many bytes."""
+        self._most_bytes = most_bytes
+        self._queues: set[OutputQueue] = set()  # that hold messages
+        self.bytes = 0  # that are taken
+
+    def take(self, queue: "OutputQueue", size: int) -> None:
+        """Counts so many bytes more of a queue; others or itself may lose messages for that, unless all are lost."""
+        while self._queues and self.bytes + size > self._most_bytes:
+            max(self._queues, key=lambda each: each.bytes).drop()
+        self._queues.add(queue)
+        self.bytes += size
+
+    def release(self, queue: "OutputQueue", size: int) -> None:
+        """Counts so many bytes of a queue no longer; call it after they are gone."""
+        self.bytes -= size
+        if not queue:
+            self._queues.discard(queue)
+
+
 class OutputQueue:
     """Messages to a client, in order; a full one loses its oldest syncPointProgress, or else its oldest message."""
 
-    def __init__(self, most: int, most_bytes: int) -> None:
-        """Begins empty, for so many messages at most, or one that takes more bytes of memory than they may."""
+    def __init__(self, most: int, most_bytes: int, memory: UnreadMemory) -> None:
+        """Begins empty.
+
+        Args:
+            most: messages.
+            most_bytes: of memory that they take, unless a single one takes more.
+            memory: that the queues of all clients share.
+        """
         self._most, self._most_bytes, self._lost, self._ended = most, most_bytes, 0, False
-        self._bytes = 0
+        self.bytes = 0
+        self._memory = memory
         self._messages: deque[str] = deque()
         self._news = Event()
 
@@ -73,26 +103,43 @@ class OutputQueue:
         if self._ended:
             return
         size = getsizeof(message)
-        while self._messages and (len(self._messages) == self._most or self._bytes + size > self._most_bytes):
-            minor = next((k for k, each in enumerate(self._messages) if each.startswith(MINOR)), 0)
-            self._bytes -= getsizeof(self._messages[minor])
-            del self._messages[minor]
-            self._lost += 1
+        while self._messages and (len(self._messages) == self._most or self.bytes + size > self._most_bytes):
+            self.drop()
+        self._memory.take(self, size)
         self._messages.append(message)
-        self._bytes += size
+        self.bytes += size
         self._news.set()
+
+    def drop(self) -> None:
+        """Loses the oldest syncPointProgress, or else the oldest message."""
+        self._remove(next((k for k, each in enumerate(self._messages) if each.startswith(MINOR)), 0))
+        self._lost += 1
 
     def end(self) -> None:
         """Takes no further message; what is here may still be taken."""
         self._ended = True
         self._news.set()
 
+    def discard(self) -> None:
+        """Ends it, and forgets what nobody will read."""
+        while self._messages:
+            self._remove(0)
+        self.end()
+
+    def _remove(self, index: int) -> str:
+        message = self._messages[index]
+        del self._messages[index]
+        size = getsizeof(message)
+        self.bytes -= size
+        self._memory.release(self, size)
+        return message
+
     async def take(self) -> str | None:
         """Waits for the next message; None when there will be none.
 
         After messages were lost the first one says how many.
         """
-        while not self._messages:
+        while not self._messages and not self._lost:
             if self._ended:
                 return None
             self._news.clear()
@@ -101,6 +148,4 @@ class OutputQueue:
             lost, self._lost = self._lost, 0
             text = f"rule unread: {lost} messages were dropped, because they were not read in time"
             return warning(Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, NOBODY, text))
-        message = self._messages.popleft()
-        self._bytes -= getsizeof(message)
-        return message
+        return self._remove(0)

@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinesic.realizer.request import Message
-from kinesic.serve.queues import MINOR, FairQueue, OutputQueue
+from kinesic.serve.queues import MINOR, FairQueue, OutputQueue, UnreadMemory
 
 
 def waiting(sender, text=b""):
@@ -63,14 +63,14 @@ async def _messages(queue):
 
 
 def test_messages_come_in_order():
-    queue = OutputQueue(3, 100_000)
+    queue = OutputQueue(3, 100_000, UnreadMemory(100_000))
     for message in "abc":
         queue.put(message)
     assert drained(queue) == ["a", "b", "c"]
 
 
 def test_of_too_many_the_oldest_minor_ones_go_first_and_the_loss_is_told():
-    queue = OutputQueue(3, 100_000)
+    queue = OutputQueue(3, 100_000, UnreadMemory(100_000))
     for message in ("first", f"{MINOR} 1", f"{MINOR} 2", "second", "third", "fourth"):
         queue.put(message)
     told, *left = drained(queue)
@@ -79,14 +79,17 @@ def test_of_too_many_the_oldest_minor_ones_go_first_and_the_loss_is_told():
 
 
 def test_it_never_holds_more_than_it_may():
-    queue = OutputQueue(5, 100_000)
+    queue = OutputQueue(5, 100_000, UnreadMemory(100_000))
     for number in range(1000):
         queue.put(str(number))
     assert len(queue) == 5
 
 
 def test_it_never_takes_more_memory_than_it_may():
-    queue, document = OutputQueue(512, 1_000_000), "\U0001f600" + "x" * 49_999  # 200 kB in memory
+    queue, document = (
+        OutputQueue(512, 1_000_000, UnreadMemory(1_000_000)),
+        "\U0001f600" + "x" * 49_999,
+    )  # 200 kB in memory
     for number in range(100):
         queue.put(document + str(number))
     assert len(queue) == 4
@@ -96,7 +99,7 @@ def test_it_never_takes_more_memory_than_it_may():
 
 
 def test_a_message_that_is_larger_than_all_may_be_is_kept_alone():
-    queue = OutputQueue(5, 1000)
+    queue = OutputQueue(5, 1000, UnreadMemory(1000))
     queue.put("small")
     queue.put("x" * 2000)
     assert drained(queue)[1:] == ["x" * 2000]
@@ -104,7 +107,7 @@ def test_a_message_that_is_larger_than_all_may_be_is_kept_alone():
 
 def test_one_that_waits_gets_what_comes():
     async def both():
-        queue = OutputQueue(2, 100_000)
+        queue = OutputQueue(2, 100_000, UnreadMemory(100_000))
         waiting = asyncio.create_task(queue.take())
         await asyncio.sleep(0)
         queue.put("late")
@@ -114,7 +117,34 @@ def test_one_that_waits_gets_what_comes():
 
 
 def test_nothing_goes_in_after_the_end():
-    queue = OutputQueue(2, 100_000)
+    queue = OutputQueue(2, 100_000, UnreadMemory(100_000))
     queue.end()
     queue.put("a")
     assert drained(queue) == []
+
+
+def test_all_clients_together_take_no_more_memory_than_they_may_and_who_has_most_to_read_loses():
+    memory = UnreadMemory(1_000_000)
+    slow, quick = OutputQueue(512, 900_000, memory), OutputQueue(512, 900_000, memory)
+    quick.put("kept")
+    for number in range(17):
+        slow.put("x" * 49_000 + str(number))
+    others = [OutputQueue(512, 900_000, memory) for _ in range(20)]
+    for queue in others:
+        queue.put("y" * 49_000)
+        assert memory.bytes <= 1_000_000
+    assert drained(quick) == ["kept"]
+    told, *_ = drained(slow)
+    assert "17 messages were dropped" in told
+    assert sum(map(len, others)) >= 19
+
+
+def test_a_client_that_leaves_gives_its_memory_back():
+    memory = UnreadMemory(100_000)
+    gone, here = OutputQueue(512, 100_000, memory), OutputQueue(512, 100_000, memory)
+    gone.put("x" * 90_000)
+    gone.discard()
+    assert memory.bytes == 0
+    here.put("y" * 90_000)
+    assert drained(here) == ["y" * 90_000]
+    assert memory.bytes == 0

@@ -23,6 +23,7 @@ class Quotas:
     fragments: int = 1000  # WebSocket frames of one client at once, and half as many a second in the long run
     unread: int = 512  # messages that wait for one client to read them
     unread_bytes: int = 8_000_000  # [bytes] of memory that they take
+    unread_bytes_of_all: int = 64_000_000  # [bytes] of memory that the messages to all clients take
     patience: float = 10.0  # [s] for a token, for the rest of a message, for a client that does not read
     planning: float = 10.0  # [s] that planning one block may take
 
