@@ -58,7 +58,7 @@ def show_gesture(lexeme: str, lexicon: Path | None) -> int:
     known = Lexicon.load(lexicon)
     match = _found(lexeme, known)
     form = match.form
-    how = match.substitute or (f"a synonym of {form.id}" if match.kind == "synonym" else "")
+    how = match.substitute or (f"{lexeme} is a synonym" if match.kind == "synonym" else "")
     tempo = "" if form.tempo == "neutral" else f", {form.tempo}"
     click.echo(printable(f"{form.id} ({form.category}{tempo}){', ' + how if how else ''}"))
     sense = known.sense(form)

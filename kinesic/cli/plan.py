@@ -1,14 +1,15 @@
 """`kinesic plan`: one document as a motion in a file, or as a timeline on the screen; nothing moves."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import click
 from rich.console import Console
 from rich.table import Table
 
-from kinesic.bml.block import Behaviour, Block, BmlError, Speech
+from kinesic.bml.block import Behaviour, Block, BmlError, Gesture, Speech
 from kinesic.bml.parse import parse
+from kinesic.body.robot import SIDES, Side
 from kinesic.cli.options import Planning, read_input
 from kinesic.cli.plain_words import printable, printable_xml
 from kinesic.cli.progress import show_stages
@@ -30,6 +31,12 @@ from kinesic.report.labels import label
 
 ENDS = ("start", "end")  # sync points that have a column
 WORDS = 30  # letters of what is said
+HANDS: Mapping[tuple[Side, ...], str] = {
+    (): "",
+    ("l",): ", left hand",
+    ("r",): ", right hand",
+    ("l", "r"): ", both hands",
+}
 TEXT = ".txt"  # of a file with plain text, for which BML is written
 
 
@@ -142,7 +149,7 @@ def print_timeline(planned: Plan, lags: Sequence[StrokeLag], screen: Console) ->
         shown = [sync for sync in syncs if sync.sync not in ENDS or _is_moved(sync)]
         between = ", ".join(_point(sync, tied.get((name, sync.sync))) for sync in shown)
         times = (f"{syncs[0].planned:.2f}", f"{syncs[-1].planned:.2f}")
-        table.add_row(*times, *map(quote_text, (name, _does(known[name]), between)))
+        table.add_row(*times, *map(quote_text, (name, _does(known[name], planned), between)))
     if rows:
         screen.print(table)
 
@@ -157,9 +164,18 @@ def _is_moved(sync: SyncTime) -> bool:
     return abs(sync.planned - sync.asked) > SHIFT_TO_WARN
 
 
-def _does(behaviour: Behaviour) -> str:
-    """What a behaviour is and does; of a speech, its words."""
-    if not isinstance(behaviour.action, Speech):
-        return f"{behaviour.type} {label(behaviour)}"
-    words = " ".join(behaviour.action.script.text.split())
-    return f'"{words}"' if len(words) <= WORDS else f'"{words[:WORDS]}..."'
+def _does(behaviour: Behaviour, planned: Plan) -> str:
+    """What a behaviour is and does; of a gesture the entry of the lexicon and the hands, of a speech its words."""
+    match behaviour.action:
+        case Speech(script):
+            words = " ".join(script.text.split())
+            return f'"{words}"' if len(words) <= WORDS else f'"{words[:WORDS]}..."'
+        case Gesture(lexeme, mode):
+            asked = f"{behaviour.type} {label(behaviour)}"
+            used = planned.keyframes.uses.get(behaviour.id, frozenset())
+            hands = tuple(side for side in SIDES if f"{side}_hand" in used)
+            found = planned.setup.lexicon.find(lexeme, mode) if hands else None
+            entry = "" if found is None or found.form.id == lexeme.lower() else f" as {found.form.id}"
+            return f"{asked}{entry}{HANDS[hands]}"
+        case _:
+            return f"{behaviour.type} {label(behaviour)}"

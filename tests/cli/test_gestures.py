@@ -43,7 +43,7 @@ def test_a_gesture_is_shown_with_words_shapes_and_paths(kinesic, tmp_path):
     shown = kinesic("gestures", "show", "swirl", "--lexicon", "own.toml")
     assert shown.code == 0
     assert shown.out.startswith(
-        "own (emotion), a synonym of own\nThe fist circles.\nmeanings: swirl, own\nsynonyms: swirl\n"
+        "own (emotion), swirl is a synonym\nThe fist circles.\nmeanings: swirl, own\nsynonyms: swirl\n"
     )
     assert "circle" in shown.out
     assert "fist" in shown.out

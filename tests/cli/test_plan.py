@@ -26,6 +26,16 @@ def test_it_prints_a_timeline_and_writes_nothing(kinesic, tmp_path: Path):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_gestures_are_shown_with_the_entry_that_stands_for_their_name_and_their_hands(kinesic):
+    named = ("LHandOnHip_Motex", "this_index_RH", "applause", "NOD")
+    asked = "".join(f'<gesture id="g{k}" lexeme="{name}" start="{4 * k}"/>' for k, name in enumerate(named))
+    words = " ".join(kinesic("plan", "-", stdin=BLOCK.format(asked).encode()).out.split())
+    assert "gesture LHandOnHip_Motex as hand_on_hip, left hand ready" in words
+    assert "gesture this_index_RH as this_index, right hand ready" in words
+    assert "gesture applause, both hands ready" in words
+    assert "gesture NOD ready" in words, "it is done by the head"
+
+
 def test_sync_points_that_move_say_when_they_were_asked(kinesic):
     ended = kinesic("plan", "-", stdin=TALK)
     moved = re.findall(r"(\w+) (-?[\d.]+) \(asked ([\d.]+)\)", " ".join(ended.out.split()))
