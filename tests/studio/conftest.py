@@ -58,7 +58,7 @@ def studio(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
         pytest.skip("no Chromium: apt-get install chromium")
     folder, setup = tmp_path_factory.mktemp("documents"), set_up()
     files = page_files(setup.robot, setup.lexicon)
-    make_setup = replace(StudioPlanning.of(Planning("upper22", "neutral", {})), folder=folder).set_up
+    make_setup = replace(StudioPlanning.of(Planning("upper22", "neutral", {"voice": "auto"})), folder=folder).set_up
     with running(Quotas(), files=files, folder=folder, make_setup=make_setup) as server:
         url = f"http://localhost:{server.port}/"
         with opened(url, tmp_path_factory.mktemp("profile"), *SOFTWARE) as page:

@@ -79,6 +79,39 @@ def test_a_stroke_that_is_dragged_onto_a_word_is_tied_to_it_and_can_be_undone(st
     assert studio.state("text") == marked
 
 
+def test_the_voice_is_seen_and_heard_from_where_it_is_played_and_goes_before_the_clock(studio: Studio):
+    studio.write(WORDS)
+    if not studio.page.value("document.querySelector('.voice svg') !== null"):
+        pytest.skip("no voice is heard here: espeak is not installed")
+    outline = studio.page.value("document.querySelector('.voice path').getAttribute('d')")
+    assert len(outline.split("L")) > 2 * 50 * 0.9 * studio.state("draft")["words"][-1]["end"]
+    studio.page.click("#play")
+    studio.until("s.heard !== null && s.heard > 0.2")
+    assert abs(studio.state("time") - studio.state("heard")) < 0.25
+    studio.page.click("#play")
+    assert studio.state("heard") is None
+    studio.page.click("#voice")
+    studio.page.click("#play")
+    studio.until("s.time > 0.1")
+    assert studio.state("heard") is None
+    studio.page.click("#play")
+    studio.page.click("#voice")
+
+
+def test_a_performance_is_exported_to_the_browser(studio: Studio, tmp_path):
+    studio.write(WORDS)
+    studio.page.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(tmp_path))
+    menu = "document.querySelector('#export')"
+    studio.page.value(f"{menu}.value = 'csv', {menu}.dispatchEvent(new Event('change'))")
+    end, file = monotonic() + PATIENCE, tmp_path / "doc.csv"
+    while not file.exists():
+        assert monotonic() < end, "nothing was downloaded"
+        sleep(0.05)
+    rows = file.read_text().splitlines()
+    assert rows[0].startswith("time_s,")
+    assert float(rows[-1].split(",")[0]) == pytest.approx(studio.state("draft")["duration"], abs=0.5), "it ends at rest"
+
+
 def test_a_manner_is_set_of_the_chosen_behaviour(studio: Studio):
     studio.write(WORDS)
     studio.page.click('[data-row="g"] .name')

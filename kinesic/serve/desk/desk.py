@@ -6,13 +6,14 @@ from pathlib import Path
 
 from kinesic.planning.setup import Setup
 from kinesic.serve.desk.asker import Asker
-from kinesic.serve.desk.drafter import DraftQuestion, answer_draft, unanswered_draft
+from kinesic.serve.desk.drafter import ClientQuestion, DraftQuestion, answer_draft, unanswered_draft
 from kinesic.serve.desk.helper import Helper, Unanswered
 from kinesic.serve.desk.keeper import DocumentKeeper
 from kinesic.serve.desk.reach import answer_reach, unanswered_reach
 from kinesic.serve.desk.watches import Watches
 from kinesic.serve.loop import Loop
 from kinesic.serve.wire.questions import (
+    ExportQuestion,
     GestureQuestion,
     OpenRequest,
     PlanQuestion,
@@ -63,6 +64,8 @@ class Desk:
             case PlanQuestion() | GestureQuestion():
                 self.drafter.ask(asker.number, question, partial(self._tell_draft, asker, question))
                 self._reacher.warm_up()  # whoever writes may drag a hand soon
+            case ExportQuestion():
+                self.drafter.ask(asker.number, question, partial(self._tell_draft, asker, question), kind="export")
             case WatchRequest(rate):
                 self._watches.set(asker, rate)
             case SaveRequest() | OpenRequest():
@@ -78,5 +81,5 @@ class Desk:
     def _tell_reach(self, asker: Asker, question: ReachQuestion, found: str | Unanswered) -> None:
         asker.send(unanswered_reach(question, found) if isinstance(found, Unanswered) else found)
 
-    def _tell_draft(self, asker: Asker, question: PlanQuestion | GestureQuestion, found: str | Unanswered) -> None:
+    def _tell_draft(self, asker: Asker, question: ClientQuestion, found: str | Unanswered) -> None:
         asker.send(unanswered_draft(question, found, self._rules) if isinstance(found, Unanswered) else found)

@@ -10,6 +10,7 @@ import numpy as np
 from kinesic.bml.block import BmlError, Bounds
 from kinesic.bml.parse import parse
 from kinesic.body.config import ConfigError
+from kinesic.controller.soundtrack import sound
 from kinesic.planning.captions import captions
 from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.setup import Setup
@@ -35,14 +36,24 @@ def draft(bml: str, changes: tuple[str, ...], setup: Setup, *, bounds: Bounds, l
         What docs/serve.md says of `plan`; for a document that is refused, the error and its place.
     """
     try:
-        known = replace(setup, style=setup.style.changed(changes))
-        block = parse(bml, source=SOURCE, dialect=known.dialect, performer=known.character, bounds=bounds)
-        planned = plan_block(block, known)
+        return draft_of(plan_draft(bml, changes, setup, bounds=bounds, longest=longest))
     except (BmlError, ConfigError) as error:
-        return {"error": _error(str(error))}
+        return {"error": place_error(str(error))}
+
+
+def plan_draft(bml: str, changes: tuple[str, ...], setup: Setup, *, bounds: Bounds, longest: float) -> Plan:
+    """Plans a document that nobody performs; the arguments are those of `draft`.
+
+    Raises:
+        BmlError: the document is refused.
+        ConfigError: the style cannot be changed so.
+    """
+    known = replace(setup, style=setup.style.changed(changes))
+    block = parse(bml, source=SOURCE, dialect=known.dialect, performer=known.character, bounds=bounds)
+    planned = plan_block(block, known)
     if planned.duration > longest:
-        return {"error": {"line": 1, "column": 1, "text": f"lasts {planned.duration:.0f} s, at most {longest:g} s"}}
-    return draft_of(planned)
+        raise BmlError(f"{SOURCE}:1:1: lasts {planned.duration:.0f} s, at most {longest:g} s; send it in parts")
+    return planned
 
 
 def draft_of(planned: Plan) -> dict[str, Json]:
@@ -74,6 +85,7 @@ def draft_of(planned: Plan) -> dict[str, Json]:
         ],
         "words": list(_words(planned)),
         "phonemes": list(_phonemes(planned)),
+        "loudness": _loudness(planned),
         "notices": [
             {"type": each.type.value, "id": each.id, "text": each.text}
             for each in (*planned.timeline.notices, *planned.notices)
@@ -83,7 +95,8 @@ def draft_of(planned: Plan) -> dict[str, Json]:
     }
 
 
-def _error(text: str) -> dict[str, Json]:
+def place_error(text: str) -> dict[str, Json]:
+    """Finds line and column in what is said of an error."""
     found = PLACE.fullmatch(text)
     if found is None:
         return {"line": 1, "column": 1, "text": text}
@@ -105,3 +118,14 @@ def _phonemes(planned: Plan) -> Iterator[list[Json]]:
             begin = planned.trajectory.zero + timed.times["start"]
             for phoneme in utterance.phonemes:
                 yield [phoneme.symbol, round(begin + phoneme.start, 4)]
+
+
+def _loudness(planned: Plan) -> str:
+    """The largest sample in each row of the motion, 0..255 of the loudest, as base64; empty where nothing is heard."""
+    heard = sound(planned)
+    if heard is None:
+        return ""
+    rows = int(np.ceil(heard.duration * RATE))
+    begins = np.minimum(np.arange(rows) * heard.rate / RATE, len(heard.samples) - 1).astype(int)
+    peaks = np.maximum.reduceat(np.abs(heard.samples), begins)
+    return b64encode(np.round(255.0 * peaks / max(float(peaks.max()), 1e-9)).astype(np.uint8).tobytes()).decode()

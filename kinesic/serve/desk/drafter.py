@@ -1,18 +1,20 @@
 """What the process that drafts answers: what documents and gestures would become, and whether gestures may be kept."""
 
 import traceback
+from collections.abc import Mapping
 from dataclasses import dataclass
 
-from kinesic.bml.block import Bounds
+from kinesic.bml.block import BmlError, Bounds
 from kinesic.body.config import ConfigError
 from kinesic.planning.setup import Setup
-from kinesic.serve.desk.draft import Json, draft
+from kinesic.serve.desk.draft import Json, draft, place_error, plan_draft
+from kinesic.serve.desk.export import export
 from kinesic.serve.desk.gesture import draft_gesture, gesture_text
 from kinesic.serve.desk.gesture_file import find_fault
 from kinesic.serve.desk.helper import Unanswered
 from kinesic.serve.planner import DEFECTS
 from kinesic.serve.wire.protocol import json_answer
-from kinesic.serve.wire.questions import GestureQuestion, PlanQuestion
+from kinesic.serve.wire.questions import ExportQuestion, GestureQuestion, PlanQuestion
 from kinesic.serve.wire.quotas import Quotas
 
 SOUND = ""  # the answer to a file that may be kept
@@ -27,7 +29,9 @@ class FileQuestion:
     present: str | None  # what the file holds that it would replace; None: there is none
 
 
-DraftQuestion = PlanQuestion | GestureQuestion | FileQuestion
+ClientQuestion = PlanQuestion | ExportQuestion | GestureQuestion
+DraftQuestion = ClientQuestion | FileQuestion
+TELLS: Mapping[type[ClientQuestion], str] = {PlanQuestion: "plan", ExportQuestion: "export", GestureQuestion: "gesture"}
 
 
 def answer_draft(question: DraftQuestion, setup: Setup, rules: Quotas) -> str:
@@ -42,7 +46,7 @@ def answer_draft(question: DraftQuestion, setup: Setup, rules: Quotas) -> str:
         return why if isinstance(question, FileQuestion) else _written(question, _failure(why))
 
 
-def unanswered_draft(question: PlanQuestion | GestureQuestion, why: Unanswered, rules: Quotas) -> str:
+def unanswered_draft(question: ClientQuestion, why: Unanswered, rules: Quotas) -> str:
     """Answers a question that was not drafted."""
     if why is Unanswered.OUTDATED:
         return _written(question, {"outdated": True})
@@ -54,11 +58,17 @@ def took_too_long(rules: Quotas) -> str:
     return f"planning failed, or took longer than {rules.planning:g} s; send something simpler"
 
 
-def _draft(question: PlanQuestion | GestureQuestion, setup: Setup, rules: Quotas) -> dict[str, Json]:
+def _draft(question: ClientQuestion, setup: Setup, rules: Quotas) -> dict[str, Json]:
+    bounds = Bounds(rules.message, rules.depth)
     match question:
         case PlanQuestion(bml, changes):
-            bounds = Bounds(rules.message, rules.depth)
             return draft(bml, changes, setup, bounds=bounds, longest=rules.duration)
+        case ExportQuestion(bml, format_, changes):
+            try:
+                planned = plan_draft(bml, changes, setup, bounds=bounds, longest=rules.duration)
+                return {"name": f"{planned.timeline.block.id}.{format_}", "data": export(planned, format_)}
+            except (BmlError, ConfigError) as error:
+                return {"error": place_error(str(error))}
         case GestureQuestion(str(toml), None, changes):
             return draft_gesture(toml, changes, setup)
         case GestureQuestion(None, str(lexeme)):
@@ -69,8 +79,8 @@ def _draft(question: PlanQuestion | GestureQuestion, setup: Setup, rules: Quotas
     return _failure("give either toml or lexeme")
 
 
-def _written(question: PlanQuestion | GestureQuestion, found: dict[str, Json]) -> str:
-    return json_answer("plan" if isinstance(question, PlanQuestion) else "gesture", id=question.id, **found)
+def _written(question: ClientQuestion, found: dict[str, Json]) -> str:
+    return json_answer(TELLS[type(question)], id=question.id, **found)
 
 
 def _failure(text: str) -> dict[str, Json]:

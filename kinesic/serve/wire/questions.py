@@ -7,7 +7,10 @@ from msgspec import Meta, Struct
 Length = Annotated[float, Meta(ge=-10.0, le=10.0)]  # [m]
 Angle = Annotated[float, Meta(ge=-10.0, le=10.0)]  # [rad]
 Place = tuple[Length, Length, Length]  # in the world
-LONG_VERBS = frozenset({"plan", "gesture", "save"})  # whose messages carry documents, and may be as long as one
+Format = Literal["npz", "csv", "bap", "wav"]  # of a file: motion, voice
+LONG_VERBS = frozenset(
+    {"plan", "export", "gesture", "save"}
+)  # whose messages carry documents, and may be as long as one
 
 
 class ReachQuestion(Struct, tag="reach", tag_field="do", forbid_unknown_fields=True):
@@ -24,6 +27,15 @@ class PlanQuestion(Struct, tag="plan", tag_field="do", forbid_unknown_fields=Tru
 
     bml: str
     set: tuple[str, ...] = ()  # NAME=VALUE of the style, as the command line's --set
+    id: int = 0
+
+
+class ExportQuestion(Struct, tag="export", tag_field="do", forbid_unknown_fields=True):
+    """Asks for a document's performance as a file of another program."""
+
+    bml: str
+    format: Format
+    set: tuple[str, ...] = ()  # NAME=VALUE of the style
     id: int = 0
 
 
@@ -57,4 +69,4 @@ class OpenRequest(Struct, tag="open", tag_field="do", forbid_unknown_fields=True
     id: int = 0
 
 
-Question = ReachQuestion | PlanQuestion | GestureQuestion | WatchRequest | SaveRequest | OpenRequest
+Question = ReachQuestion | PlanQuestion | ExportQuestion | GestureQuestion | WatchRequest | SaveRequest | OpenRequest

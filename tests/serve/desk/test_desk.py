@@ -1,5 +1,6 @@
 """Questions of clients over the wire: answered to whoever asked, numbered, and within the rules."""
 
+import base64
 import json
 import os
 import signal
@@ -20,10 +21,15 @@ NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="n
 
 def told(client, what: str) -> dict:
     """The next answer of a kind."""
+    return told_any(client, {what})
+
+
+def told_any(client, kinds: set[str]) -> dict:
+    """The next answer of some kinds."""
     while True:
         message = client.receive(20)
         assert message is not None
-        if message.startswith("{") and json.loads(message)["told"] == what:
+        if message.startswith("{") and json.loads(message)["told"] in kinds:
             return json.loads(message)
 
 
@@ -46,6 +52,24 @@ def test_a_plan_is_answered_and_moves_nothing(server):
         assert (found["id"], found["block"], [each["id"] for each in found["behaviours"]]) == (3, "b", ["n"])
         other.do("status")
         assert told(other, "status")["state"] == "resting"
+
+
+def test_an_export_is_answered_beside_a_plan_and_says_what_is_wrong(server):
+    with server.client() as client:
+        client.do("export", bml=NOD, format="csv", id=4)
+        client.do("plan", bml=NOD, id=5)
+        found = {}
+        while len(found) < 2:
+            found |= {each["told"]: each for each in [told_any(client, {"export", "plan"})]}
+        assert (found["export"]["id"], found["export"]["name"]) == (4, "b.csv")
+        assert base64.b64decode(found["export"]["data"]).startswith(b"time_s,")
+        assert found["plan"]["id"] == 5
+        client.do("export", bml=NOD, format="wav", id=6)
+        assert "nothing is heard" in told(client, "export")["error"]["text"]
+        client.do("export", bml="<bml", format="csv", id=7)
+        assert told(client, "export")["error"]["line"] == 1
+        client.do("export", bml=NOD, format="../../x")
+        assert "format" in told(client, "refused")["why"]
 
 
 def test_a_drafter_that_dies_costs_one_answer(server):

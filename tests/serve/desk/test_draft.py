@@ -29,6 +29,17 @@ def test_a_draft_has_words_strokes_and_the_motion(upper22_setup):
     assert found["phonemes"] == sorted(found["phonemes"], key=lambda each: each[1])
 
 
+def test_a_draft_says_how_loud_its_voice_is_and_where(speaking_setup, upper22_setup):
+    found = draft(WORDS, (), speaking_setup, bounds=BOUNDS, longest=60.0)
+    peaks = np.frombuffer(b64decode(found["loudness"]), np.uint8)
+    assert peaks.max() == 255
+    begin, end = found["words"][0]["start"], found["words"][-1]["end"]
+    loud = np.flatnonzero(peaks > 25) / found["rate"]
+    assert begin - 0.05 <= loud[0] < begin + 0.3
+    assert end - 0.4 < loud[-1] <= end + 0.1
+    assert draft(WORDS, (), upper22_setup, bounds=BOUNDS, longest=60.0)["loudness"] == "", "nothing is heard"
+
+
 def test_a_refusal_says_where(upper22_setup):
     wrong = draft(WORDS.replace("s:m", "none:end"), (), upper22_setup, bounds=BOUNDS, longest=60.0)
     assert wrong["error"]["line"] == 3

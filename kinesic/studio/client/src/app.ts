@@ -2,22 +2,24 @@
 import { listen } from "./controls.ts";
 import { Documents } from "./documents.ts";
 import { byId } from "./dom.ts";
+import { Drafting } from "./drafting.ts";
 import { addGesture, alone, mark, remove, setAttribute, setManner, shift, tie } from "./edits.ts";
+import { Exports } from "./exports.ts";
 import { GestureEditing } from "./gesture_editing.ts";
 import { begin, change, type History, redo, undo } from "./history.ts";
 import { Inspector } from "./inspector.ts";
 import { strainOf } from "./live.ts";
 import { Motion } from "./motion.ts";
 import { fillMenus, showClock, showNotices } from "./panels.ts";
-import { Player } from "./player.ts";
+import { Playback } from "./playback.ts";
 import { Reaching } from "./reaching.ts";
 import { Robot } from "./robot.ts";
 import { type Drag, Stage } from "./stage.ts";
 import { TextPane } from "./text.ts";
 import { anchorOf, type Moved, Timeline } from "./timeline.ts";
-import type { About, Draft, Fault, GestureDraft, Reached } from "./types.ts";
+import type { About, Draft, GestureDraft, Reached } from "./types.ts";
+import type { Answer } from "./wire.ts";
 
-const IDLE = 150; // [ms] after the last change, when a document is planned
 const ALONE = "g"; // the behaviour that plays a gesture which is being written
 
 class App {
@@ -25,7 +27,8 @@ class App {
   private readonly robot: Robot;
   private readonly text: TextPane;
   private readonly timeline: Timeline;
-  private readonly player: Player;
+  private readonly playback: Playback;
+  private readonly drafting: Drafting;
   private readonly reaching: Reaching;
   private readonly inspector: Inspector;
   private readonly editing: GestureEditing;
@@ -34,8 +37,6 @@ class App {
   private draft: Draft | null = null;
   private motion: Motion | null = null;
   private chosen: string | null = null;
-  private timer = 0;
-  private asked = 0;
   private planned = 0; // drafts that were shown
   private mode: "plan" | "robot" = "plan";
   private name = "untitled.bml";
@@ -48,16 +49,29 @@ class App {
       drop: (drag) => this.drop(drag),
     });
     this.text = new TextPane((text) => this.edit(text, true));
-    this.player = new Player((time) => this.showAt(time));
     this.timeline = new Timeline(byId("rows"), {
       moved: (moved) => this.move(moved),
-      seek: (time) => this.player.seek(time),
+      seek: (time) => this.playback.player.seek(time),
       choose: (id) => this.choose(id),
     });
     this.robot = new Robot(about.robot, {
       opened: () => this.connected(),
       changed: () => this.enable(),
       moved: () => this.mode === "robot" && this.redraw(),
+    });
+    const exports = new Exports(this.robot.wire, (text) => this.robot.live.say(text));
+    exports.listen(() => this.document);
+    this.playback = new Playback(
+      exports,
+      () => this.document,
+      (time) => this.showAt(time),
+    );
+    this.drafting = new Drafting(() => this.ask(), {
+      drafted: (draft) => this.show(draft),
+      failed: (fault) => {
+        this.text.mark(fault);
+        showNotices([{ type: "", id: `line ${fault.line}, column ${fault.column}`, text: fault.text }]);
+      },
     });
     this.reaching = new Reaching(
       about.robot,
@@ -74,7 +88,7 @@ class App {
       edit: (text) => this.edit(text),
       open: (name, text) => this.open(name, text),
       insert: (id) => this.insert(id),
-      seek: (time) => this.player.seek(time),
+      seek: (time) => this.playback.player.seek(time),
       say: (text) => this.robot.live.say(text),
     });
     this.documents = new Documents(this.robot.wire, {
@@ -107,8 +121,8 @@ class App {
     this.editing.begin(this.isGesture);
     this.text.show(text);
     this.become("plan");
-    this.player.seek(0);
-    void this.plan();
+    this.playback.player.seek(0);
+    void this.drafting.now();
   }
 
   private edit(text: string, typed = false): void {
@@ -120,34 +134,26 @@ class App {
     this.history = history;
     if (!typed) this.text.show(history.present);
     this.text.mark(null);
-    clearTimeout(this.timer);
-    this.timer = window.setTimeout(() => void this.plan(), IDLE);
+    this.drafting.later();
     this.enable();
   }
 
-  /** Asks what the document becomes; an answer that is outdated is dropped. */
-  private async plan(): Promise<void> {
+  private ask(): Promise<Answer | null> {
     this.enable();
-    const asked = ++this.asked;
+    if (!this.isGesture) return this.robot.wire.ask("plan", { bml: this.document });
     const set = [...this.editing.manner].map(([name, value]) => `${name}=${value}`);
-    const answer = this.isGesture
-      ? await this.robot.wire.ask("gesture", { toml: this.document, set })
-      : await this.robot.wire.ask("plan", { bml: this.document });
-    if (!answer || asked !== this.asked || answer.outdated) return;
-    const fault = answer.error as Fault | undefined;
-    this.text.mark(fault ?? null);
-    if (fault) showNotices([{ type: "", id: `line ${fault.line}, column ${fault.column}`, text: fault.text }]);
-    else this.show(answer as unknown as Draft);
+    return this.robot.wire.ask("gesture", { toml: this.document, set });
   }
 
   private show(draft: Draft): void {
+    this.text.mark(null);
     this.draft = draft;
     this.motion = new Motion(draft, this.about.robot.hinges.length);
-    this.player.duration = draft.duration;
+    this.playback.player.duration = draft.duration;
     this.planned += 1;
     this.timeline.show(draft, this.chosen);
     showNotices(draft.notices);
-    this.player.seek(Math.min(this.player.time, draft.duration));
+    this.playback.player.seek(Math.min(this.playback.player.time, draft.duration));
     if ("keys" in draft) this.editing.show(draft as GestureDraft);
     this.inspect();
   }
@@ -167,12 +173,12 @@ class App {
     this.chosen = this.chosen === id ? null : id;
     if (this.draft) this.timeline.show(this.draft, this.chosen);
     if (this.chosen) this.text.find(this.chosen);
-    this.timeline.at(this.player.time);
+    this.timeline.at(this.playback.player.time);
     this.inspect();
   }
 
   private insert(lexeme: string): void {
-    const time = Math.max(0, this.player.time - (this.draft?.zero ?? 0));
+    const time = Math.max(0, this.playback.player.time - (this.draft?.zero ?? 0));
     if (this.isGesture) this.robot.live.say("open a document first: this is a gesture");
     else this.edit(addGesture(this.document, lexeme, time));
   }
@@ -184,7 +190,7 @@ class App {
     }
     if (value === null) this.editing.manner.delete(name);
     else this.editing.manner.set(name, value);
-    void this.plan();
+    void this.drafting.now();
   }
 
   private inspect(): void {
@@ -197,7 +203,7 @@ class App {
   // ---- the stage ----------------------------------------------------------------------------------------------
 
   private showAt(time: number): void {
-    showClock(time, this.player.duration, this.player.playing);
+    showClock(time, this.playback.player.duration, this.playback.player.playing);
     this.timeline.at(time);
     this.reaching.forget();
     this.redraw();
@@ -214,7 +220,7 @@ class App {
   /** The posture [rad] that is shown where no hand is dragged. */
   private posture(): readonly number[] {
     const report = this.mode === "robot" ? this.robot.report : null;
-    return report?.angles ?? this.motion?.at(this.player.time) ?? this.about.robot.rest;
+    return report?.angles ?? this.motion?.at(this.playback.player.time) ?? this.about.robot.rest;
   }
 
   private reached(found: Reached | null): void {
@@ -239,7 +245,7 @@ class App {
 
   private connected(): void {
     if (this.about.document) void this.documents.open(this.about.document);
-    else void this.plan();
+    else void this.drafting.now();
     this.about.document = null;
   }
 
@@ -250,7 +256,7 @@ class App {
   }
 
   private perform(): void {
-    this.player.play(false);
+    this.playback.player.play(false);
     if (this.isGesture && this.saved !== this.document) this.robot.live.say("save it first: then the robot knows it");
     else if (this.robot.ready && this.robot.wire.perform(this.performed)) this.become("robot");
   }
@@ -271,7 +277,7 @@ class App {
 
   private listen(): void {
     listen({
-      play: () => this.player.play(!this.player.playing),
+      play: () => void this.playback.toggle(Boolean(this.draft?.loudness)),
       perform: () => this.perform(),
       stop: () => this.robot.stop(),
       resume: () => this.robot.resume(),
@@ -281,11 +287,12 @@ class App {
       remove: () => this.chosen && this.edit(remove(this.document, this.chosen)),
       show: (mode) => this.become(mode),
       view: (view) => this.stage.view(view),
-      seek: (time) => this.player.seek(time),
+      seek: (time) => this.playback.player.seek(time),
       style: (style) => this.robot.wire.tell("style", { style }),
       loop: (on) => {
-        this.player.loops = on;
+        this.playback.player.loops = on;
       },
+      voice: (on) => this.playback.speak(on),
       list: () => void this.documents.list(),
       open: (kind, name) => {
         const example = this.about.examples.find((each) => each.name === name);
@@ -305,7 +312,8 @@ class App {
       planned: this.planned,
       drawn: this.stage.drawn,
       flat: this.stage.flat,
-      time: this.player.time,
+      time: this.playback.player.time,
+      heard: this.playback.voice.time,
       mode: this.mode,
       stopped: this.robot.stopped,
       left: this.stage.handAt("left"),

@@ -16,6 +16,7 @@ export interface Actions {
   seek(time: number): void;
   style(name: string): void;
   loop(on: boolean): void;
+  voice(on: boolean): void;
   list(): void;
   open(kind: string, name: string): void;
   unlock(token: string): void;
@@ -31,6 +32,8 @@ export function listen(actions: Actions): void {
   time.addEventListener("input", () => actions.seek(Number(time.value)));
   const loop = byId<HTMLInputElement>("loop");
   loop.addEventListener("change", () => actions.loop(loop.checked));
+  const voice = byId<HTMLInputElement>("voice");
+  voice.addEventListener("change", () => actions.voice(voice.checked));
   const style = byId<HTMLSelectElement>("style");
   style.addEventListener("change", () => actions.style(style.value));
   const menu = byId<HTMLSelectElement>("examples");

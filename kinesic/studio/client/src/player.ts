@@ -1,5 +1,14 @@
 // Plays a plan on the page alone: time goes on, and whoever listens shows that moment.
 
+/** What is heard meanwhile; its time goes before that of the page. */
+export interface Sound {
+  start(time: number): void;
+  scrub(time: number): void;
+  stop(): void;
+  /** Performance time [s] that is heard; null where nothing is. */
+  read(): number | null;
+}
+
 export class Player {
   time = 0;
   duration = 0;
@@ -7,10 +16,16 @@ export class Player {
   loops = false;
   private last = 0;
 
-  constructor(private readonly show: (time: number) => void) {}
+  constructor(
+    private readonly show: (time: number) => void,
+    private readonly sound: Sound,
+  ) {}
 
   seek(time: number): void {
+    const moved = time !== this.time;
     this.time = Math.min(Math.max(time, 0), this.duration);
+    if (this.playing) this.sound.start(this.time);
+    else if (moved) this.sound.scrub(this.time);
     this.show(this.time);
   }
 
@@ -20,18 +35,25 @@ export class Player {
     if (on && this.time >= this.duration) this.time = 0;
     this.last = performance.now();
     this.show(this.time);
-    if (begins) requestAnimationFrame((now) => this.tick(now));
+    if (begins) {
+      this.sound.start(this.time);
+      requestAnimationFrame((now) => this.tick(now));
+    } else if (!on) this.sound.stop();
   }
 
   private tick(now: number): void {
     if (!this.playing) return;
-    this.time += Math.max(0, now - this.last) / 1000;
+    this.time = Math.max(this.time, this.sound.read() ?? this.time + Math.max(0, now - this.last) / 1000);
     this.last = now;
-    if (this.time >= this.duration) {
-      this.time = this.loops ? 0 : this.duration;
-      this.playing = this.loops;
-    }
+    if (this.time >= this.duration) this.end();
     this.show(this.time);
     if (this.playing) requestAnimationFrame((next) => this.tick(next));
+  }
+
+  private end(): void {
+    this.time = this.loops ? 0 : this.duration;
+    this.playing = this.loops;
+    if (this.loops) this.sound.start(0);
+    else this.sound.stop();
   }
 }

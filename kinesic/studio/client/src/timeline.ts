@@ -2,6 +2,7 @@
 import { make } from "./dom.ts";
 import type { Anchor } from "./edits.ts";
 import type { Draft, Sync } from "./types.ts";
+import { drawWaveform } from "./waveform.ts";
 
 export interface Word {
   speech: string;
@@ -21,6 +22,8 @@ export interface Moved {
 
 const SNAP = 14; // [CSS pixels] from a word's beginning
 const LEAST = 48; // [CSS pixels] of a second: a long document is scrolled
+const MOST = 400; // [CSS pixels] of a second, however far it is zoomed in
+const READABLE = 130; // [CSS pixels] of a second, from which on phonemes stand apart
 const NUDGE = 0.05; // [s] of an arrow key
 const CORES = [
   ["strokeStart", "strokeEnd"],
@@ -51,6 +54,7 @@ export const anchorOf = (word: Word): Anchor => ({ speech: word.speech, mark: wo
 export class Timeline {
   private draft: Draft | null = null;
   private words: Word[] = [];
+  private scale = LEAST; // [CSS pixels] of a second, at least
   private readonly head = make("div", { class: "playhead" });
 
   constructor(
@@ -61,17 +65,37 @@ export class Timeline {
       const lane = (event.target as HTMLElement).closest(".lane");
       if (lane && event.target === lane) this.listener.seek(this.timeAt(event.clientX));
     });
+    place.addEventListener("wheel", (event) => event.ctrlKey && this.zoomAt(event), { passive: false });
+    new ResizeObserver(() => this.spread()).observe(place);
   }
 
   show(draft: Draft, chosen: string | null): void {
     this.draft = draft;
     this.words = wordsOf(draft);
-    const rows = [this.wordRow(), this.phonemeRow(draft), ...draft.behaviours.map((each) => this.row(each, chosen))];
+    const rows = [this.wordRow(), this.voiceRow(draft), ...draft.behaviours.map((each) => this.row(each, chosen))];
     const inner = make("div", { class: "inner" }, ...rows.filter((row) => row !== null), this.head);
-    inner.style.minWidth = `calc(var(--names) + ${Math.round(this.duration * LEAST)}px)`;
     const { scrollLeft, scrollTop } = this.place;
     this.place.replaceChildren(inner);
+    this.spread();
     this.place.scrollTo(scrollLeft, scrollTop);
+  }
+
+  /** Makes a second shorter or longer, about where the pointer is. */
+  private zoomAt(event: WheelEvent): void {
+    event.preventDefault();
+    const time = this.timeAt(event.clientX);
+    const now = this.lane().width / this.duration;
+    this.scale = Math.min(Math.max(now * Math.exp(-0.002 * event.deltaY), LEAST), MOST);
+    this.spread();
+    this.place.scrollLeft += ((time / this.duration) * this.lane().width + this.lane().left - event.clientX) | 0;
+  }
+
+  /** Gives a second its length. */
+  private spread(): void {
+    const inner = this.place.querySelector<HTMLElement>(".inner");
+    if (!inner) return;
+    inner.style.minWidth = `calc(var(--names) + ${Math.round(this.duration * this.scale)}px)`;
+    inner.classList.toggle("dense", this.lane().width / this.duration < READABLE);
   }
 
   /** Shows the moment [s]. */
@@ -112,15 +136,20 @@ export class Timeline {
     return make("div", { class: "row said" }, make("span", { class: "name" }, "words"), lane);
   }
 
-  private phonemeRow(draft: Draft): HTMLElement | null {
-    if (!draft.phonemes.length) return null;
-    const lane = make("div", { class: "lane phonemes", "aria-hidden": "true" });
+  /** The voice: how loud it is, and its phonemes. */
+  private voiceRow(draft: Draft): HTMLElement | null {
+    if (!draft.phonemes.length && !draft.loudness) return null;
+    const lane = make("div", { class: "lane voice", "aria-hidden": "true" });
+    if (draft.loudness) {
+      const peaks = Uint8Array.from(atob(draft.loudness), (letter) => letter.charCodeAt(0));
+      lane.append(drawWaveform(peaks, Math.ceil(this.duration * draft.rate)));
+    }
     for (const [symbol, start] of draft.phonemes) {
       const shown = make("span", {}, symbol);
       shown.style.left = this.percent(start);
       lane.append(shown);
     }
-    return make("div", { class: "row" }, make("span", { class: "name" }, "sounds"), lane);
+    return make("div", { class: "row" }, make("span", { class: "name" }, "voice"), lane);
   }
 
   private row(behaviour: Draft["behaviours"][number], chosen: string | null): HTMLElement | null {

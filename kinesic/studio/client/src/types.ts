@@ -60,6 +60,8 @@ export interface Draft {
   syncs: Sync[];
   words: Piece[];
   phonemes: [string, number][];
+  /** Peaks of the voice, a byte for each row of the motion, in base64; empty where nothing is heard. */
+  loudness: string;
   notices: { type: string; id: string; text: string }[];
   rate: number;
   angles: string;

@@ -1,0 +1,49 @@
+"""Writes a document's performance in the formats of other programs, for a client that keeps it where it likes."""
+
+from base64 import b64encode
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from kinesic.body.config import ConfigError
+from kinesic.controller.soundtrack import sound, write_wav
+from kinesic.planning.motion_files import write_motion
+from kinesic.planning.plan import Plan
+from kinesic.serve.wire.questions import Format
+
+MOST_BYTES = 5_000_000  # of a file; in base64 it stays below what may wait for a client
+
+
+def export(planned: Plan, format_: Format) -> str:
+    """Writes a plan as a file, in base64.
+
+    Raises:
+        ConfigError: there is nothing to write, or it would be too large.
+    """
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / f"{planned.timeline.block.id}.{format_}"
+        _WRITERS[format_](planned, path)
+        if (size := path.stat().st_size) > MOST_BYTES:
+            raise ConfigError(
+                f".{format_} of {planned.duration:.0f} s takes {size} bytes, at most {MOST_BYTES}: ask for parts"
+            )
+        return b64encode(path.read_bytes()).decode()
+
+
+def _write_motion(planned: Plan, path: Path) -> None:
+    write_motion(planned.trajectory, planned.setup.robot, path)
+
+
+def _write_voice(planned: Plan, path: Path) -> None:
+    heard = sound(planned)
+    if heard is None:
+        raise ConfigError("nothing is heard: the document has no speech, or the voice no sound")
+    write_wav(heard, path)
+
+
+_WRITERS: Mapping[Format, Callable[[Plan, Path], None]] = {
+    "npz": _write_motion,
+    "csv": _write_motion,
+    "bap": _write_motion,
+    "wav": _write_voice,
+}
