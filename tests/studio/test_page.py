@@ -123,13 +123,43 @@ def test_a_manner_is_set_of_the_chosen_behaviour(studio: Studio):
     assert studio.page.value("document.querySelector('#inspector').hidden")
 
 
+def test_a_manner_is_set_of_the_whole_block(studio: Studio):
+    words = WORDS.replace('id="g"', 'id="doc"')  # a behaviour may have the id of the block
+    studio.write(words)
+    studio.page.click("#choose-block")
+    assert studio.page.value("document.querySelector('#chosen').textContent") == "The whole block"
+    planned, slider = studio.state("planned"), "document.querySelector('[aria-label=power]')"
+    studio.page.value(f"{slider}.value = '-0.5', {slider}.dispatchEvent(new Event('change'))")
+    studio.until(f"s.planned > {planned}")
+    assert studio.state("text") == words.replace('id="doc"', 'id="doc" kinesic:power="-0.5"', 1)
+    assert studio.page.value("document.querySelector('#fault').hidden")
+    studio.page.click("#choose-block")
+
+
 def test_a_hand_that_is_dragged_says_what_stops_it(studio: Studio):
     studio.write(WORDS)
     hand = studio.state("right")
     begin, far = (hand["x"], hand["y"]), (hand["x"] - 120, hand["y"] - 150)
     studio.page.drag(begin, (hand["x"] - 5, hand["y"] - 20), (hand["x"] - 10, hand["y"] - 40))
     studio.until("s.reach !== null && s.reach.reached")
-    assert studio.page.value("document.querySelector('#stops').textContent").startswith("within reach: X")
+    words = studio.page.value("document.querySelector('#stops').textContent")
+    assert words.startswith("within reach: X")
+    studio.until("document.querySelector('#sectors').hasAttribute('hidden')")  # the hand was let go
+    studio.page.click("#show-sectors")
+    studio.until("!document.querySelector('#sectors').hasAttribute('hidden')")
+    assert studio.page.value("document.querySelectorAll('#sectors polygon').length") == 5 * 7
+    studio.page.click("#show-sectors")
+    hand = studio.state("right")
+    studio.page.call(
+        "Input.dispatchMouseEvent", type="mousePressed", x=hand["x"], y=hand["y"], button="left", clickCount=1
+    )
+    studio.page.call(
+        "Input.dispatchMouseEvent", type="mouseMoved", x=hand["x"], y=hand["y"] - 12, button="left", buttons=1
+    )
+    studio.until("document.querySelector('#sectors .current text') !== null")
+    outward, up = studio.page.value("document.querySelector('#sectors .current text').textContent").split()
+    studio.page.call("Input.dispatchMouseEvent", type="mouseReleased", x=hand["x"], y=hand["y"] - 12, button="left")
+    studio.until(f"document.querySelector('#stops').textContent.includes('{outward} {up} Z')")
     hand = studio.state("right")
     studio.page.drag((hand["x"], hand["y"]), far, (far[0] - 300, far[1] - 200))
     studio.until("s.reach !== null && !s.reach.reached")

@@ -19,6 +19,7 @@ import { TextPane } from "./text.ts";
 import { anchorOf, type Moved, Timeline } from "./timeline.ts";
 import type { About, Draft, GestureDraft, Reached } from "./types.ts";
 import type { Answer } from "./wire.ts";
+import { BLOCK } from "./xml.ts";
 
 const ALONE = "g"; // the behaviour that plays a gesture which is being written
 
@@ -44,7 +45,7 @@ class App {
   private performances = 0; // of gestures alone
 
   constructor(private readonly about: About) {
-    this.stage = new Stage(byId<HTMLCanvasElement>("canvas"), about.robot, {
+    this.stage = new Stage(byId<HTMLCanvasElement>("canvas"), byId<SVGSVGElement>("sectors"), about.robot, {
       drag: (drag) => this.reaching.drag(drag),
       drop: (drag) => this.drop(drag),
     });
@@ -194,7 +195,8 @@ class App {
   }
 
   private inspect(): void {
-    const about = this.draft?.behaviours.find((each) => each.id === this.chosen);
+    const whole = this.chosen === BLOCK && this.draft ? { id: BLOCK, type: "block" } : null;
+    const about = this.draft?.behaviours.find((each) => each.id === this.chosen) ?? whole;
     const read = (name: string) =>
       this.isGesture ? this.editing.manner.get(name)?.toString() : this.text.attribute(about?.id ?? "", name);
     this.inspector.show(about ? { id: about.id, type: about.type, read, alone: this.isGesture } : null);
@@ -287,6 +289,11 @@ class App {
       remove: () => this.chosen && this.edit(remove(this.document, this.chosen)),
       show: (mode) => this.become(mode),
       view: (view) => this.stage.view(view),
+      chooseBlock: () => this.choose(BLOCK),
+      sectors: (on) => {
+        this.stage.sectors.shown = on;
+        this.redraw();
+      },
       seek: (time) => this.playback.player.seek(time),
       style: (style) => this.robot.wire.tell("style", { style }),
       loop: (on) => {

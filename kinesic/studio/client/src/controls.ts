@@ -13,6 +13,8 @@ export interface Actions {
   remove(): void;
   show(mode: "plan" | "robot"): void;
   view(view: View): void;
+  sectors(on: boolean): void;
+  chooseBlock(): void;
   seek(time: number): void;
   style(name: string): void;
   loop(on: boolean): void;
@@ -28,6 +30,13 @@ export function listen(actions: Actions): void {
   for (const mode of ["plan", "robot"] as const)
     byId(`mode-${mode}`).addEventListener("click", () => actions.show(mode));
   for (const view of VIEWS) byId(`view-${view}`).addEventListener("click", () => actions.view(view));
+  byId("choose-block").addEventListener("click", () => actions.chooseBlock());
+  const sectors = byId("show-sectors");
+  sectors.addEventListener("click", () => {
+    const on = sectors.getAttribute("aria-pressed") !== "true";
+    sectors.setAttribute("aria-pressed", String(on));
+    actions.sectors(on);
+  });
   const time = byId<HTMLInputElement>("time");
   time.addEventListener("input", () => actions.seek(Number(time.value)));
   const loop = byId<HTMLInputElement>("loop");

@@ -1,10 +1,10 @@
 // Elements of the page, found and made.
 
 /** The element with this id, which the page has. */
-export function byId<T extends HTMLElement = HTMLElement>(id: string): T {
-  const found = document.getElementById(id);
+export function byId<T extends Element = HTMLElement>(id: string): T {
+  const found = document.querySelector<T>(`#${id}`);
   if (!found) throw new Error(`the page has no #${id}`);
-  return found as T;
+  return found;
 }
 
 /** Makes an element with attributes and children. */

@@ -1,6 +1,7 @@
 // What can be set of the chosen behaviour.
 import { byId } from "./dom.ts";
 import { Manners } from "./manners.ts";
+import { BLOCK } from "./xml.ts";
 
 const ATTRIBUTES = ["lexeme", "mode"] as const;
 
@@ -30,8 +31,12 @@ export class Inspector {
   show(chosen: Chosen | null): void {
     byId("inspector").hidden = !chosen;
     if (!chosen) return;
-    byId("chosen").textContent = chosen.alone ? "In which manner" : `${chosen.type} ${chosen.id}`;
-    byId("remove").hidden = chosen.alone;
+    byId("chosen").textContent = chosen.alone
+      ? "In which manner"
+      : chosen.id === BLOCK
+        ? "The whole block"
+        : `${chosen.type} ${chosen.id}`;
+    byId("remove").hidden = chosen.alone || chosen.id === BLOCK;
     byId("lexeme-line").hidden = byId("hand-line").hidden = chosen.type !== "gesture" || chosen.alone;
     byId("manners").hidden = chosen.type === "speech";
     for (const name of ATTRIBUTES) byId<HTMLInputElement>(name).value = chosen.read(name) ?? "";

@@ -1,4 +1,5 @@
 // A hand that is dragged: asks the server for each posture, one question at a time, and says what stops the hand.
+import { sectorOf } from "./sectors.ts";
 import type { Drag } from "./stage.ts";
 import type { Body, Reached, Side } from "./types.ts";
 import type { Wire } from "./wire.ts";
@@ -65,23 +66,14 @@ export class Reaching {
   /** What stops the hand, in words. */
   words(found: Reached | null): string {
     if (!found) return "";
-    if (found.reached) return `within reach: ${this.sector()}`;
+    if (found.reached) {
+      const { x, y, z } = sectorOf(this.body, this.side, this.target);
+      return `within reach: ${x} ${y} ${z}`;
+    }
     const far = `${(100 * found.residual).toFixed(1)} cm short`;
     if (found.contact) return `${found.contact.map(plain).join(" meets ")}: ${far}`;
     if (found.limits.length) return `at its limit: ${found.limits.map(plain).join(", ")}; ${far}`;
     return `the arm is straight: ${far}`;
-  }
-
-  /** McNeill's sector of the place to which the hand is dragged. */
-  private sector(): string {
-    const { gesture_origin: origin, arm_length: size, sectors } = this.body;
-    const [forward, left, up] = this.target.map((value, k) => (value - origin[k]!) / size) as [number, number, number];
-    const place = { x: this.side === "left" ? left : -left, y: up, z: forward };
-    const nearest = (axis: "x" | "y" | "z") =>
-      Object.entries(sectors[axis]).reduce((best, each) =>
-        Math.abs(each[1] - place[axis]) < Math.abs(best[1] - place[axis]) ? each : best,
-      )[0];
-    return `${nearest("x")} ${nearest("y")} ${nearest("z")}`;
   }
 
   private arm(side: Side): ReadonlySet<number> {

@@ -1,5 +1,6 @@
 // The stage: the robot from any side, and hands that can be dragged.
 import { type Look, type Scene, sceneOf } from "kinesic:scene";
+import { SectorGrid } from "./sectors.ts";
 import type { Body, Side } from "./types.ts";
 import { project, unproject, type Vector } from "./vectors.ts";
 
@@ -24,6 +25,7 @@ export class Stage {
   readonly flat: boolean;
   look: Look;
   drawn = 0;
+  readonly sectors: SectorGrid;
   private readonly scene: Scene | null;
   private shown: Shown;
   private due = false;
@@ -33,10 +35,12 @@ export class Stage {
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
+    grid: SVGSVGElement,
     private readonly body: Body,
     private readonly listener: { drag(drag: Drag): void; drop(drag: Drag): void },
   ) {
     this.scene = sceneOf(canvas, body);
+    this.sectors = new SectorGrid(grid, body);
     this.flat = this.scene === null;
     this.look = this.lookOf("free");
     this.shown = { angles: body.rest, ghost: undefined, lit: new Set() };
@@ -101,6 +105,10 @@ export class Stage {
       ink: ink ?? [0, 0, 0],
       lit: this.shown.lit,
     });
+    if (this.scene) {
+      const { side, target } = this.last ?? { side: "right", target: null };
+      this.sectors.draw(this.scene.camera(this.look).view, this.scene.up, side, target);
+    }
     this.drawn += 1;
   }
 
@@ -140,6 +148,7 @@ export class Stage {
       canvas.addEventListener(kind, () => {
         if (this.last) this.listener.drop(this.last);
         this.dragged = this.last = null;
+        this.redraw();
       });
     canvas.addEventListener("wheel", (event) => this.zoom(event), { passive: false });
     canvas.addEventListener("dblclick", () => this.view("free"));

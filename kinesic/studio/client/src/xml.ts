@@ -59,13 +59,15 @@ function tagOf(match: RegExpExecArray, at: number): Tag {
 
 const MARKS: readonly string[] = ["sync", "mark", "tm"];
 const ROOT = "bml"; // which may have the id of one of its behaviours
+/** Stands for the block itself, where the id of a behaviour is asked for; no id has a colon. */
+export const BLOCK = ":block";
 
 /** Whether a tag is a mark in what is said; marks and behaviours may have the same ids. */
 export const isMark = (tag: Tag): boolean => MARKS.includes(tag.name);
 
 /** The opening tag of the behaviour with this id; undefined where there is none. */
 export function tagWithId(text: string, id: string): Tag | undefined {
-  return tagsOf(text).find((tag) => opens(tag, id));
+  return tagsOf(text).find((tag) => (id === BLOCK ? !tag.closing && tag.name === ROOT : opens(tag, id)));
 }
 
 /** Whether a behaviour with this id begins with a tag. */

@@ -1,0 +1,96 @@
+// McNeill's sectors of gesture space: which one a place is in, and their grid over the stage.
+import type { Body, Side } from "./types.ts";
+import { project, type Vector } from "./vectors.ts";
+
+const SVG = "http://www.w3.org/2000/svg";
+const USUAL = "ZMiddle"; // the depth of the grid where no hand is dragged
+type Axis = "x" | "y" | "z";
+export type Sector = Record<Axis, string>;
+
+/** The sector of a place [m] in the world, for one hand. */
+export function sectorOf(body: Body, side: Side, place: readonly number[]): Sector {
+  const { gesture_origin: origin, arm_length: size, sectors } = body;
+  const [forward, left, up] = place.map((value, k) => (value - origin[k]!) / size) as [number, number, number];
+  const at: Record<Axis, number> = { x: side === "left" ? left : -left, y: up, z: forward };
+  const nearest = (axis: Axis) =>
+    Object.entries(sectors[axis]).reduce((best, each) =>
+      Math.abs(each[1] - at[axis]) < Math.abs(best[1] - at[axis]) ? each : best,
+    )[0];
+  return { x: nearest("x"), y: nearest("y"), z: nearest("z") };
+}
+
+/** Centres in order, and the edges about each of them. */
+function bands(centres: Record<string, number>): { name: string; from: number; to: number }[] {
+  const sorted = Object.entries(centres).sort((a, b) => a[1] - b[1]);
+  return sorted.map(([name, centre], k) => {
+    const below = sorted[k - 1]?.[1];
+    const above = sorted[k + 1]?.[1];
+    const half = ((above ?? centre) - centre || centre - (below ?? centre)) / 2;
+    return {
+      name,
+      from: below === undefined ? centre - half : (below + centre) / 2,
+      to: above === undefined ? centre + half : (centre + above) / 2,
+    };
+  });
+}
+
+export class SectorGrid {
+  shown = false;
+
+  constructor(
+    private readonly svg: SVGSVGElement,
+    private readonly body: Body,
+  ) {}
+
+  /**
+   * Draws the sectors of a hand at the depth where it is.
+   * @param view from the picture's space to the canvas
+   * @param up from the world to the picture's space
+   * @param place [m] of the hand in the world; null: no hand is dragged
+   */
+  draw(view: Float32Array, up: readonly number[], side: Side, place: readonly number[] | null): void {
+    this.svg.toggleAttribute("hidden", !this.shown && place === null);
+    if (this.svg.hasAttribute("hidden")) return;
+    const now = place && sectorOf(this.body, side, place);
+    const depth = this.body.sectors.z[now?.z ?? USUAL]!;
+    const area = this.svg.getBoundingClientRect();
+    const cells = bands(this.body.sectors.y).flatMap((y) =>
+      bands(this.body.sectors.x).map((x) => {
+        const corners = [
+          [x.from, y.from],
+          [x.to, y.from],
+          [x.to, y.to],
+          [x.from, y.to],
+        ].map(([outward, high]) => {
+          const seen = project(view, this.place(side, outward!, high!, depth, up));
+          return [((seen.x + 1) / 2) * area.width, ((1 - seen.y) / 2) * area.height] as const;
+        });
+        return this.cell(`${x.name} ${y.name}`, corners, x.name === now?.x && y.name === now?.y);
+      }),
+    );
+    this.svg.replaceChildren(...cells);
+  }
+
+  /** A place given outward, up and forward in arm lengths, in the picture's space. */
+  private place(side: Side, outward: number, high: number, forward: number, up: readonly number[]): Vector {
+    const left = side === "left" ? outward : -outward;
+    const [x, y, z] = [forward, left, high].map(
+      (value, k) => this.body.gesture_origin[k]! + this.body.arm_length * value + up[k]!,
+    );
+    return [x!, y!, z!];
+  }
+
+  private cell(name: string, corners: (readonly [number, number])[], current: boolean): SVGElement {
+    const group = document.createElementNS(SVG, "g");
+    group.classList.toggle("current", current);
+    const outline = document.createElementNS(SVG, "polygon");
+    outline.setAttribute("points", corners.map((corner) => corner.join(",")).join(" "));
+    const label = document.createElementNS(SVG, "text");
+    const middle = (k: 0 | 1) => String(corners.reduce((sum, corner) => sum + corner[k], 0) / corners.length);
+    label.setAttribute("x", middle(0));
+    label.setAttribute("y", middle(1));
+    label.textContent = current ? name : "";
+    group.append(outline, label);
+    return group;
+  }
+}
