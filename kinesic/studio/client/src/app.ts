@@ -83,6 +83,7 @@ class App {
     this.inspector = new Inspector({
       attribute: (name, value) => this.chosen && this.edit(setAttribute(this.document, this.chosen, name, value)),
       manner: (name, value) => this.setManner(name, value),
+      style: (name) => this.chosen && this.edit(setManner(this.document, this.chosen, "style", name)),
     });
     this.editing = new GestureEditing(about, this.robot.wire, {
       text: () => this.document,
@@ -97,6 +98,7 @@ class App {
       saved: (name, text) => {
         this.opened(name);
         this.saved = text;
+        if (this.isGesture) this.editing.saved();
       },
       say: (text) => this.robot.live.say(text),
     });

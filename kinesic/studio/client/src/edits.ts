@@ -41,11 +41,11 @@ export function setAttribute(text: string, behaviour: string, name: string, valu
   return tag ? withAttribute(text, tag, name, value) : text;
 }
 
-/** Sets a number of a behaviour's manner, in our own namespace where the document has none for it; null takes it away. */
-export function setManner(text: string, behaviour: string, name: string, value: number | null): string {
+/** Sets a behaviour's style or a number of its manner, in our own namespace where the document has no other; null takes it away. */
+export function setManner(text: string, behaviour: string, name: string, value: string | number | null): string {
   const tag = tagWithId(text, behaviour);
   const known = tag && attributeOf(tag, name)?.name;
-  return setAttribute(text, behaviour, known ?? `kinesic:${name}`, value === null ? null : written(value));
+  return setAttribute(text, behaviour, known ?? `kinesic:${name}`, typeof value === "number" ? written(value) : value);
 }
 
 /** The text with a mark before the n-th word after a mark (or the start) of a speech, and its id. */

@@ -21,6 +21,7 @@ export class GestureEditing {
   /** In which a gesture is tried: NAME=VALUE; it is no part of its file. */
   readonly manner = new Map<string, number>();
   private readonly keys: KeysPanel;
+  private readonly list: GestureList;
   private draft: GestureDraft | null = null;
 
   constructor(
@@ -35,7 +36,7 @@ export class GestureEditing {
       remove: (key) => desk.edit(removeKey(desk.text(), key)),
       mirror: () => desk.edit(mirror(desk.text())),
     });
-    new GestureList(about.gestures, { insert: (id) => desk.insert(id), edit: (id) => void this.copy(id) });
+    this.list = new GestureList(about.gestures, { insert: (id) => desk.insert(id), edit: (id) => void this.copy(id) });
   }
 
   /** Begins with another document. */
@@ -45,6 +46,11 @@ export class GestureEditing {
     this.manner.clear();
     byId("keys").hidden = !isGesture;
     if (isGesture) byId("keys").parentElement?.scrollTo(0, 0);
+  }
+
+  /** Lists the gesture among those that documents may name, now that its file is kept. */
+  saved(): void {
+    if (this.draft) this.list.add({ id: this.draft.gesture, category: "own", says: "a gesture of your folder" });
   }
 
   /** Shows a draft, and the moment of the chosen key. */

@@ -9,10 +9,16 @@ export class GestureList {
   private readonly list = byId("found");
 
   constructor(
-    private readonly gestures: About["gestures"],
+    private gestures: About["gestures"],
     private readonly listener: { insert(id: string): void; edit(id: string): void },
   ) {
     this.search.addEventListener("input", () => this.show());
+    this.show();
+  }
+
+  /** Lists a gesture before all others. */
+  add(gesture: About["gestures"][number]): void {
+    this.gestures = [gesture, ...this.gestures.filter(({ id }) => id !== gesture.id)];
     this.show();
   }
 

@@ -16,12 +16,15 @@ export interface Chosen {
 
 export class Inspector {
   private readonly manners: Manners;
+  private readonly style = byId<HTMLSelectElement>("own-style");
 
   constructor(listener: {
     attribute(name: string, value: string | null): void;
     manner(name: string, value: number | null): void;
+    style(name: string | null): void;
   }) {
     this.manners = new Manners((name, value) => listener.manner(name, value));
+    this.style.addEventListener("change", () => listener.style(this.style.value || null));
     for (const name of ATTRIBUTES)
       byId(name).addEventListener("change", () =>
         listener.attribute(name, byId<HTMLInputElement>(name).value.trim() || null),
@@ -40,6 +43,8 @@ export class Inspector {
     byId("lexeme-line").hidden = byId("hand-line").hidden = chosen.type !== "gesture" || chosen.alone;
     byId("manners").hidden = chosen.type === "speech";
     for (const name of ATTRIBUTES) byId<HTMLInputElement>(name).value = chosen.read(name) ?? "";
+    byId("style-line").hidden = chosen.alone;
+    this.style.value = chosen.read("style") ?? "";
     this.manners.show((name) => chosen.read(name));
   }
 }

@@ -6,7 +6,8 @@ import type { About, Draft } from "./types.ts";
 export function fillMenus(about: About): void {
   for (const { name } of about.examples)
     byId("built-in").append(make("option", { value: `example:${name}` }, name.replaceAll("_", " ")));
-  for (const name of about.styles) byId("style").append(make("option", { value: name }, name));
+  for (const place of ["style", "own-style"])
+    for (const name of about.styles) byId(place).append(make("option", { value: name }, name));
   for (const { id, says } of about.gestures) byId("gestures").append(make("option", { value: id }, says));
 }
 
