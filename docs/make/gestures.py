@@ -33,7 +33,8 @@ RMS or shaped differently. [my-gestures.md](my-gestures.md) says how to write on
 
 Each is drawn at its stroke, from the front, over the shadow of how its arms begin; the line is the palm's way through
 the stroke. The robot has no fingers: they are drawn to show the shape that a hand with fingers would take.
-`kinesic gestures render NAME --out NAME.png` draws one as key postures.
+`kinesic gestures render NAME --out NAME.png` draws one as key postures, `--turntable --out NAME.webp` films it from all
+around; `--robot` names who does it ([my-gestures.md](my-gestures.md)).
 
 ![Every gesture at its stroke](gestures.png)
 

@@ -10,6 +10,7 @@ from rich.table import Table
 
 from kinesic.bml.block import BmlError
 from kinesic.body.config import ConfigError, suggestion
+from kinesic.body.robot import Robot
 from kinesic.cli.plain_words import printable
 from kinesic.cli.progress import share_of, show_stages
 from kinesic.cli.terminal import console, quote_text
@@ -17,12 +18,18 @@ from kinesic.controller.perform import set_up
 from kinesic.expressivity.lexicon.body_form import NO_BODY
 from kinesic.expressivity.lexicon.form import Match
 from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.face.display import DisplayError
+from kinesic.face.show.files import check_film, save_film
 from kinesic.files.output_file import check_file, new_file
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.planning.setup import Setup
+from kinesic.sim.film import FilmError
 from kinesic.studies.gestures.isolated import Show, key_postures, plan_gesture
-from kinesic.studies.gestures.sheet import MOST, check_picture, draw_gesture_sheet, draw_strip
+from kinesic.studies.gestures.portraits import RATE, draw_round
+from kinesic.studies.gestures.sheet import MOST, check_picture, draw_gesture_sheet, draw_portraits, draw_strip
 from kinesic.studies.gestures.vocabulary import vocabulary
+
+LINES = (".svg", ".svgz", ".pdf", ".ps", ".eps", ".pgf")  # endings of pictures without pixels
 
 
 def list_gestures(lexicon: Path | None, robot: str, category: str | None, as_json: bool) -> int:
@@ -82,11 +89,22 @@ def show_gesture(lexeme: str, lexicon: Path | None) -> int:
     return 0
 
 
-def render_gestures(lexeme: str | None, whole: bool, out: Path, force: bool, lexicon: Path | None, robot: str) -> int:
-    """Draws the key postures of one gesture side by side, or all gestures at their strokes."""
+def render_gestures(
+    lexeme: str | None,
+    whole: bool,
+    turntable: bool,
+    drawn: bool,
+    out: Path,
+    force: bool,
+    lexicon: Path | None,
+    robot: str,
+) -> int:
+    """Draws key postures of one gesture side by side, its stroke from all around, or all gestures at their strokes."""
     if (lexeme is None) != whole:
         raise click.UsageError("name one gesture, or give --all")
-    check_picture(out)
+    if turntable and (whole or drawn):
+        raise click.UsageError(f"--turntable turns one gesture in a film: leave out {'--all' if whole else '--drawn'}")
+    _check_ending(out, turntable)
     check_file(out, force=force)
     known = set_up(load_robot(robot), lexicon=lexicon)
     with new_file(out, force=force) as fresh, show_stages() as stage:
@@ -95,12 +113,45 @@ def render_gestures(lexeme: str | None, whole: bool, out: Path, force: bool, lex
             stage("drawing them")
             draw_gesture_sheet(shows, known.robot, fresh)
         else:
-            stage("drawing")
+            stage("planning")
             form = _found(lexeme, known.lexicon).form
             shown, says = key_postures(form, plan_gesture(form, known), MOST), known.lexicon.sense(form).says
-            draw_strip(shown, known.robot, fresh, says=says)
-    click.echo(f"picture: {out}")
+            if turntable:
+                _save_turntable(shown, known.robot, fresh, share_of(stage, "drawing"))
+            else:
+                stage("drawing")
+                _draw_one(shown, known.robot, fresh, says, drawn=drawn)
+    click.echo(f"{'film' if turntable else 'picture'}: {out}")
     return 0
+
+
+def _check_ending(out: Path, turntable: bool) -> None:
+    if not turntable:
+        check_picture(out)
+        return
+    try:
+        check_film(out)
+    except DisplayError as error:
+        raise ConfigError(str(error)) from None
+
+
+def _save_turntable(shown: Show, robot: Robot, path: Path, progress: Callable[[float], None]) -> None:
+    try:
+        save_film(draw_round(robot, shown.postures[shown.stroke], progress), path, rate=RATE)
+    except (FilmError, DisplayError) as error:
+        raise ConfigError(f"no turntable: {error}") from None
+
+
+def _draw_one(shown: Show, robot: Robot, path: Path, says: str, *, drawn: bool) -> None:
+    """Draws with light and shade, or in lines: where they are asked for, or scale, or nothing else can be drawn."""
+    if not drawn and path.suffix.lower() not in LINES:
+        try:
+            draw_portraits(shown, robot, path, says=says)
+        except FilmError as error:
+            click.echo(printable(f"kinesic: drawn in lines: {error}"), err=True)
+        else:
+            return
+    draw_strip(shown, robot, path, says=says)
 
 
 def _drawable(known: Setup, progress: Callable[[float], None]) -> Iterator[Show]:

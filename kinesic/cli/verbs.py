@@ -121,14 +121,16 @@ def _show_gesture() -> None:
 
 @gestures.command("render")
 @click.argument("lexeme", required=False)
-@click.option("--all", "whole", is_flag=True, help="Draws a contact sheet of all gestures.")
-@click.option("--out", required=True, type=click.Path(path_type=Path), help="The picture, such as X.png.")
+@click.option("--all", "whole", is_flag=True, help="Draws a contact sheet of all gestures, in lines.")
+@click.option("--turntable", is_flag=True, help="Films the robot in its stroke from all around: X.webp or X.mp4.")
+@click.option("--drawn", is_flag=True, help="Draws lines, as where there is no OpenGL, and for X.svg and X.pdf.")
+@click.option("--out", required=True, type=click.Path(path_type=Path), help="The picture or film, such as X.png.")
 @force_option
 @lexicon_option
 @player_option
 @done_by("gestures:render_gestures")
 def _render_gestures() -> None:
-    """Draws LEXEME as key postures side by side, or all gestures at their strokes."""
+    """Draws LEXEME as key postures side by side, its stroke from all around, or all gestures at their strokes."""
 
 
 @kinesic.command("perform")

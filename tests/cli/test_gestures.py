@@ -1,6 +1,9 @@
 import json
 
 import pytest
+from PIL import Image
+
+from kinesic.studies.gestures import portraits
 
 OWN = """
 category = "emotion"
@@ -71,3 +74,47 @@ def test_a_picture_that_cannot_be_written_is_one_line(kinesic):
     ended = kinesic("gestures", "render", "offer", "--out", "offer.xyz")
     assert ended.code == 2
     assert "xyz" in ended.err
+
+
+@pytest.mark.parametrize("name", ["offer.svg", "offer.png"])
+def test_lines_are_drawn_where_there_is_no_opengl_or_no_pixel(kinesic, tmp_path, monkeypatch, name):
+    monkeypatch.setattr(portraits, "opengl_fault", lambda: "OpenGL is missing: install it")
+    ended = kinesic("gestures", "render", "offer", "--out", name)
+    assert ended.code == 0
+    assert (tmp_path / name).stat().st_size > 1000
+    assert ("kinesic: drawn in lines: OpenGL is missing: install it" in ended.err) == name.endswith(".png")
+
+
+def test_a_turntable_is_a_film(kinesic, tmp_path, monkeypatch):
+    if why := portraits.opengl_fault():
+        pytest.skip(why)
+    monkeypatch.setattr(portraits, "ROUND", 6)
+    ended = kinesic("gestures", "render", "offer", "--turntable", "--out", "offer.webp")
+    assert ended.code == 0
+    assert ended.out.splitlines()[-1] == "film: offer.webp"
+    with Image.open(tmp_path / "offer.webp") as film:
+        assert film.n_frames == 6
+        assert film.info["loop"] == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("--all", "--turntable", "--out", "x.webp"), "leave out --all"),
+        (("offer", "--turntable", "--drawn", "--out", "x.webp"), "leave out --drawn"),
+        (("offer", "--turntable", "--out", "x.svg"), "ends in .webp, .mp4, .png"),
+    ],
+)
+def test_a_turntable_that_cannot_be_is_bad_input(kinesic, tmp_path, arguments, told):
+    ended = kinesic("gestures", "render", *arguments)
+    assert ended.code == 2
+    assert told in ended.err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_turntable_needs_opengl(kinesic, tmp_path, monkeypatch):
+    monkeypatch.setattr(portraits, "opengl_fault", lambda: "OpenGL is missing: install it")
+    ended = kinesic("gestures", "render", "offer", "--turntable", "--out", "x.webp")
+    assert ended.code == 2
+    assert ended.err.splitlines()[-1] == "kinesic: no turntable: OpenGL is missing: install it"
+    assert not (tmp_path / "x.webp").exists()
