@@ -8,6 +8,7 @@ from time import perf_counter
 import click
 
 from kinesic.bml.block import Block
+from kinesic.body.config import ConfigError
 from kinesic.cli.ending_signals import STOPPED
 from kinesic.cli.options import FAULT, Output, Performers, Planning, TwinOptions
 from kinesic.cli.plain_words import printable, printable_xml
@@ -21,12 +22,14 @@ from kinesic.controller.documents import write_bml
 from kinesic.controller.perform import dry_runs
 from kinesic.controller.performance import Performance
 from kinesic.controller.servo_performance import ServoRun
+from kinesic.files.output_file import check_file
 from kinesic.files.output_folder import check_folder
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.planning.plan import plan_block
 from kinesic.planning.setup import Setup
 from kinesic.report.checks import checks
 from kinesic.report.films import film_processes
+from kinesic.report.gltf.scene import is_scene, save_performed
 from kinesic.report.output import Written, add_films, default_folder, write_report
 from kinesic.report.report import Json, report
 from kinesic.report.servo_report import live_checks
@@ -46,9 +49,12 @@ def perform_file(
 ) -> int:
     """Performs a document or a motion in the twin, reports, and then performs on the servos where no check failed.
 
+    Into a path that ends in .glb goes the performance as a scene, instead of a report into a folder.
     With a plain text that text is performed, and `file` is its name.
     """
     source = document_name(file)
+    if is_scene(output.out):
+        return _perform_scene(file, planning, performers, way, output, text)
     folder = output.out or default_folder(source)
     check_folder(folder, force=output.force)
     with film_processes() if film else nullcontext() as processes, show_stages() as stage:
@@ -85,6 +91,29 @@ def perform_file(
     _print_paths(written, log, on_error=output.as_json)
     if live is not None and live.ending == "failed":
         return FAULT
+    return 0 if data["ok"] else 1
+
+
+def _perform_scene(
+    file: str, planning: Planning, performers: Performers, way: TwinOptions, output: Output, text: str | None
+) -> int:
+    """Performs in the twin and writes that as glTF; the report is told, and not written."""
+    if performers.sinks != {"twin"}:
+        raise ConfigError(f"{output.out}: a scene shows the twin alone: --out FOLDER for --on servos or face")
+    assert output.out is not None  # it has the ending of a scene
+    check_file(output.out, force=output.force)
+    with show_stages() as stage:
+        stage("reading the robot")
+        known = planning.set_up()
+        performance, *beside = _performed(file, known, way, stage, text)
+        stage("writing the scene")
+        save_performed(performance, output.out, force=output.force)
+        data = report(performance, source=document_name(file), seed=known.idling.seed, beside=beside)
+    if output.as_json:
+        click.echo(json.dumps(data, indent=1))
+    else:
+        _print_report((performance, *beside), None, data)
+    click.echo(f"scene: {output.out}", err=output.as_json)
     return 0 if data["ok"] else 1
 
 

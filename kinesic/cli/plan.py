@@ -26,7 +26,7 @@ from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.setup import Setup
 from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime
 from kinesic.report.gltf.scene import SUFFIX as SCENE
-from kinesic.report.gltf.scene import save_scene
+from kinesic.report.gltf.scene import is_scene, save_scene
 from kinesic.report.labels import label
 
 ENDS = ("start", "end")  # sync points that have a column
@@ -57,7 +57,7 @@ def plan_file(file: str, planning: Planning, out: Path | None, force: bool, to: 
     lags = planned_lags(planned)
     if out is None:
         print_timeline(planned, lags, console())
-    elif out.suffix == SCENE:
+    elif is_scene(out):
         save_scene(planned, out, force=force)
     else:
         save_motion(planned.trajectory, known.robot, out, force=force)

@@ -17,6 +17,7 @@ from kinesic.face.show.files import SideFilm, save_film
 from kinesic.face.show.pictures import LazyPictures
 from kinesic.files.output_file import check_file, new_file
 from kinesic.files.output_folder import check_folder
+from kinesic.report.gltf.scene import is_scene
 from kinesic.report.output import default_folder
 
 if TYPE_CHECKING:
@@ -48,6 +49,8 @@ def perform_with_several(
     _check(robots, performers, output)
     if file == "-":
         raise ConfigError("standard input is read once: several robots need a file")
+    if is_scene(output.out):
+        raise ConfigError(f"{output.out}: a scene has one robot: name one, or give --out FOLDER")
     folder = output.out or default_folder(document_name(file))
     places = [folder / Path(robot).stem for robot in robots]
     for place in places:

@@ -40,7 +40,7 @@ FREE_HELP = "Figures that may differ from the data sheets; repeat it. mass only 
 
 lexicon_option = click.option("--lexicon", type=click.Path(path_type=Path), help="TOML, or Greta's gestuary XML.")
 report_output = output(
-    "Folder of the report (default: out/NAME-TIME).",
+    "Folder of the report (default: out/NAME-TIME), or scene.glb: the performance as glTF.",
     FORCE_HELP,
     "Prints the report as JSON.",
     click.option("--film/--no-film", default=True, help="Films of the twin and of the face, where OpenGL works."),

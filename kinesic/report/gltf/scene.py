@@ -13,6 +13,7 @@ import scipy
 
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
+from kinesic.controller.performance import Performance
 from kinesic.files.gltf import GltfFile
 from kinesic.files.output_file import new_file
 from kinesic.planning.face_track import faces
@@ -49,6 +50,26 @@ def save_scene(plan: Plan, path: Path, *, force: bool) -> Path:
     with new_file(path, force=force) as fresh:
         write_scene(plan.setup.robot, motion, fresh)
     return path
+
+
+def save_performed(performance: Performance, path: Path, *, force: bool) -> Path:
+    """Writes what the twin performed, with the face that was planned, and returns the path.
+
+    Raises:
+        ConfigError: the path is a folder's, a link's or, unless forced, a file's.
+    """
+    measured = performance.measured
+    times = key_times(float(measured.times[-1]))
+    angles = np.stack([np.interp(times, measured.times, column) for column in measured.angles.T], axis=1)
+    motion = Motion(times, angles, faces(performance.plan, times))
+    with new_file(path, force=force) as fresh:
+        write_scene(performance.plan.setup.robot, motion, fresh)
+    return path
+
+
+def is_scene(path: Path | None) -> bool:
+    """Whether a path is one of a glTF scene, by its ending."""
+    return path is not None and path.suffix.lower() == SUFFIX
 
 
 def key_times(duration: float) -> Floats:
