@@ -9,12 +9,18 @@ from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
 from kinesic.body.skeleton import Capsule, Coupling, Hinge
 from kinesic.report.report import Json
+from kinesic.report.skin_data import skin_data
 from kinesic.sim.scene_layout import VIEW_FROM, rods, view_of
 from kinesic.sim.scene_style import eyeballs, parts
 
 DIGITS = 4  # of lengths [m]
 TEMPLATES = Path(__file__).parent / "templates"
-SCENE_SCRIPTS = ("shapes.js", "motion.js", "scene.js")  # `sceneOf` draws a posture, `rowAt` gives one of a motion
+SCENE_SCRIPTS = (
+    "shapes.js",
+    "motion.js",
+    "skin.js",
+    "scene.js",
+)  # `sceneOf` draws a posture, `rowAt` gives one of a motion
 
 
 def scene_data(robot: Robot) -> dict[str, Json]:
@@ -24,6 +30,7 @@ def scene_data(robot: Robot) -> dict[str, Json]:
         "servos": _servos(robot),
         "details": [*_eyes(robot), *_rods(robot)],
         "view": _view(robot),
+        **({} if robot.skin is None else {"skin": skin_data(robot)}),
     }
 
 

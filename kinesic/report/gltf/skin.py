@@ -256,10 +256,14 @@ def _painting() -> bytes:
 def _encoded(linear: Floats) -> bytes:
     """A JPEG of (n, n, 3) linear colours, first row at the bottom."""
     data = io.BytesIO()
-    low, high = linear * 12.92, 1.055 * np.maximum(linear, 1e-9) ** (1 / 2.4) - 0.055
-    coded = np.where(linear < 0.0031308, low, high)
-    Image.fromarray(np.rint(255 * coded.clip(0.0, 1.0)).astype(np.uint8)[::-1]).save(data, "JPEG", quality=88)
+    Image.fromarray(np.rint(255 * shown(linear)).astype(np.uint8)[::-1]).save(data, "JPEG", quality=88)
     return data.getvalue()
+
+
+def shown(linear: Floats) -> Floats:
+    """Turns linear colours into what screens show, 0..1."""
+    low, high = linear * 12.92, 1.055 * np.maximum(linear, 1e-9) ** (1 / 2.4) - 0.055
+    return np.asarray(np.where(linear < 0.0031308, low, high).clip(0.0, 1.0))
 
 
 @cache

@@ -1,4 +1,4 @@
-// Draws the robot's capsules with WebGL, at given angles, and a ghost of it beside or over it.
+// Draws the robot's capsules, or its skin, with WebGL, at given angles, and a ghost of it beside or over it.
 const sceneOf = (canvas, data) => {
   const gl = canvas.getContext("webgl2", { alpha: true, antialias: true, stencil: true });
   if (!gl) return null;
@@ -122,10 +122,11 @@ const sceneOf = (canvas, data) => {
     return { made, at: (name) => (known[name] ??= gl.getUniformLocation(made, name)) };
   };
 
-  let solid, ground;
+  let solid, ground, skin;
   const prepare = () => {
     solid = program(SOLID);
     ground = program(FLOOR);
+    skin = data.skin && skinOf(gl, data.skin, program);
     const vertices = [-1, -1, 0, 0, 0, 1, 1, -1, 0, 0, 0, 1, -1, 1, 0, 0, 0, 1, 1, 1, 0, 0, 0, 1];
     for (const shape of shapes) {
       shape.first = vertices.length / 6;
@@ -198,8 +199,21 @@ const sceneOf = (canvas, data) => {
     const spread = beside ? SPREAD : 0;
     const { eye, view } = cameraOf(look, beside);
     const aside = [(-Math.sin(look.turn) * spread) / 2, (Math.cos(look.turn) * spread) / 2, 0];
-    const solidBody = { frames: frames(twin.angles, shifted(add(UP, aside, -1))), duty: twin.duty, lit, alpha: 1 };
-    const ghostBody = ghost && { frames: frames(ghost, shifted(add(UP, aside))), alpha: beside ? 0.5 : 0.38 };
+    const seen = { view, eye };
+    const solidBody = {
+      ...seen,
+      angles: twin.angles,
+      frames: frames(twin.angles, shifted(add(UP, aside, -1))),
+      duty: twin.duty,
+      lit,
+      alpha: 1,
+    };
+    const ghostBody = ghost && {
+      ...seen,
+      angles: ghost,
+      frames: frames(ghost, shifted(add(UP, aside))),
+      alpha: beside ? 0.5 : 0.38,
+    };
     gl.viewport(0, 0, width, height);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT | gl.STENCIL_BUFFER_BIT);
@@ -230,12 +244,25 @@ const sceneOf = (canvas, data) => {
     gl.stencilFunc(gl.EQUAL, 0, 255);
     gl.stencilOp(gl.KEEP, gl.KEEP, gl.INCR);
     gl.uniform1i(solid.at("shadow"), 1);
-    for (const one of bodies) body({ ...one, alpha: 0.16 * one.alpha });
+    for (const one of bodies) body({ ...one, alpha: 0.16 * one.alpha, shadow: true });
     gl.uniform1i(solid.at("shadow"), 0);
     gl.disable(gl.STENCIL_TEST);
   };
 
-  const body = ({ frames: placed, duty, lit, alpha }) => {
+  const body = (one) => {
+    if (!skin) return rigid(one);
+    skin({ ...one, tints: (segment) => tint(segment, one) });
+    gl.useProgram(solid.made);
+  };
+  // What the skin of a segment is coloured with, and how much: where it is lit, or its drives are strained.
+  const tint = (segment, { duty, lit }) => {
+    if (lit?.has(segment)) return [...COLOURS.lit, 1];
+    const strain = duty ? Math.max(0, ...data.segments[segment].hinges.map(({ hinge }) => duty[hinge])) : 0;
+    const share = 0.85 * Math.min(Math.max(2 * strain - 1, 0), 1);
+    return [...COLOURS.hot.map((value) => value * share), share];
+  };
+
+  const rigid = ({ frames: placed, duty, lit, alpha }) => {
     for (const shape of shapes) {
       const strain = duty ? Math.max(0, ...shape.hinges.map((hinge) => duty[hinge])) : 0;
       gl.uniformMatrix4fv(solid.at("frame"), false, placed[shape.segment]);
