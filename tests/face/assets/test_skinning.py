@@ -1,11 +1,12 @@
 from dataclasses import replace
-from itertools import pairwise
+from itertools import pairwise, product
 
 import numpy as np
 import pytest
 
 from kinesic.body.robot import Robot
 from kinesic.face.assets.body import load_figure
+from kinesic.face.assets.mesh import PARTS
 from kinesic.face.assets.rig import PLACE
 from kinesic.face.assets.skinning import Skin
 from kinesic.face.display import DisplayError
@@ -27,6 +28,14 @@ def posture(**degrees: float) -> np.ndarray:
 BIND = np.array([FIGURE.angles.get(name, 0.0) for name in SKELETON.names])
 FINGERS = [place for name, place in PLACE.items() if name.endswith(("1", "2", "3")) and "_" not in name[2:]]
 STIFF = np.flatnonzero(FIGURE.weights[:, FINGERS].sum(axis=1) == 0.0)  # no finger moves them
+ENDS = {
+    "shoulder_flexion": (-50, 170),
+    "shoulder_abduct": (-40, 120),
+    "shoulder_twisting": (-90, 90),
+    "elbow_flexion": (0, 135),
+    "elbow_twisting": (-85, 85),
+    "wrist_flexion": (-60, 60),
+}  # [deg]
 WILD = posture(l_shoulder_flexion=150, l_shoulder_twisting=80, l_elbow_flexion=120, l_elbow_twisting=85, vl5_tilt=30)
 
 
@@ -79,6 +88,41 @@ def test_linear_blending_keeps_the_forearm_round_at_full_twist():
         return np.linalg.norm(np.cross(away, bone / np.linalg.norm(bone)), axis=1)
 
     assert (radii(85.0) / radii(0.0)).min() > 0.9
+
+
+def test_the_upper_arm_stays_round_however_it_is_twisted():
+    parts = [PLACE[f"l_shoulder_{k}"] for k in range(3)]
+    of_bone = np.flatnonzero(FIGURE.weights[:, parts].sum(axis=1) > 0.98)
+    shoulder, elbow = (SKELETON.segment(f"l_{name}") for name in ("shoulder", "elbow"))
+
+    def radii(twist: float) -> np.ndarray:
+        angles = posture(l_shoulder_twisting=twist)
+        frames = SKELETON.frames(angles)
+        bone = frames.origins[elbow] - frames.origins[shoulder]
+        away = LINEAR.place(POINTS, angles)[of_bone] - frames.origins[shoulder]
+        return np.linalg.norm(np.cross(away, bone / np.linalg.norm(bone)), axis=1)
+
+    straight = radii(0.0)
+    assert min((radii(twist) / straight).min() for twist in (-90.0, 90.0)) > 0.85
+
+
+def test_nothing_tears_where_all_hinges_of_the_arms_are_at_an_end():
+    """No side of a face grows by more than a thumb's breadth, and hardly one to more than twice its length."""
+    mesh = FIGURE.mesh
+    sides = np.concatenate([mesh.faces[:, [k, (k + 1) % 4]] for k in range(4)])
+    cut_away = (mesh.parts == PARTS.index("cloth")) & (mesh.tips > 0.0)
+    sides = np.unique(np.sort(sides[~cut_away[sides].all(axis=1)], axis=1), axis=0)
+    hinges = [f"{side}_{name}" for side in "lr" for name in ENDS]
+
+    def lengths(points: np.ndarray) -> np.ndarray:
+        return np.linalg.norm(points[sides[:, 0]] - points[sides[:, 1]], axis=1)
+
+    bound, most, rare = lengths(POINTS), 0.0, 0.0
+    for ends in product(*ENDS.values()):
+        found = lengths(LINEAR.place(POINTS, posture(**dict(zip(hinges, ends * 2, strict=True)))))
+        most, rare = max(most, (found - bound).max()), max(rare, np.percentile(found / bound, 99.9))
+    assert most < 0.03
+    assert rare < 2.3
 
 
 def test_a_skeleton_with_other_names_teaches():
