@@ -4,7 +4,9 @@ import numpy as np
 
 from kinesic.controller.performance import Performance
 from kinesic.planning.captions import captions
+from kinesic.planning.face_track import faces
 from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime
+from kinesic.report.figure.face_data import face_data
 from kinesic.report.labels import label
 from kinesic.report.report import Json
 from kinesic.report.scene import pack_rows, scene_data
@@ -40,6 +42,7 @@ def replay_data(performance: Performance) -> dict[str, Json]:
         "duty_step": DUTY_STEP,
         "hinges": list(robot.skeleton.names),
         **scene_data(robot),
+        **({} if robot.skin is None else {"face": face_data(faces(plan, moments))}),
         "motions": {name: pack_rows(angles / step, "<i2") for name, angles in motions.items()},
         "duties": pack_rows(duties / DUTY_STEP, "u1"),
         "marks": _marks(performance),

@@ -8,8 +8,8 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
 from kinesic.body.skeleton import Capsule, Coupling, Hinge
+from kinesic.report.figure.skin_data import skin_data
 from kinesic.report.report import Json
-from kinesic.report.skin_data import skin_data
 from kinesic.sim.scene_layout import VIEW_FROM, rods, view_of
 from kinesic.sim.scene_style import eyeballs, parts
 

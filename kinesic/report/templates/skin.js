@@ -26,9 +26,9 @@ const rowsOf = ([w, x, y, z]) => [
   [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
 ];
 
-// How each frame moves skin from where it was made: three rows of four numbers, and four of what `tints` says of it.
-const bonesOf = ({ bones }, placed, angles, tints = () => [0, 0, 0, 0]) => {
-  const found = new Float32Array(16 * bones.length);
+// How each frame, and each eye, moves skin from where it was made: three rows of four numbers, and four of its tint.
+const bonesOf = ({ bones, head, eyeballs }, placed, angles, { tints = () => [0, 0, 0, 0], gaze = [0, 0, 0, 0, 0, 0] } = {}) => {
+  const found = new Float32Array(16 * (bones.length + eyeballs.length));
   bones.forEach(({ segment, parent, share, turns, back }, k) => {
     const own = placed[segment];
     const from = turns.length ? placed[parent] : own;
@@ -49,14 +49,47 @@ const bonesOf = ({ bones }, placed, angles, tints = () => [0, 0, 0, 0]) => {
     }
     found.set(tints(segment), 16 * k + 12);
   });
+  eyeballs.forEach((centre, eye) => {
+    const way = gaze.slice(3 * eye, 3 * eye + 3);
+    const turn = rowsOf(turnAbout(unit(way), Math.hypot(...way)));
+    const shift = centre.map((value, j) => value - turn[j].reduce((sum, each, i) => sum + each * centre[i], 0));
+    const at = 16 * (bones.length + eye);
+    found.copyWithin(at, 16 * head, 16 * head + 16);
+    for (let row = 0; row < 3; row++) {
+      const own = Array.from(found.subarray(16 * head + 4 * row, 16 * head + 4 * row + 3));
+      for (let column = 0; column < 3; column++)
+        found[at + 4 * row + column] = own.reduce((sum, value, j) => sum + value * turn[j][column], 0);
+      found[at + 4 * row + 3] += own.reduce((sum, value, j) => sum + value * shift[j], 0);
+    }
+  });
   return found;
+};
+
+// How far shapes of the face, each with its weight, move each vertex: three numbers for each.
+const faceOf = (shapes, count) => {
+  const known = shapes.map(({ step, vertices, moves }) => ({
+    step,
+    vertices: new Uint16Array(bytesOf(vertices).buffer),
+    moves: new Int8Array(bytesOf(moves).buffer),
+  }));
+  const found = new Float32Array(3 * count);
+  return (weights) => {
+    found.fill(0);
+    known.forEach(({ step, vertices, moves }, k) => {
+      const scale = step * weights[k];
+      if (scale > 0)
+        for (let i = 0; i < vertices.length; i++)
+          for (let j = 0; j < 3; j++) found[3 * vertices[i] + j] += scale * moves[3 * i + j];
+    });
+    return found;
+  };
 };
 
 // ---- drawing ------------------------------------------------------------------------------------------------
 
 const SKIN = [
   `#version 300 es
-  in vec3 place, normal, colour; in float kind; in vec2 mark; in vec4 joints, others, weights, lighter;
+  in vec3 place, normal, colour, moved; in float kind; in vec2 mark; in vec4 joints, others, weights, lighter;
   uniform highp sampler2D bones; uniform mat4 view; uniform bool shadow; uniform float unit;
   out vec3 at, n, paint; out vec2 spot; out vec4 glow; flat out int sort;
   void main() {
@@ -66,7 +99,7 @@ const SKIN = [
       a += share * texelFetch(bones, ivec2(0, bone), 0); b += share * texelFetch(bones, ivec2(1, bone), 0);
       c += share * texelFetch(bones, ivec2(2, bone), 0); t += share * texelFetch(bones, ivec2(3, bone), 0);
     }
-    vec4 p = vec4(place * unit, 1.0); vec3 world = vec3(dot(a, p), dot(b, p), dot(c, p));
+    vec4 p = vec4(place * unit + moved, 1.0); vec3 world = vec3(dot(a, p), dot(b, p), dot(c, p));
     if (shadow) world = vec3(world.xy - vec2(0.4, 0.36) * world.z, 0.002);
     at = world; n = vec3(dot(a.xyz, normal), dot(b.xyz, normal), dot(c.xyz, normal));
     paint = colour; spot = mark; glow = t; sort = int(kind); gl_Position = view * vec4(world, 1.0);
@@ -93,12 +126,14 @@ const SKIN = [
   }`,
 ];
 
-const skinOf = (gl, skin, program) => {
+// `shapes`: of the face, if it moves.
+const skinOf = (gl, skin, program, shapes = []) => {
   const { made, at } = program(SKIN);
   const own = gl.createVertexArray();
   gl.bindVertexArray(own);
   gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
-  gl.bufferData(gl.ARRAY_BUFFER, bytesOf(skin.vertices), gl.STATIC_DRAW);
+  const vertices = bytesOf(skin.vertices);
+  gl.bufferData(gl.ARRAY_BUFFER, vertices, gl.STATIC_DRAW);
   for (const [name, count, kind, normalised, offset] of [
     ["place", 3, gl.SHORT, false, 0],
     ["normal", 3, gl.BYTE, true, 8],
@@ -114,6 +149,11 @@ const skinOf = (gl, skin, program) => {
     gl.enableVertexAttribArray(place);
     gl.vertexAttribPointer(place, count, kind, normalised, skin.size, offset);
   }
+  const face = faceOf(shapes, vertices.length / skin.size);
+  const moved = gl.createBuffer();
+  gl.bindBuffer(gl.ARRAY_BUFFER, moved);
+  gl.enableVertexAttribArray(gl.getAttribLocation(made, "moved"));
+  gl.vertexAttribPointer(gl.getAttribLocation(made, "moved"), 3, gl.FLOAT, false, 12, 0);
   gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
   const corners = bytesOf(skin.triangles);
   gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, corners, gl.STATIC_DRAW);
@@ -121,11 +161,13 @@ const skinOf = (gl, skin, program) => {
   gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
   for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, filter, gl.NEAREST);
 
-  return ({ frames, angles, tints, view, eye, alpha, shadow }) => {
+  return ({ frames, angles, face: shown, tints, view, eye, alpha, shadow }) => {
     gl.useProgram(made);
     gl.bindVertexArray(own);
-    const rows = bonesOf(skin, frames, angles, tints);
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, 4, skin.bones.length, 0, gl.RGBA, gl.FLOAT, rows);
+    gl.bindBuffer(gl.ARRAY_BUFFER, moved);
+    gl.bufferData(gl.ARRAY_BUFFER, face(shown?.weights ?? shapes.map(() => 0)), gl.STREAM_DRAW);
+    const rows = bonesOf(skin, frames, angles, { tints, gaze: shown?.gaze });
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, 4, rows.length / 16, 0, gl.RGBA, gl.FLOAT, rows);
     gl.uniformMatrix4fv(at("view"), false, view);
     gl.uniform3fv(at("eye"), eye);
     gl.uniform3fv(at("iris"), skin.eyes[0]);

@@ -11,11 +11,12 @@ import pytest
 
 from kinesic.body.robot import Robot
 from kinesic.face.assets.body import POSITION_STEP, load_figure
+from kinesic.face.assets.rig import FRAMES, PLACE
 from kinesic.face.assets.skinning import Skin
+from kinesic.report.figure.skin_data import BORDER, VERTEX, skin_data
 from kinesic.report.scene import SCENE_SCRIPTS, read_scripts, scene_data
-from kinesic.report.skin_data import BORDER, VERTEX, skin_data
 
-from ..chromium import binary, opened
+from ...chromium import binary, opened
 
 HUMAN = Robot.load("human")
 FIGURE = load_figure()
@@ -48,9 +49,15 @@ def test_vertices_are_those_of_the_figure():
     hair = FIGURE.mesh.normals(FIGURE.mesh.positions) * FIGURE.hair[:, None]
     assert np.abs(packed["place"][:, :3] * POSITION_STEP - FIGURE.mesh.positions - hair).max() <= POSITION_STEP
     assert (packed["weights"].sum(axis=1, dtype=int) == 255).all()
-    weights = np.zeros(FIGURE.weights.shape)
+    weights = np.zeros((len(packed), len(FRAMES) + 2))
     np.put_along_axis(weights, packed["joints"].astype(int), packed["weights"] / 255.0, axis=1)
-    assert np.abs(weights - FIGURE.weights.toarray()).max() < 0.02
+    weights[:, PLACE["skullbase"]] += weights[:, len(FRAMES) :].sum(axis=1)
+    assert np.abs(weights[:, : len(FRAMES)] - FIGURE.weights.toarray()).max() < 0.02
+    left = FIGURE.mesh.positions[:, 1] > 0.0
+    for eye, side in enumerate((left, ~left)):
+        assert set(np.flatnonzero(weights[:, len(FRAMES) + eye])) == set(FIGURE.mesh.vertices("eyes")) & set(
+            np.flatnonzero(side)
+        )
     cloth = FIGURE.mesh.vertices("cloth")
     near = cloth[np.abs(FIGURE.mesh.tips[cloth]) < 0.3]
     assert np.abs(packed["mark"][near, 0] / 32767 * BORDER - FIGURE.mesh.tips[near]).max() < 1e-4
@@ -83,9 +90,11 @@ def test_frames_of_the_page_move_skin_as_kinesic_does():
     moved = Skin(FIGURE, HUMAN.skeleton)
     for bones, posture in zip(found, angles, strict=True):
         turns, ways = moved.matrices(posture)
-        np.testing.assert_allclose(bones[:, :3, :3], turns, atol=2e-5)
-        np.testing.assert_allclose(bones[:, :3, 3], ways, atol=2e-5)
+        np.testing.assert_allclose(bones[: len(turns), :3, :3], turns, atol=2e-5)
+        np.testing.assert_allclose(bones[: len(turns), :3, 3], ways, atol=2e-5)
         assert not bones[:, 3].any()
+        assert len(bones) == len(turns) + 2
+        np.testing.assert_array_equal(bones[len(turns) :], bones[[PLACE["skullbase"]] * 2])  # eyes look ahead
 
 
 @pytest.mark.skipif(binary() is None, reason="no Chromium: apt-get install chromium")

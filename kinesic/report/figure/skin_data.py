@@ -10,16 +10,17 @@ from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
 from kinesic.body.skeleton import Skeleton
 from kinesic.face.assets.body import KEPT, POSITION_STEP, Figure, load_figure
-from kinesic.face.assets.chart import chart_window, vertex_chart
+from kinesic.face.assets.chart import chart_window, mouth, vertex_chart
 from kinesic.face.assets.mesh import PARTS, Part
 from kinesic.face.assets.paint import COMPLEXIONS, RESOLUTION, skin
-from kinesic.face.assets.rig import Frame
+from kinesic.face.assets.rig import FRAMES, PLACE, Frame
 from kinesic.face.assets.skinning import TWIST, Skin
 from kinesic.report.gltf.skin import HAIRLINE, PLAIN, shown
 from kinesic.report.report import Json
 
 KINDS: dict[Part, int] = {"cloth": 1, "eyes": 2}  # of vertices, for the shader; 0 is any other
 EYES = (0.10, 0.17, 0.16), (0.74, 0.70, 0.67)  # linear: the iris, and what is white
+INNER, SHADED = 0.9, 0.45  # how much darker skin inside the mouth is, and how much light teeth and tongue get
 BORDER = 0.32767  # [m] beyond the border of cloth, at most
 DIGITS = 6  # of rotations and places [m] of frames
 VERTEX = np.dtype(
@@ -46,6 +47,8 @@ def skin_data(robot: Robot) -> dict[str, Json]:
         "size": VERTEX.itemsize,
         "step": POSITION_STEP,
         "border": BORDER,
+        "head": PLACE["skullbase"],
+        "eyeballs": [[round(float(value), DIGITS) for value in centre] for centre in figure.mesh.eyes],
         "eyes": [[round(float(value), 3) for value in shown(np.array(colour))] for colour in EYES],
     }
 
@@ -110,8 +113,9 @@ def _colours(figure: Figure) -> Floats:
     found = skin(complexion)[rows, columns, :3].copy()
     t = np.clip((chart[:, 3] - HAIRLINE[0]) / (HAIRLINE[1] - HAIRLINE[0]), 0.0, 1.0)
     found += (t * t * (3 - 2 * t))[:, None] * (np.asarray(complexion.hair) - found)
+    found *= 1.0 - INNER * mouth(mesh)[:, None]
     for part, colour in PLAIN.items():
-        found[mesh.parts == PARTS.index(part)] = colour
+        found[mesh.parts == PARTS.index(part)] = np.array(colour) * (SHADED if part in ("teeth", "tongue") else 1.0)
     assert mesh.plain is not None  # a figure has it
     cloth = mesh.parts == PARTS.index("cloth")
     found[cloth] = mesh.plain[cloth, :3] ** 2
@@ -129,10 +133,12 @@ def _marks(figure: Figure) -> Floats:
 
 
 def _influences(figure: Figure) -> tuple[NDArray[np.intp], NDArray[np.uint8]]:
-    """(v, 8) frames that move each vertex, and (v, 8) how much; these add up to 255."""
+    """(v, 8) frames that move each vertex, after them left and right eye, and (v, 8) how much; it adds up to 255."""
     rows = figure.weights.toarray()
     places = np.argsort(-rows, axis=1)[:, :KEPT]
     shares = 255 * np.take_along_axis(rows, places, axis=1)
     whole = np.rint(shares).astype(np.intp)
     whole[:, 0] += 255 - whole.sum(axis=1)  # the strongest takes what rounding left
+    eyes = figure.mesh.vertices("eyes")
+    places[eyes, 0] = len(FRAMES) + (figure.mesh.positions[eyes, 1] < 0.0)  # the head alone moves them
     return places, whole.astype(np.uint8)

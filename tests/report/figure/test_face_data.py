@@ -1,0 +1,76 @@
+"""Pages move the human's face as her shapes do, and turn her eyes."""
+
+import json
+import shutil
+import subprocess
+from base64 import b64decode
+
+import numpy as np
+import pytest
+
+from kinesic.body.robot import Robot
+from kinesic.face.assets.action_units import CHANNELS, gaze_rotation, intensities, shape_weights
+from kinesic.face.assets.body import load_figure
+from kinesic.face.assets.rig import FRAMES
+from kinesic.face.assets.skinning import Skin
+from kinesic.report.figure.face_data import face_data
+from kinesic.report.figure.skin_data import skin_data
+from kinesic.report.scene import read_scripts
+
+MOST = 1.5e6  # [bytes] that a page grows by
+HUMAN, FIGURE = Robot.load("human"), load_figure()
+UNITS = ({}, {"12": 1.0, "26": 0.6, "L1": 0.5}, {"61": 0.8, "63": 0.4}, {"45": 1.0, "64": 0.7, "66": 0.3})
+SCRIPT = """
+const { skin, face, count, placed, angles } = JSON.parse(require("fs").readFileSync(0));
+const moved = faceOf(face.shapes, count), frames = face.weights.length;
+process.stdout.write(JSON.stringify(face.weights.map((weights, k) => ({
+  moves: Array.from(moved(weights)),
+  bones: Array.from(bonesOf(skin, placed, angles, { gaze: face.gaze[k] })),
+}))));
+"""
+
+
+def unpacked(data: dict) -> dict:
+    """Weights and turns of the eyes as rows of numbers, as the page reads them."""
+    weights = np.frombuffer(b64decode(data["weights"]), "u1").reshape(len(UNITS), -1) * data["weight_step"]
+    gaze = np.frombuffer(b64decode(data["gaze"]), "<i2").reshape(len(UNITS), 6) * data["gaze_step"]
+    return {"shapes": data["shapes"], "weights": weights.tolist(), "gaze": gaze.tolist()}
+
+
+def test_only_shapes_that_are_used_are_sent():
+    assert face_data(UNITS[:1])["shapes"] == []
+    assert 0 < len(face_data(UNITS)["shapes"]) < len(FIGURE.mesh.shapes) / 2
+    every = [{channel: 1.0} for channel in CHANNELS]
+    data = face_data(every)
+    assert len(data["shapes"]) > 45
+    assert len(json.dumps(skin_data(HUMAN))) + len(json.dumps(data)) < MOST
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
+def test_the_page_moves_vertices_and_eyes_as_kinesic_does():
+    stand = HUMAN.skeleton.frames(HUMAN.skeleton.rest)
+    placed = np.tile(np.eye(4), (len(stand.origins), 1, 1))
+    placed[:, :3, :3], placed[:, :3, 3] = stand.rotations, stand.origins
+    given = {
+        "skin": skin_data(HUMAN),
+        "face": unpacked(face_data(UNITS)),
+        "count": len(FIGURE.mesh.positions),
+        "placed": placed.transpose(0, 2, 1).reshape(-1, 16).tolist(),
+        "angles": HUMAN.skeleton.rest.tolist(),
+    }
+    script = read_scripts(("shapes.js", "motion.js", "skin.js")) + SCRIPT
+    ended = subprocess.run(
+        ["node", "-e", script], input=json.dumps(given), capture_output=True, text=True, check=True, timeout=60
+    )
+    skin, eyes = Skin(FIGURE, HUMAN.skeleton), FIGURE.mesh.vertices("eyes")
+    for units, found in zip(UNITS, json.loads(ended.stdout), strict=True):
+        moves = np.array(found["moves"]).reshape(-1, 3)
+        asked = (FIGURE.mesh.deltas @ shape_weights(FIGURE.mesh, units)).reshape(-1, 3)
+        assert np.abs(moves - asked).max() < 5e-4
+        assert moves.any() == bool(units)
+        bones = np.array(found["bones"]).reshape(-1, 4, 4)[len(FRAMES) :, :3]
+        for number, (bone, centre) in enumerate(zip(bones, FIGURE.mesh.eyes, strict=True)):
+            ball = eyes[(FIGURE.mesh.positions[eyes, 1] > 0.0) == (number == 0)]
+            turned = centre + (FIGURE.mesh.positions[ball] - centre) @ gaze_rotation(intensities(units), number).T
+            placed_by_page = FIGURE.mesh.positions[ball] @ bone[:, :3].T + bone[:, 3]
+            assert np.abs(placed_by_page - skin.carry(turned, HUMAN.skeleton.rest)).max() < 2e-5
