@@ -137,7 +137,7 @@ def _check_ending(out: Path, turntable: bool) -> None:
 
 def _save_turntable(shown: Show, robot: Robot, path: Path, progress: Callable[[float], None]) -> None:
     try:
-        save_film(draw_round(robot, shown.postures[shown.stroke], progress), path, rate=RATE)
+        save_film(draw_round(robot, shown.postures[shown.stroke], shown.faces[shown.stroke], progress), path, rate=RATE)
     except (FilmError, DisplayError) as error:
         raise ConfigError(f"no turntable: {error}") from None
 

@@ -1,5 +1,6 @@
 """One gesture played alone, as a document that asks for nothing else."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from xml.sax.saxutils import quoteattr
 
@@ -10,12 +11,15 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import SIDES, Side
 from kinesic.controller.perform import plan
 from kinesic.expressivity.lexicon.form import GestureForm
+from kinesic.motion.keys import KeyPosture
+from kinesic.planning.face_track import faces
 from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
 
 STROKE = 2.0  # [s] time enough for every preparation
 BEHAVIOUR = "gesture"
 _PATH_POINTS = 80
+BLINK = "45"
 _MODES: dict[Mode, str] = {"left": "LEFT_HAND", "right": "RIGHT_HAND", "both": "BOTH_HANDS", "unspecified": ""}
 
 
@@ -27,6 +31,7 @@ class Show:
     postures: tuple[Floats, ...]  # (n,) [rad] each, in order
     stroke: int  # which of them falls on the sync point `stroke`
     paths: dict[Side, Floats]  # (m, 3) [m] in the world, of the hands that take part
+    faces: tuple[Mapping[str, float], ...]  # action units -> 0..1, one for each posture, with open eyes
 
 
 def document(lexeme: str, mode: Mode = "unspecified", *, stroke: float = STROKE) -> str:
@@ -65,13 +70,29 @@ def key_postures(form: GestureForm, planned: Plan, most: int) -> Show:
         raise BmlError(f"{form.id} cannot be drawn, {planned.setup.robot.name} cannot play it: {outcome.why}")
     times = {sync.sync: sync for sync in planned.syncs if sync.behaviour == BEHAVIOUR}
     first, stroke, last = (times[name] for name in ("strokeStart", "stroke", "strokeEnd"))
-    inside = [posture for posture in planned.postures.postures if first.asked <= posture.time <= last.asked]
+    inside = [posture for posture in _of_arms(form, planned) if first.asked <= posture.time <= last.asked]
     middle = int(np.argmin([abs(posture.time - stroke.asked) for posture in inside]))
     chosen = _thinned(len(inside), middle, most)
     spanned = planned.trajectory.zero + np.linspace(first.planned, last.planned, _PATH_POINTS)
     frames = planned.setup.robot.skeleton.frames(planned.trajectory.sample(spanned)[0])
     paths = {side: _palm(planned, side, frames.rotations, frames.origins) for side in SIDES if side in form.sides}
-    return Show(form, tuple(inside[k].angles for k in chosen), chosen.index(middle), paths)
+    keys = [inside[k] for k in chosen]
+    moments = planned.trajectory.zero + np.array([key.time for key in keys])
+    between = planned.trajectory.sample(moments)[0]
+    postures = tuple(sealed(np.where(key.keyed, key.angles, row)) for key, row in zip(keys, between, strict=True))
+    return Show(form, postures, chosen.index(middle), paths, tuple(map(_awake, faces(planned, moments))))
+
+
+def _of_arms(form: GestureForm, planned: Plan) -> list[KeyPosture]:
+    """Postures that say where an arm of the gesture is; others are of fingers, head or trunk alone."""
+    robot = planned.setup.robot
+    arms = [joint for side in form.sides for joint in robot.skeleton.joints_of(robot.arm(side).segments)]
+    return [posture for posture in planned.postures.postures if any(posture.keyed[joint] for joint in arms)]
+
+
+def _awake(units: Mapping[str, float]) -> dict[str, float]:
+    """A face without a blink, which falls anywhere."""
+    return {unit: value for unit, value in units.items() if unit.lstrip("LR") != BLINK}
 
 
 def _thinned(count: int, middle: int, most: int) -> list[int]:

@@ -1,8 +1,9 @@
 """A robot in some postures, drawn with light and shade: by MuJoCo, or with its skin where it has one."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from math import radians
+from types import MappingProxyType
 
 import mujoco
 import numpy as np
@@ -20,24 +21,42 @@ from kinesic.sim.scene_style import styled_model
 from kinesic.studies.gestures.framing import RISE, Balls, Viewpoint
 
 Picture = NDArray[np.uint8]
-Draw = Callable[[Floats, Viewpoint], Picture]
+Units = Mapping[str, float]
+Draw = Callable[[Floats, Units, Viewpoint], Picture]
+NEUTRAL: Units = MappingProxyType({})
 ROUND, RATE = 96, 24.0  # pictures of a turntable, and how many are shown a second [Hz]
 SIDE = 480  # [pixels] of each
 
 
-def draw_stills(robot: Robot, postures: Sequence[Floats], size: tuple[int, int]) -> tuple[Viewpoint, list[Picture]]:
-    """Draws postures (n,) [rad] from the front, all from one place, and says from where.
+def draw_stills(
+    robot: Robot, postures: Sequence[Floats], faces: Sequence[Units], size: tuple[int, int]
+) -> tuple[Viewpoint, list[Picture]]:
+    """Draws postures from the front, all from one place, and says from where.
+
+    Args:
+        robot: that is drawn.
+        postures: (n,) [rad] each.
+        faces: action units -> 0..1 of each, shown by a robot with skin.
+        size: (width, height) of a picture [pixels].
 
     Raises:
         FilmError: OpenGL does not draw on this machine.
     """
     (view,) = Balls.of(robot, postures).viewpoints([0.0], size[0] / size[1], rise=_rise(robot))
     with _drawing(robot, size) as draw:
-        return view, [draw(angles, view) for angles in postures]
+        return view, [draw(angles, units, view) for angles, units in zip(postures, faces, strict=True)]
 
 
-def draw_round(robot: Robot, angles: Floats, progress: Callable[[float], None] = lambda share: None) -> list[Picture]:
-    """Draws a posture (n,) [rad] from all around, beginning in front, with even steps and no end.
+def draw_round(
+    robot: Robot, angles: Floats, units: Units = NEUTRAL, progress: Callable[[float], None] = lambda share: None
+) -> list[Picture]:
+    """Draws a posture from all around, beginning in front, with even steps and no end.
+
+    Args:
+        robot: that is drawn.
+        angles: (n,) [rad].
+        units: action units -> 0..1, shown by a robot with skin.
+        progress: gets the share of the pictures that are drawn.
 
     Raises:
         FilmError: OpenGL does not draw on this machine.
@@ -46,7 +65,7 @@ def draw_round(robot: Robot, angles: Floats, progress: Callable[[float], None] =
     pictures = []
     with _drawing(robot, (SIDE, SIDE)) as draw:
         for view in Balls.of(robot, [angles]).viewpoints(yaws, 1.0, rise=_rise(robot)):
-            pictures.append(draw(angles, view))
+            pictures.append(draw(angles, units, view))
             progress(len(pictures) / ROUND)
     return pictures
 
@@ -69,10 +88,10 @@ def _drawing(robot: Robot, size: tuple[int, int]) -> Iterator[Draw]:
         raise FilmError(str(error)) from None
     with portrait:
 
-        def draw_figure(angles: Floats, view: Viewpoint) -> Picture:
+        def draw_figure(angles: Floats, units: Units, view: Viewpoint) -> Picture:
             x, y, z = map(float, view.middle)
             camera = Camera(view.yaw_deg, view.distance, view.field_deg, pivot=(x, y, z))
-            return portrait.draw(angles, {}, camera)
+            return portrait.draw(angles, units, camera)
 
         yield draw_figure
 
@@ -88,7 +107,7 @@ def _model_drawing(robot: Robot, size: tuple[int, int]) -> Iterator[Draw]:
     places, ways = model.light_pos.copy(), model.light_dir.copy()
     with mujoco.Renderer(model, size[1], size[0]) as renderer:
 
-        def draw_model(angles: Floats, view: Viewpoint) -> Picture:
+        def draw_model(angles: Floats, _: Units, view: Viewpoint) -> Picture:
             data.qpos[order] = robot.skeleton.turns(angles)
             turn = about(np.array([0.0, 0.0, 1.0]), radians(view.yaw_deg))
             model.light_pos[:] = view.middle + (places - view.middle) @ turn.T  # the lamps stand with the camera

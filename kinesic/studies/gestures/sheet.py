@@ -75,7 +75,7 @@ def draw_portraits(
     """
     wide = _TALL * PORTRAIT
     tall = round(_TALL * scale * dots)
-    view, pictures = draw_stills(robot, show.postures, (round(tall * PORTRAIT), tall))
+    view, pictures = draw_stills(robot, show.postures, show.faces, (round(tall * PORTRAIT), tall))
     paper, axes = _strip_paper(show, wide, scale)
     for k, picture in enumerate(pictures):
         left, low = k * wide, _FOOTER

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
+from kinesic.controller.perform import set_up
 from kinesic.expressivity.lexicon.hand_shapes import hand_shapes
 from kinesic.studies.gestures.isolated import STROKE, document, key_postures, plan_gesture, stroke_error
 from kinesic.studies.gestures.sheet import draw_gesture_sheet, draw_strip
@@ -40,14 +41,35 @@ def test_key_postures_are_those_of_the_stroke(waved, known):
     assert np.linalg.norm(palm - wrist, axis=1).min() < 0.09
 
 
+def test_each_posture_has_the_face_that_goes_with_it(known):
+    form = known.lexicon.find("disgust").form
+    shown = key_postures(form, plan_gesture(form, known), 6)
+    assert len(shown.faces) == len(shown.postures)
+    assert shown.faces[shown.stroke].keys() >= {"L9", "R9"}  # the wrinkled nose
+    assert not any(unit.endswith("45") for face in shown.faces for unit in face)
+
+
+def test_postures_of_fingers_alone_are_no_key_postures():
+    """On a hand with fingers, keys of these stand between those of the arm, where its angles say nothing."""
+    human = set_up("human")
+    form, skeleton = human.lexicon.find("disgust").form, human.robot.skeleton
+    shown = key_postures(form, plan_gesture(form, human), 6)
+    wrists = skeleton.frames(np.array(shown.postures)).origins[:, skeleton.segment("r_wrist")]
+    resting = skeleton.frames(skeleton.rest).origins[skeleton.segment("r_wrist")]
+    assert np.linalg.norm(wrists - resting, axis=1).min() > 0.2
+    assert len(shown.postures) == len(shown.faces) == 2
+
+
 @pytest.mark.parametrize("most", [2, 3, 6])
 def test_of_many_keys_the_stroke_is_among_those_drawn(known, most):
     form = known.lexicon.find("spiral_stairs").form
     planned = plan_gesture(form, known)
     shown = key_postures(form, planned, most)
-    stroke = next(posture.angles for posture in planned.postures.postures if ("gesture", "stroke") in posture.syncs)
+    stroke = next(posture for posture in planned.postures.postures if ("gesture", "stroke") in posture.syncs)
     assert len(shown.postures) <= most
-    assert np.array_equal(shown.postures[shown.stroke], stroke)
+    drawn, keyed = shown.postures[shown.stroke], np.array(stroke.keyed)
+    assert np.array_equal(drawn[keyed], stroke.angles[keyed])
+    np.testing.assert_allclose(drawn, stroke.angles, atol=0.01)
 
 
 def test_the_nearer_is_drawn_later_and_darker(known):

@@ -45,7 +45,7 @@ def test_head_and_hands_of_the_skinned_human_are_in_her_portrait(drawable: None)
     raised = HUMAN.skeleton.rest.copy()
     for side in "lr":
         raised[HUMAN.skeleton.names.index(f"{side}_shoulder_flexion")] = np.radians(170)
-    view, (down, up) = draw_stills(HUMAN, [HUMAN.skeleton.rest, raised], (200, 230))
+    view, (down, up) = draw_stills(HUMAN, [HUMAN.skeleton.rest, raised], [{}, {}], (200, 230))
     for picture, angles in ((down, HUMAN.skeleton.rest), (up, raised)):
         skin, frames = is_skin(picture), HUMAN.skeleton.frames(angles)
         assert not any(edge.any() for edge in (skin[0], skin[-1], skin[:, 0], skin[:, -1]))
@@ -59,7 +59,7 @@ def test_head_and_hands_of_the_skinned_human_are_in_her_portrait(drawable: None)
 def test_a_turntable_goes_round_evenly_and_ends_where_it_began(name: str, modelled: None):
     robot, shares = Robot.load(name), []
     with few_pictures(8):
-        pictures = draw_round(robot, robot.skeleton.rest, shares.append)
+        pictures = draw_round(robot, robot.skeleton.rest, progress=shares.append)
     assert shares == [(k + 1) / 8 for k in range(8)]
     assert {picture.shape for picture in pictures} == {(96, 96, 3)}
     steps = [
@@ -75,6 +75,14 @@ def test_the_human_turns_with_her_skin(drawable: None):  # noqa: F811 - the fixt
     assert front > 1.5 * back  # her face, and her hair
     assert left > 0
     assert right > 0
+
+
+def test_the_human_shows_the_face_of_the_gesture(drawable: None):  # noqa: F811 - the fixture
+    rest = HUMAN.skeleton.rest
+    _, (plain, smiling, again) = draw_stills(HUMAN, [rest] * 3, [{}, {"12": 1.0}, {}], (200, 230))
+    changed = np.abs(plain.astype(int) - smiling).max(axis=-1) > 20
+    assert 0 < changed.sum() < 200
+    assert np.array_equal(plain, again)
 
 
 def test_ways_are_drawn_over_portraits(known, tmp_path, modelled: None):
