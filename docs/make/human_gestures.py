@@ -1,0 +1,55 @@
+"""Draws docs/human-gestures.png, her strokes as `gestures render` shows them, and docs/human-page.png, the replay."""
+
+import shutil
+import subprocess
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from page_pictures import BROWSERS, DRAWN, SETTLED
+from PIL import Image
+
+from kinesic import Performer
+from kinesic.body.config import CONFIGS
+from kinesic.controller.perform import set_up
+from kinesic.studies.gestures.isolated import Show, key_postures, plan_gesture
+from kinesic.studies.gestures.portraits import ROUND, draw_round
+from kinesic.studies.gestures.sheet import MOST, draw_portraits
+
+DOCS = Path(__file__).resolve().parents[1]
+STRIP, TURNED, VIEWS = "greet_wave", "count_two", 6
+WINDOW = (1000, 1100)  # [pixels]
+STAGE = (25, 512, 960, 960)  # [pixels] of the page: left, top, right and bottom of the replay
+HUMAN = set_up("human")
+
+
+def shown(name: str) -> Show:
+    """A gesture alone."""
+    form = next(form for form in HUMAN.lexicon.forms if form.id == name)
+    return key_postures(form, plan_gesture(form, HUMAN), MOST)
+
+
+def draw_gestures(folder: Path) -> Image.Image:
+    """A strip, and below it some views of a turntable."""
+    strip = Image.open(draw_portraits(shown(STRIP), HUMAN.robot, folder / "strip.png")).convert("RGB")
+    turned = shown(TURNED)
+    views = draw_round(HUMAN.robot, turned.postures[turned.stroke], turned.faces[turned.stroke])[:: ROUND // VIEWS]
+    row = Image.fromarray(np.concatenate(views, axis=1))
+    row = row.resize((strip.width, round(row.height * strip.width / row.width)), Image.Resampling.LANCZOS)
+    return Image.fromarray(np.concatenate([np.asarray(strip), np.asarray(row)]))
+
+
+def draw_page(folder: Path) -> Image.Image:
+    """The replay of her welcome, at its first stroke."""
+    performer = Performer("human", voice="auto")
+    run = performer.perform(performer.plan(CONFIGS / "bml" / "welcome.bml", source="welcome.bml"))
+    page, shot = run.report(folder / "report").page, folder / "page.png"
+    browser = next(filter(None, map(shutil.which, BROWSERS)))
+    size = f"--window-size={WINDOW[0]},{WINDOW[1]}"
+    subprocess.run([browser, *DRAWN, size, f"--timeout={SETTLED}", f"--screenshot={shot}", page.as_uri()], check=True)
+    return Image.open(shot).convert("RGB").crop(STAGE)
+
+
+with TemporaryDirectory() as place:
+    draw_gestures(Path(place)).quantize(200).save(DOCS / "human-gestures.png", optimize=True)
+    draw_page(Path(place)).quantize(200).save(DOCS / "human-page.png", optimize=True)
