@@ -42,7 +42,7 @@ def replay_data(performance: Performance) -> dict[str, Json]:
         "duty_step": DUTY_STEP,
         "hinges": list(robot.skeleton.names),
         **scene_data(robot),
-        **({} if robot.skin is None else {"face": face_data(faces(plan, moments))}),
+        **({} if robot.skin is None else {"features": face_data(faces(plan, moments))}),
         "motions": {name: pack_rows(angles / step, "<i2") for name, angles in motions.items()},
         "duties": pack_rows(duties / DUTY_STEP, "u1"),
         "marks": _marks(performance),

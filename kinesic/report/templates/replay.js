@@ -17,10 +17,10 @@
     Object.entries(data.motions).map(([name, text]) => [name, new Int16Array(bytesOf(text).buffer)]),
   );
   const duties = bytesOf(data.duties);
-  // of a robot that has a skin
-  const features = data.face && {
-    weights: bytesOf(data.face.weights),
-    gaze: new Int16Array(bytesOf(data.face.gaze).buffer),
+  // the face of a robot that has a skin
+  const features = data.features && {
+    weights: bytesOf(data.features.weights),
+    gaze: new Int16Array(bytesOf(data.features.gaze).buffer),
   };
   const filmed = document.querySelector("img.filmed"); // null: there is no film of the face
   const showFace = filmed ? filmOf(part("face"), bytesOf(filmed.src.split(",")[1])) : () => {};
@@ -51,11 +51,15 @@
       .color.match(/[\d.]+/g)
       .slice(0, 3)
       .map((value) => value / 255);
-    const face = features && {
-      weights: mixed(features.weights, data.face.weight_step, time),
-      gaze: mixed(features.gaze, data.face.gaze_step, time),
+    const shown = features && {
+      weights: mixed(features.weights, data.features.weight_step, time),
+      gaze: mixed(features.gaze, data.features.gaze_step, time),
     };
-    const twin = { angles: mixed(motions.twin, data.step, time), duty: mixed(duties, data.duty_step, time), face };
+    const twin = {
+      angles: mixed(motions.twin, data.step, time),
+      duty: mixed(duties, data.duty_step, time),
+      features: shown,
+    };
     const wished = motions[who] && mixed(motions[who], data.step, time);
     const ghost = when && !strays(twin.angles, wished) ? undefined : wished;
     const places = scene.draw({ look, twin, ghost, beside, ink });

@@ -126,7 +126,7 @@ const sceneOf = (canvas, data) => {
   const prepare = () => {
     solid = program(SOLID);
     ground = program(FLOOR);
-    skin = data.skin && skinOf(gl, data.skin, program, data.face?.shapes);
+    skin = data.skin && skinOf(gl, data.skin, program, data.features?.shapes);
     const vertices = [-1, -1, 0, 0, 0, 1, 1, -1, 0, 0, 0, 1, -1, 1, 0, 0, 0, 1, 1, 1, 0, 0, 0, 1];
     for (const shape of shapes) {
       shape.first = vertices.length / 6;
@@ -203,7 +203,7 @@ const sceneOf = (canvas, data) => {
     const solidBody = {
       ...seen,
       angles: twin.angles,
-      face: twin.face,
+      features: twin.features,
       frames: frames(twin.angles, shifted(add(UP, aside, -1))),
       duty: twin.duty,
       lit,

@@ -161,7 +161,7 @@ const skinOf = (gl, skin, program, shapes = []) => {
   gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
   for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, filter, gl.NEAREST);
 
-  return ({ frames, angles, face: shown, tints, view, eye, alpha, shadow }) => {
+  return ({ frames, angles, features: shown, tints, view, eye, alpha, shadow }) => {
     gl.useProgram(made);
     gl.bindVertexArray(own);
     gl.bindBuffer(gl.ARRAY_BUFFER, moved);

@@ -26,6 +26,7 @@ Draw = Callable[[Floats, Units, Viewpoint], Picture]
 NEUTRAL: Units = MappingProxyType({})
 ROUND, RATE = 96, 24.0  # pictures of a turntable, and how many are shown a second [Hz]
 SIDE = 480  # [pixels] of each
+SAMPLES = 4  # of a pixel
 
 
 def draw_stills(
@@ -102,6 +103,7 @@ def _model_drawing(robot: Robot, size: tuple[int, int]) -> Iterator[Draw]:
     if why := opengl_fault():
         raise FilmError(why)
     model = styled_model(robot, width=size[0], height=size[1])
+    model.vis.quality.offsamples = SAMPLES
     data, order = mujoco.MjData(model), turn_order(robot, model)
     camera = mujoco.MjvCamera()
     places, ways = model.light_pos.copy(), model.light_dir.copy()

@@ -9,12 +9,14 @@ import numpy as np
 import pytest
 
 from kinesic.body.robot import Robot
+from kinesic.controller.perform import dry_run, plan, set_up
 from kinesic.face.assets.action_units import CHANNELS, gaze_rotation, intensities, shape_weights
 from kinesic.face.assets.body import load_figure
 from kinesic.face.assets.rig import FRAMES
 from kinesic.face.assets.skinning import Skin
 from kinesic.report.figure.face_data import face_data
 from kinesic.report.figure.skin_data import skin_data
+from kinesic.report.replay import replay_data
 from kinesic.report.scene import read_scripts
 
 MOST = 1.5e6  # [bytes] that a page grows by
@@ -74,3 +76,15 @@ def test_the_page_moves_vertices_and_eyes_as_kinesic_does():
             turned = centre + (FIGURE.mesh.positions[ball] - centre) @ gaze_rotation(intensities(units), number).T
             placed_by_page = FIGURE.mesh.positions[ball] @ bone[:, :3].T + bone[:, 3]
             assert np.abs(placed_by_page - skin.carry(turned, HUMAN.skeleton.rest)).max() < 2e-5
+
+
+def test_the_replay_of_a_robot_with_skin_has_its_face_at_every_frame():
+    face = '<faceFacs id="f" au="12" start="0" end="1"/>'
+    smile = f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{face}</bml>'
+    with_skin, without = (replay_data(dry_run(plan(smile, set_up(name)))) for name in ("human", "upper22"))
+    features = with_skin["features"]
+    assert isinstance(features, dict)
+    rows = np.frombuffer(b64decode(str(features["weights"])), "u1").reshape(with_skin["frames"], -1)
+    assert rows.shape[1] == len(features["shapes"]) > 0
+    assert rows.max() > 100
+    assert "features" not in without

@@ -13,6 +13,7 @@ from kinesic.body.robot import Robot
 from kinesic.face.assets.body import POSITION_STEP, load_figure
 from kinesic.face.assets.rig import FRAMES, PLACE
 from kinesic.face.assets.skinning import Skin
+from kinesic.report.figure.face_data import face_data
 from kinesic.report.figure.skin_data import BORDER, VERTEX, skin_data
 from kinesic.report.scene import SCENE_SCRIPTS, read_scripts, scene_data
 
@@ -99,8 +100,9 @@ def test_frames_of_the_page_move_skin_as_kinesic_does():
 
 @pytest.mark.skipif(binary() is None, reason="no Chromium: apt-get install chromium")
 def test_the_page_shows_skin_and_clothes_and_what_is_lit_or_strained(tmp_path: Path):
+    data = {**scene_data(HUMAN), "features": face_data([{"26": 1.0}])}
     text = PAGE.replace("SIDE", str(SIDE)).replace("SCRIPTS", read_scripts(SCENE_SCRIPTS))
-    (tmp_path / "page.html").write_text(text.replace("DATA", json.dumps(scene_data(HUMAN))), encoding="utf-8")
+    (tmp_path / "page.html").write_text(text.replace("DATA", json.dumps(data)), encoding="utf-8")
     rest = json.dumps(HUMAN.skeleton.rest.tolist())
     with opened((tmp_path / "page.html").as_uri(), tmp_path / "profile", *SOFTWARE) as page:
         page.until("typeof shown === 'function' && document.readyState === 'complete'")
@@ -124,5 +126,7 @@ def test_the_page_shows_skin_and_clothes_and_what_is_lit_or_strained(tmp_path: P
         duty = json.dumps([1.0] * len(HUMAN.skeleton.names))
         hot = drawn(f"twin: {{ angles: {rest}, duty: {duty} }}")
         assert ((hot[:, 0] > 2 * hot[:, 1]) & (hot[:, 3] == 255)).sum() > 0.9 * shirt.sum()
+        shut = drawn(f"twin: {{ angles: {rest}, features: {{ weights: [1], gaze: [0, 0.5, 0, 0, 0.5, 0] }} }}")
+        assert 0 < (np.abs(shut - plain).max(axis=1) > 20).sum() < 0.5 * flesh.sum()
         over = drawn(f"ghost: {rest}, beside: true")
         assert ((over[:, 3] > 100) & (over[:, 3] < 200)).sum() > 0.1 * shirt.sum()
