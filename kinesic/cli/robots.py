@@ -7,17 +7,21 @@ import numpy as np
 from rich.table import Table
 
 from kinesic.body.config import CONFIGS
+from kinesic.body.robot import Robot
 from kinesic.body.robot_schema import robot_text
 from kinesic.cli.progress import show_stages
 from kinesic.cli.terminal import console, quote_text
-from kinesic.files.output_file import check_file, write_text
+from kinesic.files.output_file import check_file, new_file, write_text
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.planning.workspace import workspace
 from kinesic.sim.importer.convert import REVIEW_BELOW, Mapped, import_humanoid
+from kinesic.sim.importer.shell import own_shell
 from kinesic.sim.robot_check import check_robot
+from kinesic.sim.shells.shell import SUFFIX, is_stale, shell_of, write_shell
 
 WARN_TORQUE = 0.4  # of stall
 FAIL_TORQUE = 0.8
+SHOWN = 5  # meshes that are not drawn
 
 
 def list_robots() -> int:
@@ -37,7 +41,18 @@ def show_robot(robot: str) -> int:
         figures = f"{low:.0f}..{high:.0f}", f"{rest:.0f}", servo, f"{drive.reduction:g}", f"{drive.stall:.1f}"
         table.add_row(*map(quote_text, (hinge.name, *figures)), f"{speed:.2f}")
     console().print(table)
+    click.echo(_tell_shell(body))
     return 0
+
+
+def _tell_shell(robot: Robot) -> str:
+    """Says what the robot is drawn as, and what mends a shell that was made from another description."""
+    if robot.skin is not None:
+        return "drawn with its skin"
+    if is_stale(robot):
+        made = f"{robot.path.with_suffix(SUFFIX).name} was made from another description"
+        return f"drawn as capsules: {made}; make it anew: python -m kinesic.sim.shells.bake {robot.path.name}"
+    return "drawn in its shell" if shell_of(robot) else "drawn as capsules"
 
 
 def assess_robot(robot: str) -> int:
@@ -70,7 +85,8 @@ def assess_robot(robot: str) -> int:
 def import_robot(file: Path, out: Path | None, force: bool) -> int:
     """Maps the hinges of a humanoid's MJCF or URDF, and writes a robot's TOML to edit."""
     target = out or Path(f"{file.stem}.toml")
-    check_file(target, force=force)
+    for path in (target, target.with_suffix(SUFFIX)):
+        check_file(path, force=force)
     with show_stages() as stage:
         stage("mapping its hinges")
         found = import_humanoid(file)
@@ -78,9 +94,23 @@ def import_robot(file: Path, out: Path | None, force: bool) -> int:
     write_text(target, text, force=force)
     console().print(_mapping(found))
     click.echo(f"robot: {target}")
+    _write_looks(found, target, force=force)
     if found.doubtful:
         click.echo(f"kinesic: review {target} before it moves: {_doubt(found)}", err=True)
     return 1 if found.doubtful else 0
+
+
+def _write_looks(found: Mapped, target: Path, *, force: bool) -> None:
+    """Writes the robot's own meshes beside its TOML, where there are any, and says which are missing."""
+    shell, path = own_shell(found, Robot.load(target, calibrated=False)), target.with_suffix(SUFFIX)
+    if shell is not None:
+        with new_file(path, force=force) as fresh:
+            write_shell(shell, fresh)
+        click.echo(f"shell: {path}")
+    for why in found.figure.tree.left_out[:SHOWN]:
+        click.echo(f"not drawn: {quote_text(why)}")
+    if (more := len(found.figure.tree.left_out) - SHOWN) > 0:
+        click.echo(f"not drawn: {more} more")
 
 
 def _mapping(found: Mapped) -> Table:

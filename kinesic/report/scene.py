@@ -1,6 +1,7 @@
 """The robot as the scripts of pages draw it: its shapes, where they stand, and from where they are seen."""
 
 from base64 import b64encode
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -10,8 +11,9 @@ from kinesic.body.robot import Robot
 from kinesic.body.skeleton import Capsule, Coupling, Hinge
 from kinesic.report.figure.skin_data import skin_data
 from kinesic.report.report import Json
-from kinesic.sim.scene_layout import VIEW_FROM, rods, view_of
-from kinesic.sim.scene_style import eyeballs, parts
+from kinesic.sim.scene_layout import VIEW_FROM, Rod, view_of
+from kinesic.sim.scene_style import eyeballs, parts, seen_rods, shell_parts
+from kinesic.sim.shells.shell import Shell, shell_of
 
 DIGITS = 4  # of lengths [m]
 TEMPLATES = Path(__file__).parent / "templates"
@@ -25,11 +27,14 @@ SCENE_SCRIPTS = (
 
 def scene_data(robot: Robot) -> dict[str, Json]:
     """Gathers what `sceneOf` reads of a robot."""
+    shell = shell_of(robot)
     return {
         "segments": _segments(robot),
         "servos": _servos(robot),
-        "details": [*_eyes(robot), *_rods(robot)],
+        "details": [*_eyes(robot), *_rods(robot, seen_rods(robot, shell))],
         "view": _view(robot),
+        "shells": [] if shell is None else _shells(robot, shell),
+        "shell_step": _shell_step(shell),
         **({} if robot.skin is None else {"skin": skin_data(robot)}),
     }
 
@@ -108,12 +113,34 @@ def _eyes(robot: Robot) -> list[Json]:
     ]
 
 
-def _rods(robot: Robot) -> list[Json]:
-    """What holds the parts together: segment, capsule, colour."""
+def _rods(robot: Robot, seen: Iterable[Rod]) -> list[Json]:
+    """What holds the parts together, or bears them: segment, capsule, colour."""
     painted = parts(robot)
     return [
         {"segment": robot.skeleton.segment(rod.segment), "capsule": _capsule(rod.shape), "colour": painted[rod.segment]}
-        for rod in rods(robot)
+        for rod in seen
+    ]
+
+
+def _shell_step(shell: Shell | None) -> float:
+    """[m] in which `_shells` counts places."""
+    surfaces = () if shell is None else shell.segments.values()
+    return max((float(np.abs(surface.vertices).max()) for surface in surfaces), default=1.0) / np.iinfo(np.int16).max
+
+
+def _shells(robot: Robot, shell: Shell) -> list[Json]:
+    """Surfaces in base64: vertices, normals, and the corners of triangles, of the housing and of what is dark."""
+    step, painted = _shell_step(shell), shell_parts(robot)
+    return [
+        {
+            "segment": robot.skeleton.segment(name),
+            "colour": painted[name],
+            "vertices": pack_rows(surface.vertices / step, "<i2"),
+            "normals": pack_rows(127 * surface.normals, "<i1"),
+            "shell": pack_rows(surface.shell.astype(float), "<u2"),
+            "joint": pack_rows(surface.joint.astype(float), "<u2"),
+        }
+        for name, surface in shell.segments.items()
     ]
 
 

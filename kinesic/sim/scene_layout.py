@@ -77,7 +77,7 @@ def rods(robot: Robot) -> tuple[Rod, ...]:
         children = [child.origin_in_parent for child in segments if child.parent == segment.name]
         ends = [*_inside(shapes), *((_on(shapes, child), child) for child in children)]
         found += [Rod(segment.name, Capsule(start, end, radius)) for start, end in ends]
-    return (*(rod for rod in found if np.linalg.norm(rod.shape.end - rod.shape.start) > SHORTEST), *_stand(robot))
+    return (*(rod for rod in found if np.linalg.norm(rod.shape.end - rod.shape.start) > SHORTEST), *stand(robot))
 
 
 def _inside(shapes: Sequence[Capsule]) -> Iterator[tuple[Floats, Floats]]:
@@ -97,8 +97,8 @@ def _on(shapes: Sequence[Capsule], point: Floats) -> Floats:
     return min(places, key=lambda place: float(np.linalg.norm(place - point)))
 
 
-def _stand(robot: Robot) -> Iterator[Rod]:
-    """Yields a column from the lowest place of what is fixed to the world down to the floor."""
+def stand(robot: Robot) -> Iterator[Rod]:
+    """Yields the column from the lowest place of what is fixed to the world down to the floor."""
     floor = view_of(robot).floor
     for segment, origin in zip(robot.skeleton.segments, robot.skeleton.straight.origins, strict=True):
         if segment.parent is None:

@@ -1,5 +1,6 @@
 """Colours, eyes, ground, lights and a camera for pictures of the robot. None of it has weight."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -9,7 +10,9 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.sim.model import capsule_name, describe
-from kinesic.sim.scene_layout import VIEW_ANGLE, VIEW_FROM, View, rods, view_of
+from kinesic.sim.scene_layout import VIEW_ANGLE, VIEW_FROM, Rod, View, rods, stand, view_of
+from kinesic.sim.shells.geoms import add_shell
+from kinesic.sim.shells.shell import Shell, shell_of
 
 CAMERA = "audience"
 Part = Literal["trunk", "limb", "l_hand", "r_hand"]
@@ -37,9 +40,14 @@ SUN_AWAY = 2.0  # picture heights from the robot; shadows fall as far beyond it
 def styled_model(robot: Robot, *, width: int, height: int) -> mujoco.MjModel:
     """Adds colours and scenery to the model of a robot, for pictures of a size in pixels."""
     spec = describe(robot)
-    _paint(spec, robot)
+    shell = shell_of(robot)
+    if shell is None:
+        _paint(spec, robot)
+    else:
+        colours = {name: COLOURS[part] for name, part in shell_parts(robot).items()}
+        add_shell(spec, robot, shell, colours=colours, joint=SERVO)
     _add_eyes(spec, robot)
-    _add_rods(spec, robot)
+    _add_rods(spec, robot, seen_rods(robot, shell))
     _add_room(spec, view_of(robot))
     spec.visual.global_.offwidth, spec.visual.global_.offheight = width, height
     spec.visual.quality.offsamples = 4
@@ -70,6 +78,16 @@ def parts(robot: Robot) -> dict[str, Part]:
     colours: dict[Side, Part] = {"l": "l_hand", "r": "r_hand"}
     hands = {side: (robot.arm(side).segments[-1], *robot.fingers(side)) for side in SIDES}
     return painted | {name: colours[side] for side, names in hands.items() for name in names}
+
+
+def shell_parts(robot: Robot) -> dict[str, Part]:
+    """Says what the shell of each segment is painted as: the trunk as the limbs."""
+    return {name: "limb" if part == "trunk" else part for name, part in parts(robot).items()}
+
+
+def seen_rods(robot: Robot, shell: Shell | None) -> tuple[Rod, ...]:
+    """Gives the rods that are drawn; in its shell a robot has none but that on which it stands."""
+    return rods(robot) if shell is None else tuple(stand(robot))
 
 
 def eyeballs(robot: Robot) -> tuple[Eyeball, ...]:
@@ -111,9 +129,9 @@ def _add_eyes(spec: mujoco.MjSpec, robot: Robot) -> None:
         )
 
 
-def _add_rods(spec: mujoco.MjSpec, robot: Robot) -> None:
+def _add_rods(spec: mujoco.MjSpec, robot: Robot, seen: Iterable[Rod]) -> None:
     painted = parts(robot)
-    for rod in rods(robot):
+    for rod in seen:
         spec.body(rod.segment).add_geom(
             type=mujoco.mjtGeom.mjGEOM_CAPSULE,
             fromto=np.concatenate([rod.shape.start, rod.shape.end]),

@@ -1,6 +1,10 @@
 import json
+from dataclasses import replace
 
 import pytest
+
+from kinesic.body.robot import Robot
+from kinesic.sim.shells.shell import shell_of, write_shell
 
 BML = b"""<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">
 <gesture id="g" lexeme="beat" mode="RIGHT_HAND" start="0.2"/><head id="h" lexeme="NOD" start="0.4"/></bml>"""
@@ -73,3 +77,38 @@ def test_what_is_no_robot_is_bad_input(kinesic, tmp_path):
         ended = kinesic("robots", "import", name)
         assert ended.code == 2
         assert message in ended.err
+
+
+def test_own_meshes_are_kept_beside_the_robot(kinesic, model, tmp_path):
+    named = '<asset><mesh name="m" file="m.obj"/><mesh name="n" file="n.dae"/></asset><worldbody>'
+    seen = "".join(f'<geom type="mesh" mesh="{mesh}" contype="0" conaffinity="0"/>' for mesh in "mn")
+    text = puppet().replace("<worldbody>", named)
+    model.write_text(text.replace('size="0.03" mass="0.8"/>', f'size="0.03" mass="0.8"/>{seen}'), encoding="utf-8")
+    corners = "v 0 0 0\nv .05 0 -.2\nv 0 .05 -.2\nv -.05 0 -.2\n"
+    (tmp_path / "m.obj").write_text(f"{corners}f 1 2 3\nf 1 3 4\nf 1 4 2\nf 2 4 3\n")
+    (tmp_path / "n.dae").write_text("<COLLADA/>")
+    ended = kinesic("robots", "import", model)
+    assert ended.code == 0, ended.err
+    assert "shell: puppet.npz" in ended.out
+    assert "not drawn: n.dae" in ended.out
+    shell = shell_of(Robot.load(tmp_path / "puppet.toml"))
+    assert shell is not None
+    assert len(shell.segments["l_elbow"].triangles) == 4
+    ended = kinesic("robots", "import", model)
+    assert ended.code == 2
+    (tmp_path / "puppet.toml").unlink()
+    ended = kinesic("robots", "import", model)
+    assert (ended.code, "puppet.npz" in ended.err) == (2, True), "a file of that name may be somebody's"
+
+
+def test_a_robot_says_what_it_is_drawn_as(kinesic, tmp_path):
+    path = tmp_path / "own.toml"
+    path.write_text('[robot]\nname = "own"\nextends = "upper22"\n')
+    assert kinesic("robots", "show", "upper22").out.splitlines()[-1] == "drawn in its shell"
+    assert kinesic("robots", "show", "human").out.splitlines()[-1] == "drawn with its skin"
+    assert kinesic("robots", "show", path).out.splitlines()[-1] == "drawn as capsules"
+    shell = shell_of(Robot.load())
+    assert shell is not None
+    write_shell(replace(shell, made_from="another"), path.with_suffix(".npz"))
+    said = kinesic("robots", "show", path).out.splitlines()[-1]
+    assert said.endswith("made from another description; make it anew: python -m kinesic.sim.shells.bake own.toml")

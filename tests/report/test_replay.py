@@ -1,7 +1,9 @@
 """What the player reads is the motion."""
 
 import base64
+import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +12,8 @@ from kinesic.body.rotation import about
 from kinesic.controller.performance import Performance
 from kinesic.report import replay as module
 from kinesic.report.replay import replay_data
+from kinesic.report.scene import scene_data
+from kinesic.sim.shells.shell import shell_of
 
 
 def unpacked(text, kind, frames):
@@ -56,6 +60,27 @@ def test_shapes_stand_where_the_skeleton_puts_them(hurried: Performance) -> None
     assert {"trunk", "limb", "l_hand", "r_hand"} == {segment["colour"] for segment in data["segments"]}
     assert [detail["colour"] for detail in data["details"]][:4] == ["white", "pupil"] * 2
     assert {detail["colour"] for detail in data["details"][4:]} <= {"trunk", "limb", "l_hand", "r_hand"}
+
+
+def test_the_shell_is_packed_as_it_is(hurried: Performance) -> None:
+    data, robot = replay_data(hurried), hurried.plan.setup.robot
+    shell = shell_of(robot)
+    assert shell is not None
+    assert len(data["shells"]) == len(shell.segments)
+    for packed in data["shells"]:
+        surface = shell.segments[robot.skeleton.segments[packed["segment"]].name]
+        places = data["shell_step"] * unpacked(packed["vertices"], "<i2", len(surface.vertices))
+        assert places == pytest.approx(surface.vertices, abs=data["shell_step"])
+        assert unpacked(packed["shell"], "<u2", len(surface.shell)) == pytest.approx(surface.shell)
+        assert packed["colour"] in ("limb", "l_hand", "r_hand")
+    assert len(json.dumps(data["shells"])) < 400_000
+
+
+def test_a_robot_without_shell_is_its_capsules_and_rods(hurried: Performance, tmp_path: Path) -> None:
+    robot = hurried.plan.setup.robot
+    bare = scene_data(replace(robot, path=tmp_path / "own.toml"))
+    assert bare["shells"] == []
+    assert len(bare["details"]) > len(scene_data(robot)["details"])
 
 
 def test_marks_are_the_sync_points(hurried: Performance, calm: Performance) -> None:

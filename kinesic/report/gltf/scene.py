@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
@@ -20,6 +21,7 @@ from kinesic.planning.face_track import faces
 from kinesic.planning.plan import Plan
 from kinesic.report.gltf.capsule_mesh import capsule_mesh, joined
 from kinesic.report.gltf.skin import add_skin
+from kinesic.sim.shells.shell import SegmentShell, shell_of
 from kinesic.version import __version__
 
 SUFFIX = ".glb"
@@ -78,13 +80,13 @@ def key_times(duration: float) -> Floats:
 
 
 def write_scene(robot: Robot, motion: Motion, path: Path) -> None:
-    """Writes a motion of a robot: its skin where it has one, else its capsules."""
+    """Writes a motion of a robot: its skin where it has one, else its shell, or its capsules without one."""
     file = GltfFile(f"kinesic {__version__}")
     nodes = _add_skeleton(file, robot)
     channels = _Channels(file, motion.times)
     _move_skeleton(channels, nodes, robot, motion.angles)
     if robot.skin is None:
-        _add_capsules(file, nodes, robot)
+        _add_surfaces(file, nodes, robot)
     else:
         skin = add_skin(file, nodes, robot)
         for node, rotations in skin.turns(motion.angles, motion.units):
@@ -147,23 +149,45 @@ def smooth_quaternions(rotations: Floats) -> Floats:
     return found
 
 
-def _add_capsules(file: GltfFile, nodes: list[int], robot: Robot) -> None:
-    """Hangs the capsules of each segment on its node."""
+def _add_surfaces(file: GltfFile, nodes: list[int], robot: Robot) -> None:
+    """Hangs the shell of each segment on its node, or its capsules."""
+    shell = shell_of(robot)
     materials = [
         file.add("materials", pbrMetallicRoughness={"baseColorFactor": colour, "metallicFactor": 0.0})
         for colour in COLOURS
     ]
     limbs = {name for chain, members in robot.chains.items() if chain != "torso" for name in members}
     for node, segment in zip(nodes, robot.skeleton.segments, strict=True):
-        if not segment.capsules:
-            continue
-        surface = joined([capsule_mesh(capsule) for capsule in segment.capsules])
-        primitive = {
-            "attributes": {
-                "POSITION": file.numbers(surface.positions, target="vertices", bounds=True),
-                "NORMAL": file.numbers(surface.normals, target="vertices"),
-            },
-            "indices": file.numbers(surface.corners.ravel(), "u4", "indices"),
-            "material": materials[segment.name not in limbs],
-        }
-        file.entry("nodes", node)["mesh"] = file.add("meshes", name=segment.name, primitives=[primitive])
+        name = segment.name
+        if shell is not None:
+            primitives = _shell_primitives(file, shell.segments[name], materials) if name in shell.segments else []
+        elif segment.capsules:
+            surface = joined([capsule_mesh(capsule) for capsule in segment.capsules])
+            attributes = _attributes(file, surface.positions, surface.normals)
+            primitives = [_primitive(file, attributes, surface.corners, materials[name not in limbs])]
+        else:
+            primitives = []
+        if primitives:
+            file.entry("nodes", node)["mesh"] = file.add("meshes", name=name, primitives=primitives)
+
+
+def _shell_primitives(file: GltfFile, surface: SegmentShell, materials: list[int]) -> list[dict[str, object]]:
+    """The housing, and what of it is dark, of the same vertices."""
+    normals = surface.normals / np.linalg.norm(surface.normals, axis=1, keepdims=True)
+    attributes = _attributes(file, surface.vertices, normals)
+    kinds = zip((surface.shell, surface.joint), materials, strict=True)
+    return [_primitive(file, attributes, corners, material) for corners, material in kinds if len(corners)]
+
+
+def _attributes(file: GltfFile, positions: Floats, normals: Floats) -> dict[str, int]:
+    return {
+        "POSITION": file.numbers(positions, target="vertices", bounds=True),
+        "NORMAL": file.numbers(normals, target="vertices"),
+    }
+
+
+def _primitive(
+    file: GltfFile, attributes: dict[str, int], corners: NDArray[np.integer], material: int
+) -> dict[str, object]:
+    indices = file.numbers(corners.ravel(), "u4", "indices")
+    return {"attributes": attributes, "indices": indices, "material": material}

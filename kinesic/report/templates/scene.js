@@ -1,4 +1,4 @@
-// Draws the robot's capsules, or its skin, with WebGL, at given angles, and a ghost of it beside or over it.
+// Draws the robot in its skin, its shell or else its capsules, with WebGL, at given angles, and a ghost of it beside or over it.
 const sceneOf = (canvas, data) => {
   const gl = canvas.getContext("webgl2", { alpha: true, antialias: true, stencil: true });
   if (!gl) return null;
@@ -35,26 +35,39 @@ const sceneOf = (canvas, data) => {
       return [...found, frame];
     }, []);
 
-  const shapes = [
+  const onto = (segment, k) => ({
+    segment: k,
+    hinges: segment.hinges.map(({ hinge }) => hinge),
+    colour: segment.colour,
+  });
+  const bare = () => [
     ...data.segments.flatMap((segment, k) =>
-      segment.capsules.map((ends) => ({
-        segment: k,
-        hinges: segment.hinges.map(({ hinge }) => hinge),
-        colour: segment.colour,
-        mesh: capsule(ends),
-      })),
+      segment.capsules.map((ends) => ({ ...onto(segment, k), mesh: capsule(ends) })),
     ),
-    ...data.details.map((detail) => ({
-      segment: detail.segment,
-      hinges: [],
-      colour: detail.colour,
-      mesh: capsule(detail.capsule),
-    })),
     ...data.servos.map((servo) => ({
       segment: servo.segment,
       hinges: [servo.hinge],
       colour: "servo",
       mesh: box(servo.at, servo.half),
+    })),
+  ];
+  // The housing of a segment is as hot as the hinges that turn it, its dark parts as the servos that sit in it.
+  const clothed = () =>
+    data.shells.flatMap(({ segment, colour, ...packed }) => {
+      const { mesh, shell, joint } = surface(packed, data.shell_step);
+      const inside = data.servos.filter((servo) => servo.segment === segment).map(({ hinge }) => hinge);
+      return [
+        { ...onto(data.segments[segment], segment), colour, mesh, corners: shell },
+        { segment, hinges: inside, colour: "servo", mesh, corners: joint },
+      ];
+    });
+  const shapes = [
+    ...(data.shells.length ? clothed() : bare()),
+    ...data.details.map((detail) => ({
+      segment: detail.segment,
+      hinges: [],
+      colour: detail.colour,
+      mesh: capsule(detail.capsule),
     })),
   ];
 
@@ -128,11 +141,21 @@ const sceneOf = (canvas, data) => {
     ground = program(FLOOR);
     skin = data.skin && skinOf(gl, data.skin, program, data.features?.shapes);
     const vertices = [-1, -1, 0, 0, 0, 1, 1, -1, 0, 0, 0, 1, -1, 1, 0, 0, 0, 1, 1, 1, 0, 0, 0, 1];
-    for (const shape of shapes) {
-      shape.first = vertices.length / 6;
-      shape.size = shape.mesh.length / 6;
-      for (const value of shape.mesh) vertices.push(value);
+    const corners = [];
+    const begins = new Map(); // mesh -> its first vertex; two shapes may share one
+    for (const { mesh } of shapes) {
+      if (begins.has(mesh)) continue;
+      begins.set(mesh, vertices.length / 6);
+      for (const value of mesh) vertices.push(value);
     }
+    for (const shape of shapes) {
+      const begin = begins.get(shape.mesh);
+      shape.first = corners.length;
+      shape.size = shape.corners ? shape.corners.length : shape.mesh.length / 6;
+      for (let k = 0; k < shape.size; k++) corners.push(begin + (shape.corners ? shape.corners[k] : k));
+    }
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, new Uint32Array(corners), gl.STATIC_DRAW);
     gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
     gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(vertices), gl.STATIC_DRAW);
     for (const [attribute, offset] of [
@@ -268,7 +291,7 @@ const sceneOf = (canvas, data) => {
       const strain = duty ? Math.max(0, ...shape.hinges.map((hinge) => duty[hinge])) : 0;
       gl.uniformMatrix4fv(solid.at("frame"), false, placed[shape.segment]);
       gl.uniform4f(solid.at("colour"), ...heated(COLOURS[lit?.has(shape.segment) ? "lit" : shape.colour], strain), alpha);
-      gl.drawArrays(gl.TRIANGLES, shape.first, shape.size);
+      gl.drawElements(gl.TRIANGLES, shape.size, gl.UNSIGNED_INT, 4 * shape.first);
     }
   };
 

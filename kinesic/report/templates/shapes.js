@@ -66,3 +66,16 @@ const box = (at, half) =>
       return [corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, -1), corner(1, 1), corner(-1, 1)].flat();
     }),
   );
+
+// A surface as `scene_data` packs it: six numbers for each vertex, and the corners of triangles.
+const surface = ({ vertices, normals, shell, joint }, step) => {
+  const places = new Int16Array(bytesOf(vertices).buffer);
+  const directions = new Int8Array(bytesOf(normals).buffer);
+  const mesh = new Float32Array(2 * places.length);
+  for (let k = 0; k < places.length; k++) {
+    const at = 6 * Math.floor(k / 3) + (k % 3);
+    mesh[at] = places[k] * step;
+    mesh[at + 3] = directions[k] / 127;
+  }
+  return { mesh, shell: new Uint16Array(bytesOf(shell).buffer), joint: new Uint16Array(bytesOf(joint).buffer) };
+};

@@ -1,7 +1,7 @@
-"""Loads an MJCF or URDF file without its meshes: kinematics, weights, primitive shapes and what its motors can do."""
+"""Loads an MJCF or URDF file: kinematics, weights, primitive shapes, what its motors can do, and how it looks."""
 
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from xml.etree import ElementTree
 from xml.parsers.expat import ExpatError
@@ -12,6 +12,7 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import ConfigError
 from kinesic.body.skeleton import Capsule
+from kinesic.sim.importer.looks import Looks, load_looks
 from kinesic.sim.importer.model_tree import BASE, Joint, Part, Tree
 from kinesic.sim.importer.screening import BODIES, GEOMS, screen_model
 
@@ -71,7 +72,8 @@ def load_model(path: Path) -> Tree:
         mujoco.set_mju_user_warning(_unheard)  # by default they go to a file in the present folder
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of bodies without weight: they get some
-            model = _without_meshes(path)
+            model = _without_meshes(_read_spec(path), path)
+            looks = load_looks(path, _read_spec, lambda spec: _without_meshes(spec, path))
     except ConfigError:
         raise
     except (ValueError, OSError, ExpatError, ElementTree.ParseError) as error:
@@ -80,7 +82,7 @@ def load_model(path: Path) -> Tree:
         mujoco.set_mju_user_warning(None)
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
-    return _tree(path.stem, model, data, urdf)
+    return _tree(path.stem, model, data, urdf, looks)
 
 
 def _unheard(_: str) -> None:
@@ -95,8 +97,7 @@ def _read_spec(path: Path) -> mujoco.MjSpec:
     return mujoco.MjSpec.from_file(str(named), {named.name: path.read_bytes()})
 
 
-def _without_meshes(path: Path) -> mujoco.MjModel:
-    spec = _read_spec(path)
+def _without_meshes(spec: mujoco.MjSpec, path: Path) -> mujoco.MjModel:
     if len(spec.bodies) > BODIES or len(spec.geoms) > GEOMS:
         raise ConfigError(
             f"{path}: {len(spec.bodies)} bodies and {len(spec.geoms)} shapes; at most {BODIES} and {GEOMS}"
@@ -119,7 +120,7 @@ def _without_meshes(path: Path) -> mujoco.MjModel:
     return spec.compile()
 
 
-def _tree(name: str, model: mujoco.MjModel, data: mujoco.MjData, urdf: dict[str, UrdfJoint]) -> Tree:
+def _tree(name: str, model: mujoco.MjModel, data: mujoco.MjData, urdf: dict[str, UrdfJoint], looks: Looks) -> Tree:
     joints: list[Joint] = []
     owner: dict[int, int] = {0: BASE}  # body -> the hinge that moves it
     for body in range(1, model.nbody):
@@ -135,7 +136,10 @@ def _tree(name: str, model: mujoco.MjModel, data: mujoco.MjData, urdf: dict[str,
     for body, k in owner.items():
         rows[k].append(body)
     parts = {k: _part(model, data, bodies, joints[k].anchor if k != BASE else None) for k, bodies in rows.items()}
-    return Tree(name, tuple(joints), tuple(parts[k] for k in range(len(joints))), parts[BASE])
+    for k, bodies in rows.items():
+        seen = tuple(surface for body in bodies for surface in looks.surfaces.get(body, ()))
+        parts[k] = replace(parts[k], surfaces=seen)
+    return Tree(name, tuple(joints), tuple(parts[k] for k in range(len(joints))), parts[BASE], looks.left_out)
 
 
 def _joint(model: mujoco.MjModel, data: mujoco.MjData, k: int, parent: int, told: UrdfJoint | None) -> Joint:

@@ -9,6 +9,7 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.rotation import about
 from kinesic.body.skeleton import Capsule
+from kinesic.sim.importer.mesh_file import Triangles
 
 Motion = tuple[Floats, Floats]  # rotation (3, 3) and shift (3,) [m]
 
@@ -35,12 +36,21 @@ class Joint:
 
 
 @dataclass(frozen=True, eq=False)
+class Surface:
+    """Triangles that are seen of a part."""
+
+    mesh: Triangles  # in the world
+    dark: bool
+
+
+@dataclass(frozen=True, eq=False)
 class Part:
     """What moves with one hinge, up to the next: bodies on joints that are not motorised hinges belong to it."""
 
     mass: float  # [kg]
     centre: Floats  # (3,) [m] of mass, in the world
     shapes: tuple[Capsule, ...]  # in the world
+    surfaces: tuple[Surface, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +61,7 @@ class Tree:
     joints: tuple[Joint, ...]
     parts: tuple[Part, ...]
     base: Part
+    left_out: tuple[str, ...] = ()  # of what is seen, and why
 
     @cached_property
     def children(self) -> dict[int, tuple[int, ...]]:
@@ -78,7 +89,8 @@ class Tree:
         mass = sum(row.mass for row in rows)
         weighted = sum((row.mass * row.centre for row in rows), np.zeros(3))
         centre = weighted / mass if mass > 0 else rows[0].centre
-        return Part(mass, sealed(centre), tuple(shape for row in rows for shape in row.shapes))
+        shapes = tuple(shape for row in rows for shape in row.shapes)
+        return Part(mass, sealed(centre), shapes, tuple(surface for row in rows for surface in row.surfaces))
 
     def moved(self, rotation: Floats, shift: Floats) -> "Tree":
         """Turns the whole robot by (3, 3), then shifts it by (3,) [m]."""
@@ -116,4 +128,9 @@ def _point(point: Floats, motion: Motion) -> Floats:
 
 def _moved(part: Part, motion: Motion) -> Part:
     shapes = tuple(Capsule(_point(s.start, motion), _point(s.end, motion), s.radius) for s in part.shapes)
-    return Part(part.mass, _point(part.centre, motion), shapes)
+    return Part(part.mass, _point(part.centre, motion), shapes, tuple(_turned(s, motion) for s in part.surfaces))
+
+
+def _turned(surface: Surface, motion: Motion) -> Surface:
+    places = surface.mesh.vertices @ motion[0].T + motion[1]
+    return replace(surface, mesh=Triangles(sealed(places), surface.mesh.corners))

@@ -80,7 +80,7 @@ def _centre(rows: list[MappedHinge], near: Floats) -> Floats:
 
 def bodies(figure: HumanoidGeometry, where: SegmentLayout, hinges: tuple[MappedHinge, ...]) -> list[BodyTable]:
     """Makes the [[body]] tables."""
-    carried = _carried(figure, where, hinges)
+    carried = carried_parts(figure, where, hinges)
     tables = []
     for name, parent in where.parents.items():
         part = figure.tree.lump(carried.get(name, ())) if carried.get(name) else Part(0.0, where.origins[name], ())
@@ -98,8 +98,10 @@ def bodies(figure: HumanoidGeometry, where: SegmentLayout, hinges: tuple[MappedH
     return tables
 
 
-def _carried(figure: HumanoidGeometry, where: SegmentLayout, hinges: tuple[MappedHinge, ...]) -> dict[str, list[int]]:
-    """Segment -> the parts of the tree that it is made of. Legs are left out.
+def carried_parts(
+    figure: HumanoidGeometry, where: SegmentLayout, hinges: tuple[MappedHinge, ...]
+) -> dict[str, list[int]]:
+    """Finds the parts of the tree that each segment is made of. Legs are left out.
 
     What a shoulder hinge moves before the last one sits at the shoulder: it counts as the shoulder's housing.
     """

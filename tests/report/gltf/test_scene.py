@@ -2,6 +2,7 @@
 
 import json
 import struct
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from kinesic.controller.perform import plan, set_up
 from kinesic.face.assets.body import load_figure
 from kinesic.face.assets.skinning import Skin
 from kinesic.report.gltf.scene import RATE, Motion, key_times, save_scene, smooth_quaternions, write_scene
+from kinesic.sim.shells.shell import shell_of
 
 TO_GLTF = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # y up, z forward
 ROBOTS = {name: Robot.load(name) for name in ("upper22", "upper36", "human")}
@@ -57,8 +59,23 @@ def test_another_library_finds_every_segment_where_it_is(robot: Robot, tmp_path:
         np.testing.assert_allclose(found[:3, :3], TO_GLTF @ stand.rotations[k], atol=1e-6)
 
 
-def test_another_library_finds_the_capsules(tmp_path: Path):
-    robot = ROBOTS["upper22"]
+@pytest.mark.parametrize("name", ["upper22", "upper36"])
+def test_another_library_finds_the_shell(name: str, tmp_path: Path):
+    robot = ROBOTS[name]
+    shell = shell_of(robot)
+    assert shell is not None
+    scene = trimesh.load(written(robot, robot.skeleton.rest[None], tmp_path / "robot.glb"))
+    counts = {kind: sum(len(getattr(s, kind)) for s in shell.segments.values()) for kind in ("shell", "joint")}
+    assert min(counts.values()) > 500
+    found = {tuple(mesh.visual.material.baseColorFactor): 0 for mesh in scene.geometry.values()}
+    for mesh in scene.geometry.values():
+        found[tuple(mesh.visual.material.baseColorFactor)] += len(mesh.faces)
+    assert sorted(found.values()) == sorted(counts.values())
+    np.testing.assert_allclose(scene.extents[1], 0.62 + 0.5, atol=0.15)  # y is up
+
+
+def test_another_library_finds_the_capsules_of_a_robot_without_shell(tmp_path: Path):
+    robot = replace(ROBOTS["upper22"], path=tmp_path / "robot.toml")
     scene = trimesh.load(written(robot, robot.skeleton.rest[None], tmp_path / "robot.glb"))
     head = next(segment for segment in robot.skeleton.segments if segment.name == "skullbase").capsules[0]
     shape = trimesh.Trimesh(scene.geometry["skullbase"].vertices, scene.geometry["skullbase"].faces)

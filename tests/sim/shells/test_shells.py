@@ -1,0 +1,127 @@
+"""The shells that come with kinesic: what they enclose, how far they are from the robot's shapes, and how large."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from kinesic.body.arrays import Floats
+from kinesic.body.robot import Robot
+from kinesic.sim.shells.part import servos_of
+from kinesic.sim.shells.shell import (
+    SUFFIX,
+    SegmentShell,
+    Shell,
+    fingerprint,
+    is_stale,
+    read_shell,
+    shell_of,
+    write_shell,
+)
+
+ROBOTS = ("upper22", "upper36")
+FAR = 0.020  # [m] from a shell to the shapes and servos of its segment
+MOST_TRIANGLES = 3000  # of one segment
+MOST_BYTES = 300_000
+
+
+@pytest.fixture(scope="module", params=ROBOTS)
+def robot(request: pytest.FixtureRequest) -> Robot:
+    return Robot.load(request.param)
+
+
+@pytest.fixture(scope="module")
+def shell(robot: Robot) -> Shell:
+    found = shell_of(robot)
+    assert found is not None, f"python -m kinesic.sim.shells.bake {robot.name}"
+    return found
+
+
+def test_is_made_from_the_robot_as_it_is(robot: Robot, shell: Shell):
+    assert not is_stale(robot)
+    assert shell.made_from == fingerprint(robot)
+
+
+def test_encloses_every_servo(robot: Robot, shell: Shell):
+    for name, surface, shift, _ in _surfaces(robot, shell):
+        for servo in servos_of(robot, name):
+            wound = _winding(surface, servo.corners + shift)
+            assert (wound > 0.5).all(), f"{name}: corners {wound.round(2)} of the servo at {servo.centre}"
+
+
+def test_stays_near_shapes_and_servos(robot: Robot, shell: Shell):
+    for name, surface in shell.segments.items():
+        parts = [(part, shift) for part, _, shift, drawn in _surfaces(robot, shell) if drawn == name]
+        away = np.min([_distance(robot, part, surface.vertices - shift) for part, shift in parts], axis=0)
+        assert np.abs(away).max() < FAR, f"{name}: {1000 * np.abs(away).max():.1f} mm"
+
+
+def test_is_closed_and_faces_outward(shell: Shell):
+    for name, surface in shell.segments.items():
+        edges = np.concatenate([surface.triangles[:, [k, (k + 1) % 3]] for k in range(3)]).astype(int)
+        there, back = ({(int(a), int(b)) for a, b in rows} for rows in (edges, edges[:, ::-1]))
+        assert there == back, name
+        corners = surface.vertices[surface.triangles]
+        assert np.einsum("ti,ti->t", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum() > 0.0
+        np.testing.assert_allclose(np.linalg.norm(surface.normals, axis=1), 1.0, atol=0.02)
+
+
+def test_is_small(robot: Robot, shell: Shell):
+    assert max(len(surface.triangles) for surface in shell.segments.values()) <= MOST_TRIANGLES
+    assert robot.path.with_suffix(SUFFIX).stat().st_size < MOST_BYTES
+
+
+def test_both_sides_have_joints_and_are_alike(shell: Shell):
+    for name, surface in shell.segments.items():
+        if name.startswith("l_"):
+            other = shell.segments[f"r_{name[2:]}"]
+            for one, two in ((surface.vertices, other.vertices * (1.0, -1.0, 1.0)),):
+                np.testing.assert_allclose(one.max(axis=0), two.max(axis=0), atol=0.002)
+                np.testing.assert_allclose(one.min(axis=0), two.min(axis=0), atol=0.002)
+    assert all(len(shell.segments[name].joint) for name in ("l_elbow", "l_shoulder", "vl5", "skullbase"))
+
+
+def _surfaces(robot: Robot, shell: Shell) -> list[tuple[str, SegmentShell, Floats, str]]:
+    """Segment, the surface that is round it, where the segment is in that of the surface, and whose surface it is."""
+    found = []
+    for segment in robot.skeleton.segments:
+        name, shift = segment.name, np.zeros(3)
+        while name not in shell.segments:
+            above = robot.skeleton.segments[robot.skeleton.segment(name)]
+            assert above.parent is not None
+            assert not any(hinge.segment == name for hinge in robot.skeleton.hinges)
+            name, shift = above.parent, shift + above.origin_in_parent
+        found.append((segment.name, shell.segments[name], shift, name))
+    return found
+
+
+def _winding(surface: SegmentShell, points: Floats) -> Floats:
+    """(n,) how often a surface goes round each point: 1 inside, 0 outside."""
+    a, b, c = (surface.vertices[surface.triangles[:, k]][None] - points[:, None] for k in range(3))
+    la, lb, lc = (np.linalg.norm(v, axis=2) for v in (a, b, c))
+    volume = np.einsum("nti,nti->nt", a, np.cross(b, c))
+    below = la * lb * lc + (a * b).sum(2) * lc + (b * c).sum(2) * la + (c * a).sum(2) * lb
+    return np.asarray(np.arctan2(volume, below).sum(axis=1) / (2 * np.pi))
+
+
+def _distance(robot: Robot, name: str, points: Floats) -> Floats:
+    """(n,) [m] from points to the shapes and servos of a segment, below 0 inside."""
+    segment = robot.skeleton.segments[robot.skeleton.segment(name)]
+    found = [np.full(len(points), np.inf)]
+    for shape in segment.capsules:
+        way = shape.end - shape.start
+        share = np.clip((points - shape.start) @ way / max(float(way @ way), 1e-12), 0.0, 1.0)
+        found.append(np.linalg.norm(points - shape.start - share[:, None] * way, axis=1) - shape.radius)
+    for servo in servos_of(robot, name):
+        beyond = np.abs(points - servo.centre) - servo.half
+        found.append(np.linalg.norm(np.maximum(beyond, 0.0), axis=1) + np.minimum(beyond.max(axis=1), 0.0))
+    return np.asarray(np.min(found, axis=0))
+
+
+def test_reads_what_was_written(robot: Robot, shell: Shell, tmp_path: Path):
+    write_shell(shell, tmp_path / "again.npz")
+    again = read_shell(tmp_path / "again.npz")
+    assert list(again.segments) == list(shell.segments)
+    for name, surface in shell.segments.items():
+        np.testing.assert_allclose(again.segments[name].vertices, surface.vertices, atol=2e-5)
+        np.testing.assert_array_equal(again.segments[name].triangles, surface.triangles)
