@@ -9,6 +9,7 @@ from kinesic import ik
 from kinesic.cli.servos.ports import read_ports
 from kinesic.cli.terminal import console
 from kinesic.face import display
+from kinesic.files.film_file import NO_ENCODER, find_encoder
 from kinesic.hardware.bus.serial_wire import SerialWire
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.hardware.supervisor.manifest import Manifest
@@ -28,6 +29,7 @@ def examine_machine() -> int:
     table.add_row("ik kernel", ik.KERNEL)
     table.add_row("motion kernel", spline_program.KERNEL)
     table.add_row("film (MuJoCo, OpenGL)", gl.opengl_fault() or "works")
+    table.add_row("film as mp4 (ffmpeg)", find_encoder() or NO_ENCODER)
     table.add_row("face (moderngl, EGL)", display.available() or "works")
     table.add_row("speech (espeak-ng)", espeak_pool.espeak_fault() or "works")
     table.add_row("loudspeaker (PortAudio)", loudspeaker.audio_fault() or "works")

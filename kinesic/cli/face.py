@@ -194,6 +194,7 @@ def _film_whole(planned: Plan, settings: ViewSettings, out: Path, progress: Call
             write_wav(speech, wav)
         is_strip, view = out.suffix.lower() == ".png", settings.view
         side, rate = (STRIP, FILM_RATE / 2) if is_strip else (SIDE, FILM_RATE)
-        look = PortraitSettings(view.variant, PRESETS[view.preset], settings.side(side), settings.camera, view.gain)
+        pixels = settings.side(side)
+        look = PortraitSettings(view.variant, PRESETS[view.preset], (pixels, pixels), settings.camera, view.gain)
         recording = FaceRecording(out, robot, look=look, rate=rate, sound=wav, progress=progress)
         play(commands_with_face(planned, times), recording)

@@ -22,6 +22,8 @@ from kinesic.controller.documents import write_bml
 from kinesic.controller.perform import dry_runs
 from kinesic.controller.performance import Performance
 from kinesic.controller.servo_performance import ServoRun
+from kinesic.files.film_file import NO_ENCODER, find_encoder
+from kinesic.files.film_settings import FilmSettings
 from kinesic.files.output_file import check_file
 from kinesic.files.output_folder import check_folder
 from kinesic.hardware.supervisor.manifest import Manifest
@@ -43,7 +45,7 @@ def perform_file(
     performers: Performers,
     way: TwinOptions,
     output: Output,
-    film: bool,
+    film: FilmSettings | None,
     *,
     text: str | None = None,
 ) -> int:
@@ -57,23 +59,25 @@ def perform_file(
         return _perform_scene(file, planning, performers, way, output, text)
     folder = output.out or default_folder(source)
     check_folder(folder, force=output.force)
-    with film_processes() if film else nullcontext() as processes, show_stages() as stage:
+    if film is not None and film.format == "mp4" and find_encoder() is None:
+        raise ConfigError(NO_ENCODER)
+    with film_processes() if film is not None else nullcontext() as processes, show_stages() as stage:
         stage("reading the robot")
         known = planning.set_up()
         paths = all_ports(performers.ports, Manifest.of(known.robot).bauds) if "servos" in performers.sinks else {}
         performance, *beside = _performed(file, known, way, stage, text)
         stage("writing the report")
         data = report(performance, source=source, seed=known.idling.seed, beside=beside)
-        written = write_report(performance, data, folder, film=film, force=output.force)
+        written = write_report(performance, data, folder, film=film is not None, force=output.force)
         try:
             drawing = share_of(stage, printable(f"drawing films; the page is there: {written.page}"))
-            if processes is not None:
-                written = add_films(written, performance, data, processes, progress=drawing)
+            if processes is not None and film is not None:
+                written = add_films(written, performance, data, processes, settings=film, progress=drawing)
         except KeyboardInterrupt:
             click.echo(f"kinesic: stopped before its films were drawn; page: {written.page}", err=True)
             return STOPPED
     live, log, planned = None, None, performance.plan
-    film_beside = written.film if "twin" in performers.sinks else None
+    film_beside = written.film if film is not None and film.format == "webp" and "twin" in performers.sinks else None
     with preview_window(known.robot, requested="face" in performers.sinks, beside=film_beside) as preview:
         if paths and data["ok"]:
             live = perform_on_servos(
@@ -118,7 +122,13 @@ def _perform_scene(
 
 
 def say_text(
-    text: str, planning: Planning, performers: Performers, way: TwinOptions, output: Output, film: bool, to: str
+    text: str,
+    planning: Planning,
+    performers: Performers,
+    way: TwinOptions,
+    output: Output,
+    film: FilmSettings | None,
+    to: str,
 ) -> int:
     """Writes BML for a text and performs it; only prints it, if that is wanted."""
     if to == "bml":

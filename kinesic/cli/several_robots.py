@@ -15,6 +15,7 @@ from kinesic.cli.perform import perform_file
 from kinesic.cli.plan import document_name
 from kinesic.face.show.files import SideFilm, save_film
 from kinesic.face.show.pictures import LazyPictures
+from kinesic.files.film_settings import FilmSettings
 from kinesic.files.output_file import check_file, new_file
 from kinesic.files.output_folder import check_folder
 from kinesic.report.gltf.scene import is_scene
@@ -25,12 +26,12 @@ if TYPE_CHECKING:
 
 FILM = "film.webp"
 HEIGHT, ASPECT = 720, 4 / 3  # [pixels] of the film, and width to height of each robot's part of it
-RATE = 24.0  # [Hz]
-MOST_PICTURES = 320  # of one film, as its writer may hold them all; a longer one has fewer a second
+RATE = 30.0  # [Hz]
+MOST_PICTURES = 3600  # of one film; a longer one has fewer a second
 
 
 def perform_document(
-    file: str, planning: Planning, performers: Performers, way: TwinOptions, output: Output, film: bool
+    file: str, planning: Planning, performers: Performers, way: TwinOptions, output: Output, film: FilmSettings | None
 ) -> int:
     """Performs a document with one robot, or with several whose names have commas between them."""
     perform = perform_with_several if "," in planning.robot else perform_file
@@ -38,7 +39,7 @@ def perform_document(
 
 
 def perform_with_several(
-    file: str, planning: Planning, performers: Performers, way: TwinOptions, output: Output, film: bool
+    file: str, planning: Planning, performers: Performers, way: TwinOptions, output: Output, film: FilmSettings | None
 ) -> int:
     """Performs a document with each robot of a list, into a folder of its own, and films them side by side.
 
@@ -47,6 +48,8 @@ def perform_with_several(
     """
     robots = planning.robot.split(",")
     _check(robots, performers, output)
+    if film is not None and film.format != "webp":
+        raise ConfigError("--film-format mp4: several robots are filmed side by side as webp alone; name one robot")
     if file == "-":
         raise ConfigError("standard input is read once: several robots need a file")
     if is_scene(output.out):
@@ -62,7 +65,7 @@ def perform_with_several(
     for robot, place in zip(robots, places, strict=True):
         alone = replace(planning, robot=robot)
         code = max(code, perform_file(file, alone, performers, way, replace(output, out=place), film))
-    if film and all((place / FILM).exists() for place in places):
+    if film is not None and all((place / FILM).exists() for place in places):
         film_beside = _Beside(places)
         with new_file(beside, force=output.force) as fresh:
             save_film(film_beside.pictures, fresh, rate=film_beside.rate)

@@ -7,6 +7,7 @@ import click
 from kinesic.bench import PARTS
 from kinesic.bml.block import RANGES
 from kinesic.body.config import names_of
+from kinesic.cli.film_options import film_options
 from kinesic.cli.options import (
     TWIN_HELP,
     done_by,
@@ -43,7 +44,7 @@ report_output = output(
     "Folder of the report (default: out/NAME-TIME), or scene.glb: the performance as glTF.",
     FORCE_HELP,
     "Prints the report as JSON.",
-    click.option("--film/--no-film", default=True, help="Films of the twin and of the face, where OpenGL works."),
+    film_options,
 )
 player_option = click.option("--robot", default="upper22", help="Who plays them.")
 

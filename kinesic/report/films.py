@@ -7,8 +7,9 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from threading import Event
 from typing import ClassVar, Literal, Protocol
 
 import msgspec
@@ -16,13 +17,20 @@ import msgspec
 from kinesic.body.arrays import Floats
 from kinesic.body.command import Command
 from kinesic.body.robot import Robot
+from kinesic.files.caption_band import Spoken
+from kinesic.files.film_file import Picture
+from kinesic.files.film_reader import FilmReader
+from kinesic.files.film_settings import USUAL, FilmSettings
+from kinesic.planning.captions import captions
+from kinesic.planning.face_track import faces
+from kinesic.planning.plan import Plan
 
 Kind = Literal["twin", "face"]
 FilmProcesses = Mapping[Kind, "subprocess.Popen[bytes]"]
 KINDS: tuple[Kind, Kind] = ("twin", "face")
-TWIN_RATE = 10.0  # [Hz]
-FACE_RATE = 16  # [Hz] lips move faster than arms: no closure of theirs is left out
-FACE_SIDE = 224  # [pixels]
+FACE_RATE = 30  # [Hz] as the film of the robot, whose head shows it
+FACE_SIZE = (320, 240)  # [pixels]
+FACE_FIELD = 12.0  # [deg] from chin to forehead
 FAILED = "failed "  # begins the line of a process that says why it could not draw
 
 
@@ -30,6 +38,10 @@ class FilmJob(Protocol):
     """A film that can be drawn; picklable."""
 
     kind: ClassVar[Kind]
+
+    @property
+    def after(self) -> Path | None:
+        """Another film that is needed first."""
 
     @staticmethod
     def prepare() -> None:
@@ -41,12 +53,25 @@ class FilmJob(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class TwinFilm:
-    """What the twin did."""
+    """What the twin did, with its face on its head."""
 
     kind: ClassVar[Kind] = "twin"
     robot: Robot
     times: Floats  # (m,) [s]
     angles: Floats  # (m, n) [rad]
+    settings: FilmSettings = USUAL
+    units: tuple[Mapping[str, float], ...] = ()  # action units of each picture; none: a face that does nothing
+    spoken: tuple[Spoken, ...] = ()  # captions
+    after: Path | None = None  # the film of its face; where it is not there, a plain face is drawn
+    sound: Path | None = None  # a WAV on the same clock
+
+    @classmethod
+    def of(cls, plan: Plan, times: Floats, angles: Floats, settings: FilmSettings = USUAL) -> "TwinFilm":
+        """The film of a motion that was measured at (m,) [s], (m, n) [rad], with the face and words of its plan."""
+        from kinesic.sim.film import moments  # noqa: PLC0415 - reports without films do without
+
+        units = tuple(dict(row) for row in faces(plan, moments(float(times[0]), float(times[-1]), settings.rate)))
+        return cls(plan.setup.robot, times, angles, settings, units, captions_of(plan))
 
     @staticmethod
     def prepare() -> None:
@@ -58,10 +83,32 @@ class TwinFilm:
         from kinesic.sim.film import FilmError, film  # noqa: PLC0415 - as above
 
         try:
-            film(self.robot, self.times, self.angles, path, rate=TWIN_RATE, progress=progress, guarded=False)
+            film(
+                self.robot,
+                self.times,
+                self.angles,
+                path,
+                size=self.settings.size,
+                rate=self.settings.rate,
+                faces=self._faces(),
+                spoken=self.spoken,
+                sound=self.sound,
+                progress=progress,
+                guarded=False,
+            )
         except FilmError as error:
             return str(error)
         return ""
+
+    def _faces(self) -> Callable[[int, float], Picture] | None:
+        """What gives the face of a picture, by its number and its time [s]."""
+        from kinesic.sim.filming.drawn_face import paint_face  # noqa: PLC0415 - as above
+
+        if self.after is not None:
+            with suppress(OSError):  # it is not there, or not whole
+                film = FilmReader(self.after)
+                return lambda k, time: film.at(time + 0.5 / FACE_RATE)
+        return (lambda k, time: paint_face(self.units[k])) if self.units else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,11 +116,12 @@ class FaceFilm:
     """What the face showed."""
 
     kind: ClassVar[Kind] = "face"
-    robot: Robot
+    after: ClassVar[None] = None
+    robot: Robot | None  # whose head turns the face; None: it looks ahead, as on a screen
     commands: tuple[Command, ...]  # at `FACE_RATE`
 
     @classmethod
-    def of(cls, robot: Robot, commands: Iterable[Command]) -> "FaceFilm":
+    def of(cls, robot: Robot | None, commands: Iterable[Command]) -> "FaceFilm":
         """The film of a robot that follows commands; their faces become picklable."""
         return cls(robot, tuple(msgspec.structs.replace(command, face=dict(command.face)) for command in commands))
 
@@ -83,15 +131,16 @@ class FaceFilm:
         from kinesic.face.display import DisplayError  # noqa: PLC0415 - as above
         from kinesic.face.render.portrait import Portrait  # noqa: PLC0415 - as above
 
-        with suppress(DisplayError), Portrait(size=(FACE_SIDE, FACE_SIDE)):  # `draw` says why not
+        with suppress(DisplayError), Portrait(size=FACE_SIZE):  # `draw` says why not
             pass
 
     def draw(self, path: Path, progress: Callable[[float], None], /) -> str:
         """Draws it to a file."""
         from kinesic.face.display import DisplayError  # noqa: PLC0415 - as above
+        from kinesic.face.render.camera import CLOSE  # noqa: PLC0415 - as above
         from kinesic.face.show.recording import FaceRecording, PortraitSettings  # noqa: PLC0415 - as above
 
-        look = PortraitSettings(side=FACE_SIDE)
+        look = PortraitSettings(size=FACE_SIZE, camera=replace(CLOSE, field_deg=FACE_FIELD))
         try:
             with FaceRecording(path, self.robot, look=look, rate=FACE_RATE, progress=progress) as recording:
                 for command in self.commands:
@@ -99,6 +148,11 @@ class FaceFilm:
         except DisplayError as error:
             return str(error)
         return ""
+
+
+def captions_of(plan: Plan) -> tuple[Spoken, ...]:
+    """What is said when, on performance time."""
+    return tuple((said.begin, said.end, said.text) for said in captions(plan))
 
 
 JOBS: Mapping[str, type[FilmJob]] = {"twin": TwinFilm, "face": FaceFilm}
@@ -133,7 +187,7 @@ def _process(kind: Kind) -> Iterator["subprocess.Popen[bytes]"]:
 def draw_films(
     jobs: Mapping[Path, FilmJob], processes: FilmProcesses, progress: Callable[[float], None] = lambda share: None
 ) -> dict[Path, str]:
-    """Draws films beside one another; when it is interrupted, the processes that draw end.
+    """Draws films beside one another, and what another needs before it; interrupted, the processes that draw end.
 
     Args:
         jobs: films by the paths of their files, at most one of a kind.
@@ -144,13 +198,19 @@ def draw_films(
         Why a film is not there, by its path; empty where it is.
     """
     shares = dict.fromkeys(jobs, 0.0)
+    drawn = {path: Event() for path in jobs}
 
     def draw(path: Path, job: FilmJob) -> str:
         def tell(share: float) -> None:
             shares[path] = share
             progress(sum(shares.values()) / len(shares))
 
-        return _draw(processes[job.kind], path, job, tell)
+        try:
+            if job.after in drawn:
+                drawn[job.after].wait()
+            return _draw(processes[job.kind], path, job, tell)
+        finally:
+            drawn[path].set()
 
     with ThreadPoolExecutor(max(len(jobs), 1)) as threads:
         waiting = {path: threads.submit(draw, path, job) for path, job in jobs.items()}

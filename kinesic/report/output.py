@@ -11,13 +11,23 @@ from tempfile import TemporaryDirectory
 from kinesic.controller.performance import Performance
 from kinesic.controller.play import command_times
 from kinesic.controller.soundtrack import sound, write_wav
+from kinesic.files.film_settings import USUAL, FilmSettings
 from kinesic.files.output_file import new_file, write_text
 from kinesic.files.output_folder import new_folder
 from kinesic.planning.face_track import asks_face, commands_with_face
+from kinesic.planning.plan import Plan
 from kinesic.report.figure_film import FigureFilm
-from kinesic.report.films import FACE_RATE, FaceFilm, FilmJob, FilmProcesses, TwinFilm, draw_films
+from kinesic.report.films import (
+    FACE_RATE,
+    FaceFilm,
+    FilmJob,
+    FilmProcesses,
+    TwinFilm,
+    draw_films,
+)
 from kinesic.report.page import Recordings, write_page
 from kinesic.report.report import Json
+from kinesic.sim.filming.face_screen import screen_of
 from kinesic.sim.log import write_log
 
 NOT_ASKED = "not asked for"
@@ -76,6 +86,7 @@ def add_films(
     data: dict[str, Json],
     processes: FilmProcesses,
     *,
+    settings: FilmSettings = USUAL,
     progress: Callable[[float], None] = lambda share: None,
 ) -> Written:
     """Draws the films of twin and face, where OpenGL works, and puts them into a report that is there.
@@ -85,6 +96,7 @@ def add_films(
         performance: in the twin.
         data: of the report.
         processes: that draw.
+        settings: of the film of the robot.
         progress: gets the share of the films that is drawn.
 
     Raises:
@@ -93,15 +105,17 @@ def add_films(
     plan, measured = performance.plan, performance.measured
     robot = plan.setup.robot
     with TemporaryDirectory() as place:
-        film, face = (Path(place) / name for name in ("film.webp", "face.webp"))
-        jobs: dict[Path, FilmJob] = {
-            film: TwinFilm(robot, measured.times, measured.angles)
-            if robot.skin is None
-            else FigureFilm.of(plan, measured.times, measured.angles)
-        }
-        if asks_face(plan):
-            times = command_times(plan.duration, rate=FACE_RATE)
-            jobs[face] = FaceFilm.of(robot, commands_with_face(plan, times))
+        film, face = (Path(place) / name for name in (settings.name, "face.webp"))
+        jobs: dict[Path, FilmJob] = {}
+        portrait = face_film(plan)
+        if portrait is not None:
+            jobs[face] = portrait
+        if robot.skin is None:
+            twin = TwinFilm.of(plan, measured.times, measured.angles, settings)
+            jobs[film] = replace(twin, after=face, sound=written.voice)
+        else:
+            figure = FigureFilm.of(plan, measured.times, measured.angles, settings)
+            jobs[film] = replace(figure, sound=written.voice)
         whys = {face: "nothing is asked of it"} | draw_films(jobs, processes, progress)
         for drawn in (path for path, why in whys.items() if not why):
             with new_file(written.report.with_name(drawn.name), force=True) as fresh:
@@ -110,6 +124,15 @@ def add_films(
     whole = replace(written, film=kept[film], why_no_film=whys[film], face=kept[face], why_no_face=whys[face])
     _write_page(whole, performance, data)
     return whole
+
+
+def face_film(plan: Plan) -> FaceFilm | None:
+    """The film of the face of a plan, which looks ahead where it is for a screen on the head; None: nobody needs it."""
+    screen = screen_of(plan.setup.robot) is not None
+    if not screen and not asks_face(plan):
+        return None
+    times = command_times(plan.duration, rate=FACE_RATE)
+    return FaceFilm.of(None if screen else plan.setup.robot, commands_with_face(plan, times))
 
 
 def rewrite(written: Written, performance: Performance, data: dict[str, Json]) -> None:

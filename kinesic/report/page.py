@@ -27,7 +27,7 @@ from kinesic.report.shapes import shapes_made
 from kinesic.report.transcript import transcribe
 from kinesic.report.verdict import format_number, gravity_of, rows_of, verdict
 
-FILM_TYPES = {".webp": "image/webp", ".png": "image/png", ".gif": "image/gif"}
+FILM_TYPES = {".webp": "image/webp", ".png": "image/png", ".gif": "image/gif", ".mp4": "video/mp4"}
 SOUND_TYPES = {".wav": "audio/wav"}
 PARTS = {"l_hand": "left hand", "r_hand": "right hand"}
 FIRST_LOADS = 6  # hinges that are shown at once
@@ -54,9 +54,9 @@ TIGHT = {"\u00b0"}  # units that stand at the figure
 class Recordings:
     """What was recorded of a performance, on performance time."""
 
-    film: Path | None = None  # animated picture of the twin: .webp, .png or .gif
+    film: Path | None = None  # film of the twin: .webp, .png, .gif or .mp4
     why_no_film: str = "not recorded"
-    face: Path | None = None  # animated picture of the face, .webp, which the replay shows in step
+    face: Path | None = None  # animated picture of the face, .webp, which the replay shows on the head, in step
     why_no_face: str = "not recorded"
     voice: Path | None = None  # what is heard, .wav, whose clock the replay then follows
 

@@ -2,9 +2,11 @@
 
 import numpy as np
 
+from kinesic.body.arrays import Floats
 from kinesic.controller.performance import Performance
 from kinesic.planning.captions import captions
-from kinesic.planning.face_track import faces
+from kinesic.planning.face_track import faces, shown_units
+from kinesic.planning.plan import Plan
 from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime
 from kinesic.report.figure.face_data import face_data
 from kinesic.report.labels import label
@@ -44,10 +46,19 @@ def replay_data(performance: Performance) -> dict[str, Json]:
         **scene_data(robot),
         **({} if robot.skin is None else {"features": face_data(faces(plan, moments))}),
         "motions": {name: pack_rows(angles / step, "<i2") for name, angles in motions.items()},
+        "face": _face(performance.plan, moments),
         "duties": pack_rows(duties / DUTY_STEP, "u1"),
         "marks": _marks(performance),
         "words": [[round(said.begin, 3), round(said.end, 3), said.text] for said in captions(plan)],
     }
+
+
+def _face(plan: Plan, moments: Floats) -> dict[str, Json]:
+    """Action units that are seen at all, and their intensities in bytes, a row for each frame."""
+    shown = shown_units(plan, moments)
+    seen = {unit: np.broadcast_to(rows, len(moments)) for unit, rows in shown.items() if np.any(rows)}
+    rows = np.stack([*seen.values()], axis=1) if seen else np.zeros((len(moments), 0))
+    return {"units": list(seen), "rows": pack_rows(255 * rows, "u1")}
 
 
 def _marks(performance: Performance) -> list[Json]:

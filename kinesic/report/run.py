@@ -33,6 +33,7 @@ FILES = (
     "report.html",
     "measured.npz",
     "film.webp",
+    "film.mp4",
     "face.webp",
     "speech.wav",
     LOG,

@@ -11,18 +11,15 @@ from kinesic.body.robot import Robot
 from kinesic.body.skeleton import Capsule, Coupling, Hinge
 from kinesic.report.figure.skin_data import skin_data
 from kinesic.report.report import Json
+from kinesic.sim.filming.face_screen import Sheet, screen_of
 from kinesic.sim.scene_layout import VIEW_FROM, Rod, view_of
-from kinesic.sim.scene_style import eyeballs, parts, seen_rods, shell_parts
+from kinesic.sim.scene_style import SERVO_DRAWN, eyeballs, parts, seen_rods, shell_parts
 from kinesic.sim.shells.shell import Shell, shell_of
 
 DIGITS = 4  # of lengths [m]
 TEMPLATES = Path(__file__).parent / "templates"
-SCENE_SCRIPTS = (
-    "shapes.js",
-    "motion.js",
-    "skin.js",
-    "scene.js",
-)  # `sceneOf` draws a posture, `rowAt` gives one of a motion
+# `sceneOf` draws a posture, `rowAt` gives one of a motion.
+SCENE_SCRIPTS = ("shapes.js", "motion.js", "skin.js", "screen.js", "scene.js")
 
 
 def scene_data(robot: Robot) -> dict[str, Json]:
@@ -32,6 +29,7 @@ def scene_data(robot: Robot) -> dict[str, Json]:
         "segments": _segments(robot),
         "servos": _servos(robot),
         "details": [*_eyes(robot), *_rods(robot, seen_rods(robot, shell))],
+        "screen": _screen(robot),
         "view": _view(robot),
         "shells": [] if shell is None else _shells(robot, shell),
         "shell_step": _shell_step(shell),
@@ -97,12 +95,34 @@ def _servos(robot: Robot) -> list[Json]:
         width, length, height = mount.drive.servo.size
         half = np.array([mount.drive.count * width, length, height]) / 2
         segment = robot.skeleton.segment(mount.segment)
-        found.append({"hinge": joint, "segment": segment, "at": _rounded(mount.position), "half": _rounded(half)})
+        found.append(
+            {"hinge": joint, "segment": segment, "at": _rounded(mount.position), "half": _rounded(SERVO_DRAWN * half)}
+        )
     return found
 
 
+def _screen(robot: Robot) -> Json:
+    """The sheets of the screen on its head, each as flat lists of numbers."""
+    screen = screen_of(robot)
+    if screen is None:
+        return None
+    segment = robot.skeleton.segment(screen.segment)
+    return {"segment": segment, "picture": _sheet(screen.picture), "frame": _sheet(screen.frame)}
+
+
+def _sheet(sheet: Sheet) -> dict[str, Json]:
+    return {
+        "places": _rounded(sheet.places.ravel()),
+        "normals": _rounded(sheet.normals.ravel()),
+        "shares": _rounded(sheet.shares.ravel()),
+        "triangles": [int(corner) for corner in sheet.triangles.ravel()],
+    }
+
+
 def _eyes(robot: Robot) -> list[Json]:
-    """Balls: segment, centre, radius, colour."""
+    """Balls: segment, centre, radius, colour; none where a screen has the eyes."""
+    if screen_of(robot) is not None:
+        return []
     return [
         {
             "segment": robot.skeleton.segment(robot.sites["eyes"].segment),

@@ -1,33 +1,47 @@
 """Moving and still pictures of the robot, drawn off screen."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import reduce
 from pathlib import Path
+from typing import TypeVar
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image
 
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
+from kinesic.files.caption_band import Spoken, caption_box, words_at, write_caption
+from kinesic.files.film_file import Box, EncodingError, Picture, durations, open_film
+from kinesic.sim.filming.canvas import Canvas, CanvasError
+from kinesic.sim.filming.framing import joined, motion_view, moving_balls, robot_boxes, seen_at, shadow_boxes
+from kinesic.sim.filming.soft_shadow import shade, shadow_outlines
 from kinesic.sim.gl import missing_libraries, opengl_fault
 from kinesic.sim.model import turn_order
-from kinesic.sim.scene_style import CAMERA, styled_model
+from kinesic.sim.scene_layout import View, view_of
+from kinesic.sim.scene_style import styled_model
 
-__all__ = ["FilmError", "film", "opengl_fault", "write_still"]
+__all__ = ["FilmError", "film", "moments", "opengl_fault", "write_still"]
 
-Picture = NDArray[np.uint8]
+T = TypeVar("T")
+Faces = Callable[[int, float], Picture]  # the face that is seen in a picture, by its number and time [s]
 SIZE = (480, 360)  # [pixels] width and height of a still
-FILM_SIZE = (320, 240)
-FINER = 1.5  # pixels that are drawn along a side of one in a film; without a card, that is cheaper than multisampling
-FILM_SHADOW = 1024  # pixels along a side of its shadows
-FILM_ROUND = (16, 8)  # slices and stacks of its capsules
-QUALITY = 80  # of WebP, 0..100
-MOST_PICTURES = 600  # they are held in memory until the file is written
+FILM_SIZE = (1280, 720)
+FILM_RATE = 30.0  # [Hz]
+FINER = 2  # pixels that are drawn along a side of one
+MOST_PICTURES = 3600  # of one film: two minutes; a longer one has fewer a second
+REACH = 0.08  # arm lengths that the screen of the head and servos may be seen beyond a robot's shapes
 
 
 class FilmError(RuntimeError):
     """Pictures cannot be drawn here: says what is missing and the line that mends it."""
+
+
+def moments(begin: float, end: float, rate: float = FILM_RATE) -> Floats:
+    """[s] of the pictures of a motion at a rate [Hz], or at a lower one where they would be more than MOST_PICTURES."""
+    period = max(1 / rate, (end - begin) / MOST_PICTURES)
+    return np.arange(begin, end + 1e-9, period)
 
 
 def film(
@@ -37,39 +51,55 @@ def film(
     path: Path,
     *,
     size: tuple[int, int] = FILM_SIZE,
-    rate: float = 20.0,
+    rate: float = FILM_RATE,
+    faces: Faces | None = None,
+    spoken: Sequence[Spoken] = (),
+    sound: Path | None = None,
     progress: Callable[[float], None] = lambda share: None,
     guarded: bool = True,
 ) -> None:
-    """Writes a motion as an animated WebP.
+    """Writes a motion as a film, whose camera frames the hands and the head.
 
     Args:
         robot: who moves.
         times: (m,) [s] increasing.
         angles: (m, n) [rad] at these times.
-        path: of the film, ending in .webp.
-        size: width and height of a picture, in pixels.
+        path: of the film, ending in .webp, or .mp4 where an encoder is installed.
+        size: width and height of a picture, in pixels; both even.
         rate: pictures per second; less when there would be more than MOST_PICTURES.
+        faces: what the screen of the head shows; None: a plain face that does nothing.
+        spoken: captions.
+        sound: a WAV that begins with the film, for .mp4.
         progress: gets the share of the pictures that are drawn, after each of them.
         guarded: whether OpenGL is first tried in another process, as a broken driver may end the one that draws.
 
     Raises:
-        FilmError: OpenGL does not draw on this machine.
+        FilmError: OpenGL does not draw on this machine, or there is no encoder.
         ValueError: there is no posture, or times and angles differ in number.
     """
     if len(times) != len(angles) or not len(times):
         raise ValueError(f"a film of {len(angles)} postures at {len(times)} times: both must be the same, at least 1")
-    period = max(1 / rate, (times[-1] - times[0]) / MOST_PICTURES)
-    moments = np.arange(times[0], times[-1] + 1e-9, period)
-    postures = np.column_stack([np.interp(moments, times, column) for column in angles.T])
-    frames = []
-    for picture in _draw_frames(robot, postures, size, guarded=guarded):
-        frames.append(Image.fromarray(picture).resize(size, Image.Resampling.LANCZOS))
-        progress(len(frames) / len(postures))
-    durations = np.diff(np.round(1000 * period * np.arange(len(frames) + 1))).astype(int).tolist()  # [ms]
-    frames[0].save(
-        path, format="WEBP", save_all=True, append_images=frames[1:], duration=durations, quality=QUALITY, method=0
-    )
+    _check_opengl(guarded=guarded)
+    shot = moments(float(times[0]), float(times[-1]), rate)
+    postures = np.column_stack([np.interp(shot, times, column) for column in angles.T])
+    period = float(shot[1] - shot[0]) if len(shot) > 1 else 1 / rate
+    said = [words_at(spoken, time + period / 2) for time in shot.tolist()]
+    shown = (lambda k: None) if faces is None else (lambda k: faces(k, float(shot[k])))
+    view = motion_view(robot, postures, aspect=size[0] / size[1])
+    pictures = _one_ahead(_draw_frames(robot, postures, size, shown, view=view))
+    try:
+        with open_film(path, size, rate=1 / period, sound=sound) as writer:
+            before = ""
+            for k, ((picture, box), shown_for) in enumerate(
+                zip(pictures, durations(len(shot), 1 / period), strict=True)
+            ):
+                write_caption(picture, said[k])
+                bands = [caption_box(text, size) or box for text in {before, said[k]} if before != said[k]]
+                writer.write(picture, reduce(joined, bands, box), shown_for)
+                before = said[k]
+                progress((k + 1) / len(shot))
+    except (CanvasError, EncodingError) as error:
+        raise FilmError(str(error)) from None
 
 
 def write_still(robot: Robot, angles: Floats, path: Path, *, size: tuple[int, int] = SIZE) -> None:
@@ -79,42 +109,54 @@ def write_still(robot: Robot, angles: Floats, path: Path, *, size: tuple[int, in
         FilmError: OpenGL does not draw on this machine.
     """
     _check_opengl(guarded=True)
-    model = styled_model(robot, width=size[0], height=size[1])
-    Image.fromarray(next(_pictures(robot, model, angles[None], size))).save(path, format="PNG")
+    try:
+        ((picture, _),) = _draw_frames(robot, angles[None], size, lambda k: None, view=view_of(robot))
+        Image.fromarray(picture).save(path, format="PNG")
+    except CanvasError as error:
+        raise FilmError(str(error)) from None
 
 
-def _draw_frames(robot: Robot, postures: Floats, size: tuple[int, int], *, guarded: bool) -> Iterator[Picture]:
-    """Draws postures (m, n) [rad] with what a film needs, each `FINER` than it is shown."""
-    _check_opengl(guarded=guarded)
-    width, height = (round(FINER * side) for side in size)
-    model = styled_model(robot, width=width, height=height)
-    model.vis.quality.offsamples, model.vis.quality.shadowsize = 0, FILM_SHADOW
-    model.vis.quality.numslices, model.vis.quality.numstacks = FILM_ROUND
-    yield from _pictures(robot, model, postures, (width, height))
+def _one_ahead(pictures: Generator[T, None, None]) -> Iterator[T]:
+    """Draws each picture while the one before is written, all in one thread, as OpenGL wants."""
+    with ThreadPoolExecutor(1) as thread:
+        coming = thread.submit(next, pictures, None)
+        try:
+            while (found := coming.result()) is not None:
+                coming = thread.submit(next, pictures, None)
+                yield found
+        finally:
+            thread.submit(pictures.close).result()
+
+
+def _draw_frames(
+    robot: Robot, postures: Floats, size: tuple[int, int], shown: Callable[[int], Picture | None], *, view: View
+) -> Generator[tuple[Picture, Box], None, None]:
+    """Draws postures (m, n) [rad]; of all but the first only what changes: yields a picture, and where it did."""
+    width, height = (FINER * side for side in size)
+    places, radii = moving_balls(robot, postures, [segment.name for segment in robot.skeleton.segments])
+    outlines = shadow_outlines(places, radii, view, size=size)
+    boxes = robot_boxes(seen_at(view, places, size=size), radii + REACH * robot.arm_length, size=size)
+    changing = [joined(*both) for both in zip(boxes, shadow_boxes(outlines, size=size), strict=True)]
+    model = styled_model(robot, width=width, height=height, view=view)
+    data, order = mujoco.MjData(model), turn_order(robot, model)
+    with Canvas(model, size, finer=FINER) as canvas:
+        mujoco.mj_forward(model, data)
+        empty = canvas.draw_empty(data)
+        for k, box in enumerate(boxes):
+            data.qpos[order] = robot.skeleton.turns(postures[k])
+            mujoco.mj_forward(model, data)
+            face = shown(k)
+            if face is not None:
+                canvas.show(face)
+            picture, free = empty.copy(), np.full(empty.shape[:2], 255, dtype=np.uint8)
+            part = np.s_[box[1] : box[3], box[0] : box[2]]
+            picture[part], free[part] = canvas.draw(data, box)
+            darkened = changing[k]
+            part = np.s_[darkened[1] : darkened[3], darkened[0] : darkened[2]]
+            picture[part] = shade(picture[part], free[part], darkened, outlines[k], size=size)
+            yield picture, darkened if not k else joined(changing[k - 1], darkened)
 
 
 def _check_opengl(*, guarded: bool) -> None:
     if why := opengl_fault() if guarded else missing_libraries():
         raise FilmError(why)
-
-
-def _pictures(robot: Robot, model: mujoco.MjModel, postures: Floats, size: tuple[int, int]) -> Iterator[Picture]:
-    """Yields one picture (height, width, 3) for each posture (m, n) [rad]."""
-    width, height = size
-    data = mujoco.MjData(model)
-    order = turn_order(robot, model)
-    with _renderer(model, width, height) as renderer:
-        for posture in postures:
-            data.qpos[order] = robot.skeleton.turns(posture)
-            mujoco.mj_forward(model, data)
-            renderer.update_scene(data, camera=CAMERA)
-            yield renderer.render().copy()
-
-
-def _renderer(model: mujoco.MjModel, width: int, height: int) -> mujoco.Renderer:
-    try:
-        return mujoco.Renderer(model, height, width)
-    except (mujoco.FatalError, RuntimeError) as error:
-        raise FilmError(
-            f"MuJoCo cannot draw ({error}): import kinesic.sim before mujoco, or set MUJOCO_GL=egl"
-        ) from None

@@ -11,6 +11,7 @@ from kinesic.body.skeleton import Capsule
 
 VIEW_ANGLE = 28.0  # [deg] of the camera, vertical
 VIEW_FROM = (0.92, 0.36, 0.16)  # direction from the robot to the camera: in front, slightly to its left and above
+SUN = (-0.5, -0.45, -0.8)  # where the light shines that throws shadows
 ASPECT = 4 / 3  # of pictures, width to height
 MARGIN = 1.03  # times what must be seen
 AIR = 0.12  # arm lengths between hanging hands and the floor

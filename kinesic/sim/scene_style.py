@@ -9,12 +9,15 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import SIDES, Robot, Side
+from kinesic.sim.filming.drawn_face import paint_face
+from kinesic.sim.filming.scene_screen import add_screen, has_screen, put_face
 from kinesic.sim.model import capsule_name, describe
-from kinesic.sim.scene_layout import VIEW_ANGLE, VIEW_FROM, Rod, View, rods, stand, view_of
+from kinesic.sim.scene_layout import SUN, VIEW_ANGLE, VIEW_FROM, Rod, View, rods, stand, view_of
 from kinesic.sim.shells.geoms import add_shell
 from kinesic.sim.shells.shell import Shell, shell_of
 
 CAMERA = "audience"
+FLOOR_GROUP = 5  # of shapes: the floor alone is in it
 Part = Literal["trunk", "limb", "l_hand", "r_hand"]
 COLOURS: dict[Part, tuple[float, ...]] = {
     "trunk": (0.34, 0.42, 0.52, 1.0),
@@ -23,22 +26,30 @@ COLOURS: dict[Part, tuple[float, ...]] = {
     "r_hand": (0.16, 0.56, 0.66, 1.0),
 }
 SERVO = (0.17, 0.18, 0.21, 1.0)
+SERVO_DRAWN = 0.94  # of its size: corners that just come through a limb would be dark specks
 SKY = (0.62, 0.74, 0.84)
 HORIZON = (0.90, 0.93, 0.95)
 WHITE = (1.0, 1.0, 1.0, 1.0)
 BLACK = (0.06, 0.07, 0.10, 1.0)
+HAZE = 0.6  # share of the way to the horizon in which the floor fades
 EYE_RADIUS = 0.043  # this and what follows in arm lengths
 EYE_SPACING = 0.064  # from the face's midline
 EYE_DEPTH = 0.014  # of the whites' centres behind the site
 PUPIL_RADIUS = 0.025
 PUPIL_AHEAD = 0.0226  # of the pupils' centres before those of the whites
-SUN, FILL = (-0.5, -0.45, -0.8), (-0.6, 0.7, -0.4)  # where the lights shine
-SHADOWED = 2.0  # extents of the robot that the sun's shadows reach; at their edge the floor is speckled
-SUN_AWAY = 2.0  # picture heights from the robot; shadows fall as far beyond it
+FILL = (-0.6, 0.7, -0.4)  # where the cool light shines
+SUN_AWAY = 2.0  # picture heights from the robot
 
 
-def styled_model(robot: Robot, *, width: int, height: int) -> mujoco.MjModel:
-    """Adds colours and scenery to the model of a robot, for pictures of a size in pixels."""
+def styled_model(robot: Robot, *, width: int, height: int, view: View | None = None) -> mujoco.MjModel:
+    """Adds colours and scenery to the model of a robot.
+
+    Args:
+        robot: that is painted.
+        width: of the largest picture that is drawn at once [pixels].
+        height: likewise.
+        view: what the camera sees; None: the robot, wherever its hands reach.
+    """
     spec = describe(robot)
     shell = shell_of(robot)
     if shell is None:
@@ -46,19 +57,22 @@ def styled_model(robot: Robot, *, width: int, height: int) -> mujoco.MjModel:
     else:
         colours = {name: COLOURS[part] for name, part in shell_parts(robot).items()}
         add_shell(spec, robot, shell, colours=colours, joint=SERVO)
-    _add_eyes(spec, robot)
+    if not add_screen(spec, robot):
+        _add_eyes(spec, robot)
     _add_rods(spec, robot, seen_rods(robot, shell))
-    _add_room(spec, view_of(robot))
+    _add_room(spec, view_of(robot) if view is None else view)
     spec.visual.global_.offwidth, spec.visual.global_.offheight = width, height
-    spec.visual.quality.offsamples = 4
-    spec.visual.quality.shadowsize = 2048
-    spec.visual.map.shadowclip = SHADOWED
+    spec.visual.quality.offsamples = 0  # pictures are drawn finer instead: without a card that is cheaper
+    spec.visual.map.haze = HAZE
     spec.visual.quality.numslices, spec.visual.quality.numstacks = 20, 10
     spec.visual.headlight.ambient = [0.38, 0.38, 0.40]
     spec.visual.headlight.diffuse = [0.20, 0.20, 0.20]
     spec.visual.headlight.specular = [0.05, 0.05, 0.05]
     spec.visual.rgba.haze = [*HORIZON, 1.0]
-    return spec.compile()
+    model = spec.compile()
+    if has_screen(model):
+        put_face(model, paint_face({}))
+    return model
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,7 +127,8 @@ def _paint(spec: mujoco.MjSpec, robot: Robot) -> None:
         for k in range(len(segment.capsules)):
             spec.geom(capsule_name(segment.name, k)).rgba = COLOURS[painted[segment.name]]
     for name in robot.skeleton.names:
-        spec.geom(f"{name}_servo").rgba = SERVO
+        box = spec.geom(f"{name}_servo")
+        box.rgba, box.size = SERVO, SERVO_DRAWN * np.array(box.size)
 
 
 def _add_eyes(spec: mujoco.MjSpec, robot: Robot) -> None:
@@ -159,6 +174,7 @@ def _add_room(spec: mujoco.MjSpec, view: View) -> None:
         pos=[0, 0, view.floor],
         size=[0, 0, 0.05],
         material="floor",
+        group=FLOOR_GROUP,
         contype=0,
         conaffinity=0,
     )
@@ -167,8 +183,8 @@ def _add_room(spec: mujoco.MjSpec, view: View) -> None:
 
 
 def _add_lights(spec: mujoco.MjSpec, view: View) -> None:
-    """A sun with shadows from the robot's left, and a cool light without from its right."""
-    sun = {"dir": SUN, "diffuse": [0.55, 0.54, 0.52], "castshadow": True}
+    """A sun from the robot's left, and a cool light from its right; `soft_shadow` draws what the sun does not reach."""
+    sun = {"dir": SUN, "diffuse": [0.55, 0.54, 0.52], "castshadow": False}
     fill = {"dir": FILL, "diffuse": [0.22, 0.24, 0.27], "castshadow": False}
     for light in (sun, fill):
         away = view.middle - SUN_AWAY * view.height * np.array(light["dir"])

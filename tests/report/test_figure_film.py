@@ -8,7 +8,8 @@ from PIL import Image
 from kinesic.body.robot import Robot
 from kinesic.controller.perform import plan, set_up
 from kinesic.face.display import available
-from kinesic.report.figure_film import RATE, FigureFilm
+from kinesic.files.film_settings import USUAL
+from kinesic.report.figure_film import FigureFilm
 
 SMILE = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" stroke="0.8"/>'
@@ -24,7 +25,7 @@ def film() -> FigureFilm:
 
 
 def test_it_has_a_posture_and_a_face_for_each_picture(film: FigureFilm):
-    assert film.rate == RATE
+    assert film.rate == USUAL.rate == 30.0
     assert len(film.angles) == len(film.units)
     tilt = film.robot.skeleton.joint("skullbase_tilt")
     assert np.ptp(film.angles[:, tilt]) > np.radians(5)
@@ -33,16 +34,16 @@ def test_it_has_a_posture_and_a_face_for_each_picture(film: FigureFilm):
 
 def test_a_long_one_has_fewer_pictures_a_second():
     planned = plan(SMILE, set_up("human"))
-    times = np.array([0.0, 100.0])
+    times = np.array([0.0, 1000.0])
     long = FigureFilm.of(planned, times, np.stack([planned.setup.robot.skeleton.rest] * 2))
-    assert len(long.angles) <= 481
-    assert long.rate == pytest.approx(4.8)
+    assert len(long.angles) <= 3601
+    assert long.rate == pytest.approx(3.6)
 
 
 def test_it_is_drawn_picture_by_picture(film: FigureFilm, tmp_path: Path):
     if why := available():
         pytest.skip(why)
-    short = replace(film, angles=film.angles[8:32:8], units=film.units[8:32:8], size=(96, 54))
+    short = replace(film, angles=film.angles[8:32:8], units=film.units[8:32:8], words=film.words[8:32:8], size=(96, 54))
     shares: list[float] = []
     assert short.draw(tmp_path / "film.webp", shares.append) == ""
     with Image.open(tmp_path / "film.webp") as seen:

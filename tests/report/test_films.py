@@ -1,6 +1,8 @@
 """Films of a report: each is drawn by a process of its own, which ends with whoever waits for it."""
 
 from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,14 +11,25 @@ from PIL import Image
 
 from kinesic.body.command import Command
 from kinesic.body.robot import Robot
+from kinesic.controller.perform import plan, set_up
 from kinesic.face.display import available
-from kinesic.report.films import FACE_RATE, FACE_SIDE, FaceFilm, FilmProcesses, TwinFilm, draw_films, film_processes
-from kinesic.sim.film import FILM_SIZE
+from kinesic.files.film_file import WebpFilm
+from kinesic.files.film_settings import FilmSettings
+from kinesic.planning.captions import captions
+from kinesic.planning.face_track import faces
+from kinesic.report.films import FACE_RATE, FACE_SIZE, FaceFilm, FilmProcesses, TwinFilm, draw_films, film_processes
+from kinesic.sim.film import moments
+from kinesic.sim.filming.drawn_face import paint_face
 from kinesic.sim.gl import opengl_fault
 
 ROBOT = Robot.load()
 REST = ROBOT.skeleton.rest
 NONE = np.zeros_like(REST)
+SPOKEN = (
+    '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><speech id="s"><text>Hello <sync id="a"/>you</text>'
+    '</speech><faceLexeme id="f" lexeme="smile" start="0" end="1.5"/></bml>'
+)
+SMALL = FilmSettings(size=(320, 180), rate=10.0)
 
 
 def face(units: dict[str, float], seconds: float = 0.25) -> FaceFilm:
@@ -25,7 +38,7 @@ def face(units: dict[str, float], seconds: float = 0.25) -> FaceFilm:
 
 
 def twin(seconds: float = 0.5) -> TwinFilm:
-    return TwinFilm(ROBOT, np.array([0.0, seconds]), np.array([REST, 0.5 * REST]))
+    return TwinFilm(ROBOT, np.array([0.0, seconds]), np.array([REST, 0.5 * REST]), SMALL)
 
 
 @pytest.fixture
@@ -47,9 +60,9 @@ def test_both_are_drawn_and_the_share_that_is_done_grows_to_all(tmp_path: Path, 
     whys = draw_films({film: twin(), portrait: face({"12": 0.5})}, processes, shares.append)
     assert whys == {film: "", portrait: ""}
     with Image.open(film) as seen:
-        assert (seen.size, seen.n_frames) == (FILM_SIZE, 6)
+        assert (seen.size, seen.n_frames) == (SMALL.size, 6)
     with Image.open(portrait) as seen:
-        assert (seen.size, seen.n_frames) == ((FACE_SIDE, FACE_SIDE), 1), "equal pictures are one"
+        assert (seen.size, seen.n_frames) == (FACE_SIZE, 1), "equal pictures are one"
     assert shares[-1] == 1.0
     assert shares == sorted(shares)
     assert len(shares) > 6
@@ -85,3 +98,51 @@ def test_processes_without_a_job_end_when_they_are_left():
     with film_processes() as begun:
         assert all(process.poll() is None for process in begun.values())
     assert all(process.poll() for process in begun.values())
+
+
+@pytest.mark.usefixtures("drawing")
+def test_the_rendered_face_is_on_the_head_and_a_plain_one_where_it_is_missing(
+    tmp_path: Path, processes: FilmProcesses
+) -> None:
+    """The film of the robot waits for that of its face; both differ from one another around the head alone."""
+    heads = {}
+    for name, units in (("with", {"26": 0.9}), ("without", {"99": 0.5})):
+        film, portrait = tmp_path / f"{name}.webp", tmp_path / f"{name}-face.webp"
+        job = replace(twin(0.1), angles=np.array([REST, REST]), units=({},) * 2, after=portrait)
+        with film_processes() as begun:
+            whys = draw_films({film: job, portrait: face(units)}, begun)
+        assert (whys[film], bool(whys[portrait])) == ("", name == "without")
+        with Image.open(film) as seen:
+            heads[name] = np.asarray(seen.convert("RGB")).astype(int)
+    differs = np.argwhere(np.abs(heads["with"] - heads["without"]).max(axis=2) > 40)
+    assert len(differs) > 40
+    assert np.ptp(differs, axis=0).max() < 0.15 * SMALL.size[0]
+
+
+def test_a_film_has_the_units_and_the_words_of_its_plan_at_the_times_of_its_pictures() -> None:
+    planned = plan(SPOKEN, set_up("upper22", voice="durations"))
+    times = np.arange(round(planned.duration * 100) + 1) / 100
+    film = TwinFilm.of(planned, times, planned.trajectory.sample(times)[0])
+    shot = moments(float(times[0]), float(times[-1]))
+    assert len(film.units) == len(shot)
+    assert [dict(row) for row in faces(planned, shot)] == list(film.units)
+    assert max(row.get("12", row.get("L12", 0.0)) for row in film.units) > 0.3
+    assert [(said.begin, said.end, said.text) for said in captions(planned)] == list(film.spoken)
+    assert [text for _, _, text in film.spoken] == ["Hello", "you"]
+
+
+def test_a_film_of_the_face_that_is_not_whole_is_no_face(tmp_path: Path) -> None:
+    whole, spoilt, missing = (tmp_path / f"{name}.webp" for name in ("whole", "spoilt", "missing"))
+    with WebpFilm(whole, (320, 240)) as film:
+        for k in range(3):
+            film.write(np.full((240, 320, 3), 60 * k, dtype=np.uint8), None, 1000 // FACE_RATE)
+    with suppress(ZeroDivisionError), WebpFilm(spoilt, (320, 240)) as film:
+        raise ZeroDivisionError
+    for path, rendered in ((whole, True), (spoilt, False), (missing, False)):
+        faces_of = replace(twin(), units=({"26": 0.8},) * 2, after=path)._faces()
+        assert faces_of is not None
+        assert (faces_of(0, 0.0) == paint_face({"26": 0.8})).all() != rendered
+    in_step = replace(twin(), after=whole)._faces()
+    assert in_step is not None
+    shades = [round(float(in_step(k, k / FACE_RATE).mean()) / 60) for k in range(3)]
+    assert shades == [0, 1, 2], "each picture has the face of its own time"

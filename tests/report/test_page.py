@@ -172,8 +172,15 @@ def test_film_becomes_part_of_the_page(
     hurried: Performance, data: dict[str, Json], media: Path, sources: list[tuple[str, str | None]]
 ) -> None:
     assert ("img", embedded(media / "film.webp", "image/webp")) in sources
-    with pytest.raises(ValueError, match=r"film\.mp4 cannot be shown"):
-        page(hurried, data, media, media / "film.mp4")
+    with pytest.raises(ValueError, match=r"film\.avi cannot be shown"):
+        page(hurried, data, media, media / "film.avi")
+
+
+def test_a_film_with_sound_is_played_in_the_page(hurried: Performance, data: dict[str, Json], tmp_path: Path) -> None:
+    (tmp_path / "film.mp4").write_bytes(b"film")
+    outline = Outline(page(hurried, data, tmp_path, tmp_path / "film.mp4"))
+    shown = [tag for tag, found in outline.tags if (found.get("src") or "").startswith("data:video/mp4;base64,")]
+    assert shown == ["video"]
 
 
 def test_voice_and_face_become_part_of_the_page(

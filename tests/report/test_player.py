@@ -1,5 +1,6 @@
 """The page's player in a browser: the face and the voice keep step with the replay."""
 
+import json
 import wave
 from dataclasses import replace
 from pathlib import Path
@@ -11,6 +12,7 @@ from kinesic.controller.performance import Performance
 from kinesic.face.show.files import save_film
 from kinesic.report.page import Recordings, write_page
 from kinesic.report.report import report
+from kinesic.sim.filming.drawn_face import paint_face
 
 from ..chromium import Page, binary, opened
 
@@ -155,12 +157,39 @@ def test_the_time_line_stands_over_the_score_and_first_on_a_telephone(url: str, 
             assert page.value("document.documentElement.scrollWidth <= document.documentElement.clientWidth")
 
 
-def test_the_face_leaves_the_head_of_the_robot_free(url: str, tmp_path: Path):
+def test_the_face_is_on_the_head_and_in_step_with_the_film_of_it(url: str, tmp_path: Path):
+    """A film that grows brighter makes the robot's head brighter, and there is no other picture of it."""
     with opened(url, tmp_path) as page:
         page.until("document.querySelector('#stage')?.hidden === false")
-        for width in (360, 390, 1180):
-            page.call("Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1, mobile=False)
-            left, _ = page.value(edges(".view .face"))
-            begin, _ = page.value(edges(".view"))
-            whole = page.value("document.querySelector('.view').getBoundingClientRect().width")
-            assert (left - begin) / whole > 0.7  # the head is in the middle
+        lights = []
+        for frame in (2, 20, 38):
+            seek(page, (frame + 0.5) / RATE)
+            page.until(f"Math.abs({shade(page)} - {grey(frame)}) < 3")
+            lights.append(brightest_change(page))
+        assert page.value("document.querySelector('[data-part=face]').getBoundingClientRect().width") == 0
+    assert lights[0] < lights[1] < lights[2]
+
+
+def brightest_change(page: Page) -> float:
+    """How light the picture is around the head: the mean of the upper middle of the canvas."""
+    pen = "const p = document.createElement('canvas').getContext('2d', { willReadFrequently: true });"
+    source = "const c = document.querySelector('#stage canvas');"
+    copied = f"{pen} {source} p.canvas.width = c.width; p.canvas.height = c.height; p.drawImage(c, 0, 0);"
+    area = "p.getImageData(c.width * 0.47, c.height * 0.22, c.width * 0.06, c.height * 0.2).data"
+    mean = f"done({area}.reduce((sum, value) => sum + value, 0))"
+    seek = "const s = document.querySelector('[data-part=time]'); s.dispatchEvent(new Event('input'));"
+    drawn = f"requestAnimationFrame(() => {{ {copied} {mean} }})"
+    return float(str(page.value(f"new Promise(done => {{ {seek} {drawn} }})")))
+
+
+def test_without_a_film_the_page_paints_the_face_that_the_film_of_the_robot_has(hurried: Performance, tmp_path: Path):
+    path = tmp_path / "plain.html"
+    write_page(hurried, report(hurried, source="x.bml"), path=path)
+    faces = ({}, {"26": 0.8}, {"12": 1.0, "6": 0.5, "61": 0.7}, {"L45": 1.0, "4": 1.0, "15": 0.6})
+    with opened(path.as_uri(), tmp_path / "profile") as page:
+        page.until("document.querySelector('#stage')?.hidden === false")
+        for units in faces:
+            painted = f"const {{ paper, pen }} = plainFace(); paintFace(pen, {json.dumps(units)});"
+            pixels = page.value(f"(() => {{ {painted} return [...pen.getImageData(0, 0, 320, 240).data]; }})()")
+            seen = np.array(pixels).reshape(240, 320, 4)[..., :3]
+            assert np.abs(seen - paint_face(units).astype(int)).mean() < 4.0

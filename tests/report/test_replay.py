@@ -58,7 +58,7 @@ def test_shapes_stand_where_the_skeleton_puts_them(hurried: Performance) -> None
     )
     assert len(data["servos"]) == len(skeleton.hinges)
     assert {"trunk", "limb", "l_hand", "r_hand"} == {segment["colour"] for segment in data["segments"]}
-    assert [detail["colour"] for detail in data["details"]][:4] == ["white", "pupil"] * 2
+    assert data["screen"]["segment"] == skeleton.segment(hurried.plan.setup.robot.sites["eyes"].segment)
     assert {detail["colour"] for detail in data["details"][4:]} <= {"trunk", "limb", "l_hand", "r_hand"}
 
 

@@ -1,14 +1,21 @@
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from kinesic.body.robot import Robot
+from kinesic.files.caption_band import caption_box
+from kinesic.files.film_reader import FilmReader
 from kinesic.sim import film as films
 from kinesic.sim import gl
 from kinesic.sim.film import FilmError, film, write_still
+from kinesic.sim.filming.drawn_face import paint_face
+from kinesic.sim.filming.face_screen import screen_of
+from kinesic.sim.filming.framing import motion_view, moving_balls, seen_at
+from kinesic.sim.scene_layout import view_of
 from kinesic.sim.scene_style import COLOURS
 
 ROBOT = Robot.load()
@@ -49,6 +56,72 @@ def test_a_film_has_the_motions_length_and_moves(tmp_path):
             pictures.append(np.array(seen.convert("RGB"), dtype=float))
             assert seen.info["duration"] == 125
     assert np.abs(pictures[-1] - pictures[0]).max() > 100
+
+
+def frames_of(path):
+    """The pictures of a film, and how long each is seen [ms]."""
+    with Image.open(path) as seen:
+        pictures, shown = [], []
+        for k in range(seen.n_frames):
+            seen.seek(k)
+            pictures.append(np.array(seen.convert("RGB"), dtype=float))
+            shown.append(seen.info["duration"])
+    return pictures, shown
+
+
+@draws
+def test_each_picture_shows_the_face_of_its_time_on_the_head(tmp_path):
+    """The head nods meanwhile; its screen grows brighter with time."""
+    times, path = np.linspace(0.0, 0.6, 61), tmp_path / "film.webp"
+    nodding = np.repeat(REST[None], len(times), axis=0)
+    nodding[:, ROBOT.skeleton.joint("skullbase_tilt")] += 0.1 * np.sin(8 * times)
+    asked = []
+
+    def face(k, time):
+        asked.append((k, time))
+        return np.full((240, 320, 3), 40 + 20 * k, dtype=np.uint8)
+
+    film(ROBOT, times, nodding, path, size=(320, 180), rate=15, faces=face)
+    assert [k for k, _ in asked] == list(range(10))
+    assert [time for _, time in asked] == pytest.approx([k / 15 for k in range(10)])
+    pictures, shown = frames_of(path)
+    assert sum(shown) == pytest.approx(1000 * 10 / 15, abs=1), "as long as the motion, and the last picture"
+    screen = seen_at(motion_view(ROBOT, nodding, aspect=16 / 9), screen_middle(REST), size=(320, 180))[:2]
+    column, row = np.round(screen).astype(int)
+    lights = [picture[row - 2 : row + 3, column - 2 : column + 3].mean() for picture in pictures]
+    assert np.diff(lights) == pytest.approx(np.full(9, np.mean(np.diff(lights))), abs=6)
+    assert lights[-1] - lights[0] > 120
+
+
+@draws
+def test_a_mouth_that_opens_is_seen_on_the_head(tmp_path):
+    times, path = np.array([0.0, 0.2]), tmp_path / "film.webp"
+    mouths = ({}, {"26": 0.9}, {})
+    film(ROBOT, times, np.stack([REST, REST]), path, size=(640, 360), rate=10, faces=lambda k, t: paint_face(mouths[k]))
+    (shut, opened, again), _ = frames_of(path)
+    moved = np.argwhere(np.abs(opened - shut).max(axis=2) > 40)
+    column, row = seen_at(motion_view(ROBOT, REST[None], aspect=16 / 9), screen_middle(REST), size=(640, 360))[:2]
+    assert len(moved) > 10
+    assert np.abs(moved - [row, column]).max() < 25, "and nowhere else"
+    assert np.abs(again - shut).mean() < 1.0
+
+
+@draws
+def test_words_are_in_the_film_while_they_are_said(tmp_path):
+    times, path = np.linspace(0.0, 1.0, 11), tmp_path / "film.webp"
+    film(ROBOT, times, np.stack([REST] * 11), path, size=(320, 180), rate=10, spoken=[(0.3, 0.6, "Hello")])
+    reader = FilmReader(path)
+    left, top, right, low = caption_box("Hello", (320, 180))
+    bands = np.stack([reader.at(0.1 * k + 0.05)[top:low, left:right].astype(float) for k in range(11)])
+    seen = (np.abs(bands - bands[0]).mean(axis=(1, 2, 3)) > 30).tolist()
+    assert seen == [3 <= k < 6 for k in range(11)]
+
+
+def screen_middle(posture):
+    """(3,) [m] the middle of the screen of the head, in the world."""
+    screen = screen_of(ROBOT)
+    frames, k = ROBOT.skeleton.frames(posture), ROBOT.skeleton.segment(screen.segment)
+    return frames.origins[k] + frames.rotations[k] @ screen.picture.places[0]
 
 
 @draws
@@ -116,3 +189,23 @@ def test_times_and_postures_must_agree(tmp_path):
         film(ROBOT, np.array([0.0, 1.0]), REST[None], tmp_path / "never.webp")
     with pytest.raises(ValueError, match="at least 1"):
         film(ROBOT, np.empty(0), np.empty((0, 22)), tmp_path / "never.webp")
+
+
+@draws
+def test_no_servo_comes_through_the_forearms_as_specks(tmp_path):
+    """The picture within the forearms, along nine tenths of them, is as light as they are painted."""
+    size, path = (1280, 720), tmp_path / "still.png"
+    bare = replace(ROBOT, path=tmp_path / "own.toml")  # no shell lies beside it
+    write_still(bare, REST, path, size=size)
+    with Image.open(path) as seen:
+        picture = np.asarray(seen.convert("L"), dtype=float)
+    for side in ("l", "r"):
+        forearm = ROBOT.skeleton.segments[ROBOT.arm(side).elbow].name
+        places, radii = moving_balls(ROBOT, REST[None], [forearm])
+        start, end = seen_at(view_of(ROBOT), places, size=size)[0, :2]
+        along = (end - start)[:2] / np.linalg.norm((end - start)[:2])
+        shares, across = np.linspace(0.1, 0.8, 60), np.linspace(-0.6, 0.6, 25) * start[2] * radii[0]
+        points = start[:2] + shares[:, None, None] * (end - start)[:2]
+        points = points + across[None, :, None] * np.array([-along[1], along[0]])
+        columns, rows = np.round(points).astype(int).reshape(-1, 2).T
+        assert picture[rows, columns].min() > 110

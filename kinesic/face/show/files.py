@@ -1,28 +1,24 @@
 """Pictures and short films of the face in files, and films of the body that are shown beside it."""
 
-import shutil
-import subprocess
-from collections.abc import Sequence
-from importlib import import_module
+from collections.abc import Iterable, Sequence
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
-from PIL import Image, UnidentifiedImageError
+from PIL import Image
 
 from kinesic.face.display import DisplayError
 from kinesic.face.render.portrait import Pixels
+from kinesic.files.film_file import MP4 as ENCODED
+from kinesic.files.film_file import NO_ENCODER, EncodingError, Mp4Film, WebpFilm, find_encoder
+from kinesic.files.film_file import WEBP as FILM
+from kinesic.files.film_reader import FilmReader
 
 STILLS = (".png", ".webp")
-FILM = ".webp"
-STRIP, ENCODED = ".png", ".mp4"
+STRIP = ".png"
 FILMS = (FILM, ENCODED, STRIP)
-QUALITY = 88
+QUALITY, METHOD = 88, 2  # of WebP
 STRIP_WIDTH = 2048  # pixels, about
-ENCODING = (  # what every player plays; it wants even sides
-    *("-c:v", "libx264", "-preset", "veryfast", "-crf", "20", "-pix_fmt", "yuv420p"),
-    *("-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2"),
-)
-NO_ENCODER = "no encoder for .mp4: pip install imageio-ffmpeg, or apt-get install ffmpeg; .webp needs none"
 
 
 def save(pixels: Pixels, path: Path) -> None:
@@ -39,7 +35,7 @@ def save(pixels: Pixels, path: Path) -> None:
 
 
 def save_film(
-    frames: Sequence[Pixels], path: Path, *, rate: float, once: bool = False, sound: Path | None = None
+    frames: Iterable[Pixels], path: Path, *, rate: float, once: bool = False, sound: Path | None = None
 ) -> None:
     """Writes a film by its ending: an animated WebP, an MP4, or as PNG all its pictures in rows.
 
@@ -54,13 +50,24 @@ def save_film(
         DisplayError: another ending, no encoder, or the file cannot be written.
     """
     check_film(path)
-    match path.suffix.lower():
-        case ".png":
-            save(film_strip(frames), path)
-        case ".mp4":
-            _encode(frames, path, rate, sound)
-        case _:
-            _animate(frames, path, rate, once=once)
+    if path.suffix.lower() == STRIP:
+        save(film_strip(list(frames)), path)
+        return
+    others = iter(frames)
+    first = next(others)
+    size = (first.shape[1], first.shape[0])
+    try:
+        with (
+            WebpFilm(path, size, quality=QUALITY, method=METHOD, in_parts=False, once=once)
+            if path.suffix.lower() == FILM
+            else Mp4Film(path, size, rate=rate, sound=sound)
+        ) as film:
+            for k, frame in enumerate(chain((first,), others)):
+                film.write(frame, None, round(1e3 * (k + 1) / rate) - round(1e3 * k / rate))
+    except EncodingError as error:
+        raise DisplayError(str(error)) from None
+    except OSError as error:
+        raise DisplayError(f"{path}: {error.strerror or error}") from None
 
 
 def film_strip(frames: Sequence[Pixels]) -> Pixels:
@@ -98,39 +105,15 @@ def check_film(path: Path) -> None:
 
 
 def encoder() -> str:
-    """Finds ffmpeg: that of the package imageio-ffmpeg, or the system's.
+    """Finds ffmpeg.
 
     Raises:
         DisplayError: there is none.
     """
-    try:
-        return str(import_module("imageio_ffmpeg").get_ffmpeg_exe())
-    except (ImportError, RuntimeError):
-        found = shutil.which("ffmpeg")
+    found = find_encoder()
     if found is None:
         raise DisplayError(NO_ENCODER)
     return found
-
-
-def _animate(frames: Sequence[Pixels], path: Path, rate: float, *, once: bool) -> None:
-    first, *others = (Image.fromarray(frame) for frame in frames)
-    durations = np.diff(np.round(1e3 * np.arange(len(frames) + 1) / rate)).astype(int).tolist()  # [ms]
-    loop = 1 if once else 0
-    try:
-        first.save(path, save_all=True, append_images=others, duration=durations, loop=loop, quality=QUALITY, method=2)
-    except OSError as error:
-        raise DisplayError(f"{path}: {error.strerror or error}") from None
-
-
-def _encode(frames: Sequence[Pixels], path: Path, rate: float, sound: Path | None) -> None:
-    height, width, _ = frames[0].shape
-    pictures = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", f"{rate:g}", "-i", "-"]
-    heard = ["-i", str(sound), "-c:a", "aac"] if sound else []
-    words = [encoder(), "-y", "-loglevel", "error", *pictures, *heard, *ENCODING, str(path)]
-    ended = subprocess.run(words, input=b"".join(frame.tobytes() for frame in frames), capture_output=True, check=False)
-    if ended.returncode:
-        last = (ended.stderr.decode(errors="replace").strip().splitlines() or ["ffmpeg failed"])[-1]
-        raise DisplayError(f"{path}: {last}")
 
 
 class SideFilm:
@@ -147,20 +130,12 @@ class SideFilm:
             DisplayError: it cannot be read.
         """
         try:
-            self._film = Image.open(path)
-            self._film.load()
-        except (OSError, UnidentifiedImageError) as error:
+            self._film = FilmReader(path)
+        except OSError as error:
             raise DisplayError(f"{path}: no film: {error}") from None
-        self._size = (round(self._film.width * height / self._film.height), height)
-        self._last = getattr(self._film, "n_frames", 1) - 1
+        width, tall = self._film.size
+        self._size = (round(width * height / tall), height)
 
     def at(self, time: float) -> Pixels:
         """(height, width, 3) the picture of a time [s]; times never decrease."""
-        while self._film.tell() < self._last and self._ends() <= time:
-            self._film.seek(self._film.tell() + 1)
-            self._film.load()
-        return np.asarray(self._film.convert("RGB").resize(self._size))
-
-    def _ends(self) -> float:
-        """[s] when the next picture takes the place of this one."""
-        return float(self._film.info["timestamp"] + self._film.info["duration"]) / 1000.0
+        return np.asarray(Image.fromarray(self._film.at(time)).resize(self._size))

@@ -17,7 +17,7 @@ from kinesic.face.render.portrait import Pixels, Portrait
 from kinesic.face.render.presets import NORMAL, Preset
 from kinesic.face.show.files import check_film, save_film
 
-MOST_PICTURES = 1200  # they are held in memory until the file is written
+MOST_PICTURES = 3600  # of one film
 HALF = 1e-6  # [s] that a command may be early
 
 
@@ -27,7 +27,7 @@ class PortraitSettings:
 
     variant: Variant = "female"  # of the head
     preset: Preset = NORMAL  # how much is drawn
-    side: int = 384  # [pixels]
+    size: tuple[int, int] = (384, 384)  # width and height [pixels]
     camera: Camera = CLOSE
     gain: float = 1.0  # of the wrinkles
 
@@ -80,13 +80,13 @@ class FaceRecording:
         if self._rows:
             step = -(-len(self._rows) // MOST_PICTURES)
             rows, self._rows = self._rows[::step], []
-            save_film(list(self._drawn(rows)), self._path, rate=self._rate / step, sound=self._sound)
+            save_film(self._drawn(rows), self._path, rate=self._rate / step, sound=self._sound)
 
     def _drawn(self, rows: list[tuple[float, Mapping[str, float], Floats]]) -> Iterator[Pixels]:
         angles = np.array([angles for _, _, angles in rows])
         stands = np.zeros((len(rows), 3)) if self._robot is None else turns(self._robot, angles)
-        look, size = self._look, (self._look.side, self._look.side)
-        with Portrait(look.variant, preset=look.preset, size=size) as portrait:
+        look = self._look
+        with Portrait(look.variant, preset=look.preset, size=look.size) as portrait:
             for k, ((_, units, _), (left, up, over)) in enumerate(zip(rows, stands.tolist(), strict=True)):
                 yield portrait.draw(units, replace(look.camera, turn=(left, up, over)), gain=look.gain)
                 self._progress((k + 1) / len(rows))

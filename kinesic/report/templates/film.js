@@ -1,6 +1,6 @@
 // A film in step with the replay: an animated WebP is taken apart, so that any moment of it can be shown.
 // The container is that of RFC 9649: a RIFF file whose ANMF chunks each hold one picture, or what of it has changed.
-const filmOf = (canvas, bytes) => {
+const filmOf = (canvas, bytes, shows = () => {}) => {
   const view = new DataView(bytes.buffer);
   const number = (at) => bytes[at] | (bytes[at + 1] << 8) | (bytes[at + 2] << 16);
   const tag = (at) => String.fromCharCode(...bytes.subarray(at, at + 4));
@@ -63,6 +63,7 @@ const filmOf = (canvas, bytes) => {
       pen.drawImage(picture, frames[next].left, frames[next].top);
       picture.close();
       shown = next;
+      if (shown === wanted) shows();
     }
     busy = false;
   };

@@ -23,9 +23,18 @@
     gaze: new Int16Array(bytesOf(data.features.gaze).buffer),
   };
   const filmed = document.querySelector("img.filmed"); // null: there is no film of the face
-  const showFace = filmed ? filmOf(part("face"), bytesOf(filmed.src.split(",")[1])) : () => {};
+  const painted = plainFace(); // what its screen shows without such a film
+  const face = filmed ? part("face") : painted.paper;
+  const showFace = filmed
+    ? filmOf(face, bytesOf(filmed.src.split(",")[1]), () => redraw())
+    : (time) => paintFace(painted.pen, unitsAt(time));
   const voice = document.querySelector("audio"); // null: nothing is heard
 
+  const intensities = bytesOf(data.face.rows);
+  const unitsAt = (time) => {
+    const row = rowAt(data, intensities, 1 / 255, time);
+    return Object.fromEntries(data.face.units.map((unit, k) => [unit, row[k]]));
+  };
   const mixed = (rows, unit, time) => rowAt(data, rows, unit, time);
 
   const home = () => ({
@@ -62,7 +71,7 @@
     };
     const wished = motions[who] && mixed(motions[who], data.step, time);
     const ghost = when && !strays(twin.angles, wished) ? undefined : wished;
-    const places = scene.draw({ look, twin, ghost, beside, ink });
+    const places = scene.draw({ look, twin, ghost, beside, ink, face });
     [
       [part("twin"), "twin"],
       [part("other"), who],

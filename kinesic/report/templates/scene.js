@@ -69,6 +69,7 @@ const sceneOf = (canvas, data) => {
       colour: detail.colour,
       mesh: capsule(detail.capsule),
     })),
+    ...(data.screen ? [{ segment: data.screen.segment, hinges: [], colour: "frame", mesh: cornersOf(data.screen.frame) }] : []),
   ];
 
   const COLOURS = {
@@ -79,6 +80,7 @@ const sceneOf = (canvas, data) => {
     white: [1, 1, 1],
     pupil: [0.06, 0.07, 0.1],
     servo: [0.17, 0.18, 0.21],
+    frame: [0.09, 0.1, 0.12],
     hot: [0.91, 0.16, 0.12],
     lit: [1, 0.72, 0.1],
   };
@@ -130,16 +132,18 @@ const sceneOf = (canvas, data) => {
     }
     gl.bindAttribLocation(made, 0, "place");
     gl.bindAttribLocation(made, 1, "normal");
+    gl.bindAttribLocation(made, 2, "share");
     gl.linkProgram(made);
     const known = {};
     return { made, at: (name) => (known[name] ??= gl.getUniformLocation(made, name)) };
   };
 
-  let solid, ground, skin;
+  let solid, ground, skin, screen;
   const prepare = () => {
     solid = program(SOLID);
     ground = program(FLOOR);
     skin = data.skin && skinOf(gl, data.skin, program, data.features?.shapes);
+    screen = data.screen && screenOf(gl, data.screen, program);
     const vertices = [-1, -1, 0, 0, 0, 1, 1, -1, 0, 0, 0, 1, -1, 1, 0, 0, 0, 1, 1, 1, 0, 0, 0, 1];
     const corners = [];
     const begins = new Map(); // mesh -> its first vertex; two shapes may share one
@@ -211,7 +215,7 @@ const sceneOf = (canvas, data) => {
     return camera(look, MIDDLE, data.view.height * Math.max(1, (across * canvas.height) / canvas.width));
   };
 
-  const draw = ({ look, twin, ghost, beside, ink, lit }) => {
+  const draw = ({ look, twin, ghost, beside, ink, lit, face }) => {
     const scale = Math.min(window.devicePixelRatio || 1, 2);
     const width = Math.round(canvas.clientWidth * scale);
     const height = Math.round(canvas.clientHeight * scale);
@@ -254,6 +258,8 @@ const sceneOf = (canvas, data) => {
     cast([solidBody, ghostBody].filter(Boolean));
     gl.depthMask(true);
     body(solidBody);
+    screen?.(solidBody.frames[data.screen.segment], view, face);
+    gl.useProgram(solid.made);
     if (ghostBody) {
       gl.colorMask(false, false, false, false);
       body(ghostBody);

@@ -6,7 +6,7 @@ import { fileURLToPath } from "node:url";
 import { build } from "esbuild";
 
 const HERE = dirname(fileURLToPath(import.meta.url));
-const SHARED = ["shapes.js", "motion.js", "skin.js", "scene.js"].map((name) =>
+const SHARED = ["shapes.js", "motion.js", "skin.js", "screen.js", "scene.js"].map((name) =>
   join(HERE, "../../report/templates", name),
 );
 const sources = readdirSync(join(HERE, "src"))

@@ -63,9 +63,9 @@ def test_films_stand_side_by_side_with_block_zero_at_the_same_time(tmp_path, mon
     assert pictures.shape[1:3] == (12, 16 + 16), "the wider film shows its middle"
     left, right = pictures[:, :, :16].max(axis=(1, 2, 3)) > 99, pictures[:, :, 16:].max(axis=(1, 2, 3)) > 99
     assert (left == right).all()
-    assert not left[11]
-    assert left[12:].all()
-    assert len(pictures) == 31  # the second has waited a quarter of a second, so that it ends at 1.25 s
+    assert not left[14]
+    assert left[15:].all()
+    assert len(pictures) == 38  # the second has waited a quarter of a second, so that it ends at 1.25 s
 
 
 def test_the_film_of_all_is_never_written_through_a_link(kinesic_in, tmp_path):

@@ -10,9 +10,9 @@ from kinesic.body.action_units import UNITS
 from kinesic.face.display import DisplayError
 from kinesic.face.render.portrait import Portrait
 from kinesic.face.render.presets import DRAFT
-from kinesic.face.show import files
 from kinesic.face.show.files import encoder, film_strip, save, save_film
 from kinesic.face.show.sheet import ACROSS, GAP, KINDS, LABEL, draw_units_sheet
+from kinesic.files import film_file
 
 PIXELS = np.zeros((8, 8, 3), dtype=np.uint8)
 
@@ -80,7 +80,7 @@ def test_an_encoder_makes_mp4(tmp_path: Path):
 
 def test_without_an_encoder_the_packages_are_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
-    monkeypatch.setattr(files.shutil, "which", lambda name: None)
+    monkeypatch.setattr(film_file.shutil, "which", lambda name: None)
     with pytest.raises(DisplayError, match="pip install imageio-ffmpeg") as caught:
         save_film([PIXELS], tmp_path / "x.mp4", rate=24.0)
     assert "\n" not in str(caught.value)

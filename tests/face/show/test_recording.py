@@ -13,7 +13,7 @@ from kinesic.face.show import recording
 from kinesic.face.show.recording import FaceRecording, PortraitSettings
 
 NONE = np.zeros(0)
-LOOK = PortraitSettings(preset=DRAFT, side=32)
+LOOK = PortraitSettings(preset=DRAFT, size=(32, 32))
 
 
 def opening(seconds: float, angles: np.ndarray = NONE) -> list[Command]:
@@ -44,7 +44,9 @@ def test_the_head_turns_with_the_robot(drawable: None, tmp_path: Path):
 
 def test_a_long_performance_has_fewer_pictures(drawable: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(recording, "MOST_PICTURES", 10)
-    play(opening(1.0), FaceRecording(tmp_path / "x.webp", rate=20.0, look=PortraitSettings(preset=DRAFT, side=16)))
+    play(
+        opening(1.0), FaceRecording(tmp_path / "x.webp", rate=20.0, look=PortraitSettings(preset=DRAFT, size=(16, 16)))
+    )
     with Image.open(tmp_path / "x.webp") as film:
         assert film.n_frames == 7
         film.load()

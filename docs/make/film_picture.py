@@ -1,0 +1,38 @@
+"""Draws docs/film.png: two moments of the film of welcome.bml, and two of one without the extra `face`."""
+
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from PIL import Image
+
+from kinesic import Performer
+from kinesic.body.config import CONFIGS
+from kinesic.files.film_reader import FilmReader
+from kinesic.files.film_settings import FilmSettings
+from kinesic.report.films import TwinFilm, draw_films, film_processes
+from kinesic.report.output import face_film
+
+DOCS = Path(__file__).resolve().parents[1]
+MOMENTS = (2.6, 9.2)  # [s]
+SIZE = (640, 360)  # [pixels] of each
+FEW = FilmSettings(rate=10.0)
+
+if __name__ == "__main__":
+    performer = Performer("upper22", voice="auto")
+    run = performer.perform(performer.plan(CONFIGS / "bml" / "welcome.bml", source="welcome.bml"))
+    rows = []
+    with TemporaryDirectory() as folder, film_processes() as processes:
+        film, painted, face = (Path(folder) / f"{name}.webp" for name in ("film", "painted", "face"))
+        job = replace(TwinFilm.of(run.plan, run.measured.times, run.measured.angles, FEW), after=face)
+        rendered = face_film(run.plan)
+        assert rendered is not None
+        draw_films({film: job, face: rendered}, processes)
+        assert not replace(job, after=None).draw(painted, lambda share: None)
+        for path in (film, painted):
+            reader = FilmReader(path)
+            shown = [Image.fromarray(reader.at(time)).resize(SIZE, Image.Resampling.LANCZOS) for time in MOMENTS]
+            rows.append(np.concatenate([np.asarray(picture) for picture in shown], axis=1))
+    whole = Image.fromarray(np.concatenate(rows)).quantize(256, dither=Image.Dither.FLOYDSTEINBERG)
+    whole.save(DOCS / "film.png", optimize=True)

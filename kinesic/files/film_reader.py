@@ -1,0 +1,43 @@
+"""Reads an animated picture as time goes on; only one of its pictures is in memory."""
+
+from pathlib import Path
+
+import numpy as np
+from PIL import Image, UnidentifiedImageError
+
+from kinesic.files.film_file import Picture
+
+
+class FilmReader:
+    """A film whose pictures are asked for one after another."""
+
+    def __init__(self, path: Path) -> None:
+        """Opens a film.
+
+        Args:
+            path: of an animated WebP.
+
+        Raises:
+            OSError: it cannot be read, or is no film.
+        """
+        try:
+            self._film = Image.open(path)
+            self._film.load()
+        except UnidentifiedImageError as error:
+            raise OSError(str(error)) from None
+        self.size: tuple[int, int] = (self._film.width, self._film.height)
+        self._last = getattr(self._film, "n_frames", 1) - 1
+        self._seen: tuple[int, Picture] | None = None
+
+    def at(self, time: float) -> Picture:
+        """(height, width, 3) the picture of a time [s]; times never decrease."""
+        while self._film.tell() < self._last and self._ends() <= time:
+            self._film.seek(self._film.tell() + 1)
+            self._film.load()
+        if self._seen is None or self._seen[0] != self._film.tell():
+            self._seen = (self._film.tell(), np.asarray(self._film.convert("RGB")))
+        return self._seen[1]
+
+    def _ends(self) -> float:
+        """[s] when the next picture takes the place of this one."""
+        return float(self._film.info["timestamp"] + self._film.info["duration"]) / 1000.0

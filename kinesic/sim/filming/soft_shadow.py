@@ -1,0 +1,66 @@
+"""The soft shadow of a robot on the floor: the shadows of its capsules, blurred."""
+
+import numpy as np
+from PIL import Image, ImageChops, ImageDraw, ImageFilter
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.files.film_file import Box, Picture
+from kinesic.sim.filming.framing import seen_at
+from kinesic.sim.scene_layout import SUN, View
+
+COARSE = 4  # pixels of the picture along a side of one of the shadow
+BLUR = 0.012  # of the shadow, in heights of the picture
+DARK = 0.42  # share of the light that the shadow takes
+ROUND = 16  # corners of the shadow of a ball
+
+
+def shadow_outlines(places: Floats, radii: Floats, view: View, *, size: tuple[int, int]) -> Floats:
+    """Outlines of the shadows of capsules on the floor.
+
+    Args:
+        places: (m, 2 k, 3) [m] ends of k capsules in m postures, those of one after another.
+        radii: (2 k,) [m].
+        view: with the floor.
+        size: of the picture.
+
+    Returns:
+        (m, k, corners, 2) pixels to the right and down.
+    """
+    sun = np.array(SUN)
+    fallen = places + ((view.floor - places[..., 2:]) / sun[2]) * sun
+    start, end, radius = fallen[:, 0::2], fallen[:, 1::2], radii[0::2, None, None]
+    along = sun[:2] / np.linalg.norm(sun[:2])
+    stretch = np.linalg.norm(sun) / -sun[2]
+    turns = 2 * np.pi * np.arange(ROUND) / ROUND
+    ahead, aside = np.cos(turns)[:, None], np.sin(turns)[:, None]
+    across = np.array([-along[1], along[0]])
+    ring = np.zeros((ROUND, 3))
+    ring[:, :2] = stretch * ahead * along + aside * across
+    outward = (ahead * along + stretch * aside * across) / stretch
+    far = np.einsum("mkd,cd->mkc", (end - start)[..., :2], outward) > 0
+    corners = np.where(far[..., None], end[:, :, None, :], start[:, :, None, :]) + radius * ring
+    return sealed(seen_at(view, corners, size=size)[..., :2])
+
+
+def shade(picture: Picture, floor: Picture, box: Box, outlines: Floats, *, size: tuple[int, int]) -> Picture:
+    """Darkens the floor where the shadow is.
+
+    Args:
+        picture: (h, w, 3) the part of a picture in a box of it.
+        floor: (h, w) 0..255, how much of each pixel is floor.
+        box: that the part fills.
+        outlines: (k, corners, 2) of one posture.
+        size: of the whole picture.
+    """
+    width, height = (-(-side // COARSE) for side in size)
+    coarse = Image.new("L", (width, height))
+    pen = ImageDraw.Draw(coarse)
+    for outline in outlines / COARSE:
+        pen.polygon([(x, y) for x, y in outline.tolist()], fill=255)
+    soft = coarse.filter(ImageFilter.GaussianBlur(BLUR * height))
+    left, top, right, low = box
+    within = (left / COARSE, top / COARSE, right / COARSE, low / COARSE)
+    part = soft.resize((right - left, low - top), Image.Resampling.BILINEAR, box=within)
+    fallen = ImageChops.multiply(part.point(lambda share: round(DARK * share)), Image.fromarray(floor))
+    light = ImageChops.invert(fallen)
+    return np.asarray(ImageChops.multiply(Image.fromarray(picture), Image.merge("RGB", (light, light, light))))

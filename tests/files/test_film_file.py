@@ -1,0 +1,139 @@
+"""Films are written picture by picture, and shown as they were written."""
+
+import stat
+import sys
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from kinesic.files import film_file
+from kinesic.files.film_file import EncodingError, Mp4Film, Picture, WebpFilm, durations, open_film
+from kinesic.files.film_reader import FilmReader
+
+SIZE = (64, 48)
+ENCODER = """#!{python}
+import sys
+import threading
+from pathlib import Path
+pictures = sys.stdin.buffer.read()
+if b"fail" in pictures:
+    sys.exit("first line\\nno such codec")
+Path(sys.argv[-1]).write_text(repr((len(pictures), sys.argv[1:])))
+"""
+
+
+def moving(count: int) -> list[Picture]:
+    """A light square that moves over a dark ground."""
+    pictures = [np.full((48, 64, 3), 40, dtype=np.uint8) for _ in range(count)]
+    for k, picture in enumerate(pictures):
+        picture[10:26, 3 * k : 3 * k + 16] = 220
+    return pictures
+
+
+def written(pictures: list[Picture], path: Path, *, rate: float = 30.0) -> list[Picture]:
+    """Writes pictures, and reads those that are in the file, with the time of each checked."""
+    with WebpFilm(path, SIZE) as film:
+        for picture, shown in zip(pictures, durations(len(pictures), rate), strict=True):
+            film.write(picture, None, shown)
+    with Image.open(path) as seen:
+        found = []
+        for k in range(getattr(seen, "n_frames", 1)):
+            seen.seek(k)
+            found.append(np.asarray(seen.convert("RGB")))
+        return found
+
+
+def test_every_picture_comes_back_though_each_holds_what_has_changed_alone(tmp_path: Path):
+    pictures = moving(12)
+    found = written(pictures, tmp_path / "x.webp")
+    assert len(found) == 12
+    for asked, seen in zip(pictures, found, strict=True):
+        assert seen.shape == asked.shape
+        assert np.abs(seen.astype(int) - asked).mean() < 3.0
+    whole = (tmp_path / "x.webp").stat().st_size
+    with WebpFilm(tmp_path / "still.webp", SIZE) as film:
+        film.write(pictures[0], None, 33)
+    assert whole < 12 * (tmp_path / "still.webp").stat().st_size
+
+
+def test_equal_pictures_become_one_and_their_times_add_up(tmp_path: Path):
+    one, other = moving(2)
+    assert len(written([one, one, one, other, other], tmp_path / "x.webp", rate=30.0)) == 2
+    film = FilmReader(tmp_path / "x.webp")
+    assert np.abs(film.at(0.099).astype(int) - one).mean() < 3.0
+    assert np.abs(film.at(0.101).astype(int) - other).mean() < 3.0
+    assert film.at(9.0) is film.at(9.1), "a picture is read once"
+
+
+@pytest.mark.parametrize("rate", [30.0, 24.0, 7.3])
+def test_durations_are_whole_and_add_up_to_the_whole(rate: float):
+    assert abs(sum(durations(100, rate)) - 1000 * 100 / rate) <= 0.5
+    assert max(durations(100, rate)) - min(durations(100, rate)) <= 1
+
+
+def test_no_more_than_a_few_pictures_wait_for_the_threads_that_encode(tmp_path: Path):
+    with WebpFilm(tmp_path / "x.webp", SIZE) as film:
+        for picture in moving(16) * 4:
+            film.write(picture, None, 33)
+            assert len(film._waiting) <= film_file.WAITING
+    with Image.open(tmp_path / "x.webp") as seen:
+        assert seen.n_frames == 64
+
+
+def test_an_error_leaves_no_thread_waiting(tmp_path: Path):
+    before = threading.active_count()
+
+    def stop() -> None:
+        with WebpFilm(tmp_path / "x.webp", SIZE) as film:
+            for picture in moving(3):
+                film.write(picture, None, 33)
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        stop()
+    assert threading.active_count() == before
+
+
+@pytest.fixture
+def encoder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A program in the place of ffmpeg, on the path, that says what it was given."""
+    program = tmp_path / "ffmpeg"
+    program.write_text(ENCODER.format(python=sys.executable))
+    program.chmod(program.stat().st_mode | stat.S_IXUSR)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+
+
+@pytest.mark.usefixtures("encoder")
+def test_mp4_gets_every_whole_picture_at_its_rate_and_the_sound(tmp_path: Path):
+    path = tmp_path / "x.mp4"
+    with open_film(path, SIZE, rate=30.0, sound=tmp_path / "voice.wav") as film:
+        for picture in moving(5):
+            film.write(picture, (0, 0, 2, 2), 33)
+    size, words = eval(path.read_text())
+    assert size == 5 * 64 * 48 * 3
+    assert words[words.index("-s") + 1] == "64x48"
+    assert words[words.index("-r") + 1] == "30"
+    assert words.count("-i") == 2
+    assert str(tmp_path / "voice.wav") in words
+    assert "libx264" in words
+
+
+@pytest.mark.usefixtures("encoder")
+def test_an_encoder_that_fails_is_quoted(tmp_path: Path):
+    spoilt = np.frombuffer(b"fail" * (64 * 48 * 3 // 4), dtype=np.uint8).reshape(48, 64, 3)
+    with (
+        pytest.raises(EncodingError, match=r"x\.mp4: no such codec$"),
+        Mp4Film(tmp_path / "x.mp4", SIZE, rate=30.0) as film,
+    ):
+        film.write(spoilt, None, 33)
+
+
+def test_without_an_encoder_the_packages_are_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    with pytest.raises(EncodingError, match="apt-get install ffmpeg"):
+        open_film(tmp_path / "x.mp4", SIZE, rate=30.0)
