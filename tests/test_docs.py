@@ -117,6 +117,18 @@ def test_the_gesture_page_describes_every_shape():
     assert all(f"| `{name}` | {shape.says} |" in page for name, shape in hand_shapes().items())
 
 
+def test_the_page_of_hands_judges_every_gesture_that_needs_fingers():
+    page = (ROOT / "docs" / "hands.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `(\w+)` \| (.*) \| (readable|partly|no) \| (readable|partly|no) \|$", page, re.MULTILINE)
+    simple = {"relaxed", "open", "flat", "curved", "spread", "fist", "grip", "claw"}
+    forms = [form for form in Lexicon.load().forms if set(form.shapes) - simple or form.fingers]
+    assert [id for id, *_ in rows] == sorted(form.id for form in forms)
+    assert f"All {len(rows)} gestures" in page
+    for column, body in enumerate(("mittens, upper22", "fingers, upper36"), 2):
+        counts = [sum(row[column] == word for row in rows) for word in ("readable", "partly", "no")]
+        assert f"| {body} | {' | '.join(map(str, counts))} |" in page
+
+
 def test_the_report_page_names_every_check():
     page = (ROOT / "docs" / "report.md").read_text(encoding="utf-8")
     named = set(re.findall(r"`(\w+\.\w+)`", page[page.index("| check |") :]))

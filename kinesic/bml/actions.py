@@ -16,6 +16,7 @@ class Gesture:
     lexeme: str
     mode: Mode = "unspecified"
     target: str | None = None
+    shape: str = ""  # how the hands are held, in place of the gesture's own shapes
 
 
 @dataclass(frozen=True)
@@ -24,6 +25,7 @@ class Pointing:
 
     target: str
     mode: Mode = "unspecified"
+    shape: str = ""  # how the hand is held, in place of the stretched forefinger
 
 
 @dataclass(frozen=True)

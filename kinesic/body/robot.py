@@ -1,11 +1,13 @@
 """The robot: the one description from which IK chains, the MuJoCo model, limits and the servo map are made."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
 from itertools import combinations
 from pathlib import Path
 from typing import Literal
+
+import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.chain import Chain, idealise
@@ -13,6 +15,7 @@ from kinesic.body.config import locate
 from kinesic.body.description import Description, Site
 from kinesic.body.robot_file import read_description
 from kinesic.body.servo import Drives
+from kinesic.body.skeleton import Coupling, Frames, Hinge
 
 Side = Literal["l", "r"]
 SIDES: tuple[Side, Side] = ("l", "r")
@@ -21,6 +24,15 @@ SIDE_NAMES: Mapping[Side, str] = {"l": "left", "r": "right"}
 PartName = Literal["torso", "head", "l_hand", "r_hand"]  # what a behaviour moves
 CHAINS: Mapping[PartName, str] = {"torso": "torso", "l_hand": "l_arm", "r_hand": "r_arm", "head": "neck"}
 LIFTING = "sternoclavicular_abduct"  # how the name of a hinge ends that raises a shoulder
+
+
+@dataclass(frozen=True, eq=False)
+class FingerTip:
+    """The ball at the end of a finger."""
+
+    segment: int  # index of the finger's last segment
+    place: Floats  # (3,) [m] of its centre, in the segment
+    radius: float  # [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,6 +133,39 @@ class Robot(Description):
     def fingers(self, side: Side) -> tuple[str, ...]:
         """Lists the segments of a hand's fingers; none of a hand without."""
         return self.chains.get(f"{side}_fingers", ())
+
+    @cached_property
+    def finger_segments(self) -> frozenset[int]:
+        """Indices of the segments of both hands' fingers."""
+        return frozenset(self.skeleton.segment(name) for side in SIDES for name in self.fingers(side))
+
+    def body_frames(self, angles: Floats) -> Frames:
+        """Solves the forward kinematics (..., n) [rad] of all segments but the fingers, whose frames are anything."""
+        return self.skeleton.frames(angles, without=self.finger_segments)
+
+    def finger_tips(self, side: Side) -> Mapping[str, FingerTip]:
+        """Finds the tips of a hand's fingers by their names, which are those in the names of their turns."""
+        return self._finger_tips[side]
+
+    @cached_property
+    def _finger_tips(self) -> Mapping[Side, Mapping[str, FingerTip]]:
+        return {side: dict(self._tips(side)) for side in SIDES}
+
+    def _tips(self, side: Side) -> Iterator[tuple[str, FingerTip]]:
+        fingers = self.fingers(side)
+        turns: tuple[Hinge | Coupling, ...] = (*self.skeleton.hinges, *self.skeleton.couplings)
+        turned = sorted(
+            (self.skeleton.segment(turn.segment), turn.name.split("_")[1]) for turn in turns if turn.segment in fingers
+        )
+        for segment, finger in turned:  # of the segments of one finger the last wins
+            ends = [
+                (end, capsule.radius)
+                for capsule in self.skeleton.segments[segment].capsules
+                for end in (capsule.start, capsule.end)
+            ]
+            if ends:
+                place, radius = max(ends, key=lambda end: float(np.linalg.norm(end[0])))
+                yield finger, FingerTip(segment, place, radius)
 
     @cached_property
     def arm_length(self) -> float:

@@ -14,6 +14,8 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.rotation import about
 
+NONE: frozenset[int] = frozenset()
+
 
 @dataclass(frozen=True, eq=False)
 class Capsule:
@@ -172,11 +174,12 @@ class Skeleton:
         drivers, ratios, offsets = self._coupled
         return np.concatenate([angles, offsets + ratios * np.asarray(angles)[..., drivers]], axis=-1)
 
-    def frames(self, angles: Floats) -> Frames:
+    def frames(self, angles: Floats, *, without: frozenset[int] = NONE) -> Frames:
         """Solves the forward kinematics.
 
         Args:
             angles: (..., n) [rad] in joint order, one posture or any shape of them.
+            without: segments that nobody asks for, with all that hang on them; their frames are anything.
 
         Returns:
             Rotation and origin of each segment in the world, with the leading shape of `angles`.
@@ -185,6 +188,8 @@ class Skeleton:
         rotations, origins = np.empty((*shape, 3, 3)), np.empty((*shape, 3))
         turns = about(self.axes, np.asarray(self.turns(angles)))
         for k, (parent, origin, hinges) in enumerate(self.steps):
+            if k in without:
+                continue
             if parent < 0:
                 rotation = np.broadcast_to(np.eye(3), (*shape[:-1], 3, 3))
                 origins[..., k, :] = origin

@@ -108,9 +108,9 @@ def _write_looks(found: Mapped, target: Path, *, force: bool) -> None:
             write_shell(shell, fresh)
         click.echo(f"shell: {path}")
     for why in found.figure.tree.left_out[:SHOWN]:
-        click.echo(f"not drawn: {quote_text(why)}")
+        click.echo(f"left out: {quote_text(why)}")
     if (more := len(found.figure.tree.left_out) - SHOWN) > 0:
-        click.echo(f"not drawn: {more} more")
+        click.echo(f"left out: {more} more")
 
 
 def _mapping(found: Mapped) -> Table:

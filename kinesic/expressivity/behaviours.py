@@ -25,6 +25,7 @@ from kinesic.expressivity.hands.poses import REST, Poses, pointing_poses, poses
 from kinesic.expressivity.hands.strokes import Stroke
 from kinesic.expressivity.head import head_form, head_layer
 from kinesic.expressivity.keyframes import Outcome
+from kinesic.expressivity.lexicon.asked_shape import unknown_shape, with_shape
 from kinesic.expressivity.lexicon.body_form import NO_BODY, BodyForm
 from kinesic.expressivity.lexicon.form import GestureForm, Match
 from kinesic.expressivity.lexicon.lexicon import mirror_form
@@ -32,6 +33,7 @@ from kinesic.expressivity.lexicon.names import shorten_name
 from kinesic.expressivity.turns import UPRIGHT, Layer, exclusive, pass_layer
 
 REALISED = Outcome("realised")
+POINTED = "index"  # shape of a hand that points
 DEICTIC = "deictic"  # category of gestures that point
 WIDEST = 0.5  # more of the body's part at a spatial extent of 1, and less at -1
 HEAD_KNOWN = "nod, shake, up, down, left, right, aside, tilt, forward, back and their synonyms are known"
@@ -74,13 +76,15 @@ def gesture_move(timed: TimedBehaviour, action: Gesture, context: BlockContext) 
         near = ", ".join(context.lexicon.near(action.lexeme))
         hint = f"near to it: {near}, which may mean something else" if near else "`kinesic gestures list` shows all"
         return drop_behaviour(f"the lexicon has no gesture for {shorten_name(action.lexeme)}; {hint}")
+    match = replace(match, form=with_shape(match.form, action.shape))
+    asked = (*match.form.shapes, *((action.shape,) if unknown_shape(action.shape) else ()))
     match = _for_hands(match, action, context)
     form = match.form
     if not form.keys and not form.rest:
         return drop_behaviour(f"gesture {form.id} has no stroke")
     unmet = _unmet(action, form, context)
     if action.target is not None and not unmet:
-        return pointing_move(timed, Pointing(action.target, action.mode), context)
+        return pointing_move(timed, Pointing(action.target, action.mode, action.shape), context)
     manner = context.manner(timed.behaviour)
     form = replace(form, body=_weigh_body(form.body, timed, context))
     options = [form]
@@ -91,12 +95,12 @@ def gesture_move(timed: TimedBehaviour, action: Gesture, context: BlockContext) 
             options = deviation.order_hands(options)
     works = tuple(poses(option, context.robot, manner) if option.keys else hanging_arms(SIDES) for option in options)
     works = tuple(work.with_effort(context.styles[timed.behaviour.id].effort) for work in works)
-    outcome, warnings = _match_outcome(match, context.robot)
+    outcome, warnings = _match_outcome(match, action.shape, context.robot)
     halves = action.mode == "unspecified"
     series = COUNTING if halves and form.id.startswith(f"{COUNTING}_") else ""
     importance = 2 if timed.behaviour.required else 0 if form.category == "beat" else 1
     stroke = Stroke(timed.behaviour.id, timed.times, works, form.rest, manner, halves, importance, series)
-    return Move(outcome, strokes=(stroke,), warnings=(*warnings, *unmet), shapes=form.shapes)
+    return Move(outcome, strokes=(stroke,), warnings=(*warnings, *unmet), shapes=asked)
 
 
 def _for_hands(match: Match, action: Gesture, context: BlockContext) -> Match:
@@ -108,17 +112,25 @@ def _for_hands(match: Match, action: Gesture, context: BlockContext) -> Match:
     return match if other is None else replace(other, substitute=f"{form.id} needs fingers; {other.form.id} is done")
 
 
-def _match_outcome(match: Match, robot: Robot) -> tuple[Outcome, tuple[BehaviourWarning, ...]]:
-    """Says how much of what a lexeme means is performed: not the hand shapes for which the robot lacks fingers."""
+def _match_outcome(match: Match, shape: str, robot: Robot) -> tuple[Outcome, tuple[BehaviourWarning, ...]]:
+    """Says how much of what is asked for is performed: not the hand shapes for which the robot lacks fingers."""
     named = f"a synonym of {match.form.id}" if match.kind == "synonym" and not match.substitute else ""
-    shapes = [f'"{shape}"' for shape in lacking_shapes(match.form.shapes, robot)]
-    lacking = f"hand shape{'s' * (len(shapes) > 1)} {' and '.join(shapes)} need{'s' * (len(shapes) == 1)} fingers"
-    why = "; ".join(filter(None, (match.substitute, lacking * bool(shapes), named)))
+    lacking, unknown = _lacking_fingers(match.form.shapes, robot), unknown_shape(shape)
+    why = "; ".join(filter(None, (match.substitute, lacking, unknown, named)))
     if match.substitute:
         return substitution_outcome(why)
-    if shapes:
-        return Outcome("partly", why), (BehaviourWarning(NoticeType.CANNOT_CREATE_BEHAVIOR, f"partly: {why}"),)
-    return Outcome("realised", why), ()
+    return _partly(why) if lacking or unknown else (Outcome("realised", why), ())
+
+
+def _partly(why: str) -> tuple[Outcome, tuple[BehaviourWarning, ...]]:
+    return Outcome("partly", why), (BehaviourWarning(NoticeType.CANNOT_CREATE_BEHAVIOR, f"partly: {why}"),)
+
+
+def _lacking_fingers(asked: Sequence[str], robot: Robot) -> str:
+    """Names the hand shapes that the hands of a robot cannot make; empty where they can make all."""
+    shapes = [f'"{shape}"' for shape in lacking_shapes(asked, robot)]
+    plural, singular = "s" * (len(shapes) > 1), "s" * (len(shapes) == 1)
+    return f"hand shape{plural} {' and '.join(shapes)} need{singular} fingers" if shapes else ""
 
 
 def _unmet(action: Gesture, form: GestureForm, context: BlockContext) -> tuple[BehaviourWarning, ...]:
@@ -140,7 +152,8 @@ def pointing_move(timed: TimedBehaviour, action: Pointing, context: BlockContext
         return drop_behaviour(context.unknown_target(action.target), NoticeType.NO_SUCH_TARGET)
     usual = _weigh_body(context.lexicon.bodies.get(DEICTIC, NO_BODY), timed, context)
     bodies: Mapping[Side, BodyForm] = {"l": usual.mirrored, "r": usual}
-    work = {side: replace(pointing_poses(place, side, context.robot), body=bodies[side]) for side in SIDES}
+    shape = action.shape or POINTED
+    work = {side: replace(pointing_poses(place, side, context.robot, shape), body=bodies[side]) for side in SIDES}
     both = Poses({side: work[side].hands[side] for side in SIDES}, work["l"].stroke, body=usual.symmetric)
     nearer = (work["l"], work["r"]) if place[1] > 0 else (work["r"], work["l"])
     options = {"left": (work["l"],), "right": (work["r"],), "both": (both,), "unspecified": nearer}
@@ -148,7 +161,9 @@ def pointing_move(timed: TimedBehaviour, action: Pointing, context: BlockContext
     importance = 2 if timed.behaviour.required else 1
     works = tuple(option.with_effort(weight) for option in options[action.mode])
     stroke = Stroke(timed.behaviour.id, timed.times, works, manner=manner, importance=importance)
-    return Move(strokes=(stroke,), shapes=("index",))
+    unmet = unknown_shape(action.shape) or (_lacking_fingers((shape,), context.robot) if action.shape else "")
+    outcome, warnings = _partly(unmet) if unmet else (REALISED, ())
+    return Move(outcome, strokes=(stroke,), warnings=warnings, shapes=(shape,))
 
 
 def _weigh_body(body: BodyForm, timed: TimedBehaviour, context: BlockContext) -> BodyForm:

@@ -8,6 +8,7 @@ from kinesic.bml.block import Notice, Timeline
 from kinesic.body.arrays import Floats
 from kinesic.body.reach import Reach
 from kinesic.body.robot import PartName, Side
+from kinesic.expressivity.lexicon.hand_shapes import Finger
 from kinesic.motion.keys import Passage
 
 Touch = Literal["hand", "forearm", "upper_arm", "head", "chest", "lap"]  # arm and hand: those of the other side
@@ -61,6 +62,7 @@ class Hand:
     passing: bool = False  # on a path: the elbow comes along as it is
     lift: float = 0.0  # [rad] that the shoulder rises, wherever the hand is
     shape: str | None = None  # name of a hand shape; None: relaxed
+    tip: Finger | None = None  # whose tip touches; None: palm or finger, whichever is nearer
 
 
 @dataclass(frozen=True, eq=False)

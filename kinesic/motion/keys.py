@@ -36,6 +36,7 @@ SWUNG = 1.5  # of the usual speed at a key, what a full swing adds to it
 EVEN = 3.3  # steepness with which the linear easing has the peak speed of minimum jerk
 
 LEAST_GAP = 0.02  # [s] between keys
+LEAST_APART = 0.002  # [s] between keys that have only the path of another hinge in common
 TURNING_ROOM = 1e-3  # [rad] so that control points may lie beyond a key at the end of a range
 HOLD = 1e-9  # [rad] keys nearer than this are a hold
 SAME = 1e-6  # [s]
@@ -194,8 +195,15 @@ class Keys:
 
     @cached_property
     def gaps(self) -> Mapping[Pair, float]:
-        """[s] least time between keys that follow one another in a hinge or a behaviour."""
-        return dict.fromkeys(_followers(self), LEAST_GAP)
+        """[s] least time between keys that follow one another in a hinge or a behaviour.
+
+        Keys of different hinges that only lie on the path of a third may stay as near as they are asked.
+        """
+        own, beside = _followers(self)
+        asked = {(i, j): float(self.asked[j] - self.asked[i]) for i, j in beside - own}
+        return dict.fromkeys(own, LEAST_GAP) | {
+            pair: min(LEAST_GAP, max(gap, LEAST_APART)) for pair, gap in asked.items()
+        }
 
     @property
     def spaced(self) -> bool:
@@ -230,19 +238,20 @@ def _manner(passages: tuple[Passage, ...], count: int) -> Floats:
     return sealed(np.transpose(rows))
 
 
-def _followers(keys: Keys) -> set[Pair]:
-    """Pairs of firm keys that follow one another in a hinge, in a behaviour, or within a path of a hinge.
+def _followers(keys: Keys) -> tuple[set[Pair], set[Pair]]:
+    """Pairs of firm keys that follow one another in a hinge or in a behaviour, and those within a path of a hinge.
 
     So the times of keys on paths can lie in between.
     """
     columns = np.unique(keys.keyed, axis=1).T
     chains = [np.flatnonzero(column & keys.firm).tolist() for column in columns]
-    chains += [_with_paths(column, keys.firm) for column in columns]
+    paths = [_with_paths(column, keys.firm) for column in columns]
     behaviours: dict[str, list[int]] = {}
     for row, syncs in enumerate(keys.syncs):
         for behaviour in sorted({behaviour for behaviour, _ in syncs}):
             behaviours.setdefault(behaviour, []).append(row)
-    return {pair for chain in [*chains, *behaviours.values()] for pair in pairwise(chain)}
+    own = {pair for chain in [*chains, *behaviours.values()] for pair in pairwise(chain)}
+    return own, {pair for chain in paths for pair in pairwise(chain)}
 
 
 def _with_paths(column: Flags, firm: Flags) -> list[int]:

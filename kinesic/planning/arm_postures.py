@@ -44,7 +44,7 @@ def with_arms(
         notwithstanding.
     """
     solved = angles.copy()
-    frames = robot.skeleton.frames(angles)
+    frames = robot.body_frames(angles)
     for side, hand in hands.items():
         reach, chain = reaches[side], robot.arms[side]
         if reach is None:

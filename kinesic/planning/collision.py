@@ -11,7 +11,8 @@ import scipy
 
 from kinesic.body.arrays import Floats
 from kinesic.body.dynamics import Distances
-from kinesic.body.robot import OTHER_SIDE, SIDES, Robot, Side
+from kinesic.body.robot import OTHER_SIDE, SIDES, FingerTip, Robot, Side
+from kinesic.body.skeleton import Frames
 from kinesic.expressivity.keyframes import Hand, Touch
 
 ROUNDS = 12
@@ -34,6 +35,50 @@ class Spacing:
     least: float  # [m] between those of every counted pair
     room: float | None = None  # [m] to which pairs go apart that are nearer, and within which no others come nearer
     touching: tuple[int, ...] = ()  # counted pairs that come as near as `least`
+    tips: tuple["TipTouch", ...] = ()  # likewise, tips of fingers
+
+
+@dataclass(frozen=True, eq=False)
+class TipTouch:
+    """The tip of a finger and what it comes near to: a segment, or a tip of the other hand."""
+
+    robot: Robot
+    tip: FingerTip
+    other: FingerTip | int  # a segment by its index
+
+    @classmethod
+    def of(cls, side: Side, hand: Hand, robot: Robot) -> "TipTouch | None":
+        """What a hand does; None where it touches nothing with a tip, or the robot lacks it."""
+        tip = robot.finger_tips(side).get(hand.tip or "")
+        if tip is None or hand.touch is None:
+            return None
+        part = _segment(side, hand.touch, robot)
+        other = robot.finger_tips(OTHER_SIDE[side]).get(hand.tip or "") if hand.touch == "hand" else None
+        if other is None and part is None:
+            return None
+        return cls(robot, tip, other or robot.skeleton.segment(part or ""))
+
+    def gaps(self, angles: Floats) -> Floats:
+        """(m,) [m] between them, in postures (m, n) [rad]."""
+        frames = self.robot.skeleton.frames(angles)
+        here = _tip_place(frames, self.tip)
+        if isinstance(self.other, FingerTip):
+            apart = np.linalg.norm(here - _tip_place(frames, self.other), axis=1)
+            return np.asarray(apart - self.tip.radius - self.other.radius)
+        rotations, origins = frames.rotations[:, self.other], frames.origins[:, self.other]
+        rows = []
+        for capsule in self.robot.skeleton.segments[self.other].capsules:
+            start, way = origins + rotations @ capsule.start, rotations @ (capsule.end - capsule.start)
+            share = np.einsum("mk,mk->m", here - start, way) / max(float(np.sum(way[0] ** 2)), NONE)
+            nearest = start + np.clip(share, 0.0, 1.0)[:, None] * way
+            rows.append(np.linalg.norm(here - nearest, axis=1) - capsule.radius)
+        return np.asarray(np.min(rows, axis=0, initial=np.inf) - self.tip.radius)
+
+
+def _tip_place(frames: Frames, tip: FingerTip) -> Floats:
+    """(m, 3) [m] in the world."""
+    place: Floats = frames.origins[:, tip.segment] + frames.rotations[:, tip.segment] @ tip.place
+    return place
 
 
 def separate(
@@ -62,17 +107,19 @@ def separate(
         probes = np.repeat(posture[None, :], len(moving) + 1, axis=0)
         probes[np.arange(1, len(moving) + 1), moving] += PROBE
         gaps = distances.gaps(probes)
+        tips = np.array([touch.gaps(probes) for touch in spacing.tips]).reshape(-1, len(probes))
         slopes, lack = (gaps[1:] - gaps[0]).T / PROBE, asked - gaps[0]
         lack[np.abs(slopes).max(axis=1, initial=0.0) < UNMOVED] = -np.inf
-        if lack.max(initial=0.0) <= EXACT and gaps[0, met].max(initial=0.0) <= least + SLACK:
+        closest = max(gaps[0, met].max(initial=0.0), tips[:, 0].max(initial=0.0))
+        if lack.max(initial=0.0) <= EXACT and closest <= least + SLACK:
             return posture
         near = lack > -SIGHT
         bounds = robot.skeleton.lower[moving] - posture[moving], posture[moving] - robot.skeleton.upper[moving]
         one = np.eye(len(moving))
-        rows = np.concatenate([slopes[near], -slopes[met], one, -one])
-        step = _smallest(
-            rows, np.concatenate([lack[near], gaps[0, met] - least - SLACK / 2, *bounds]), _metric(probes, robot)
-        )
+        approach = (tips[:, 1:] - tips[:, :1]) / PROBE
+        rows = np.concatenate([slopes[near], -slopes[met], -approach, one, -one])
+        nearer = np.concatenate([gaps[0, met], tips[:, 0]]) - least - SLACK / 2
+        step = _smallest(rows, np.concatenate([lack[near], nearer, *bounds]), _metric(probes, robot))
         if step is None:
             return None
         posture[moving] += step * min(1.0, STRIDE / max(NONE, float(np.abs(step).max())))
@@ -82,7 +129,7 @@ def separate(
 
 def _metric(probes: Floats, robot: Robot) -> Floats:
     """(k, k) cost of a step of k hinges: turns, and the displacement of wrists and palms, for (k + 1, n) [rad]."""
-    frames = robot.skeleton.frames(probes)
+    frames = robot.body_frames(probes)
     points = []
     for side in SIDES:
         palm = robot.arm(side).palm
@@ -115,6 +162,8 @@ def _smallest(rows: Floats, needed: Floats, metric: Floats) -> Floats | None:
 def clear_hands(angles: Floats, hands: Mapping[Side, Hand], robot: Robot, distances: Distances) -> Floats:
     """Moves arms as little as needed until the posture keeps the hover distance; touching hands come as near as it.
 
+    A hand touches with the tip that is meant, where it has that and can; else with what is nearer.
+
     Args:
         angles: (n,) [rad] the posture as solved.
         hands: that may move.
@@ -133,10 +182,15 @@ def clear_hands(angles: Floats, hands: Mapping[Side, Hand], robot: Robot, distan
     touching = tuple(sorted(pair for pair in asked if pair is not None and gaps[pair] <= NEAR_ENOUGH))
     if gaps.min(initial=HOVER) >= HOVER and not touching:
         return angles
-    found = separate(angles, joints, robot, distances, Spacing(HOVER, touching=touching))
-    if found is None and touching:
-        found = separate(angles, joints, robot, distances, Spacing(HOVER))
-    return angles if found is None else found
+    tips = {side: tip for side, hand in moving.items() if (tip := TipTouch.of(side, hand, robot)) is not None}
+    led = {touched_pair(side, moving[side].touch or "hand", robot, gaps) for side in tips}
+    meant = Spacing(HOVER, touching=tuple(pair for pair in touching if pair not in led), tips=tuple(tips.values()))
+    tries = [meant] * bool(tips and touching) + [Spacing(HOVER, touching=touching)] * bool(touching) + [Spacing(HOVER)]
+    for spacing in tries:
+        found = separate(angles, joints, robot, distances, spacing)
+        if found is not None:
+            return found
+    return angles
 
 
 def touched_pair(side: Side, touch: Touch, robot: Robot, gaps: Floats) -> int | None:

@@ -63,7 +63,7 @@ def heads(plan: Plan, times: Floats) -> Floats:
         return np.zeros((len(times), 2))
     angles, _, _ = plan.trajectory.sample(times)
     head = robot.skeleton.segment(robot.chains["neck"][-1])
-    return headings(robot.skeleton.frames(angles).rotations[:, head, :, 0])
+    return headings(robot.body_frames(angles).rotations[:, head, :, 0])
 
 
 def _planned(plan: Plan) -> Timeline:

@@ -3,6 +3,7 @@
 They are keys on a path: the motion follows them as far as its limits allow, and never moves a stroke for them.
 """
 
+from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -21,8 +22,10 @@ Fingers = Mapping[Side, Sequence[FingerKey]]
 def set_fingers(angles: Floats, time: float, fingers: Fingers, robot: Robot) -> None:
     """Bends the fingers in a posture (n,) [rad] as they are at a block time [s]."""
     for side, keys in fingers.items():
-        times, rows = [key.time for key in keys], np.array([key.angles for key in keys])
-        angles[list(finger_joints(robot, side))] = [np.interp(time, times, column) for column in rows.T]
+        after = bisect_right([key.time for key in keys], time)
+        here, there = keys[max(after - 1, 0)], keys[min(after, len(keys) - 1)]
+        share = (time - here.time) / (there.time - here.time) if 0 < after < len(keys) else 0.0
+        angles[list(finger_joints(robot, side))] = here.angles + share * (there.angles - here.angles)
 
 
 def with_finger_keys(postures: Sequence[KeyPosture], fingers: Fingers, robot: Robot) -> tuple[KeyPosture, ...]:

@@ -112,8 +112,11 @@ def _same_hand(hand: Hand, before: Hand) -> bool:
         (hand.reach.pointing, before.reach.pointing),
         (hand.reach.palm, before.reach.palm),
     )
-    return (hand.reach.swivel, hand.touch) == (before.reach.swivel, before.touch) and all(
-        a is b or (a is not None and b is not None and np.array_equal(a, b)) for a, b in pairs
+    here, there = ((each.touch, each.tip) for each in (hand, before))
+    return (
+        hand.reach.swivel == before.reach.swivel
+        and here == there
+        and all(a is b or (a is not None and b is not None and np.array_equal(a, b)) for a, b in pairs)
     )
 
 
@@ -182,7 +185,7 @@ def aim_from_shoulder(reach: Reach, aim: Floats, side: Side, angles: Floats, rob
     """
     shoulder = robot.arm(side).shoulder
     resting = robot.skeleton.resting.origins[shoulder]
-    centre = robot.skeleton.frames(angles).origins[shoulder]
+    centre = robot.body_frames(angles).origins[shoulder]
     rotation = scipy.spatial.transform.Rotation.align_vectors((aim - centre)[None], (aim - resting)[None])[
         0
     ].as_matrix()
@@ -201,7 +204,7 @@ def _note_misses(
     reaches = {side: reach for side, reach in wanted.items() if reach is not None}
     if not reaches:
         return
-    origins = robot.skeleton.frames(angles).origins
+    origins = robot.body_frames(angles).origins
     for side, reach in reaches.items():
         miss = float(np.linalg.norm(origins[robot.arm(side).wrist] - reach.position))
         for behaviour, _ in keyframes.frames[k].syncs:

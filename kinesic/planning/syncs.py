@@ -170,10 +170,11 @@ def path_notices(
         motion: what became of them.
         robot: whose hands.
     """
-    if all(posture.firm for posture in postures):
+    arms = [robot.arm(side).joints[0] for side in SIDES]
+    if all(posture.firm or not any(posture.keyed[arm] for arm in arms) for posture in postures):
         return []
-    asked = robot.skeleton.frames(np.array([posture.angles for posture in postures])).origins
-    planned = robot.skeleton.frames(motion.trajectory.sample(motion.planned + motion.trajectory.zero)[0]).origins
+    asked = robot.body_frames(np.array([posture.angles for posture in postures])).origins
+    planned = robot.body_frames(motion.trajectory.sample(motion.planned + motion.trajectory.zero)[0]).origins
     found = []
     for timed in frames.timeline.timed:
         cut, name = 0.0, timed.behaviour.id

@@ -102,6 +102,6 @@ def volume(robot: Robot, turn: Turn) -> GestureVolume | None:
     names = robot.chains["torso"]
     first, last = robot.skeleton.segment(names[0]), robot.skeleton.segment(names[-1])
     girdle = robot.skeleton.segment(robot.arms["l"].base)
-    moved, upright = robot.skeleton.frames(angles), robot.skeleton.resting
+    moved, upright = robot.body_frames(angles), robot.skeleton.resting
     now, before = (float(np.linalg.norm(f.origins[girdle] - f.origins[first])) for f in (moved, upright))
     return GestureVolume(moved.origins[first], moved.rotations[last], now / before)

@@ -14,8 +14,8 @@ from kinesic.body.arrays import Flags, Floats, Indices, distinct_rows, sealed
 from kinesic.body.dynamics import Clearance
 from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.body.skeleton import Capsule, Segment, Skeleton
-from kinesic.sim.finger_hull import finger_hull
-from kinesic.sim.kinematics import MotionFrames, body_frames, motion_frames
+from kinesic.sim.fingers import FingerPlaces, finger_hull
+from kinesic.sim.kinematics import MotionFrames, body_frames
 
 BLOCK = 512  # postures whose kinematics are computed at once
 STRIP = 128  # of them at once for all pairs, so that arrays stay in the cache and products on one core
@@ -36,9 +36,11 @@ class CapsuleDistances:
             robot: whose capsules, and whose counted pairs of bodies.
         """
         self._robot, self._skeleton, segment = robot, robot.skeleton, robot.skeleton.segment
-        self._fingers = [segment(name) for side in SIDES for name in robot.fingers(side)]
+        hands = _hands(robot)
+        self._fingers = [FingerPlaces(robot, side) for side, _ in hands]
+        fingers = {segment(name) for side, _ in hands for name in robot.fingers(side)}
         every = [(k, c) for k, part in enumerate(robot.skeleton.segments) for c in part.capsules]
-        plain = [(k, c) for k, c in every if k not in self._fingers]
+        plain = [(k, c) for k, c in every if k not in fingers]
         hulls = {f"{side}_fingers": finger_hull(robot, side) for side in SIDES if robot.fingers(side)}
         self._capsules = [*plain, *((robot.arm(side).wrist, hulls[name]) for side, name in _hands(robot))]
         self._owners = [k for k, _ in self._capsules]
@@ -53,13 +55,18 @@ class CapsuleDistances:
         halves = np.array([np.linalg.norm(capsule.end - capsule.start) / 2 for _, capsule in self._capsules])
         self._radii = radii[self._first] + radii[self._second]  # (p,) [m]
         self._halves = halves[self._first] + halves[self._second]  # (p,) [m]
-        own = {segment(name): hand for side, hand in _hands(robot) for name in robot.fingers(side)}
-        members = [*([k] for k in range(len(plain))), *([] for _ in hulls)]  # capsules that each one stands for
-        self._members = [*plain, *((k, c) for k, c in every if k in self._fingers)]
-        for k, (owner, _) in enumerate(self._members[len(plain) :], len(plain)):
-            members[len(plain) + list(hulls).index(own[owner])].append(k)
-        self._within = [np.array(list(product(members[i], members[j])), dtype=np.intp).T for i, j in pairs]
+        members = [[k] for k in range(len(plain))]  # capsules that each one stands for
+        self._members = list(plain)
+        for hand in self._fingers:
+            members.append([*range(len(self._members), len(self._members) + len(hand.capsules))])
+            self._members += hand.capsules
+        self._plain_owners, self._plain_sides = [k for k, _ in plain], _sides(plain)
+        self._member_radii = np.array([capsule.radius for _, capsule in self._members])
         self._hulled = np.array([max(pair) >= len(plain) for pair in pairs], dtype=np.bool_)  # (p,)
+        within = [np.array(list(product(members[i], members[j])), dtype=np.intp).T for i, j in pairs]
+        self._within = _by_size(
+            within, self._hulled
+        )  # rows of pairs with as many pairs of capsules within, and these (2, r, k)
         reach = [_reach(robot.skeleton, k, capsule) for k, capsule in self._members]
         reaches = np.array([np.max([reach[k] for k in row], axis=0) for row in members])
         self._reaches = _reaches(reaches.reshape(-1, len(robot.skeleton.hinges)), pairs)  # (p, n) [m]
@@ -196,22 +203,34 @@ class CapsuleDistances:
         postures = np.flatnonzero(near.any(axis=0))
         if not len(postures):
             return
-        whole = motion_frames(self._skeleton, angles[postures], only=self._fingers, known=frames.at(postures))
-        owners = [k for k, _ in self._members]
-        starts, ends = _placed(whole, owners, *_sides(self._members))
-        radii = np.array([capsule.radius for _, capsule in self._members])
-        for row in np.flatnonzero(near.any(axis=1)):
-            (first, second), here = self._within[row], np.flatnonzero(near[row, postures])
+        placed = frames.at(postures)
+        parts = [
+            _placed(placed, self._plain_owners, *self._plain_sides),
+            *(hand.ends(angles[postures], placed) for hand in self._fingers),
+        ]
+        starts, ends = (np.concatenate(side).transpose(0, 2, 1) for side in zip(*parts, strict=True))
+        for rows, within in self._within:
+            cells, here = np.nonzero(near[rows[:, None], postures])
+            if not len(cells):
+                continue
+            first, second = within[:, cells]
             axes = (
-                side[:, :, here].transpose(0, 2, 1)
-                for side in (starts[first], ends[first], starts[second], ends[second])
+                side[capsules, here[:, None]].reshape(-1, 3) for capsules in (first, second) for side in (starts, ends)
             )
-            apart = segment_distances(*(side.reshape(-1, 3) for side in axes)).reshape(len(first), -1)
-            gaps[row, postures[here]] = (apart - (radii[first] + radii[second])[:, None]).min(axis=0)
+            apart = segment_distances(*axes).reshape(first.shape)
+            reach = self._member_radii[first] + self._member_radii[second]
+            gaps[rows[cells], postures[here]] = (apart - reach).min(axis=1)
 
     def _axes(self, frames: MotionFrames) -> tuple[Floats, Floats]:
         """(c, 3, m) [m] starts and ends of the capsules' axes in the world."""
         return _placed(frames, self._owners, self._starts, self._ends)
+
+
+def _by_size(within: Sequence[Indices], counted: Flags) -> list[tuple[Indices, Indices]]:
+    """Puts counted pairs of bodies with as many pairs of capsules within together."""
+    sizes = np.array([pairs.shape[1] for pairs in within], dtype=np.intp)
+    rows = [np.flatnonzero((sizes == size) & counted) for size in np.unique(sizes[counted])]
+    return [(row, np.stack([within[int(k)] for k in row], axis=1)) for row in rows]
 
 
 def _hands(robot: Robot) -> list[tuple[Side, str]]:

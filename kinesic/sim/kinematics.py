@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinesic.body.arrays import Floats, Indices
-from kinesic.body.robot import SIDES, Robot
+from kinesic.body.robot import Robot
 from kinesic.body.skeleton import Skeleton
 
 
@@ -29,7 +29,7 @@ class MotionFrames:
 
 def body_frames(robot: Robot, angles: Floats) -> MotionFrames:
     """Solves the forward kinematics (m, n) [rad] of all segments but the fingers."""
-    fingers = {robot.skeleton.segment(name) for side in SIDES for name in robot.fingers(side)}
+    fingers = robot.finger_segments
     others = set(range(len(robot.skeleton.segments))) - fingers
     return motion_frames(robot.skeleton, angles, only=others if fingers else None)
 

@@ -70,12 +70,16 @@ def _least_height(seen: Iterable[tuple[Floats, float]], middle: Floats) -> float
 
 
 def rods(robot: Robot) -> tuple[Rod, ...]:
-    """Joins the shapes of each segment to one another and to its children, and stands the robot on the floor."""
-    radius, segments = ROD * robot.arm_length, robot.skeleton.segments
+    """Joins the shapes of each segment to one another and to its children, and stands the robot on the floor.
+
+    No rod is thicker than the thinnest shape that it joins, so that it hides no finger.
+    """
+    thickest, segments = ROD * robot.arm_length, robot.skeleton.segments
     found: list[Rod] = []
     for segment in segments:
         shapes = segment.capsules
         children = [child.origin_in_parent for child in segments if child.parent == segment.name]
+        radius = min([thickest, *(shape.radius for shape in shapes)])
         ends = [*_inside(shapes), *((_on(shapes, child), child) for child in children)]
         found += [Rod(segment.name, Capsule(start, end, radius)) for start, end in ends]
     return (*(rod for rod in found if np.linalg.norm(rod.shape.end - rod.shape.start) > SHORTEST), *stand(robot))

@@ -90,7 +90,7 @@ def test_own_meshes_are_kept_beside_the_robot(kinesic, model, tmp_path):
     ended = kinesic("robots", "import", model)
     assert ended.code == 0, ended.err
     assert "shell: puppet.npz" in ended.out
-    assert "not drawn: n.dae" in ended.out
+    assert "left out: n.dae" in ended.out
     shell = shell_of(Robot.load(tmp_path / "puppet.toml"))
     assert shell is not None
     assert len(shell.segments["l_elbow"].triangles) == 4

@@ -91,8 +91,9 @@ def test_a_synonym_is_realised_and_named(perform, beat):
 @pytest.mark.parametrize(
     ("lexeme", "outcome"),
     [
-        ("thumb_up", Outcome("partly", 'hand shape "thumb" needs fingers')),
-        ("thumbs_up", Outcome("partly", 'hand shape "thumb" needs fingers; a synonym of thumb_up')),
+        ("horns", Outcome("partly", 'hand shape "horns" needs fingers')),
+        ("rock_on", Outcome("partly", 'hand shape "horns" needs fingers; a synonym of horns')),
+        ("thumb_up", Outcome("substituted", "thumb_up needs fingers; allright is done")),
         ("explode", Outcome("partly", 'hand shapes "fist" and "spread" need fingers')),
         (
             "point",

@@ -83,7 +83,7 @@ def test_a_shake_goes_to_both_sides_while_the_stroke_lasts(gesture, pace):
 
 
 def test_eyes_and_head_go_to_what_the_hand_shows(gesture, pace):
-    aside = gesture(BodyForm(gaze="place", look=0.5, towards=radians(8)), form="thumb_aside")
+    aside = gesture(BodyForm(gaze="place", look=0.5, towards=radians(8)), form="that_far")
     move = accompany([aside], Asked(), pace).moves["g"]
     assert move.eyes is not None
     assert move.eyes.torsion < 0.0  # the right hand points to the right

@@ -35,6 +35,23 @@ def test_keys_on_a_path_keep_their_order_when_others_move():
         assert times[5] - times[1] >= 2 * LEAST_GAP - 1e-9
 
 
+def test_keys_with_only_the_path_of_another_hinge_in_common_may_stay_as_near_as_asked():
+    near = 0.004
+    times = (0.0, 0.1, 0.2, 0.2 + near, 0.3, 0.4)
+    rows = (([1, 1, 1], 1), ([1, 0, 0], 0), ([0, 1, 0], 1), ([0, 0, 1], 1), ([1, 0, 0], 0), ([1, 1, 1], 1))
+    limits = Limits(*(sealed([value] * 3) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
+    found = Keys.of(
+        [
+            KeyPosture(time, sealed([0.1] * 3), tuple(map(bool, keyed)), firm=bool(firm))
+            for time, (keyed, firm) in zip(times, rows, strict=True)
+        ],
+        limits,
+    )
+    assert found.spaced
+    assert found.gaps[2, 3] == pytest.approx(near)
+    assert {gap for pair, gap in found.gaps.items() if pair != (2, 3)} == {LEAST_GAP}
+
+
 def test_a_key_on_a_path_costs_nothing():
     assert keys((BOTH, True), (BOTH, False), (BOTH, True)).weights[1] == 0.0
 

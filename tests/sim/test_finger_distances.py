@@ -8,7 +8,7 @@ import pytest
 
 from kinesic.body.robot import SIDES, Robot
 from kinesic.sim.distances import NEAR, SIGHT, CapsuleDistances, segment_distances
-from kinesic.sim.finger_hull import finger_hull
+from kinesic.sim.fingers import finger_hull
 from kinesic.sim.worst_postures import random_postures
 
 ROBOT = Robot.load("upper36")

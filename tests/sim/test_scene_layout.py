@@ -136,3 +136,11 @@ def test_the_floor_is_free_of_specks(name: str, tmp_path: Path):
     with Image.open(tmp_path / "still.png") as still:
         corner = np.asarray(still.convert("L"), dtype=float)[240:, 360:]
     assert np.abs(corner - np.median(corner)).max() < 12.0
+
+
+def test_rods_are_no_thicker_than_fingers():
+    robot = Robot.load("upper36")
+    segments = robot.skeleton.segments
+    for rod in rods(robot):
+        shapes = segments[robot.skeleton.segment(rod.segment)].capsules
+        assert rod.shape.radius <= min((shape.radius for shape in shapes), default=1.0)

@@ -1,11 +1,11 @@
-"""Measures what each parameter of expressivity changes, and whether gestures stay distinct."""
+"""Measures what each parameter of expressivity changes, whether gestures stay distinct, and what fingers do."""
 
 from pathlib import Path
 
-from kinesic.bench.expressivity import lexicon, sweeps
+from kinesic.bench.expressivity import fingers, lexicon, sweeps
 from kinesic.bench.figure import Figure
 
-PARTS = (sweeps, lexicon)
+PARTS = (sweeps, lexicon, fingers)
 
 
 def bench() -> list[Figure]:

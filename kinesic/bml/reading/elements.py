@@ -33,7 +33,7 @@ from kinesic.bml.reading.references import LONGEST
 from kinesic.bml.reading.script import pause_of, script_of
 from kinesic.bml.reading.sync_names import sync_name
 from kinesic.bml.reading.tree import Element
-from kinesic.bml.reading.vocabulary import KINDS
+from kinesic.bml.reading.vocabulary import HAND_SHAPE, KINDS
 
 MOST_STROKES = 100  # of one head movement
 LAST_ACTION_UNIT = 99
@@ -54,11 +54,18 @@ def _gesture(named: BehaviourElement, reading: DocumentReading) -> Action:
         return _pointing(named, reading)
     written = _lexeme(named, "lexeme", "type")
     target = named.word("target") or None
-    return Gesture("" if written.lower() in KINDS else written, _mode(named, reading, name=written), target)
+    name = "" if written.lower() in KINDS else written
+    return Gesture(name, _mode(named, reading, name=written), target, _hand_shape(named))
 
 
 def _pointing(named: BehaviourElement, reading: DocumentReading) -> Action:
-    return Pointing(named.word("target"), _mode(named, reading))
+    return Pointing(named.word("target"), _mode(named, reading), _hand_shape(named))
+
+
+def _hand_shape(named: BehaviourElement) -> str:
+    """The shape of the hand, as an attribute or in an element of its own; empty where none is asked for."""
+    inside = [child.attributes for child in named.element.children if child.local in HAND_SHAPE]
+    return named.word(*HAND_SHAPE) or next((word for part in inside if (word := part.get("value", "").strip())), "")
 
 
 def _head(named: BehaviourElement, reading: DocumentReading) -> Action:

@@ -4,12 +4,13 @@ from collections.abc import Mapping
 
 _FACE = ("lexeme", "au", "side", "amount", "type")
 _GAZE = ("target", "type", "influence", "modality", "offsetAngle", "offsetDirection")
+HAND_SHAPE = ("handShape", "handshape")  # of a gesture, as attribute or element
 _POSTURE = ("stance", "part", "shape")
 BLOCK = ("id", "characterId", "character", "agent", "composition")  # of a <bml>
 AGENTS = ("characterId", "character", "agent")  # of a <bml> or a behaviour: who performs
 ATTRIBUTES: Mapping[str, tuple[str, ...]] = {  # of behaviours, beside the id, the agent and the sync points
-    "gesture": ("lexeme", "type", "mode", "hand", "target"),
-    "pointing": ("target", "mode", "hand"),
+    "gesture": ("lexeme", "type", "mode", "hand", "target", *HAND_SHAPE),
+    "pointing": ("target", "mode", "hand", *HAND_SHAPE),
     "head": ("lexeme", "rotation", "type", "action", "repetition", "amount"),
     "headDirectionShift": ("target", "lexeme"),
     "gaze": _GAZE,
@@ -29,6 +30,7 @@ INSIDE: Mapping[str, tuple[str, ...]] = {  # of elements inside behaviours and o
     "lexeme": ("lexeme", "amount"),
     "facs": ("au", "side", "amount"),
     "stance": ("type",),
+    **dict.fromkeys(HAND_SHAPE, ("value",)),
     "pose": ("part", "lexeme", "shape"),
     "description": ("type", "priority"),
     "text": (),
@@ -41,6 +43,7 @@ INSIDE: Mapping[str, tuple[str, ...]] = {  # of elements inside behaviours and o
     "after": ("ref",),
 }
 PARTS: Mapping[str, frozenset[str]] = {  # elements that are read inside another, beside <description>
+    **dict.fromkeys(("gesture", "pointing"), frozenset(HAND_SHAPE)),
     **dict.fromkeys(("face", "faceLexeme", "faceFacs", "faceShift"), frozenset({"lexeme", "facs", "faceFacs"})),
     **dict.fromkeys(("posture", "postureShift"), frozenset({"stance", "pose"})),
     "constraint": frozenset({"synchronize", "before", "after"}),
@@ -59,8 +62,8 @@ SPOKEN: Mapping[str, tuple[str, ...]] = {  # elements that are read in what a sp
     "speak": ("version",),
 }
 ALTERNATIVES: Mapping[str, tuple[tuple[str, ...], ...]] = {  # names of one thing, of which the first counts
-    "gesture": (("lexeme", "type"), ("mode", "hand")),
-    "pointing": (("mode", "hand"),),
+    "gesture": (("lexeme", "type"), ("mode", "hand"), HAND_SHAPE),
+    "pointing": (("mode", "hand"), HAND_SHAPE),
     "head": (("lexeme", "rotation", "type"),),
     "headDirectionShift": (("target", "lexeme"),),
     **dict.fromkeys(("face", "faceLexeme", "faceFacs", "faceShift"), (("lexeme", "au", "type"),)),

@@ -42,6 +42,7 @@ def between(a: Hand, b: Hand, share: float, rest: Reach) -> Hand:
         a.effort + share * (b.effort - a.effort),
         lift=a.lift + share * (b.lift - a.lift),
         shape=nearest.shape,
+        tip=a.tip if a.tip == b.tip else None,
     )
 
 

@@ -4,7 +4,7 @@ A shape changes with the arm on its way: it begins a little after the wrist leav
 begins. Within a stroke and on the way home fingers arrive a little after the wrist.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import lru_cache
 from itertools import pairwise
 
@@ -12,10 +12,11 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import SIDES, Robot, Side
+from kinesic.expressivity.hands.fingertips import meeting_angles
 from kinesic.expressivity.hands.keys import HandKey
 from kinesic.expressivity.hands.strokes import HandStroke
 from kinesic.expressivity.keyframes import FingerKey
-from kinesic.expressivity.lexicon.hand_shapes import FINGERS, FingerMotion, Shape, find_shape
+from kinesic.expressivity.lexicon.hand_shapes import FINGERS, Finger, FingerMotion, Shape, find_shape
 from kinesic.expressivity.style.pace import Pace
 from kinesic.motion.double_s import least_rest_times
 
@@ -36,14 +37,13 @@ def finger_joints(robot: Robot, side: Side) -> tuple[int, ...]:
 def shape_angles(shape: Shape, robot: Robot, side: Side) -> Floats:
     """Turns a shape into angles of the finger drives, (f,) [rad].
 
-    Drives are known by their names: of flexion the first hinge of each finger, of the thumb's opposition and of the
-    fingers' spread `abduct`. Any other one rests, and so do all of a relaxed hand.
+    Drives are known by their names: those of flexion, of the thumb's opposition and of the fingers' spread `abduct`.
+    Any other one rests, and so do all of a relaxed hand. Tips that meet do so on every hand.
     """
-    return (
-        _angles(shape.straight, shape.apart, shape.across, robot, side)
-        if shape.name != "relaxed"
-        else _rest(robot, side)
-    )
+    if shape.name == "relaxed":
+        return _rest(robot, side)
+    angles = _angles(shape.straight, shape.apart, shape.across, robot, side)
+    return meeting_angles(angles, shape.meets, robot, side) if shape.meets else angles
 
 
 def lacking_shapes(names: Iterable[str], robot: Robot) -> tuple[str, ...]:
@@ -59,10 +59,20 @@ def _can_make(name: str, robot: Robot) -> bool:
     if shape.plain:
         return True
     moved = {name.split("_")[1] for side in SIDES for name in _names(robot, side) if "_flexion" in name}
-    return bool(moved) and all(
-        finger in moved or abs(straight - RELAXED) <= TOLERANCE
-        for finger, straight in zip(FINGERS, shape.straight, strict=True)
-    )
+    there = {finger for side in SIDES for finger in robot.finger_tips(side)} | moved
+    asked = dict(zip(FINGERS, shape.straight, strict=True))
+    return bool(moved) and all(finger in moved or _may_miss(finger, asked, there) for finger in FINGERS)
+
+
+def _may_miss(finger: Finger, asked: Mapping[Finger, float], there: Collection[str]) -> bool:
+    """Whether a shape is made although a finger does not move: it rests about so; or there is none, nor is it missed.
+
+    A finger that a hand lacks is not missed where its neighbour does the same.
+    """
+    if finger in there:
+        return abs(asked[finger] - RELAXED) <= TOLERANCE
+    neighbour = FINGERS[FINGERS.index(finger) - 1]
+    return finger not in ("thumb", "index") and asked[finger] == asked[neighbour]
 
 
 def finger_keys(

@@ -140,19 +140,20 @@ def poses(form: GestureForm, robot: Robot, manner: Expressivity) -> Poses:
     )
 
 
-def pointing_poses(target: Floats, side: Side, robot: Robot) -> Poses:
+def pointing_poses(target: Floats, side: Side, robot: Robot, shape: str = "index") -> Poses:
     """Points at a place: the wrist on the line from the shoulder, the hand along it.
 
     Args:
         target: (3,) [m] in the world.
         side: of the hand that points.
         robot: whose arm it is.
+        shape: of the hand.
     """
     centre = shoulder(robot, side)
     distance = float(np.linalg.norm(target - centre))
     line = (target - centre) / distance if distance > 0 else np.array([1.0, 0.0, 0.0])
     reach = min(_POINTING_REACH * robot.arm_length, _TARGET_REACH * distance)
-    hand = Hand(Reach(sealed(centre + reach * line), pointing=sealed(line)), aim=sealed(target), shape="index")
+    hand = Hand(Reach(sealed(centre + reach * line), pointing=sealed(line)), aim=sealed(target), shape=shape)
     return Poses({side: (withdrawn(hand, robot, side), hand)}, stroke=1, nature=Nature("deictic", dynamic=False))
 
 
@@ -162,7 +163,7 @@ def withdrawn(hand: Hand, robot: Robot, side: Side) -> Hand:
         return hand
     rest = resting_hands(robot)[side].position
     position = hand.reach.position + _WITHDRAWN * (rest - hand.reach.position)
-    return replace(hand, reach=structs.replace(hand.reach, position=sealed(position)), touch=None)
+    return replace(hand, reach=structs.replace(hand.reach, position=sealed(position)), touch=None, tip=None)
 
 
 def _lift_shoulder(row: tuple[Hand, ...], stroke: int, lift: float) -> tuple[Hand, ...]:
@@ -270,6 +271,7 @@ def _in_world(pose: HandPose, side: Side, robot: Robot, manner: Expressivity) ->
             palm=None if pose.palm is None else direction_in_world(side, pose.palm),
         ),
         touch=pose.touch,
+        tip=pose.tip,
         openness=openness + (1.0 - openness) * manner.openness,
         effort=max(0.0, manner.power),
         shape=pose.shape,

@@ -8,7 +8,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.robot import Side
 from kinesic.expressivity.keyframes import Touch
 from kinesic.expressivity.lexicon.body_form import NO_BODY, BodyForm
-from kinesic.expressivity.lexicon.hand_shapes import FingerMotion
+from kinesic.expressivity.lexicon.hand_shapes import Finger, FingerMotion
 from kinesic.expressivity.lexicon.paths import HandPath
 from kinesic.expressivity.style.effort import Tempo
 
@@ -31,6 +31,7 @@ class HandPose:
     openness: float = 0.0  # of the elbow, 0..1
     touch: Touch | None = None  # what the hand is laid on here
     path: HandPath | None = None  # how it comes here from the key before [arm lengths]; None: straight
+    tip: Finger | None = None  # whose tip touches, on hands that have it; None: palm or finger, whichever is nearer
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,6 +25,7 @@ class Shape:
     apart: float = 0.0  # fingers, -1 crossed .. 0 side by side .. 1 as far as they go
     across: float = 0.0  # the thumb, 0 beside the palm .. 1 opposite to the fingers
     plain: bool = False  # whether a hand without fingers comes near to it
+    meets: tuple[Finger, ...] = ()  # fingers whose tips meet the thumb's
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,7 @@ class _ShapeTable(msgspec.Struct, forbid_unknown_fields=True):
     apart: float = 0.0
     across: float = 0.0
     plain: bool = False
+    meets: tuple[Finger, ...] = ()
     aliases: tuple[str, ...] = ()
 
 
@@ -74,7 +76,7 @@ def hand_shapes() -> Mapping[str, Shape]:
         ConfigError: the file of shapes is wrong.
     """
     return {
-        name: Shape(name, table.says, table.straight, table.apart, table.across, table.plain)
+        name: Shape(name, table.says, table.straight, table.apart, table.across, table.plain, table.meets)
         for name, table in _file().shapes.items()
     }
 

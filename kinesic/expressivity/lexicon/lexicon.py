@@ -69,6 +69,11 @@ class Lexicon:
         return {form.id: form for form in reversed(self.forms)}
 
     @cached_property
+    def as_written(self) -> "Lexicon":
+        """The same gestures without others for hands that cannot make their shapes: each is itself on every robot."""
+        return replace(self, forms=tuple(replace(form, fallback="") for form in self.forms))
+
+    @cached_property
     def _names(self) -> NameTable:
         return NameTable({form.id: form.category for form in self.forms}, self.synonyms, self.classes)
 

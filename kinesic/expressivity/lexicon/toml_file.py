@@ -15,7 +15,7 @@ from kinesic.body.robot import Side
 from kinesic.expressivity.keyframes import Touch
 from kinesic.expressivity.lexicon.body_table import PLAIN_TABLE, Bodies, BodyTable, body_form, overlay_table
 from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
-from kinesic.expressivity.lexicon.hand_shapes import FingerMotion, find_shape, finger_motions, hand_shapes
+from kinesic.expressivity.lexicon.hand_shapes import Finger, FingerMotion, find_shape, finger_motions, hand_shapes
 from kinesic.expressivity.lexicon.paths import HandPath, Kind, Variation, shape_path
 from kinesic.expressivity.lexicon.senses import Sense
 from kinesic.expressivity.lexicon.space import position
@@ -63,6 +63,7 @@ class HandTable(StrictTable):
     openness: float = 0.0  # 0..1
     fixed: list[AxisName] = []  # axes that spatial extent leaves alone
     touch: Touch | None = None  # what the hand is laid on
+    tip: Finger | None = None  # the finger whose tip touches it
     path: PathTable | None = None  # goes over that of the key
 
 
@@ -239,6 +240,8 @@ def _pose(table: HandTable, path: PathTable | None) -> HandPose:
         raise ValueError(f"openness is {table.openness:g}, outside [0, 1]")
     if table.shape is not None and find_shape(table.shape) is None:
         raise ValueError(f"there is no hand shape {table.shape!r}{suggestion(table.shape, list(hand_shapes()))}")
+    if table.tip is not None and table.touch is None:
+        raise ValueError(f"tip is {table.tip!r} and touch is missing; write what it touches, such as touch = 'head'")
     forward, outward, up = (axis in table.fixed for axis in _AXES)
     return HandPose(
         position(*table.at),
@@ -249,6 +252,7 @@ def _pose(table: HandTable, path: PathTable | None) -> HandPose:
         table.openness,
         table.touch,
         _path(table.path or path),
+        table.tip,
     )
 
 

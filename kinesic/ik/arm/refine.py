@@ -96,7 +96,7 @@ def refine_posture(robot: Robot, side: Side, reach: Reach, angles: Floats, *, ne
     arm = true_arm(robot, side)
     if arm.exact:
         return angles
-    desired = _in_base(reach, robot.skeleton.frames(angles), robot.skeleton.segment(robot.arms[side].base))
+    desired = _in_base(reach, robot.body_frames(angles), robot.skeleton.segment(robot.arms[side].base))
     joints = list(arm.joints)
     lower, upper, rest = (getattr(robot.skeleton, name)[joints] for name in ("lower", "upper", "rest"))
     guess = np.clip(angles[joints], lower, upper)

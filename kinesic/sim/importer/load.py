@@ -13,7 +13,7 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import ConfigError
 from kinesic.body.skeleton import Capsule
 from kinesic.sim.importer.looks import Looks, load_looks
-from kinesic.sim.importer.model_tree import BASE, Joint, Part, Tree
+from kinesic.sim.importer.model_tree import BASE, Follow, Joint, Part, Tree
 from kinesic.sim.importer.screening import BODIES, GEOMS, screen_model
 
 MESHES = (mujoco.mjtGeom.mjGEOM_MESH, mujoco.mjtGeom.mjGEOM_HFIELD, mujoco.mjtGeom.mjGEOM_SDF)
@@ -22,6 +22,7 @@ LOOKS = ("materials", "textures", "cameras", "lights", "numerics", "texts", "tup
 ENDINGS = (".xml", ".urdf")
 GHOST_MASS = 1e-3  # [kg] of a body of which nothing is known
 GHOST_INERTIA = 1e-6  # [kg m^2]
+FLAT = 1e-9  # of a coupling, coefficients of its curve that are none
 LEAST_SHAPE = 0.005  # [m] radius of a shape that counts
 
 
@@ -30,7 +31,7 @@ class UrdfJoint:
     """What MuJoCo drops of a joint when it reads a URDF."""
 
     speed: float | None  # [rad/s]
-    mimics: bool
+    follows: Follow | None
 
 
 def urdf_joints(path: Path) -> dict[str, UrdfJoint]:
@@ -47,8 +48,14 @@ def urdf_joints(path: Path) -> dict[str, UrdfJoint]:
     for joint in root.findall("joint"):
         limit = joint.find("limit")
         speed = 0.0 if limit is None else float(limit.get("velocity", 0.0))
-        found[joint.get("name", "")] = UrdfJoint(speed if speed > 0 else None, joint.find("mimic") is not None)
+        found[joint.get("name", "")] = UrdfJoint(speed if speed > 0 else None, _mimic(joint.find("mimic")))
     return found
+
+
+def _mimic(mimic: ElementTree.Element | None) -> Follow | None:
+    if mimic is None:
+        return None
+    return Follow(mimic.get("joint", ""), float(mimic.get("multiplier", 1.0)), float(mimic.get("offset", 0.0)))
 
 
 def load_model(path: Path) -> Tree:
@@ -58,8 +65,8 @@ def load_model(path: Path) -> Tree:
         path: of an MJCF or URDF file; its meshes need not exist.
 
     Returns:
-        Its motorised hinges in the pose of the file. Joints that mimic others, slides, balls and the free joint of
-        the root are held where they are.
+        Its hinges in the pose of the file. Slides, balls and the free joint of the root are held where they are, and
+        so are joints of a URDF that mimic others and carry some that do not.
 
     Raises:
         ConfigError: the file is missing, MuJoCo cannot read it, or it reads or makes more than a robot may.
@@ -72,7 +79,9 @@ def load_model(path: Path) -> Tree:
         mujoco.set_mju_user_warning(_unheard)  # by default they go to a file in the present folder
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of bodies without weight: they get some
-            model = _without_meshes(_read_spec(path), path)
+            spec = _read_spec(path)
+            equal = _equalities(spec)
+            model = _without_meshes(spec, path)
             looks = load_looks(path, _read_spec, lambda spec: _without_meshes(spec, path))
     except ConfigError:
         raise
@@ -82,7 +91,9 @@ def load_model(path: Path) -> Tree:
         mujoco.set_mju_user_warning(None)
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
-    return _tree(path.stem, model, data, urdf, looks)
+    follows = {name: told.follows for name, told in urdf.items() if told.follows} or _from_zero(equal.follows, model)
+    tree = _tree(path.stem, model, data, urdf, follows, looks)
+    return replace(tree, left_out=(*tree.left_out, *equal.left_out))
 
 
 def _unheard(_: str) -> None:
@@ -95,6 +106,44 @@ def _read_spec(path: Path) -> mujoco.MjSpec:
         return mujoco.MjSpec.from_file(str(path))
     named = path.with_suffix(".xml")
     return mujoco.MjSpec.from_file(str(named), {named.name: path.read_bytes()})
+
+
+@dataclass(frozen=True)
+class Equalities:
+    """What an MJCF ties together."""
+
+    follows: dict[str, Follow]  # by the name of the hinge that is led; both as turns away from the file's pose
+    left_out: tuple[str, ...]
+
+
+def _equalities(spec: mujoco.MjSpec) -> Equalities:
+    """Reads couplings of joints; curves count as the straight line at their beginning."""
+    follows: dict[str, Follow] = {}
+    left_out = []
+    for tie in spec.equalities:
+        is_coupling = tie.type == mujoco.mjtEq.mjEQ_JOINT and bool(tie.name2)
+        if not is_coupling:
+            left_out.append(f"the equality {tie.name or tie.name1} is left out: only couplings of two joints are known")
+            continue
+        offset, ratio, *curve = (float(value) for value in tie.data[:5])
+        follows[tie.name1] = Follow(tie.name2, ratio, offset)
+        if any(abs(value) > FLAT for value in curve):
+            left_out.append(f"{tie.name1} follows {tie.name2} in a straight line, in its file in a curve")
+    if len(spec.tendons):
+        left_out.append(f"{len(spec.tendons)} tendons are left out: hinges that they lead move by themselves")
+    return Equalities(follows, tuple(left_out))
+
+
+def _from_zero(follows: dict[str, Follow], model: mujoco.MjModel) -> dict[str, Follow]:
+    """The same between angles as they are."""
+
+    def zero(name: str) -> float:
+        return float(model.qpos0[model.jnt_qposadr[model.joint(name).id]])
+
+    return {
+        name: replace(follow, offset=zero(name) + follow.offset - follow.ratio * zero(follow.driver))
+        for name, follow in follows.items()
+    }
 
 
 def _without_meshes(spec: mujoco.MjSpec, path: Path) -> mujoco.MjModel:
@@ -120,16 +169,25 @@ def _without_meshes(spec: mujoco.MjSpec, path: Path) -> mujoco.MjModel:
     return spec.compile()
 
 
-def _tree(name: str, model: mujoco.MjModel, data: mujoco.MjData, urdf: dict[str, UrdfJoint], looks: Looks) -> Tree:
+def _tree(
+    name: str,
+    model: mujoco.MjModel,
+    data: mujoco.MjData,
+    urdf: dict[str, UrdfJoint],
+    follows: dict[str, Follow],
+    looks: Looks,
+) -> Tree:
+    held = _held(model, {name for name, told in urdf.items() if told.follows})
     joints: list[Joint] = []
     owner: dict[int, int] = {0: BASE}  # body -> the hinge that moves it
     for body in range(1, model.nbody):
         last = owner[int(model.body_parentid[body])]
         first = int(model.body_jntadr[body])
         for k in range(first, first + int(model.body_jntnum[body])):
-            told = urdf.get(model.joint(k).name)
-            if model.jnt_type[k] == mujoco.mjtJoint.mjJNT_HINGE and not (told and told.mimics):
-                joints.append(_joint(model, data, k, last, told))
+            called = model.joint(k).name
+            if model.jnt_type[k] == mujoco.mjtJoint.mjJNT_HINGE and called not in held:
+                joint = _joint(model, data, k, last, urdf.get(called))
+                joints.append(replace(joint, follows=follows.get(called)))
                 last = len(joints) - 1
         owner[body] = last
     rows: dict[int, list[int]] = {k: [] for k in range(BASE, len(joints))}
@@ -140,6 +198,18 @@ def _tree(name: str, model: mujoco.MjModel, data: mujoco.MjData, urdf: dict[str,
         seen = tuple(surface for body in bodies for surface in looks.surfaces.get(body, ()))
         parts[k] = replace(parts[k], surfaces=seen)
     return Tree(name, tuple(joints), tuple(parts[k] for k in range(len(joints))), parts[BASE], looks.left_out)
+
+
+def _held(model: mujoco.MjModel, mimics: set[str]) -> set[str]:
+    """Joints of a URDF that mimic others and carry some that do not: a limb goes on behind them."""
+    held: set[str] = set()
+    for k in range(model.njnt):
+        if model.joint(k).name not in mimics:
+            body = int(model.jnt_bodyid[k])
+            while body := int(model.body_parentid[body]):
+                first = int(model.body_jntadr[body])
+                held |= {model.joint(j).name for j in range(first, first + int(model.body_jntnum[body]))} & mimics
+    return held
 
 
 def _joint(model: mujoco.MjModel, data: mujoco.MjData, k: int, parent: int, told: UrdfJoint | None) -> Joint:

@@ -16,9 +16,18 @@ Motion = tuple[Floats, Floats]  # rotation (3, 3) and shift (3,) [m]
 BASE = -1  # stands for the base where an index of a joint is asked
 
 
+@dataclass(frozen=True)
+class Follow:
+    """How a hinge without a motor follows another one: its angle is offset + ratio times that one's."""
+
+    driver: str  # name of a hinge
+    ratio: float
+    offset: float  # [rad]
+
+
 @dataclass(frozen=True, eq=False)
 class Joint:
-    """One motorised hinge; what the file does not say is None."""
+    """One hinge; what the file does not say is None."""
 
     name: str
     parent: int  # index of the hinge before it, or BASE
@@ -33,6 +42,7 @@ class Joint:
     armature: float | None  # [kg m^2]
     friction: float | None  # [Nm]
     damping: float | None  # [Nm s/rad]
+    follows: Follow | None = None  # of one that no motor turns
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +71,7 @@ class Tree:
     joints: tuple[Joint, ...]
     parts: tuple[Part, ...]
     base: Part
-    left_out: tuple[str, ...] = ()  # of what is seen, and why
+    left_out: tuple[str, ...] = ()  # what of the file has no place here, in words
 
     @cached_property
     def children(self) -> dict[int, tuple[int, ...]]:

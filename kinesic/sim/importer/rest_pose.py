@@ -95,7 +95,7 @@ def with_exclusions(file: RobotFile, path: Path) -> RobotFile:
     gaps = CapsuleDistances(robot).gaps(random_postures(robot.skeleton, POSTURES))
     least = file.collision.clearance + ROOM
     overlaps = np.mean(gaps < 0.0, axis=0)
-    listed = []
+    listed = [*file.collision.exclude]
     for pair, rest, share in zip(robot.counted_pairs, gaps[0], overlaps, strict=True):
         if rest < least:
             listed.append(ExclusionTable(pair, f"{1000 * rest:.0f} mm apart at rest: their shapes are rough"))

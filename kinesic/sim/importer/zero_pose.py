@@ -56,7 +56,7 @@ def _limb(tree: Tree, sides: Sides, first: int) -> tuple[int, ...]:
     """From its first hinge to where it parts or only a finger is left, as long as both sides go along."""
     row = [first]
     while True:
-        onward = [k for k in tree.children[row[-1]] if k in sides.pairs]
+        onward = [k for k in tree.children[row[-1]] if k in sides.pairs and tree.joints[k].follows is None]
         least = FINGER * tree.parts[row[-1]].mass
         if len(onward) != 1 or tree.lump(tree.below(onward[0])).mass < least:
             return tuple(row)

@@ -1,7 +1,7 @@
 """One gesture played alone, as a document that asks for nothing else."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
@@ -44,8 +44,9 @@ def document(lexeme: str, mode: Mode = "unspecified", *, stroke: float = STROKE)
 
 
 def plan_gesture(form: GestureForm, setup: Setup, mode: Mode = "unspecified", *, stroke: float = STROKE) -> Plan:
-    """Plans one gesture from rest to rest."""
-    return plan(document(f"{form.category}={form.id}", mode, stroke=stroke), setup)
+    """Plans one gesture from rest to rest: itself, also where its hand cannot make its shapes."""
+    alone = replace(setup, lexicon=setup.lexicon.as_written)
+    return plan(document(f"{form.category}={form.id}", mode, stroke=stroke), alone)
 
 
 def stroke_error(planned: Plan) -> float:

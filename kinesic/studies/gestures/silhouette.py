@@ -23,7 +23,7 @@ _PALEST = 0.50  # share of white in the colour of what is farthest
 _EDGE, _EDGE_SHARE = 0.008, 0.3  # of white about each part, so that one shows before the other: [m], of its width
 _EYES: Colour = (0.95, 0.96, 0.97)
 
-# A hand for the eye, [m]: the robot has none of these.
+# A hand for the eye, [m], of a robot that has no fingers.
 _PALM_WIDTH, _PALM = 0.042, (0.012, 0.056)
 _FINGER_WIDTH, _EYE = 0.0105, 0.014
 _DOT = np.array([0.0, 0.003, 0.0])  # [m] a line of no length is not drawn
@@ -58,21 +58,23 @@ def silhouette(robot: Robot, angles: Floats, shapes: Mapping[Side, str | None]) 
     """Draws a posture, what is farther first.
 
     Args:
-        robot: whose capsules are drawn; hands have fingers, for the eye.
+        robot: whose capsules are drawn; hands without fingers get some, for the eye.
         angles: (n,) [rad].
-        shapes: of the hands; one that is not known is drawn relaxed.
+        shapes: of hands without fingers; one that is not known is drawn relaxed.
     """
     frames = robot.skeleton.frames(angles)
-    hands = {robot.arm(side).segments[-1] for side in SIDES}
+    plain = [side for side in SIDES if not robot.fingers(side)]
+    hands = {robot.arm(side).segments[-1] for side in plain}
+    owners = {name: side for side in SIDES for name in (*robot.arm(side).segments, *robot.fingers(side))}
     lines: list[PenStroke] = []
     for k, segment in enumerate(robot.skeleton.segments):
         if segment.name in hands or segment.parent is None:
             continue
         for capsule in segment.capsules:
-            owner = next((side for side in SIDES if segment.name in robot.arm(side).segments), "trunk")
+            owner = owners.get(segment.name, "trunk")
             ends = frames.origins[k] + np.stack([capsule.start, capsule.end]) @ frames.rotations[k].T
             lines.append(_line(ends, 2 * capsule.radius, owner))
-    for side in SIDES:
+    for side in plain:
         k, shape = robot.arm(side).wrist, find_shape(shapes.get(side) or "") or hand_shapes()["relaxed"]
         lines += [
             _line(frames.origins[k] + points @ frames.rotations[k].T, width, side)

@@ -120,8 +120,8 @@ def test_objects_know_their_places() -> None:
 
 
 def test_what_nobody_reads_is_warned_of() -> None:
-    block = parse('[{"type": "gesture", "lexeme": "beat", "handshape": "FLAT"}]')
-    assert [(notice.type, "handshape" in notice.text) for notice in block.notices] == [
+    block = parse('[{"type": "gesture", "lexeme": "beat", "palmor": "UP"}]')
+    assert [(notice.type, "palmor" in notice.text) for notice in block.notices] == [
         (NoticeType.CUSTOM_ATTRIBUTE_NOT_SUPPORTED, True)
     ]
 

@@ -3,7 +3,7 @@ import pytest
 
 from kinesic.body.config import ConfigError
 from kinesic.sim.importer.load import load_model, urdf_joints
-from kinesic.sim.importer.model_tree import BASE
+from kinesic.sim.importer.model_tree import BASE, Follow
 
 
 def named(tree, name):
@@ -12,11 +12,11 @@ def named(tree, name):
 
 def test_meshes_need_not_exist(tee, hanging):
     assert len(tee.joints) == 4 + 2 * 9 + 2 * 3
-    assert len(hanging.joints) == 1 + 2 * 6
+    assert len(hanging.joints) == 1 + 2 * 7
 
 
-def test_the_free_joint_and_mimics_are_held(tee, hanging):
-    assert not [joint.name for joint in hanging.joints if "mimic" in joint.name]
+def test_the_free_joint_is_held_and_mimics_are_known(tee, hanging):
+    assert {joint.name for joint in hanging.joints if joint.follows} == {"left_mimic_joint", "right_mimic_joint"}
     assert all(joint.name for joint in tee.joints)
 
 
@@ -92,8 +92,8 @@ def test_a_missing_file_is_named(tmp_path):
 def test_speeds_and_mimics_that_mujoco_drops(hanging_path):
     joints = urdf_joints(hanging_path)
     assert joints["left_elbow_joint"].speed == 3.5
-    assert joints["left_mimic_joint"].mimics
-    assert not joints["left_grip_joint"].mimics
+    assert joints["left_mimic_joint"].follows == Follow("left_grip", 1.0, 0.0)
+    assert joints["left_grip_joint"].follows is None
 
 
 def test_an_mjcf_has_none(tee_path):

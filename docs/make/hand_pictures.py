@@ -1,0 +1,88 @@
+"""Draws docs/hands.png: every hand shape on upper36 and on the human, from the front and from the side."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from PIL import Image, ImageDraw
+
+from kinesic.body.arrays import Floats
+from kinesic.body.robot import Robot
+from kinesic.expressivity.hands.fingers import finger_joints, shape_angles
+from kinesic.expressivity.lexicon.hand_shapes import hand_shapes
+from kinesic.face.render.camera import Camera
+from kinesic.face.render.figure import FigurePortrait
+from kinesic.face.render.portrait import Pixels
+from kinesic.sim.model import turn_order
+from kinesic.sim.scene_style import styled_model
+
+SIDE, LABEL, COLUMNS = 128, 14, 3  # [pixels] of a picture, of the line above it; shapes in a row
+VIEWS = (0.0, 90.0)  # [deg] round the hand: from the front, from the thumb's side
+AWAY = 1.6  # [m] of the camera
+SEEN = {"upper36": 0.155, "human": 0.205}  # [m] that a picture shows
+RAISED = {"shoulder_abduct": 45, "shoulder_flexion": 20, "elbow_flexion": 110, "elbow_twisting": -85}  # [deg]
+Draw = Callable[[Floats, Floats, float, float], Pixels]  # angles, middle, how much is seen, from where [deg]
+
+
+def raised(robot: Robot) -> Floats:
+    """(n,) [rad] at rest but for the left hand, which shows its palm."""
+    angles = robot.skeleton.rest.copy()
+    for name, degrees in RAISED.items():
+        angles[robot.skeleton.joint(f"l_{name}")] = np.radians(degrees)
+    for name in ("wrist_flexion", "wrist_pivot"):
+        angles[robot.skeleton.joint(f"l_{name}")] = 0.0
+    return robot.skeleton.clamp(angles)
+
+
+def of_capsules(robot: Robot) -> Draw:
+    """Draws a robot in MuJoCo."""
+    import mujoco  # noqa: PLC0415 - how it draws is settled when it is imported, after kinesic.sim
+
+    model = styled_model(robot, width=SIDE, height=SIDE)
+    data, order, renderer = mujoco.MjData(model), turn_order(robot, model), mujoco.Renderer(model, SIDE, SIDE)
+
+    def draw(angles: Floats, middle: Floats, seen: float, yaw: float) -> Pixels:
+        data.qpos[order] = robot.skeleton.turns(angles)
+        mujoco.mj_forward(model, data)
+        camera = mujoco.MjvCamera()
+        camera.lookat[:], camera.distance, camera.azimuth, camera.elevation = middle, AWAY, 180 + yaw, 0
+        model.vis.global_.fovy = 2 * np.degrees(np.arctan(seen / 2 / AWAY))
+        renderer.update_scene(data, camera=camera)
+        return renderer.render().copy()
+
+    return draw
+
+
+def of_skin(portrait: FigurePortrait) -> Draw:
+    """Draws the human."""
+
+    def draw(angles: Floats, middle: Floats, seen: float, yaw: float) -> Pixels:
+        field = 2 * np.degrees(np.arctan(seen / 2 / AWAY))
+        x, y, z = (float(value) for value in middle)
+        return portrait.draw(angles, {}, Camera(yaw, AWAY, field, pivot=(x, y, z)))
+
+    return draw
+
+
+def row(robot: Robot, name: str, draw: Draw) -> list[Pixels]:
+    """One shape, from each view."""
+    angles = raised(robot)
+    angles[list(finger_joints(robot, "l"))] = shape_angles(hand_shapes()[name], robot, "l")
+    frames, hand = robot.skeleton.frames(angles), robot.arm("l").wrist
+    middle = frames.origins[hand] - 0.42 * SEEN[robot.name] * frames.rotations[hand][:, 2]
+    return [draw(angles, middle, SEEN[robot.name], yaw) for yaw in VIEWS]
+
+
+robots = {name: Robot.load(name) for name in SEEN}
+names = list(hand_shapes())
+with FigurePortrait(robots["human"].skeleton, size=(SIDE, SIDE)) as portrait:
+    bodies = {"upper36": of_capsules(robots["upper36"]), "human": of_skin(portrait)}
+    rows = {name: [p for body, draw in bodies.items() for p in row(robots[body], name, draw)] for name in names}
+wide, tall = len(VIEWS) * len(SEEN) * SIDE, SIDE + LABEL
+sheet = Image.new("RGB", (COLUMNS * wide, -(-len(names) // COLUMNS) * tall), "white")
+for k, name in enumerate(names):
+    x, y = k % COLUMNS * wide, k // COLUMNS * tall
+    for place, pixels in enumerate(rows[name]):
+        sheet.paste(Image.fromarray(pixels), (x + place * SIDE, y + LABEL))
+    ImageDraw.Draw(sheet).text((x + 3, y + 1), name, fill="black")
+sheet.quantize(160).save(Path(__file__).parents[1] / "hands.png", optimize=True)

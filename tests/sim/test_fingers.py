@@ -1,0 +1,36 @@
+"""Where fingers are, whatever the arm does and however they are bent."""
+
+import numpy as np
+import pytest
+
+from kinesic.body.robot import SIDES, Robot
+from kinesic.sim.fingers import FingerPlaces
+from kinesic.sim.kinematics import body_frames
+from kinesic.sim.worst_postures import random_postures
+
+ROBOT = Robot.load("upper36")
+
+
+@pytest.mark.parametrize("side", SIDES)
+@pytest.mark.parametrize("still", [True, False])
+def test_fingers_are_where_the_whole_skeleton_has_them(side, still):
+    postures = random_postures(ROBOT.skeleton, 7, seed=3)
+    if still:
+        postures[:, list(ROBOT.arm(side).fingers)] = postures[0, list(ROBOT.arm(side).fingers)]
+    places, frames = FingerPlaces(ROBOT, side), ROBOT.skeleton.frames(postures)
+    for _ in range(2):  # the second time from memory
+        starts, ends = places.ends(postures, body_frames(ROBOT, postures))
+        for k, (owner, capsule) in enumerate(places.capsules):
+            for found, point in ((starts[k], capsule.start), (ends[k], capsule.end)):
+                true = frames.origins[:, owner] + frames.rotations[:, owner] @ point
+                np.testing.assert_allclose(found.T, true, atol=1e-12)
+
+
+def test_what_is_remembered_is_not_taken_for_other_fingers():
+    places = FingerPlaces(ROBOT, "l")
+    one, other = random_postures(ROBOT.skeleton, 2, seed=4)[:, None]
+    first, _ = places.ends(one, body_frames(ROBOT, one))
+    second, _ = places.ends(other, body_frames(ROBOT, other))
+    again, _ = places.ends(one, body_frames(ROBOT, one))
+    assert not np.allclose(first, second)
+    np.testing.assert_array_equal(first, again)

@@ -1,0 +1,38 @@
+"""Hands in pictures: fingers of the robot where it has some, else fingers for the eye."""
+
+import numpy as np
+import pytest
+
+from kinesic.body.robot import SIDES, Robot
+from kinesic.controller.perform import set_up
+from kinesic.expressivity.lexicon.hand_shapes import hand_shapes
+from kinesic.studies.gestures.isolated import key_postures, plan_gesture
+from kinesic.studies.gestures.silhouette import hand_outline, project, silhouette
+
+
+@pytest.mark.parametrize("side", SIDES)
+def test_fingers_of_the_robot_are_drawn_where_they_are_and_no_others(side):
+    robot = Robot.load("upper36")
+    lines = [line for line in silhouette(robot, robot.skeleton.rest, {side: "index"}) if line.owner == side]
+    arm = (*robot.arm(side).segments, *robot.fingers(side))
+    assert len(lines) == sum(len(robot.skeleton.segments[robot.skeleton.segment(name)].capsules) for name in arm)
+    frames, tip = robot.skeleton.resting, robot.finger_tips(side)["index"]
+    end = project(frames.origins[tip.segment] + frames.rotations[tip.segment] @ tip.place)
+    assert min(np.linalg.norm(line.points - end, axis=1).min() for line in lines) < 1e-9
+
+
+def test_a_hand_without_fingers_gets_some_for_the_eye():
+    robot = Robot.load("upper22")
+    lines = [line for line in silhouette(robot, robot.skeleton.rest, {"l": "index"}) if line.owner == "l"]
+    arm = robot.arm("l").segments[:-1]
+    bones = sum(len(robot.skeleton.segments[robot.skeleton.segment(name)].capsules) for name in arm)
+    assert len(lines) == bones + len(hand_outline(robot, "l", hand_shapes()["index"]))
+
+
+def test_keys_of_fingers_alone_are_no_key_postures():
+    known = set_up("upper36")
+    form = known.lexicon.forms_by_id["air_quotes"]  # whose fingers move while the stroke lasts
+    show = key_postures(form, plan_gesture(form, known), 6)
+    arms = [joint for side in SIDES for joint in known.robot.arm(side).joints]
+    rest = known.robot.skeleton.rest[arms]
+    assert all(np.abs(angles[arms] - rest).max() > 0.3 for angles in show.postures)
