@@ -20,7 +20,7 @@ SET_HELP = (
 )
 VOICE_HELP = "Who speaks: espeak is heard, durations is silent; auto takes espeak where it is installed."
 CHARACTER_HELP = "Which of several characters the robot is; without it, the one that a block is for, or the first."
-IDLE_HELP = "How much breath, sway, glances and blinks there are in pauses: 0 none, 1 a little, 2 twice as much."
+IDLE_HELP = "How much breath, sway, drift of held hands, glances and blinks: 0 none, 1 a little, 2 twice as much."
 VARIATION_HELP = "How far gestures differ from one another: 0 not at all, 1 as a person's, 2 twice as far."
 PAUSE_HELP = "Longest pause before a word for which the body would be late, unless documents say otherwise."
 

@@ -60,7 +60,7 @@ def head_form(head: Head, robot: Robot, manner: Expressivity) -> HeadForm | None
 
     A nod of amount a peaks at a x 20 deg, a shake at a x 25 deg to each side, a direction at a x 30 deg on each
     axis that its words name: up and down tilt, left and right turn, and roll when the word is aside or tilt. A
-    direction that is repeated is gone to and left again, as a nod is.
+    direction that is repeated is gone to and left again, as a nod is. A head that stays upright is held, once.
     Spatial extent from -1 to 1 makes all of them up to half smaller or larger; repetition nods or shakes up to
     `MORE` times more.
 
@@ -76,14 +76,16 @@ def head_form(head: Head, robot: Robot, manner: Expressivity) -> HeadForm | None
         name.kind,
         {"nod": Turn(tilt=NOD), "shake": Turn(torsion=SHAKE)}.get(name.kind) or direction(name.words),
     )
-    if kind == "direction" and head.repetition > 1:
-        kind = "nod"
     peak = scale_turn(peak, head.amount * amplitude_factor(name.words) * (1 + 0.5 * manner.spatial))
-    within = room(robot, "neck")
+    within, strokes, substitute = room(robot, "neck"), max(1, head.repetition), name.stands_for
     lost = excess(peak, within)
+    if strokes > 1 and clip_turn(peak, within) == UPRIGHT:
+        strokes, substitute = 1, "an upright head is held: its strokes would be no motion"
+    if kind == "direction" and strokes > 1:
+        kind = "nod"
     why = f"{lost:.1f} deg beyond the neck's range are left out" if lost > 0.05 else ""
     more = 0 if kind == "direction" else round(MORE * max(0.0, manner.repetition))
-    return HeadForm(kind, clip_turn(peak, within), max(1, head.repetition), name.stands_for, why, more)
+    return HeadForm(kind, clip_turn(peak, within), strokes, substitute, why, more)
 
 
 def swing_time(form: HeadForm, pace: Pace, manner: Expressivity) -> float:

@@ -1,8 +1,8 @@
-"""Idle motion in pauses: the trunk breathes and shifts its weight, and the gaze wanders a little.
+"""Idle motion in pauses: the trunk shifts its weight, and the gaze wanders a little, both in time with breath.
 
-It is motion like any other, written as layers of torso and head: it adds to whatever they hold, and passes the same
-conditioning. It fills the pauses in which no part moves, and begins and ends at nothing, so that it is over before
-anything else begins.
+Breath itself goes on through all that is done (`kinesic.planning.secondary`). What is here is motion like any other,
+written as layers of torso and head: it adds to whatever they hold, and passes the same conditioning. It fills the
+pauses in which no part moves, and begins and ends at nothing, so that it is over before anything else begins.
 """
 
 from collections.abc import Iterable, Iterator
@@ -16,7 +16,7 @@ from kinesic.body.robot import Robot
 from kinesic.expressivity.gather import Sequences
 from kinesic.expressivity.hands.poses import REST
 from kinesic.expressivity.keyframes import Turn
-from kinesic.expressivity.turns import UPRIGHT, Layer, TurnKey, add_turns
+from kinesic.expressivity.turns import UPRIGHT, Layer, TurnKey
 
 Span = tuple[float, float]  # [s] from and to
 
@@ -76,7 +76,7 @@ def idle(free: Iterable[Span], idling: Idling) -> tuple[Layer, Layer]:
     for begin, end in free:
         if end - begin - 2 * MARGIN >= LEAST_PAUSE:
             times = _breaths((begin + MARGIN, end - MARGIN), chance)
-            torso += [TurnKey(times[0], UPRIGHT), *_breathing(times, amount, chance), TurnKey(times[-1], UPRIGHT)]
+            torso += [TurnKey(times[0], UPRIGHT), *_swaying(times, amount, chance), TurnKey(times[-1], UPRIGHT)]
             head += [TurnKey(times[0], UPRIGHT), *_wandering(times, amount, chance), TurnKey(times[-1], UPRIGHT)]
     return tuple(torso), tuple(head)
 
@@ -123,15 +123,14 @@ def _breaths(span: Span, chance: np.random.Generator) -> list[float]:
     return [float(time) for time in span[0] + (span[1] - span[0]) * np.append(0.0, np.cumsum(shares)) / shares.sum()]
 
 
-def _breathing(times: list[float], amount: float, chance: np.random.Generator) -> Iterator[TurnKey]:
-    """In goes the trunk back, out forward again; at some breaths the weight shifts to a side."""
+def _swaying(times: list[float], amount: float, chance: np.random.Generator) -> Iterator[TurnKey]:
+    """At some breaths the weight shifts to a side."""
     weight = UPRIGHT
     for k, time in enumerate(times[1:-1], 1):
         if k % 4 == 1:
             aside, turned = amount * SWAY * chance.uniform(-1.0, 1.0, 2)
             weight = Turn(torsion=float(turned), roll=float(aside))
-        full = k % 2 * float(chance.uniform(0.7, 1.0))
-        yield TurnKey(time, add_turns(weight, Turn(tilt=-amount * RISE * full)))
+        yield TurnKey(time, weight)
 
 
 def _wandering(times: list[float], amount: float, chance: np.random.Generator) -> Iterator[TurnKey]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from math import inf
 from types import MappingProxyType
 
 from kinesic.bml.block import (
@@ -27,7 +28,6 @@ from kinesic.bml.block import (
     refusal,
 )
 from kinesic.bml.timing.constraints import placed_points
-from kinesic.bml.timing.points import is_repeated
 from kinesic.bml.timing.words import find_words
 from kinesic.body.robot import PartName
 from kinesic.expressivity.behaviours import (
@@ -39,6 +39,7 @@ from kinesic.expressivity.behaviours import (
     look_moves,
     pointing_move,
     torso_move,
+    without_upright,
 )
 from kinesic.expressivity.context import BlockContext
 from kinesic.expressivity.face.tracks import outcome
@@ -81,7 +82,7 @@ def keyframes(
     outcomes |= {id: move.outcome for id, move in moves.items()}
     _check_required(timeline.block, outcomes)
     uses = {id: _uses(id, move, hands) for id, move in moves.items()}
-    done = {work.id: work.poses.times for work in hands.works}
+    done = {work.id: work.poses.times for work in hands.works} | _still_heads(moves)
     timeline = replace(timeline, timed=tuple(_actual_syncs(timed, hands.times, done) for timed in timeline.timed))
     syncs = [
         SyncPoint(time, timed.behaviour.id, sync)
@@ -143,13 +144,20 @@ def _sequences(
     return add_idle_motion(sequences, (timeline.start, timeline.end), context.shared.idling, context.robot)
 
 
+def _still_heads(moves: Mapping[str, Move]) -> dict[str, int]:
+    """Of behaviours whose head stays upright: one stroke, whatever was asked."""
+    return {id: 1 for id, move in moves.items() if move.head and not any(map(without_upright, move.head))}
+
+
 def _actual_syncs(
     timed: TimedBehaviour, moved: Mapping[str, Mapping[str, float]], done: Mapping[str, int]
 ) -> TimedBehaviour:
     """Moves the sync points that neighbours of its hands changed, and leaves out strokes that are not done again."""
     id, action = timed.behaviour.id, timed.behaviour.action
     times = {**timed.times, **moved.get(id, {})}
-    beyond = [s for s in times if is_repeated(action, s) and int(s.partition(":")[2]) > done.get(id, 1)]
+    known = done.get(id, 1 if isinstance(action, Gesture) else inf)
+    strokes = [sync for sync in times if isinstance(action, Gesture | Head) and sync.startswith("stroke:")]
+    beyond = {sync for sync in strokes if int(sync.partition(":")[2]) > known}
     return replace(timed, times={sync: time for sync, time in times.items() if sync not in beyond})
 
 

@@ -26,6 +26,9 @@ GOLDEN = (sqrt(5.0) - 1.0) / 2.0  # step of a sequence on the circle whose neigh
 SPATIAL = 0.5  # most that spatial extent differs, like all of these at amount 1
 TEMPORAL = 0.3  # and temporal extent: an eighth of the time of each phase; half of it follows from the size
 PLACE = 0.05  # [arm lengths] along each axis: 3 cm of a person
+APART = 0.04  # [arm lengths] along each axis, that the left hand of two is beside the mirror image of the right one
+TOGETHER = 0.45  # [arm lengths] from hand to hand, below which they stay mirror images
+OUTWARD = 1  # among the coordinates of a place
 OTHER_HAND = 0.25  # share of gestures that the other hand makes, where the document leaves it open
 EITHER_HAND = frozenset(("beat", "iconic", "metaphoric"))  # categories without a hand of their own
 
@@ -49,12 +52,13 @@ class Deviation:
     spatial: float  # of the spatial extent
     temporal: float  # of the temporal extent
     place: Floats  # (3,) forward, outward, up [arm lengths] of all stroke keys
+    apart: Floats  # (3,) likewise of the left hand of two, beside that
     other_hand: bool  # whether the hand that would not have been taken makes it, where either may
 
     @property
     def in_place(self) -> "Deviation":
         """The same without what would take a hand from its place."""
-        return replace(self, spatial=0.0, place=HERE)
+        return replace(self, spatial=0.0, place=HERE, apart=HERE)
 
     def style(self, style: Style) -> Style:
         """Changes the style of a behaviour, inside the ranges of its numbers; the body is as large as the hands."""
@@ -73,22 +77,31 @@ class Deviation:
         """Shifts the stroke keys of a gesture; fixed axes, hands that touch and rest poses stay where they are."""
         if form.rest or not self.place.any():
             return form
-        return replace(form, keys=tuple(self._key(key, robot) for key in form.keys))
+        apart = HERE if _hands_meet(form) else self.apart
+        return replace(form, keys=tuple(self._key(key, apart, robot) for key in form.keys))
 
     def order_hands(self, options: list[GestureForm]) -> list[GestureForm]:
         """Puts the other hand first where it makes the gesture."""
         return options[::-1] if self.other_hand and options[0].category in EITHER_HAND else options
 
-    def _key(self, key: StrokeKey, robot: Robot) -> StrokeKey:
-        moved = StrokeKey({side: self._pose(pose, robot) for side, pose in key.hands.items()})
+    def _key(self, key: StrokeKey, apart: Floats, robot: Robot) -> StrokeKey:
+        shifts = {"l": self.place + apart, "r": self.place}
+        moved = StrokeKey({side: _shift_pose(pose, shifts[side], robot) for side, pose in key.hands.items()})
         return moved if all(pose.fixed[1] or pose.touch for pose in key.hands.values()) else spread_hands(moved)
 
-    def _pose(self, pose: HandPose, robot: Robot) -> HandPose:
-        if pose.touch is not None:
-            return pose
-        shift = sealed(np.where(pose.fixed, 0.0, self.place))
-        path = pose.path and pose.path.mapped(pose.path.amplitude, lambda point: sealed(point + shift))
-        return replace(pose, position=shift_position(pose.position, shift, robot), path=path)
+
+def _hands_meet(form: GestureForm) -> bool:
+    """Whether both hands come so near that what they do, they do to one another; or there is one hand alone."""
+    gaps = [sum(pose.position[OUTWARD] for pose in key.hands.values()) for key in form.keys if len(key.hands) > 1]
+    return min(gaps, default=0.0) < TOGETHER
+
+
+def _shift_pose(pose: HandPose, shift: Floats, robot: Robot) -> HandPose:
+    if pose.touch is not None:
+        return pose
+    free = sealed(np.where(pose.fixed, 0.0, shift))
+    path = pose.path and pose.path.mapped(pose.path.amplitude, lambda point: sealed(point + free))
+    return replace(pose, position=shift_position(pose.position, free, robot), path=path)
 
 
 def needs_place(form: GestureForm) -> bool:
@@ -121,11 +134,13 @@ def _deviation(block: Block, behaviour: Behaviour, number: int, variation: Varia
     chance = np.random.default_rng((variation.seed, crc32(f"{block.id}:{behaviour.id}".encode()), number))
     extent = 2.0 * ((first + number * GOLDEN) % 1.0) - 1.0
     temporal, *place = chance.uniform(-1.0, 1.0, 4)
+    other_hand = float(chance.uniform()) < variation.amount * OTHER_HAND
     return Deviation(
         spatial=variation.amount * SPATIAL * extent,
         temporal=variation.amount * TEMPORAL * (float(temporal) - extent) / 2.0,  # what is larger takes longer
         place=sealed(variation.amount * PLACE * np.array(place)),
-        other_hand=float(chance.uniform()) < variation.amount * OTHER_HAND,
+        apart=sealed(variation.amount * APART * chance.uniform(-1.0, 1.0, 3)),
+        other_hand=other_hand,
     )
 
 

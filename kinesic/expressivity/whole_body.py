@@ -1,8 +1,9 @@
 """The whole body in gestures: head, trunk and eyes go along with the hands, and give way to what is asked of them.
 
 Like the hands they begin with the preparation, are there at the stroke, stay while the hands are held and go home with
-them; between gestures that follow one another they do not go home. They do no more than what time allows, so that no
-stroke waits for them. An axis that a behaviour of the document turns meanwhile is left to it.
+them; between gestures that follow one another they do not go home, but the head turns back where a hand waits for the
+next. They do no more than what time allows, so that no stroke waits for them. An axis that a behaviour of the document
+turns meanwhile is left to it.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -36,6 +37,8 @@ from kinesic.expressivity.turns import (
 
 HASTE = 0.5  # share of the time from key to key that head and trunk may need
 EASE, HOME = 0.5, 0.8  # [s] of the way there and back, where the document leaves none
+LONG_WAIT = 0.8  # [s] from one gesture to the next, in which the head turns back to the listener
+WAITING = 0.3  # share of its turn that it keeps meanwhile
 FAR = 1.0  # [m] of what a hand points at, where nothing is named
 WIDEST: Mapping[LookAt, float] = {"hands": radians(14), "place": radians(35)}  # that the head turns to look
 LEAD_IN = 0.3  # of a nod that the head goes up before it
@@ -265,6 +268,9 @@ def _join(courses: Sequence[_Course], pace: Pace, chain: str) -> Layer:
             add(course.start, UPRIGHT, course.manner, "retraction")
         else:
             add(min(last.leave, course.start), keys[-1].turn, last.manner, "hold")
+            if chain == "neck" and course.start - keys[-1].time >= LONG_WAIT:
+                add(keys[-1].time + EASE, scale_turn(keys[-1].turn, WAITING), last.manner, "retraction")
+                add(course.start, keys[-1].turn, last.manner, "hold")
         for time, turn in course.keys:
             add(time, turn, course.manner, "stroke")
         last = course

@@ -60,20 +60,19 @@ class Grid:
     @cached_property
     def closeness_bands(self) -> Floats:
         """(3, k + 3) `closeness`, upper form: two beside the diagonal, one, the diagonal."""
-        return _banded(self.closeness, 2)
-
-    @cached_property
-    def calmness(self) -> "scipy.sparse.csc_array":
-        """(k + 3, k + 3) quadratic form of acceleration and jerk: the sum of their squares."""
-        second, third = np.array([1.0, -2.0, 1.0]), np.array([-1.0, 3.0, -3.0, 1.0]) * CALM / self.step
-        bend = scipy.sparse.diags_array(second, offsets=[0, 1, 2], shape=(self.pieces + 1, self.size))
-        turn = scipy.sparse.diags_array(third, offsets=[0, 1, 2, 3], shape=(self.pieces, self.size))
-        return (bend.T @ bend + turn.T @ turn + ANCHOR * scipy.sparse.eye_array(self.size)).tocsc()
+        bands = np.zeros((3, self.size))
+        _add_squares(bands, np.array([1.0, 4.0, 1.0]) / 6)
+        _add_squares(bands, np.sqrt(SMOOTHNESS) * np.array([1.0, -2.0, 1.0]) / self.step**2)
+        return bands
 
     @cached_property
     def calmness_bands(self) -> Floats:
-        """(4, k + 3) `calmness`, upper form."""
-        return _banded(self.calmness, 3)
+        """(4, k + 3) quadratic form of acceleration and jerk, the sum of their squares: upper form."""
+        bands = np.zeros((4, self.size))
+        _add_squares(bands, np.array([1.0, -2.0, 1.0]))
+        _add_squares(bands, np.array([-1.0, 3.0, -3.0, 1.0]) * CALM / self.step)
+        bands[-1] += ANCHOR
+        return bands
 
     def stencils(self, limits: Limits, hinge: int) -> Floats:
         """(4, 4) shares that neighbouring control points have in the limits of a hinge, which are scaled to 1.
@@ -149,12 +148,12 @@ class Grid:
         return max(float(np.abs(share).max()) for share in self.shares(controls, limits, hinge))
 
 
-def _banded(form: "scipy.sparse.csc_array", width: int) -> Floats:
-    """(width + 1, k) diagonals of a banded form, upper form."""
-    bands = np.zeros((width + 1, form.shape[0]))
-    for offset in range(width + 1):
-        bands[width - offset, offset:] = form.diagonal(offset)
-    return bands
+def _add_squares(bands: Floats, stencil: Floats) -> None:
+    """Adds the sum of the squares of a stencil, applied wherever it fits, to the bands (w + 1, n) of a form."""
+    count = bands.shape[1] - len(stencil) + 1
+    for column, share in enumerate(stencil):
+        for row, other in enumerate(stencil[: column + 1]):
+            bands[len(bands) - 1 - (column - row), column : column + count] += share * other
 
 
 @lru_cache(maxsize=512)

@@ -6,8 +6,9 @@ the path that is nearest to the desired one. Keys on a path of a hand only shape
 becomes smaller.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -16,8 +17,10 @@ from kinesic.body.limits import Limits
 from kinesic.motion.bspline import grid
 from kinesic.motion.budget import ENDLESS, Budget
 from kinesic.motion.desired import DesiredMotion, join_keys
-from kinesic.motion.key_times import Bottleneck, Search
+from kinesic.motion.infeasibility import Bottleneck
+from kinesic.motion.key_times import Search
 from kinesic.motion.keys import Bond, KeyPosture, Keys, Pair
+from kinesic.motion.plane_memory import PlaneMemory
 from kinesic.motion.segments import SplineSegment, pieces, segments
 from kinesic.motion.spline_program import WITHIN, nearest_within_limits, nearest_without_limits
 from kinesic.motion.trajectory import STEP, Trajectory
@@ -38,6 +41,21 @@ class Conditioned:
     bottlenecks: Mapping[Pair, Bottleneck]  # what was too fast as asked, between which keys
     lost: Floats  # (n,) [rad] root mean square distance from the desired motion at the planned times
 
+    def bottleneck_near(self, time: float, hinges: Collection[int]) -> Bottleneck | None:
+        """Finds the limit that was met nearest to an asked time [s], at best by one of some hinges."""
+        found, (begins, ends) = self._met
+        if not found:
+            return None
+        away = np.maximum(np.maximum(begins - time, time - ends), 0.0)
+        nearest = [found[k] for k in np.flatnonzero(away == away.min())]
+        return next((met for met in nearest if met.hinge in hinges), nearest[0])
+
+    @cached_property
+    def _met(self) -> tuple[list[Bottleneck], Floats]:
+        """What was too fast, and (2, k) [s] between which asked times."""
+        pairs = np.array([*self.bottlenecks], dtype=np.intp).reshape(-1, 2)
+        return [*self.bottlenecks.values()], self.asked[pairs.T]
+
 
 def condition(
     postures: tuple[KeyPosture, ...],
@@ -48,6 +66,7 @@ def condition(
     ease: float = 1.0,
     make_desired: MakeDesired = join_keys,
     budget: Budget = ENDLESS,
+    memory: PlaneMemory | None = None,
 ) -> Conditioned:
     """Conditions key postures into the nearest motion within the limits.
 
@@ -59,17 +78,19 @@ def condition(
         ease: share of the limits for key times; below 1 there is time to stay nearer to the desired motion.
         make_desired: the desired motion, of which only the angles are used.
         budget: for the search of key times; hinges rest at their keys where it is spent.
+        memory: of what earlier searches found out about the same hinges; it is left what this one found.
 
     Raises:
         ArithmeticError: a hinge cannot move within its limits, however slowly.
     """
     keys = Keys.of(postures, limits, bonds)
     eased = limits.times(ease)
-    search, finder = Search(keys, eased, lead_in, budget), NearestFinder(keys, eased, make_desired)
+    search, finder = Search(keys, eased, lead_in, budget, memory), NearestFinder(keys, eased, make_desired)
     found = finder.find(search.times)
     while isinstance(found, SplineSegment):
         search.avoid(found)
         found = finder.find(search.times)
+    search.remember()
     if ease < 1.0:
         nearer = NearestFinder(keys, limits, make_desired).find(search.times)
         found = found if isinstance(nearer, SplineSegment) else nearer

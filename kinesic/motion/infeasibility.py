@@ -12,6 +12,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.body.limits import Limits
+from kinesic.motion.key_time_lp import CuttingPlane
 from kinesic.motion.segments import SplineSegment
 from kinesic.motion.spline_program import relax_limits, smoothest
 from kinesic.motion.trajectory import spline_weights
@@ -24,7 +25,18 @@ ACCELERATING = np.array([1 / 3, -1 / 6, 1 / 3])  # control points at angle 0 and
 SPARE = -0.01  # amount below which nobody asks for slopes
 UNEVEN = 0.1  # share of the slopes that do not sum to 0, as they must: moving all keys together changes nothing
 FLAT = 0.5  # [1/s] slopes that are too small to be believed
+MARGIN = 0.002  # of the time, that a plane asks for beside what is lacking, so that a motion is found quickly
+KINK = 0.1  # [1/s] slopes that lead nowhere
 NOTABLE = 0.05  # share of all multipliers that makes a limit bind in a gap
+
+
+@dataclass(frozen=True)
+class Bottleneck:
+    """The hinge and limit that a motion meets first."""
+
+    hinge: int
+    quantity: Quantity
+    ratio: float  # by which the time is too short
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +71,32 @@ def measure_shortage(segment: SplineSegment, limits: Limits) -> Infeasibility | 
     total = float(np.abs(slopes).sum())
     even = slopes - slopes.sum() * np.abs(slopes) / total if total else slopes
     return Infeasibility(found.amount, even, found.binding, found.controls, programs)
+
+
+def planes_before(segment: SplineSegment, found: Infeasibility, times: Floats) -> list[CuttingPlane]:
+    """Finds planes before key times (m,) [s] that are too short for a segment: its shortage, linearised.
+
+    At a kink, where there is no direction, each gap in which a limit binds grows instead.
+    """
+    amount = max(found.amount, 0.0) + MARGIN
+    if np.abs(found.slopes).max() > KINK:
+        slopes = _over_all_keys(segment, found.slopes, len(times))
+        return [CuttingPlane(slopes, float(slopes @ times) - amount)]
+    planes = []
+    for k in (k for k, quantity in enumerate(found.binding) if quantity is not None):
+        gap = np.zeros(len(segment.marks))
+        gap[k : k + 2] = 1.0, -1.0
+        slopes = _over_all_keys(segment, gap, len(times))
+        planes.append(CuttingPlane(slopes, float(slopes @ times) * float(np.exp(amount))))
+    return planes
+
+
+def _over_all_keys(segment: SplineSegment, slopes: Floats, count: int) -> Floats:
+    """(count,) over all key times, from (m + 2,) over start, keys and end of a segment."""
+    spread = np.zeros(count)
+    for marks, slope in zip(segment.marks, slopes, strict=True):
+        spread[list(marks)] += slope / len(marks)
+    return spread
 
 
 @dataclass(frozen=True, eq=False)

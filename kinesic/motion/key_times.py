@@ -10,7 +10,6 @@ even that leads to no end, the hinge rests at each of its keys, which is always 
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise, takewhile
 
@@ -19,10 +18,18 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.body.limits import Limits
 from kinesic.motion.budget import ENDLESS, Budget
-from kinesic.motion.infeasibility import Infeasibility, Quantity, guess_share, measure_shortage
+from kinesic.motion.infeasibility import (
+    MARGIN,
+    Bottleneck,
+    Infeasibility,
+    guess_share,
+    measure_shortage,
+    planes_before,
+)
 from kinesic.motion.key_time_lp import CuttingPlane, KeyTimeProblem, relax_key_times, strain
 from kinesic.motion.keys import SAME, Keys, Pair
 from kinesic.motion.least_gaps import Gaps, Way, full_speed, rest_to_rest
+from kinesic.motion.plane_memory import PlaneMemory
 from kinesic.motion.segments import SplineSegment, tight_segments
 from kinesic.motion.stretching import stretch_until_enough
 from kinesic.motion.trajectory import STEP
@@ -32,28 +39,19 @@ LOOKS = 150_000  # pieces of segments that are measured before what is short res
 KEYS = 400  # in whose linear program there is the work of as many pieces; it grows with their square
 REPEATS = 2  # strokes once more, from which on times are stretched before any plane is tried
 STRETCHES = 6  # of a way before its hinge rests
-MARGIN = 0.002  # of the time, kept so that a motion is found quickly
 LONGER = 1.1  # on rests that do not suffice after all
 LONGEST = 100.0  # times as long as a rest should suffice, before nothing does
 ROUGH = 1.3  # share of a limit on a smooth way that makes a segment suspect
-FLAT = 0.1  # [1/s] slopes that lead nowhere
 ABOUT = 2.0  # [s] about what is short that are stretched with it
 NEAR = 0.02  # share of the time within which a segment is looked at again
-
-
-@dataclass(frozen=True)
-class Bottleneck:
-    """The hinge and limit that a motion meets first."""
-
-    hinge: int
-    quantity: Quantity
-    ratio: float  # by which the time is too short
 
 
 class Search:
     """A search for feasible key times, which goes on with each segment that turns out to be infeasible."""
 
-    def __init__(self, keys: Keys, limits: Limits, lead_in: float, budget: Budget = ENDLESS) -> None:
+    def __init__(
+        self, keys: Keys, limits: Limits, lead_in: float, budget: Budget = ENDLESS, memory: PlaneMemory | None = None
+    ) -> None:
         """Begins with the asked times, or the nearest with which full speeds would do.
 
         Args:
@@ -61,6 +59,7 @@ class Search:
             limits: of all hinges.
             lead_in: [s] by which the first key may come earlier.
             budget: for the pieces that are measured; where it is spent, what is short rests.
+            memory: of planes that other searches have found for the same hinges.
         """
         self._keys, self._limits, self._lead_in, self._budget = keys, limits, lead_in, budget
         self.met: dict[Pair, Bottleneck] = {}  # what was too fast as asked, between which keys
@@ -75,6 +74,8 @@ class Search:
         self._lengthen_to_full_speed()
         spaced = all(keys.asked[j] - keys.asked[i] >= gap - SAME for (i, j), gap in self._gaps.items())
         self.times = keys.asked if spaced else relax_key_times(self._problem(self._gaps))
+        self._memory = memory or PlaneMemory()
+        self._recall()
 
     def avoid(self, lost: SplineSegment) -> None:
         """Moves the times until every segment that is known to lack time has a motion again.
@@ -100,9 +101,28 @@ class Search:
             elif not self._stretch(stretched):
                 continue
             about = {way for segment, _ in lacking for way in _ways(segment)}
-            near = [segment for segment in self._segments(self.times) if self._near(segment)]
+            near = [segment for segment in self._segments(self.times, self._moved_hinges) if self._near(segment)]
             tight = [segment for segment in near if not about.isdisjoint(_ways(segment))]
             lacking = self._lacking(tight) or self._lacking(near)
+
+    def remember(self) -> None:
+        """Leaves the planes of this search to the next."""
+        self._memory.keep(self._keys, self._limits, self._cuts, self.met)
+
+    def _recall(self) -> None:
+        """Begins with the planes that are known already, unless rests would do better."""
+        cuts, met = self._memory.recall(self._keys, self._limits)
+        planes = [cut for own in cuts.values() for cut in own]
+        if not any(cut.slopes @ self.times > cut.bound for cut in planes):
+            return
+        try:
+            times = relax_key_times(self._problem(self._gaps, planes))
+        except ArithmeticError:  # planes of other keys that leave no times between these
+            return
+        if strain(self._keys, times) <= self._enough:
+            self.times, self._cuts = times, cuts
+            for pair, found in met.items():
+                self._meet(pair, found)
 
     def _rest_wherever_short(self, lost: SplineSegment) -> None:
         """Lets hinges rest in a segment that lacks time, and at once wherever else a smooth way exceeds a limit."""
@@ -131,7 +151,7 @@ class Search:
             self._drop_cuts(ways)
             self._spans |= dict.fromkeys(ways, 0.0)
         else:
-            self._cut_off(segment, found)
+            self._cuts.setdefault(segment.hinge, []).extend(planes_before(segment, found, self.times))
 
     def _shortage(self, segment: SplineSegment) -> Infeasibility | None:
         """Remembered by keys and places, which determine it: many a segment stays the same when others move."""
@@ -143,9 +163,15 @@ class Search:
             self._looked += work
         return self._shortages[known]
 
-    def _segments(self, times: Floats) -> Iterator[SplineSegment]:
-        """Those of a motion that may lack time, each as short as can be."""
-        return tight_segments(times, self._keys, STEP, self._rests_of_hinges)
+    def _segments(self, times: Floats, hinges: Iterable[int] | None = None) -> Iterator[SplineSegment]:
+        """Those of a motion that may lack time, each as short as can be; of all hinges, if none are given."""
+        every = range(len(self._keys.own)) if hinges is None else hinges
+        return tight_segments(times, self._keys, STEP, self._rests_of_hinges, every)
+
+    @property
+    def _moved_hinges(self) -> list[int]:
+        """Hinges for which times have moved: those with planes or spans."""
+        return sorted({hinge for hinge, cuts in self._cuts.items() if cuts} | {hinge for hinge, _ in self._spans})
 
     def _suspect(self, segment: SplineSegment) -> bool:
         return guess_share(segment, self._limits) > ROUGH
@@ -161,19 +187,6 @@ class Search:
         again = sum(bool(self._keys.again[key]) for key in {key for _, pair in ways for key in pair})
         return again >= REPEATS and segment.turns >= 2 * again
 
-    def _cut_off(self, segment: SplineSegment, found: Infeasibility) -> None:
-        """Puts up a plane before times that are too short for a segment."""
-        cuts, amount = self._cuts.setdefault(segment.hinge, []), max(found.amount, 0.0) + MARGIN
-        if np.abs(found.slopes).max() > FLAT:
-            slopes = self._spread(segment, found.slopes)
-            cuts.append(CuttingPlane(slopes, float(slopes @ self.times) - amount))
-        else:  # at a kink, where there is no direction: the gaps themselves grow
-            for k in (k for k, quantity in enumerate(found.binding) if quantity is not None):
-                gap = np.zeros(len(segment.marks))
-                gap[k : k + 2] = 1.0, -1.0
-                slopes = self._spread(segment, gap)
-                cuts.append(CuttingPlane(slopes, float(slopes @ self.times) * float(np.exp(amount))))
-
     def _note(self, segment: SplineSegment, found: Infeasibility | None) -> None:
         """Notes the limits that are met in a segment."""
         if found is None:
@@ -181,13 +194,6 @@ class Search:
         for pair, quantity in zip(segment.pairs, found.binding, strict=True):
             if quantity is not None and pair[0] != pair[1]:
                 self._meet(pair, Bottleneck(segment.hinge, quantity, float(np.exp(found.amount))))
-
-    def _spread(self, segment: SplineSegment, slopes: Floats) -> Floats:
-        """(m,) over all key times, from (m + 2,) over start, keys and end of a segment."""
-        spread = np.zeros(len(self.times))
-        for marks, slope in zip(segment.marks, slopes, strict=True):
-            spread[list(marks)] += slope / len(marks)
-        return spread
 
     def _meet(self, pair: Pair, found: Bottleneck) -> None:
         if pair not in self.met or found.ratio > self.met[pair].ratio:
@@ -200,7 +206,8 @@ class Search:
         open_ways = {way for way in self._spans if begin <= self.times[way[1][0]] <= end}
 
         def measure(times: Floats) -> list[tuple[SplineSegment, Infeasibility | None]]:
-            tight = [segment for segment in self._segments(times) if not open_ways.isdisjoint(_ways(segment))]
+            every = self._segments(times, sorted({hinge for hinge, _ in open_ways}))
+            tight = [segment for segment in every if not open_ways.isdisjoint(_ways(segment))]
             return [(segment, self._shortage(segment)) for segment in tight]
 
         for segment, lack in measure(self.times):

@@ -78,9 +78,7 @@ class Passage:
 
         An accent at the end of the way, which a word needs, stays: it leaves the way as it is.
         """
-        if self.easing in OVERSHOOTING:
-            return replace(self, swing=0.0, steepness=min(self.steepness, FORCED))
-        return replace(self, swing=0.0, easing="minimum_jerk" if self.easing == ACCENT else self.easing)
+        return _calm(self)
 
     @property
     def flow(self) -> float:
@@ -89,6 +87,13 @@ class Passage:
 
 
 PLAIN = Passage()
+
+
+@lru_cache(maxsize=1024)
+def _calm(passage: Passage) -> Passage:
+    if passage.easing in OVERSHOOTING:
+        return replace(passage, swing=0.0, steepness=min(passage.steepness, FORCED))
+    return replace(passage, swing=0.0, easing="minimum_jerk" if passage.easing == ACCENT else passage.easing)
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,6 +106,11 @@ class KeyPosture:
     syncs: tuple[Sync, ...] = ()
     passages: tuple[Passage, ...] = ()  # (n,) how each hinge passes, and comes to, this key; all plainly where empty
     firm: bool = True  # passed exactly; else on a path, which the motion only follows as far as it can
+
+    @cached_property
+    def manner(self) -> Floats:
+        """(6, n) `passages` as numbers, one row for each of `Keys.manner`; the plain ones where there are none."""
+        return _manner(self.passages, len(self.angles))
 
     @classmethod
     def whole(cls, time: float, angles: Sequence[float] | Floats) -> "KeyPosture":
@@ -154,7 +164,7 @@ class Keys:
             asked=sealed([posture.time for posture in postures]),
             angles=sealed(angles),
             keyed=np.array([posture.keyed for posture in postures], dtype=np.bool_),
-            manner=np.stack([_manner(posture.passages, len(limits.lower)) for posture in postures], axis=1),
+            manner=np.stack([posture.manner for posture in postures], axis=1),
             firm=np.array([posture.firm for posture in postures], dtype=np.bool_),
             syncs=tuple(posture.syncs for posture in postures),
             limits=limits,

@@ -232,8 +232,10 @@ def segments(times: Floats, keys: Keys, step: float) -> Iterator[SplineSegment]:
             yield SplineSegment.through(keys, hinge, places[own], begin, end, step)
 
 
-def tight_segments(times: Floats, keys: Keys, step: float, rests: Sequence[Floats]) -> Iterator[SplineSegment]:
-    """Cuts the motion of all hinges into segments as short as can be, and leaves out those that have time in any case.
+def tight_segments(
+    times: Floats, keys: Keys, step: float, rests: Sequence[Floats], hinges: Iterable[int]
+) -> Iterator[SplineSegment]:
+    """Cuts the motion of some hinges into segments as short as can be, and leaves out those that have time in any case.
 
     Where a way has far more time than a hinge needs, it is cut in its middle, too: the two halves are harder to pass
     than the whole, but by next to nothing. A segment has time where the hinge could rest at each of its keys.
@@ -243,9 +245,11 @@ def tight_segments(times: Floats, keys: Keys, step: float, rests: Sequence[Float
         keys: of the motion.
         step: [s] of the grid, which begins at the first key.
         rests: (g,) [s] of each hinge, in which it gets from rest to rest from one of its keys to the next.
+        hinges: whose motion it is.
     """
     places, last = (times - times[0]) / step, pieces(times, step)
-    for hinge, own in enumerate(keys.own):
+    for hinge in hinges:
+        own = keys.own[hinge]
         slow = np.diff(places[own]) >= rests[hinge] / step
         if slow.all():
             continue

@@ -95,8 +95,7 @@ def stretch_times(
     """
     program, stated = _Program(), state_program(problem)
     program.add_variables(stated.least, np.full(len(stated.least), np.inf), stated.costs)
-    program.require([(0, stated.rows)], np.full(len(stated.most), -np.inf), stated.most)
-    program.require([(0, stated.balance)], problem.keys.asked, problem.keys.asked)
+    program.require([(0, stated.matrix)], stated.lower, stated.upper)
     lack = program.add_variables(np.zeros(1), np.full(1, np.inf), LACKING)
     for (segment, found), reserve in zip(lacking, reserves, strict=True):
         _add_segment(program, segment, found, times, limits, lack, radius, reserve)

@@ -18,6 +18,7 @@ from kinesic.ik.pointing import best_swivel
 from kinesic.ik.solve import solve
 
 WIDEST_SWING = np.radians(25)  # that an elbow swings aside for the palm and the pointing of its hand
+LEAP = np.radians(110)  # of a hinge from one key to the next: an arm that turns over has no time left for its word
 NOT_BEFORE: Mapping[Side, Floats] = MappingProxyType({})
 OPEN = np.radians(78)  # swivel at openness 1: beyond, elbows rise more than they go out, and palms turn over
 
@@ -62,13 +63,23 @@ def with_arms(
             solved[indices] = solve(chain, structs.replace(in_base, swivel=kept), start=start, rest=rest).angles
             solved = refine_posture(robot, side, structs.replace(reach, swivel=kept), solved, near=began)
             continue
-        free = best_swivel(chain, in_base, start=start, rest=rest, widest=WIDEST_SWING).angles
+        free = _swing_elbow(chain, in_base, start, rest)
         opened = structs.replace(in_base, swivel=_opened(chain, free, hand.openness))
         if opened.swivel is not None:
             free = best_swivel(chain, opened, start=free, rest=rest).angles
         solved[indices] = free
         solved = refine_posture(robot, side, structs.replace(reach, swivel=opened.swivel), solved, near=angles)
     return solved
+
+
+def _swing_elbow(chain: Chain, reach: Reach, start: Floats, rest: Floats) -> Floats:
+    """Swings the elbow for palm and pointing, (k,) [rad]; where an arm would turn over for that, it stays as it was."""
+    swung = best_swivel(chain, reach, start=start, rest=rest, widest=WIDEST_SWING).angles
+    kept = swivel(chain, start)
+    if kept is None or np.abs(swung - start).max() <= LEAP:
+        return swung
+    plain = solve(chain, structs.replace(reach, swivel=kept), start=start, rest=rest)
+    return plain.angles if plain.reached and np.abs(plain.angles - start).max() <= LEAP else swung
 
 
 def lift_shoulder(robot: Robot, side: Side, rest: Floats, lift: float) -> Floats:

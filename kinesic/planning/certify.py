@@ -4,12 +4,15 @@ The duty row of `condition` takes each hinge for itself, with its worst load. Wh
 the motion: where inverse dynamics finds a drive above its full duty, its row becomes tighter.
 """
 
+from functools import partial
+
 import numpy as np
 
-from kinesic.body.arrays import Floats, distinct_rows
+from kinesic.body.arrays import Floats, Indices, distinct_rows
 from kinesic.motion.budget import ENDLESS, Budget
 from kinesic.motion.condition import LEAD_IN, Conditioned, condition
 from kinesic.motion.keys import Bond, KeyPosture
+from kinesic.motion.plane_memory import PlaneMemory
 from kinesic.motion.trajectory import STEP, Trajectory
 from kinesic.planning.setup import Setup
 
@@ -28,6 +31,7 @@ def certify(
     ease: float = 1.0,
     lead_in: float = LEAD_IN,
     budget: Budget = ENDLESS,
+    memory: PlaneMemory | None = None,
 ) -> Conditioned:
     """Conditions the motion through keys so that no drive exceeds its full duty, if that can be.
 
@@ -38,8 +42,12 @@ def certify(
         ease: share of the limits with which key times are found.
         lead_in: [s] by which the first key may come earlier.
         budget: for all searches of key times together.
+        memory: of what searches for the same block found out.
     """
-    motion = condition(keys, setup.limits, bonds=bonds, ease=ease, lead_in=lead_in, budget=budget)
+    search = partial(
+        condition, keys, bonds=bonds, ease=ease, lead_in=lead_in, budget=budget, memory=memory or PlaneMemory()
+    )
+    motion = search(setup.limits)
     share = np.ones(len(setup.limits.duty))
     for attempt in range(ATTEMPTS):
         peaks = duties(motion.trajectory, setup)
@@ -49,19 +57,30 @@ def certify(
         share[over] *= TIGHTER / peaks[over]
         if attempt >= ATTEMPTS // 2:  # the pull may come from any hinge
             share *= TIGHTER
-        tighter = setup.limits.times(share)
-        motion = condition(keys, tighter, bonds=bonds, ease=ease, lead_in=lead_in, budget=budget)
+        motion = search(setup.limits.times(share))
     return motion
 
 
 def duties(trajectory: Trajectory, setup: Setup) -> Floats:
     """Computes (n,) the largest duty of each drive at the knots of a motion; standing still counts once."""
     times = trajectory.start + np.arange(0.0, trajectory.duration, STEP)
-    peaks = []
-    for block in (slice(k, k + BLOCK) for k in range(0, len(times), BLOCK)):
-        states = trajectory.sample(times[block])
-        chosen, _ = distinct_rows(np.hstack(states), SAME)
-        angles, speeds, accelerations = (state[chosen] for state in states)
-        torques = setup.dynamics.torques(angles, speeds, accelerations)
-        peaks.append(np.abs(torques / setup.robot.drives.stall + speeds * setup.limits.viscous).max(axis=0))
-    return np.asarray(np.max(peaks, axis=0))
+    blocks = (_duties_at(trajectory, times[k : k + BLOCK], setup)[0] for k in range(0, len(times), BLOCK))
+    return np.asarray(np.max([duty.max(axis=0) for duty in blocks], axis=0))
+
+
+def overloaded_times(motion: Trajectory, changed: Trajectory, times: Floats, setup: Setup) -> Floats:
+    """Finds those of some times (m,) [s] at which a drive is above its full duty that is not as the motion was."""
+    now, rows = _duties_at(changed, times, setup)
+    if np.all(now <= FULL):
+        return np.zeros(0)
+    before, own = _duties_at(motion, times, setup)
+    return np.asarray(times[np.any(now[rows] > np.maximum(FULL, before[own]), axis=1)])
+
+
+def _duties_at(trajectory: Trajectory, times: Floats, setup: Setup) -> tuple[Floats, Indices]:
+    """(k, n) duties at those of some times (m,) [s] that differ, and (m,) which of them stands for each."""
+    states = trajectory.sample(times)
+    chosen, rows = distinct_rows(np.hstack(states), SAME)
+    angles, speeds, accelerations = (state[chosen] for state in states)
+    torques = setup.dynamics.torques(angles, speeds, accelerations)
+    return np.abs(torques / setup.robot.drives.stall + speeds * setup.limits.viscous), rows

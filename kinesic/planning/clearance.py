@@ -1,6 +1,7 @@
 """Keeps a motion clear of the body by detours, or names the behaviour that must go."""
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Protocol
 
 import numpy as np
@@ -13,9 +14,10 @@ from kinesic.motion.budget import Budget
 from kinesic.motion.condition import Conditioned
 from kinesic.motion.key_time_lp import KeyTimeProblem, relax_key_times
 from kinesic.motion.keys import Bond, KeyPosture, Keys
+from kinesic.motion.plane_memory import PlaneMemory
 from kinesic.motion.trajectory import Trajectory, stay
 from kinesic.planning.certify import certify
-from kinesic.planning.detour import SCAN_RATE, PostureCourse, lead_around
+from kinesic.planning.detour import SCAN_RATE, ClearPostures, PostureCourse, lead_around
 from kinesic.planning.postures import Postures
 from kinesic.planning.setup import Setup
 from kinesic.planning.syncs import on_keys, planned_spans
@@ -33,6 +35,7 @@ class Conditioner(Protocol):
         *,
         ease: float = ...,
         budget: Budget = ...,
+        memory: PlaneMemory | None = ...,
     ) -> Conditioned:
         """At `ease` below 1 key times leave room, so that the path is nearer to the desired one."""
 
@@ -76,7 +79,8 @@ def keep_clear(
     wanted = least
     keys = Keys.of(solved.postures, setup.limits)
     planned = keys.asked if keys.spaced else relax_key_times(KeyTimeProblem(keys, keys.gaps, 0.0))
-    postures = lead_around(_course(solved.postures, planned, setup), setup.distances, least=least).postures
+    around = partial(lead_around, distances=setup.distances, known=ClearPostures(setup.robot, setup.distances))
+    postures = around(_course(solved.postures, planned, setup), least=least).postures
     motion = conditioned(postures, setup, bonds, ease=ease)
     times, clearance = scan_clearance(motion.trajectory, setup.distances)
     for _ in range(repairs):
@@ -84,11 +88,11 @@ def keep_clear(
         if lacking <= 0.0:
             break
         course = _course(postures, motion.planned, setup).straying(motion.trajectory)
-        around = lead_around(course, setup.distances, least=wanted).postures
+        changed = around(course, least=wanted).postures
         wanted += lacking + REPAIR
-        if around == postures:  # no detour helps: with more time the motion is nearer to the desired one
+        if changed == postures:  # no detour helps: with more time the motion is nearer to the desired one
             ease *= EASIER
-        postures = around
+        postures = changed
         motion = conditioned(postures, setup, bonds, ease=ease)
         times, clearance = scan_clearance(motion.trajectory, setup.distances)
     return Postures(postures, solved.misses), motion, times, clearance

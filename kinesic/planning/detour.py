@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import ceil
 
 import numpy as np
 
@@ -18,9 +19,11 @@ from kinesic.planning.collision import Spacing, separate
 Arm = tuple[int, ...]  # joints of an arm
 
 SCAN_RATE = 100  # [Hz]
-STEPS = 16  # changes of one motion
+STEPS, LONG = 16, 10.0  # changes of a motion, and [s] of a longer one that may have as many once more
+WORK = 2600.0  # [s] of motion that all changes together may look at: one of 40 s has 64 changes, one of 150 s 17
 ROOM = 0.008  # [m] that a detour keeps over the clearance that suffices
-WITHDRAWALS = (0.0, 0.35, 0.7)  # of the way to rest, where a detour begins to look for room
+WITHDRAWALS = (0.0, 0.2, 0.35, 0.7)  # of the way to rest, where a detour begins to look for room
+PLAINLY = 0.1  # of what is lacking, that a change must leave less than one which withdraws less
 AWAY = (0.004, 0.016)  # [m] that a key goes farther away
 LEAST_STEP = 0.06  # [s] between a detour and the keys of the same arm
 APART = 1e-4  # [s] between the asked times of keys of different hinges
@@ -138,7 +141,31 @@ class PostureCourse:
         )
 
 
-def lead_around(course: PostureCourse, distances: Distances, *, least: float) -> PostureCourse:
+class ClearPostures:
+    """Clear postures near others, each looked for once: most of a course stays as it is while it changes."""
+
+    def __init__(self, robot: Robot, distances: Distances) -> None:
+        """None is known yet.
+
+        Args:
+            robot: whose postures they are.
+            distances: those of the robot from itself.
+        """
+        self.distances = distances
+        self._robot = robot
+        self._known: dict[tuple[bytes, Arm, Spacing], Floats | None] = {}
+
+    def near(self, angles: Floats, joints: Arm, spacing: Spacing) -> Floats | None:
+        """Finds the posture nearest to (n,) [rad] in which segments keep apart by the turns of some joints."""
+        asked = angles.tobytes(), joints, spacing
+        if asked not in self._known:
+            self._known[asked] = separate(angles, joints, self._robot, self.distances, spacing)
+        return self._known[asked]
+
+
+def lead_around(
+    course: PostureCourse, distances: Distances, *, least: float, known: ClearPostures | None = None
+) -> PostureCourse:
     """Changes a course wherever its motion comes too near to the body.
 
     One stretch after the other. Arms that swing through their keys, or accent their ways, do so no more if that helps;
@@ -149,12 +176,14 @@ def lead_around(course: PostureCourse, distances: Distances, *, least: float) ->
         course: at least two keys, the first and the last at rest.
         distances: those of the robot from itself.
         least: [m] clearance that suffices.
+        known: clear postures that were found before.
 
     Returns:
         The same where nothing needs to be done; not clear everywhere where nothing helps.
     """
     scan, hopeless = _Scan.of(course, distances, least), set[int]()
-    for _ in range(STEPS):
+    room = known or ClearPostures(course.robot, distances)
+    for _ in range(_most_changes(course.motion.duration)):
         open_stretches = [sample for sample in _closest(scan.lacking) if sample not in hopeless]
         if not open_stretches:
             break
@@ -163,19 +192,19 @@ def lead_around(course: PostureCourse, distances: Distances, *, least: float) ->
         if (calm := course.calmed(time)) is not course:
             calm_scan = scan.after(calm, distances, least)
             if calm_scan.lacking.sum() < scan.lacking.sum():
-                course, scan, hopeless = calm, calm_scan, set()
+                course, scan, hopeless = calm, calm_scan, calm_scan.same(hopeless, scan)
                 continue
-        best, best_scan, enough = course, scan, GAIN * scan.lacking.sum()
-        for change in _changes(course, time, distances, least):
+        best, best_scan, enough, lacking = course, scan, GAIN * scan.lacking.sum(), scan.lacking.sum()
+        for change in _changes(course, time, room, least):
             left = scan.after(change, distances, least)
             if left.lacking.sum() < enough:
-                best, best_scan, enough = change, left, left.lacking.sum()
-            if enough == 0.0:
+                best, best_scan, enough = change, left, left.lacking.sum() - PLAINLY * (lacking - left.lacking.sum())
+            if enough <= 0.0:
                 break
         if best is course:
             hopeless.add(sample)
         else:
-            course, scan, hopeless = best, best_scan, set()
+            course, scan, hopeless = best, best_scan, best_scan.same(hopeless, scan)
     return course
 
 
@@ -199,6 +228,15 @@ class _Scan:
         lacking[other] = np.maximum(least - distances.clearance(angles[other]).distances, 0.0)
         return _Scan(angles, lacking)
 
+    def same(self, samples: set[int], before: "_Scan") -> set[int]:
+        """Keeps those of some samples that are as they were: what helped elsewhere does not help there."""
+        return {k for k in samples if self.lacking[k] == before.lacking[k]}
+
+
+def _most_changes(duration: float) -> int:
+    """How many changes a motion of some seconds may have: more when it is longer, as far as that costs no more."""
+    return max(STEPS, min(ceil(STEPS * duration / LONG), int(WORK / max(duration, LONG))))
+
 
 def _closest(lacking: Floats) -> Iterator[int]:
     """Worst sample of every stretch that comes too near."""
@@ -206,28 +244,28 @@ def _closest(lacking: Floats) -> Iterator[int]:
     return (int(s[lacking[s].argmax()]) for s in stretches if lacking[s].max(initial=0.0) > 0)
 
 
-def _changes(course: PostureCourse, time: float, distances: Distances, least: float) -> Iterator[PostureCourse]:
+def _changes(course: PostureCourse, time: float, room: ClearPostures, least: float) -> Iterator[PostureCourse]:
     """Tries changes at a block time where the motion comes too near."""
-    gaps = distances.gaps(course.at(time)[None])[0]
+    gaps = room.distances.gaps(course.at(time)[None])[0]
     close = {segment for k in np.flatnonzero(gaps < least) for segment in course.robot.counted_pairs[k]}
     arms = [arm.joints for side in SIDES if close & (arm := course.robot.arm(side)).bodies]
     near = [course.near(arm, time) for arm in arms]
     free = [arm for arm, key in zip(arms, near, strict=True) if key is None]
     if free:
-        yield from _with_a_key(course, time, free, distances, least)
+        yield from _with_a_key(course, time, free, room, least)
     for key in sorted({key for key in near if key is not None} or course.detours(time, arms)):
-        yield from _with_a_key_away(course, key, arms, distances, least)
+        yield from _with_a_key_away(course, key, arms, room, least)
 
 
 def _with_a_key(
-    course: PostureCourse, time: float, arms: list[Arm], distances: Distances, least: float
+    course: PostureCourse, time: float, arms: list[Arm], room: ClearPostures, least: float
 ) -> Iterator[PostureCourse]:
     """Adds a key for some arms: clear, and near to where they are or a part of the way to rest."""
     angles, joints = course.at(time), _joined(arms)
     for share in WITHDRAWALS:
         start = angles.copy()
-        start[joints] += share * (course.robot.skeleton.rest[joints] - angles[joints])
-        clear = separate(start, joints, course.robot, distances, Spacing(least, least + ROOM))
+        start[[*joints]] += share * (course.robot.skeleton.rest - angles)[[*joints]]
+        clear = room.near(start, joints, Spacing(least, least + ROOM))
         if clear is not None:
             change = course
             for together in course.keyed_alike(arms):
@@ -236,15 +274,15 @@ def _with_a_key(
 
 
 def _with_a_key_away(
-    course: PostureCourse, key: int, arms: list[Arm], distances: Distances, least: float
+    course: PostureCourse, key: int, arms: list[Arm], room: ClearPostures, least: float
 ) -> Iterator[PostureCourse]:
     """Moves the keys of some arms farther away; rest stays rest."""
     posture, angles = course.postures[key], course.at(float(course.planned[key]))
     rest = course.robot.skeleton.rest
     keyed = [arm for arm in arms if posture.keyed[arm[0]] and np.any(posture.angles[list(arm)] != rest[list(arm)])]
-    gap = float(distances.gaps(angles[None])[0].min())
+    gap = float(room.distances.gaps(angles[None])[0].min())
     for more in AWAY if keyed else ():
-        clear = separate(angles, _joined(keyed), course.robot, distances, Spacing(max(gap, least) + more))
+        clear = room.near(angles, _joined(keyed), Spacing(max(gap, least) + more))
         if clear is not None:
             change = course
             for arm in keyed:
@@ -263,5 +301,5 @@ def _calmed(passages: tuple[Passage, ...], joints: set[int]) -> tuple[Passage, .
     return tuple(each.calm if k in joints else each for k, each in enumerate(passages))
 
 
-def _joined(arms: list[Arm]) -> list[int]:
-    return [joint for arm in arms for joint in arm]
+def _joined(arms: list[Arm]) -> Arm:
+    return tuple(joint for arm in arms for joint in arm)

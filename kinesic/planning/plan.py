@@ -21,6 +21,7 @@ from kinesic.motion.budget import Budget
 from kinesic.motion.condition import Conditioned
 from kinesic.motion.desired import DesiredMotion, join_keys
 from kinesic.motion.keys import KeyPosture, Keys
+from kinesic.motion.plane_memory import PlaneMemory
 from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.certify import certify
 from kinesic.planning.clashes import ClashFinder
@@ -28,6 +29,7 @@ from kinesic.planning.clearance import REPAIRS, Conditioner, culprits, keep_clea
 from kinesic.planning.finger_postures import with_finger_keys
 from kinesic.planning.motion_files import replace_motion
 from kinesic.planning.postures import Postures, postures
+from kinesic.planning.secondary.add import add_secondary_motion
 from kinesic.planning.setup import Setup
 from kinesic.planning.speech import (
     SpeechPause,
@@ -193,7 +195,7 @@ def _plan_once(
 ) -> Plan:
     timeline = schedule(context.block, utterances, spans(context, utterances))
     without: dict[str, str] = {}
-    finder, bounded = ClashFinder(setup), partial(conditioned, budget=budget)
+    finder, bounded = ClashFinder(setup), partial(conditioned, budget=budget, memory=PlaneMemory())
     while True:
         frames = keyframes(timeline, context, without=without, clashes=finder.clashes)
         asked = postures(frames, setup.robot, setup.distances)
@@ -212,6 +214,7 @@ def _plan_once(
         if not dropped:
             break
         without |= (thin_out(frames, dropped, FEWER) if budget.spent else {}) | dropped
+    motion, times, clearance = add_secondary_motion(motion, times, clearance, frames.timeline, utterances, setup)
     syncs = sync_times(frames, motion)
     return Plan(
         setup=setup,

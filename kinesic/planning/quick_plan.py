@@ -19,6 +19,7 @@ from kinesic.motion.condition import Conditioned
 from kinesic.motion.desired import join_keys
 from kinesic.motion.key_time_lp import KeyTimeProblem, relax_key_times
 from kinesic.motion.keys import Bond, KeyPosture, Keys, Passage
+from kinesic.motion.plane_memory import PlaneMemory
 from kinesic.motion.segments import pieces, segments
 from kinesic.motion.spline_program import nearest_motion
 from kinesic.motion.trajectory import STEP, Trajectory
@@ -50,6 +51,7 @@ def rest_at_keys(
     *,
     ease: float = 1.0,
     budget: Budget = ENDLESS,
+    memory: PlaneMemory | None = None,
 ) -> Conditioned:
     """Makes a motion that rests at every key.
 
@@ -59,6 +61,7 @@ def rest_at_keys(
         bonds: between sync points of different behaviours.
         ease: share of the limits that is used.
         budget: of which this takes hardly any.
+        memory: which this does not need.
     """
     limits = setup.limits.times(ease)
     keys = Keys.of(postures, limits, bonds)

@@ -43,7 +43,7 @@ class Setup:
     targets: Mapping[str, Floats] = field(default_factory=dict)  # named points (3,) [m] beside the robot's own
     dialect: Dialect | Literal["auto"] = "auto"  # how documents are read
     gathering: Gathering = "complex"  # how key frames are filled
-    idling: Idling = OFF  # what fills pauses
+    idling: Idling = OFF  # what goes on unasked
     variation: Variation = EXACT  # how far gestures differ from one another
     pause: float = 0.0  # [s] longest pause before a word that waits for the body, where documents do not say
     character: str | None = None  # which of several characters the robot is; None: the one that a block is for

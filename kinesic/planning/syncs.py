@@ -14,8 +14,8 @@ from kinesic.body.config import suggestion
 from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.motion.condition import Conditioned
-from kinesic.motion.key_times import Bottleneck
-from kinesic.motion.keys import Bond, KeyPosture, Pair
+from kinesic.motion.infeasibility import Bottleneck
+from kinesic.motion.keys import Bond, KeyPosture
 
 SHIFT_TO_WARN = 0.010  # [s]
 SMALLER_TO_WARN = 0.1  # share of the length of a path
@@ -150,12 +150,7 @@ def limit_met(sync: SyncTime, frames: KeyFrames, motion: Conditioned, robot: Rob
     """Finds the limit that was met nearest to a sync point, at best by a hinge of its own behaviour."""
     parts = frames.uses.get(sync.behaviour, frozenset())
     own = {joint for part in parts for joint in robot.part_joints(part)}
-
-    def away(pair: Pair) -> tuple[float, bool]:
-        begin, end = motion.asked[list(pair)]
-        return float(max(begin - sync.asked, sync.asked - end, 0.0)), motion.bottlenecks[pair].hinge not in own
-
-    return motion.bottlenecks[min(motion.bottlenecks, key=away)] if motion.bottlenecks else None
+    return motion.bottleneck_near(sync.asked, own)
 
 
 def path_notices(

@@ -94,7 +94,8 @@ def _style(style: Style, block: Block) -> dict[str, Json]:
         for modality, manner in block.manners.items()
     }
     tables |= {"settings": [str(setting) for setting in style.settings], "block": said}
-    return {"name": style.name, "whole_body": style.whole_body, **asdict(style.gesture), **tables}
+    weights = {"whole_body": style.whole_body, "effort": style.effort}
+    return {"name": style.name, **weights, **asdict(style.gesture), **tables}
 
 
 def _manner(behaviour: Behaviour, plan: Plan) -> dict[str, Json] | None:

@@ -132,6 +132,24 @@ def test_a_direction_that_repeats_is_gone_to_again_and_again(robot, pace, nod_ti
     assert {turn_at(layer, time) for time in (0.7, 1.2, 2.0)} == {UPRIGHT}
 
 
+@pytest.mark.parametrize("head", [Head("NEUTRAL", repetition=3), Head("NOD", repetition=3, amount=0.0)])
+def test_strokes_of_a_head_that_stays_upright_are_not_said_to_be_done(perform, nod_times, head):
+    times = {**nod_times, "stroke:2": 0.9, "stroke:3": 1.5, "strokeEnd": 2.0, "relax": 2.0, "end": 2.0}
+    frames = perform(("h", head, times))
+    assert frames.outcomes["h"].kind == "substituted"
+    assert "upright" in frames.outcomes["h"].why
+    said = {sync for frame in frames.frames for _, sync in frame.syncs}
+    assert {"start", "stroke", "end"} <= said
+    assert not {"stroke:2", "stroke:3"} & said
+
+
+def test_all_strokes_of_a_head_that_moves_are_said_to_be_done(perform, nod_times):
+    times = {**nod_times, "stroke:2": 0.9, "stroke:3": 1.5, "strokeEnd": 2.0, "relax": 2.0, "end": 2.0}
+    frames = perform(("h", Head("NOD", repetition=3), times))
+    assert frames.outcomes["h"].kind == "realised"
+    assert {"stroke:2", "stroke:3"} <= {sync for frame in frames.frames for _, sync in frame.syncs}
+
+
 def test_sizes(robot):
     big, middle = (head_form(Head(lexeme), robot, Expressivity()).peak.tilt for lexeme in ("Nod_Big", "Nod_Middle"))
     assert big == pytest.approx(1.5 * middle)

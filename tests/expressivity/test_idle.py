@@ -55,13 +55,6 @@ def test_it_is_small_and_twice_as_much_is_twice_as_far(part):
     assert np.radians(0.5) < little < much < np.radians(12)
 
 
-def test_it_breathes_as_people_do():
-    torso, _ = idle([(0.0, 60.6)], Idling(1.0, 3))
-    turns = np.diff([key.turn.tilt for key in torso])
-    breaths = np.sum((turns[:-1] < 0) & (turns[1:] > 0))
-    assert 0.2 <= breaths / 60.0 <= 0.3
-
-
 def test_what_is_held_by_head_and_trunk_is_no_bar(timeline, context):
     gaze = ("z", Gaze(target="left", shift=True), {"start": 0.0, "end": 1.0})
     built = timeline(gaze, ("w", Wait(), {"start": 0.0, "end": 20.0}))

@@ -10,6 +10,7 @@ from kinesic.expressivity.durations import spans
 from kinesic.expressivity.realise import keyframes
 from kinesic.expressivity.style.style import Expressivity, Style
 from kinesic.expressivity.variation import (
+    APART,
     EXACT,
     OTHER_HAND,
     PLACE,
@@ -139,12 +140,24 @@ def test_fixed_axes_and_touches_stay(lexicon, robot):
     assert moved > 200
 
 
-def test_both_hands_stay_mirrored(lexicon, robot):
+def test_hands_that_meet_stay_mirrored(lexicon, robot):
     (deviation,) = deviations(beats(1), Variation(1.0, 3)).values()
     key = deviation.form(lexicon.find("applause").form, robot).keys[0]
     usual = lexicon.find("applause").form.keys[0]
     left, right = (key.hands[side].position - usual.hands[side].position for side in ("l", "r"))
     np.testing.assert_allclose(left, right, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["rise", "welcome", "fall"])
+def test_hands_apart_are_no_mirror_images(lexicon, robot, name):
+    form, seen = lexicon.find(name).form, []
+    for seed in range(8):
+        (deviation,) = deviations(beats(1), Variation(1.0, seed)).values()
+        key, usual = deviation.form(form, robot).keys[0], form.keys[0]
+        left, right = (key.hands[side].position - usual.hands[side].position for side in ("l", "r"))
+        seen.append(float(np.abs(left - right).max()))
+    assert np.mean(seen) > 0.005
+    assert max(seen) <= APART + 1e-9
 
 
 def test_extents_stay_in_their_ranges(context):

@@ -50,6 +50,16 @@ def test_between_gestures_that_follow_one_another_it_does_not_go_home(gesture, p
     assert turn_at(apart.torso, 3.5) == UPRIGHT
 
 
+def test_the_head_turns_back_while_a_hand_waits_for_the_next_gesture(gesture, pace):
+    aside = replace(BODY, nod=0.0, head=Turn(torsion=radians(20)))
+    first, second = gesture(aside), gesture(aside, 3.3, 4.3, 4.3, 4.9, 4.9, 5.3, 6.3, id="h")
+    found = accompany([first, second], Asked(), pace)
+    turned = [turn_at(found.head, time).torsion for time in (1.6, 2.6, 3.2, 4.9)]
+    assert turned == pytest.approx([radians(20), radians(6), radians(6), radians(20)])
+    soon = accompany([first, gesture(aside, 2.5, 3.3, 3.3, 3.9, 3.9, 4.3, 5.3, id="h")], Asked(), pace)
+    assert [turn_at(soon.head, time).torsion for time in (1.6, 2.4, 3.9)] == pytest.approx([radians(20)] * 3)
+
+
 def test_it_does_no_more_than_there_is_time_for(gesture, pace):
     hurried = gesture(BODY, 0, 0.05, 0.05, 0.1, 0.1, 0.15, 0.2)
     found = accompany([hurried], Asked(), pace)

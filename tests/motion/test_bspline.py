@@ -3,7 +3,7 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
-from kinesic.motion.bspline import grid
+from kinesic.motion.bspline import ANCHOR, CALM, grid
 from kinesic.motion.trajectory import STEP, Trajectory
 
 LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
@@ -35,13 +35,21 @@ def test_angles_at_the_knots_are_those_of_the_motion():
     np.testing.assert_allclose(GRID.at_knots @ CONTROLS[:, 0], MOTION.sample(GRID.knots)[0][:, 0])
 
 
-@pytest.mark.parametrize(
-    ("form", "bands"), [(GRID.closeness, GRID.closeness_bands), (GRID.calmness, GRID.calmness_bands)]
-)
-def test_bands_are_the_diagonals_of_their_form(form, bands):
+def form_of(bands):
+    """The whole symmetric matrix of bands in upper form."""
     width = len(bands) - 1
     upper = sum(np.diag(bands[width - band, band:], band) for band in range(width + 1))
-    np.testing.assert_array_equal(upper, np.triu(form.toarray()))
+    return upper + np.triu(upper, 1).T
+
+
+def test_bands_are_the_diagonals_of_their_form():
+    np.testing.assert_array_equal(form_of(GRID.closeness_bands), GRID.closeness.toarray())
+
+
+def test_calmness_is_the_sum_of_the_squares_of_acceleration_and_jerk():
+    form, x = form_of(GRID.calmness_bands), CONTROLS[:, 0]
+    squares = np.sum(np.diff(x, 2) ** 2) + np.sum((CALM / STEP * np.diff(x, 3)) ** 2) + ANCHOR * x @ x
+    assert x @ form @ x == pytest.approx(squares)
 
 
 def test_a_hinge_that_cannot_move_has_a_share():

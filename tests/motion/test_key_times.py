@@ -215,3 +215,13 @@ def test_with_its_budget_spent_nothing_is_measured_and_hinges_rest_wherever_they
     planned = condition(postures, SLOW, budget=Budget(-1.0)).planned
     assert seen == []
     assert all(planned[j] - planned[i] >= 0.999 * rest for (_, (i, j)), rest in rest_to_rest(keys, SLOW).items())
+
+
+def test_what_a_crowd_lacks_is_always_found(known, monkeypatch):
+    """A program that is not solved makes a hinge rest at its keys, and strokes move far."""
+    found = []
+    measure = key_times.measure_shortage
+    monkeypatch.setattr(key_times, "measure_shortage", lambda *given: found.append(measure(*given)) or found[-1])
+    plan(crowd(102, [form.id for form in known.lexicon.forms]), known)
+    assert len(found) > 20
+    assert all(found)

@@ -32,16 +32,17 @@ def test_segments_cover_the_motion():
         assert [s.knots.stop - 1 for s in found] == [*(s.first for s in found[1:]), pieces(KEYS.asked, STEP)]
 
 
-def tight(times) -> list:
+def tight(times, hinges=(0, 1)) -> list:
     ways = rest_to_rest(KEYS, LIMITS)
     rests = [np.array([rest for (hinge, _), rest in ways.items() if hinge == own]) for own in (0, 1)]
-    return [*tight_segments(np.asarray(times), KEYS, STEP, rests)]
+    return [*tight_segments(np.asarray(times), KEYS, STEP, rests, hinges)]
 
 
 def test_segments_in_which_a_hinge_could_rest_at_each_key_are_left_out():
     assert tight(KEYS.asked * 3.0) == []
     hurried = tight(KEYS.asked * 0.6)
     assert {found.hinge for found in hurried} == {0, 1}
+    assert {found.hinge for found in tight(KEYS.asked * 0.6, [1])} == {1}
 
 
 def test_a_way_with_far_more_time_than_it_needs_is_cut_in_its_middle():

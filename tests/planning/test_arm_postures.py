@@ -85,3 +85,14 @@ def test_a_lift_raises_the_shoulder_and_leaves_the_hand_where_it_is(place, side)
     np.testing.assert_allclose(above[arm.wrist], below[arm.wrist], atol=1e-6)
     most = solved(place, side=side, lift=2.0)
     assert most[collar] == pytest.approx(ROBOT.skeleton.upper[collar])
+
+
+def test_an_arm_does_not_turn_over_for_its_palm():
+    angles, arm = np.array(REST), list(ROBOT.arm("l").joints)
+    angles[list(ROBOT.joints("torso"))] = np.radians([0.0, -2.6, 0.0])
+    angles[arm] = np.radians([14, 99, 39, -50, 89, 31, -21, 30])  # forward and up, elbow out
+    reach = Reach(sealed([0.235, 0.374, 0.937]), sealed([0.999, 0.0, 0.045]), sealed([0.032, -0.707, -0.706]))
+    found = with_arms(angles, {"l": Hand(reach, openness=0.68, effort=0.635, lift=0.063)}, {"l": reach}, ROBOT)
+    assert np.abs(found - angles)[arm].max() < np.radians(110)
+    wrist = ROBOT.skeleton.frames(found).origins[ROBOT.arm("l").wrist]
+    assert np.linalg.norm(wrist - reach.position) < 0.12, "and the hand is there"

@@ -114,9 +114,9 @@ def test_behaviours_far_from_one_another_are_dropped_at_once():
     """And the one that is clear stays."""
     conditioned: list[int] = []
 
-    def counted(keys, setup, bonds=(), /, *, ease=1.0, budget=ENDLESS):
+    def counted(keys, setup, bonds=(), /, *, ease=1.0, budget=ENDLESS, memory=None):
         conditioned.append(len(keys))
-        return certify(keys, setup, bonds, ease=ease, budget=budget)
+        return certify(keys, setup, bonds, ease=ease, budget=budget, memory=memory)
 
     body = "".join(f'<gesture id="g{k}" lexeme="offer" start="{10 * k}"/>' for k in range(4))
     tight = replace(SETUP, robot=replace(ROBOT, least_clearance=0.2))

@@ -8,7 +8,8 @@ from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
 from kinesic.motion.keys import KeyPosture, Passage
 from kinesic.motion.trajectory import STEP, Trajectory
-from kinesic.planning.detour import LEAST_STEP, PostureCourse, lead_around
+from kinesic.planning import detour
+from kinesic.planning.detour import LEAST_STEP, ClearPostures, PostureCourse, lead_around
 from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.dynamics import MujocoDynamics
 
@@ -174,3 +175,17 @@ def test_a_trajectory_that_strays_is_led_around_where_it_is():
     assert lacking > 0.002
     led = lead_around(straying, DISTANCES, least=LEAST)
     assert LEAST - DISTANCES.clearance(led.samples()).distances.min() < 0.2 * lacking
+
+
+def test_a_clear_posture_is_looked_for_once(monkeypatch):
+    asked = []
+    separate = detour.separate
+    monkeypatch.setattr(detour, "separate", lambda *given: asked.append(given) or separate(*given))
+    together = course(key(0.0), key(1.0, left=IN_FRONT), key(1.4, right=IN_FRONT), key(1.8, left=HIGHER), key(3.0))
+    known = ClearPostures(ROBOT, DISTANCES)
+    found = [lead_around(together, DISTANCES, least=LEAST, known=known) for _ in range(2)]
+    here = [(given[0].tobytes(), given[1], given[-1]) for given in asked]
+    assert here
+    assert len(here) == len(set(here))
+    for one, other in zip(*(led.postures for led in found), strict=True):
+        np.testing.assert_array_equal(one.angles, other.angles)

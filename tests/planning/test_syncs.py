@@ -7,7 +7,7 @@ from kinesic.bml.parse import parse
 from kinesic.bml.schedule import schedule
 from kinesic.controller.perform import plan, set_up
 from kinesic.controller.performance import Performance
-from kinesic.motion.key_times import Bottleneck
+from kinesic.motion.infeasibility import Bottleneck
 from kinesic.motion.keys import Bond
 from kinesic.planning.syncs import SHIFT_TO_WARN, SMALLER_TO_WARN, find_bonds, limit_met, path_notices, shift_notices
 

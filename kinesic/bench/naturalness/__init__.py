@@ -14,6 +14,7 @@ from kinesic.bench.naturalness.captured import captured_figures, measure_clips
 from kinesic.bench.naturalness.legibility import legibility_figures, shoulder_figure
 from kinesic.bench.naturalness.lexicon import MeasuredGesture, by_style, measure_lexicon, measure_varied
 from kinesic.bench.naturalness.rows import EFFORT, row_figures
+from kinesic.bench.naturalness.story import story_figures
 from kinesic.bench.naturalness.synchrony import synchrony_figures
 from kinesic.body.config import names_of
 from kinesic.body.robot import Robot
@@ -72,6 +73,7 @@ def lexicon_figures(gestures: Sequence[MeasuredGesture], arm: float) -> list[Fig
         hands = [each.hand for each in group if each.hand]
         if style == NEUTRAL_STYLE:
             found += [*row_figures(PART, hands, MEDIANS), *bar_figures(group, arm), *synchrony_figures(PART)]
+            found += story_figures(PART)
             found += body_figures(PART, [(each.gesture, each.category, each.body) for each in group])
             found += category_figures(group)
             found += _legibility(PART, group)

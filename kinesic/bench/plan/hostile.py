@@ -70,6 +70,16 @@ def looks(count: int) -> Write:
     )
 
 
+def stances(count: int, every: float, long: float) -> Write:
+    """So many postures of the arms of some length [s], one each so many seconds: no body holds one after the other."""
+    poses = ("ARMS_CROSSED", "ARMS_AKIMBO", "ARMS_OPEN", "ARMS_NEUTRAL")
+    return lambda lexemes: _document(
+        f'<posture id="p{k}" start="{every * k:.2f}" end="{every * k + long:.2f}">'
+        f'<pose part="ARMS" lexeme="{poses[k % len(poses)]}"/></posture>'
+        for k in range(count)
+    )
+
+
 def ring(count: int, sync: str) -> Write:
     """So many nods, each of which begins at a sync point of the next one, and the last at that of the first."""
     return lambda lexemes: _document(
@@ -124,6 +134,7 @@ DOCUMENTS: Mapping[str, Write] = {
     "nods_1000_s": nods(1000, 1.0),
     "nods_hurried": nods(1000, 0.1),
     "looks_500": looks(500),
+    "stances_300": stances(300, 0.5, 2.0),
     "ring_of_ends": ring(500, "end"),
     "ring_of_starts": ring(500, "start"),
     "contradictions": contradictions(200),

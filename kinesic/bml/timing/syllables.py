@@ -50,5 +50,12 @@ def syllable_end(phonemes: Sequence[Phoneme], begins: float) -> float | None:
     return None
 
 
+def accented_vowels(phonemes: Sequence[Phoneme]) -> list[float]:
+    """Finds the middle of each accented vowel [s]; of every vowel, where the voice tells no accents."""
+    vowels = [each for each in phonemes if _is_vowel(each)]
+    accented = [each for each in vowels if each.symbol.startswith(STRESSES[0])] or vowels
+    return [each.start + each.duration / 2 for each in accented]
+
+
 def _is_vowel(sound: Phoneme) -> bool:
     return sound.symbol.lstrip("".join(STRESSES))[:1].lower() in VOWELS

@@ -130,7 +130,9 @@ class _Hands:
         """Gives a stroke its hands, and time to come to it from the strokes before."""
         for side in sorted(option.hands):
             before = max(self.works[side], key=lambda work: work.at("strokeEnd"), default=None)
-            if before and not (before.stroke.rest or stroke.rest):
+            if before and stroke.rest:
+                self._replace(before, self.room.stop_repeating(before, stroke, option, side))
+            elif before and not before.stroke.rest:
                 later, sooner = self.room.move_apart(before, stroke, option, side)
                 self._replace(before, self.room.lead_over(sooner, later, option))
                 self._note(stroke, later)

@@ -55,6 +55,15 @@ class Room:
         }
         return replace(work, stroke=replace(work.stroke, times={**times, **given})) if given else work
 
+    def stop_repeating(self, work: HandStroke, stroke: Stroke, option: Poses, side: Side) -> HandStroke:
+        """Does a stroke less often than its manner has it, where its hand would else come late to a rest pose."""
+        latest = stroke.times["strokeStart"] - self.way_between(work, stroke, option, side)
+        end = max(self._soonest_end(work), latest)
+        if not work.poses.again or end >= work.at("strokeEnd"):
+            return work
+        sooner = replace(work.stroke, times=_cut_short(work.stroke.times, end))
+        return self.lead_over(do_stroke(sooner, work.poses, self.pace), stroke, option)
+
     def way_between(self, work: HandStroke, stroke: Stroke, option: Poses, side: Side) -> float:
         """Natural time of a hand from one stroke to the next [s]."""
         way = pose_distance(work.poses.hands[side][-1], option.hands[side][0], resting_hands(self.pace.robot)[side])

@@ -1,7 +1,8 @@
 // Symmetric quasi-definite systems whose entries lie near the diagonal, solved by L D L^T without pivots.
 //
 // Algorithm: Vanderbei, Symmetric quasidefinite matrices (1995): every ordering has such a factor, so that a row can stand
-// beside the variables that it ties. A system of n rows and half width w costs O(n w^2).
+// beside the variables that it ties. L has entries only where a row of the system has begun (its envelope; Jennings, 1966),
+// so that n rows of half width w cost O(n w^2), and a wider row costs no more than itself.
 
 #pragma once
 
@@ -12,34 +13,40 @@ namespace kinesic::motion {
 
 class BandedSystem {
   public:
-    BandedSystem(int size, int width)
-        : size_(size), width_(width), entries_(size_t(size) * (width + 1)), inverse_(size) {}
+    // Args: the column in which each row begins, up to its own.
+    explicit BandedSystem(const std::vector<int>& first)
+        : size_(int(first.size())), first_(first), starts_(first.size()), inverse_(first.size()) {
+        int count = 0;
+        for (int row = 0; row < size_; ++row) {
+            starts_[row] = count - first_[row];
+            count += row - first_[row] + 1;
+        }
+        entries_.resize(count);
+    }
 
     void clear() { std::fill(entries_.begin(), entries_.end(), 0.0); }
 
-    // Entry of a row and a column within `width` of it; only the lower half is kept.
-    double& at(int row, int column) {
-        if (row < column) std::swap(row, column);
-        return entries_[size_t(row) * (width_ + 1) + (width_ - row + column)];
+    // Takes over another system of the same shape, with rows and columns multiplied by the same scales.
+    void scale(const BandedSystem& other, const std::vector<double>& by) {
+        for (int row = 0; row < size_; ++row) {
+            const double* from = other.line(row);
+            double* own = line(row);
+            for (int column = first_[row]; column <= row; ++column) own[column] = from[column] * by[row] * by[column];
+        }
     }
 
     // Adds the product with a vector to another one.
     void multiply(const std::vector<double>& by, std::vector<double>& into) const {
+        const double* x = by.data();
+        double* sums = into.data();
         for (int row = 0; row < size_; ++row) {
             const double* own = line(row);
-            for (int column = std::max(0, row - width_); column < row; ++column) {
-                into[row] += own[column] * by[column];
-                into[column] += own[column] * by[row];
-            }
-            into[row] += own[row] * by[row];
-        }
-    }
-
-    // Multiplies rows and columns by the same scales.
-    void scale(const std::vector<double>& by) {
-        for (int row = 0; row < size_; ++row) {
-            double* own = line(row);
-            for (int column = std::max(0, row - width_); column <= row; ++column) own[column] *= by[row] * by[column];
+            double sum = own[row] * x[row];
+            each_before(row, [&](int column) {
+                sum += own[column] * x[column];
+                sums[column] += own[column] * x[row];
+            });
+            sums[row] += sum;
         }
     }
 
@@ -47,19 +54,19 @@ class BandedSystem {
     void factorise() {
         for (int row = 0; row < size_; ++row) {
             double* own = line(row);
-            const int least = std::max(0, row - width_);
-            for (int column = least; column < row; ++column) {
+            const int begin = first_[row];
+            for (int column = begin + 1; column < row; ++column) {
                 const double* other = line(column);
                 double sum = own[column];
-                for (int k = std::max(least, column - width_); k < column; ++k) sum -= own[k] * other[k];
+                for (int k = std::max(begin, first_[column]); k < column; ++k) sum -= own[k] * other[k];
                 own[column] = sum;  // times D, until the row is done
             }
             double pivot = own[row];
-            for (int column = least; column < row; ++column) {
+            each_before(row, [&](int column) {
                 const double scaled = own[column];
                 own[column] = scaled * inverse_[column];
                 pivot -= scaled * own[column];
-            }
+            });
             own[row] = pivot;
             inverse_[row] = 1.0 / pivot;
         }
@@ -67,27 +74,41 @@ class BandedSystem {
 
     // Solves in place, after `factorise`.
     void solve(std::vector<double>& right) const {
+        double* x = right.data();
         for (int row = 0; row < size_; ++row) {
             const double* own = line(row);
-            double sum = right[row];
-            for (int k = std::max(0, row - width_); k < row; ++k) sum -= own[k] * right[k];
-            right[row] = sum;
+            double sum = x[row];
+            each_before(row, [&](int k) { sum -= own[k] * x[k]; });
+            x[row] = sum;
         }
-        for (int row = 0; row < size_; ++row) right[row] *= inverse_[row];
+        for (int row = 0; row < size_; ++row) x[row] *= inverse_[row];
         for (int row = size_ - 1; row >= 0; --row) {
             const double* own = line(row);
-            for (int k = std::max(0, row - width_); k < row; ++k) right[k] -= own[k] * right[row];
+            const double value = x[row];
+            each_before(row, [&](int k) { x[k] -= own[k] * value; });
         }
     }
 
-    // A row, to be indexed by columns up to its own.
-    double* line(int row) { return entries_.data() + size_t(row) * (width_ + 1) + width_ - row; }
-    const double* line(int row) const { return entries_.data() + size_t(row) * (width_ + 1) + width_ - row; }
+    // A row, to be indexed by columns from its first to its own.
+    double* line(int row) { return entries_.data() + starts_[row]; }
+    const double* line(int row) const { return entries_.data() + starts_[row]; }
 
   private:
-    int size_, width_;
-    std::vector<double> entries_;  // (size, width + 1)
-    std::vector<double> inverse_;  // (size,) of D
+    // Calls visit(column) for the columns of a row before its own; most rows have three.
+    template <typename Visit>
+    void each_before(int row, Visit visit) const {
+        if (row - first_[row] == 3) {
+            visit(row - 3);
+            visit(row - 2);
+            visit(row - 1);
+        } else {
+            for (int column = first_[row]; column < row; ++column) visit(column);
+        }
+    }
+
+    int size_;
+    std::vector<int> first_, starts_;  // (size,)
+    std::vector<double> entries_, inverse_;  // row after row; (size,) of D
 };
 
 }  // namespace kinesic::motion

@@ -58,12 +58,11 @@ nb::object smooth(const Places& first, const Numbers& shares, const Numbers& val
     TiedSystem system(program);
     system.add(program.form);
     system.factorise();
-    std::vector<double> right(system.size()), answer, controls(program.size);
-    for (int j = 0; j < program.size; ++j) right[system.place(j)] = program.pull[j];
-    for (int k = 0; k < program.fixed(); ++k) right[system.tie(k)] = program.values[k];
-    system.solve(right, answer);
-    for (int j = 0; j < program.size; ++j) controls[j] = answer[system.place(j)];
-    return array(controls);
+    Unknowns right(program.size, program.fixed()), answer = right;
+    right.points = program.pull;
+    right.ties = program.values;
+    system.solve(right, answer, EXACT);
+    return array(answer.points);
 }
 
 // The optimum within limits; None where there is none.
@@ -90,7 +89,7 @@ nb::object relax(const Places& first, const Numbers& shares, const Numbers& valu
     InteriorPoint method(program);
     if (!method.solve()) return nb::none();
     std::vector<double> pulls(program.rows());
-    for (size_t k = 0; k < pulls.size(); ++k) pulls[k] = method.pull(int(k));
+    for (size_t k = 0; k < pulls.size(); ++k) pulls[k] = method.multiplier(int(k));
     return nb::make_tuple(array(method.controls()), method.relaxation(), array(method.ties()), array(pulls));
 }
 

@@ -20,6 +20,17 @@ constexpr int ENDS[KINDS] = {2, 1, 0, 1};  // rows at either end that three give
 constexpr double POWERS[KINDS] = {1.0, 2.0, 3.0, 2.0};
 constexpr double ROOMY = 2.0;  // bound of such a row, which the least relaxation leaves out
 
+struct Unknowns {
+    Unknowns(int size, int fixed) : points(size), ties(fixed) {}
+
+    void clear() {
+        std::fill(points.begin(), points.end(), 0.0);
+        std::fill(ties.begin(), ties.end(), 0.0);
+    }
+
+    std::vector<double> points, ties;  // control points, and multipliers of what is fixed; or what is left of their conditions
+};
+
 struct SplineProgram {
     int size = 0;  // n control points
     bool relaxing = false;
@@ -35,20 +46,18 @@ struct SplineProgram {
     // Rows of a kind, and where the first and the one after the last of them begin.
     int begin(int kind) const { return relaxing ? ENDS[kind] : 0; }
     int end(int kind) const { return size - WIDTHS[kind] + 1 - (relaxing ? ENDS[kind] : 0); }
-    int rows() const {
-        int count = 0;
-        for (int kind = 0; kind < KINDS; ++kind) count += std::max(0, end(kind) - begin(kind));
-        return count;
-    }
+    int count(int kind) const { return std::max(0, end(kind) - begin(kind)); }
+    int rows() const { return count(0) + count(1) + count(2) + count(3); }
 
     double bound(int kind, int row) const {
         const bool decided = row < ENDS[kind] || row >= size - WIDTHS[kind] + 1 - ENDS[kind];
         return decided ? ROOMY : 1.0;
     }
 
-    // Calls visit(number, kind, row) for every row of a limit; the kind is a constant, so that its loops are unrolled.
+    // Calls visit(kind, number) for every kind of limits, with the number of its first row; the kind is a constant, so that
+    // loops over its stencil are unrolled.
     template <typename Visit>
-    void each_row(Visit visit) const {
+    void each_kind(Visit visit) const {
         int number = 0;
         each_of<0>(visit, number);
         each_of<1>(visit, number);
@@ -56,17 +65,11 @@ struct SplineProgram {
         each_of<3>(visit, number);
     }
 
+  private:
     template <int KIND, typename Visit>
     void each_of(Visit& visit, int& number) const {
-        for (int row = begin(KIND), last = end(KIND); row < last; ++row)
-            visit(number++, std::integral_constant<int, KIND>(), row);
-    }
-
-    template <typename Kind>
-    double along(Kind kind, int row, const double* x) const {
-        double sum = 0.0;
-        for (int k = 0; k < WIDTHS[kind]; ++k) sum += stencils[kind][k] * x[row + k];
-        return sum;
+        visit(std::integral_constant<int, KIND>(), number);
+        number += count(KIND);
     }
 };
 

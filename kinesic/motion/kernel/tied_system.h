@@ -15,100 +15,99 @@ namespace kinesic::motion {
 constexpr double NUDGE = 1e-12;  // of the scaled diagonal, keeps pivots from 0; what it changes is refined away
 constexpr double SMALLEST = 1e-300;  // diagonal and row
 constexpr int REFINED = 3;  // times at most
-constexpr double EXACT = 1e-13;  // share of the right side that may be left
 
 class TiedSystem {
   public:
     explicit TiedSystem(const SplineProgram& program)
-        : p(program), n(p.size), m(p.fixed()), width_(arrange()), system_(n + m, width_), factor_(n + m, width_),
-          scales_(n + m) {}
-
-    int size() const { return n + m; }
-    int place(int control) const { return places_[control]; }  // of a control point in the band
-    int tie(int row) const { return ties_[row]; }  // of a row that is fixed
+        : p(program), n(p.size), m(p.fixed()), system_(arrange()), factor_(system_), scales_(n + m), right_(n + m),
+          answer_(n + m), left_(n + m) {}
 
     void clear() { system_.clear(); }
-
-    // Row of a control point, to be indexed by the places of those before it and its own.
-    double* line(int control) { return system_.line(places_[control]); }
 
     // Adds a form (half width + 1, n) whose last row is the diagonal.
     void add(const std::vector<double>& form) {
         const int half = int(form.size()) / n - 1;
-        for (int j = 0; j < n; ++j)
-            for (int d = 0; d <= std::min(j, half); ++d) line(j)[places_[j - d]] += form[size_t(half - d) * n + j];
+        for (int j = 0; j < n; ++j) {
+            double* line = system_.line(places_[j]);
+            for (int d = 0; d <= std::min(j, half); ++d) line[places_[j - d]] += form[size_t(half - d) * n + j];
+        }
     }
 
     // Scaled so that the diagonal is 1, and of what is fixed about -1 once its control points are eliminated: weights of
     // limits that are met grow beyond all others.
     void factorise() {
-        for (int j = 0; j < n; ++j) scales_[places_[j]] = 1.0 / std::sqrt(line(j)[places_[j]] + SMALLEST);
+        for (int place : places_) scales_[place] = 1.0 / std::sqrt(system_.line(place)[place] + SMALLEST);
         for (int k = 0; k < m; ++k) {
             double sum = SMALLEST;
+            double* line = system_.line(ties_[k]);
             for (int d = 0; d < 4; ++d) {
                 const int place = places_[p.first[k] + d];
-                system_.at(ties_[k], place) += p.shares[4 * k + d];
+                line[place] = p.shares[4 * k + d];
                 sum += std::pow(p.shares[4 * k + d] * scales_[place], 2);
             }
             scales_[ties_[k]] = 1.0 / std::sqrt(sum);
         }
-        factor_ = system_;
-        factor_.scale(scales_);
-        for (int place : places_) factor_.at(place, place) += NUDGE;
-        for (int tie : ties_) factor_.at(tie, tie) -= NUDGE;
+        factor_.scale(system_, scales_);
+        for (int place : places_) factor_.line(place)[place] += NUDGE;
+        for (int tie : ties_) factor_.line(tie)[tie] -= NUDGE;
         factor_.factorise();
     }
 
-    // Solves for a right side; then again for what is left of it.
-    void solve(const std::vector<double>& right, std::vector<double>& answer) {
-        answer = right;
-        solve_scaled(answer);
+    // Solves for a right side; then again for what is left of it, until that is at most a share of it.
+    void solve(const Unknowns& right, Unknowns& answer, double exact) {
+        for (int j = 0; j < n; ++j) right_[places_[j]] = right.points[j];
+        for (int k = 0; k < m; ++k) right_[ties_[k]] = right.ties[k];
+        answer_ = right_;
+        solve_scaled(answer_);
         double last = HUGE_VAL, enough = 0.0;
-        for (double value : right) enough = std::max(enough, EXACT * std::abs(value));
+        for (double value : right_) enough = std::max(enough, exact * std::abs(value));
         for (int k = 0; k < REFINED; ++k) {
-            left_.assign(size(), 0.0);
-            system_.multiply(answer, left_);
+            std::fill(left_.begin(), left_.end(), 0.0);
+            system_.multiply(answer_, left_);
             double most = 0.0;
-            for (int i = 0; i < size(); ++i) {
-                left_[i] = right[i] - left_[i];
+            for (int i = 0; i < n + m; ++i) {
+                left_[i] = right_[i] - left_[i];
                 most = std::max(most, std::abs(left_[i]));
             }
             if (most <= enough || most > last / 2) break;
             last = most;
             solve_scaled(left_);
-            for (int i = 0; i < size(); ++i) answer[i] += left_[i];
+            for (int i = 0; i < n + m; ++i) answer_[i] += left_[i];
         }
+        for (int j = 0; j < n; ++j) answer.points[j] = answer_[places_[j]];
+        for (int k = 0; k < m; ++k) answer.ties[k] = answer_[ties_[k]];
     }
 
   private:
     void solve_scaled(std::vector<double>& right) const {
-        for (int i = 0; i < size(); ++i) right[i] *= scales_[i];
+        for (int i = 0; i < n + m; ++i) right[i] *= scales_[i];
         factor_.solve(right);
-        for (int i = 0; i < size(); ++i) right[i] *= scales_[i];
+        for (int i = 0; i < n + m; ++i) right[i] *= scales_[i];
     }
 
-    // Gives each row of what is fixed the place after its last control point, and returns the width of the band.
-    int arrange() {
+    // Gives each row of what is fixed the place after its last control point, and returns where each row begins.
+    std::vector<int> arrange() {
         std::vector<std::vector<int>> after(n);
         for (int k = 0; k < m; ++k) after[p.first[k] + 3].push_back(k);
         places_.resize(n);
         ties_.resize(m);
-        int place = 0, widest = 3;
+        std::vector<int> first;
         for (int j = 0; j < n; ++j) {
-            places_[j] = place++;
-            for (int k : after[j]) ties_[k] = place++;
+            places_[j] = int(first.size());
+            first.push_back(places_[std::max(j - 3, 0)]);
+            for (int k : after[j]) {
+                ties_[k] = int(first.size());
+                first.push_back(places_[p.first[k]]);
+            }
         }
-        for (int k = 0; k < m; ++k) widest = std::max(widest, ties_[k] - places_[p.first[k]]);
-        for (int j = 0; j + 3 < n; ++j) widest = std::max(widest, places_[j + 3] - places_[j]);
-        return widest;
+        return first;
     }
 
     const SplineProgram& p;
     const int n, m;  // control points, rows that are fixed
-    std::vector<int> places_, ties_;
-    const int width_;
+    std::vector<int> places_, ties_;  // of control points and of rows that are fixed in the band
     BandedSystem system_, factor_;
-    std::vector<double> scales_, left_;
+    std::vector<double> scales_, right_, answer_, left_;  // (n + m,) in these places
 };
 
 }  // namespace kinesic::motion

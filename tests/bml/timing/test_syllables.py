@@ -1,7 +1,7 @@
 import pytest
 
 from kinesic.bml.block import Behaviour, Block, Head, Place, Speech, SyncRef
-from kinesic.bml.timing.syllables import find_syllables, syllable_end
+from kinesic.bml.timing.syllables import accented_vowels, find_syllables, syllable_end
 from kinesic.body.utterance import Phoneme, Script, Utterance
 
 
@@ -44,3 +44,9 @@ def test_it_is_counted_from_the_sync_point_with_its_offset():
     assert nod("m", 0.15) == {("n", "stroke"): pytest.approx(0.05)}
     assert nod("m", 0.3) == nod("end") == {}
     assert nod("start") == {("n", "stroke"): pytest.approx(0.4)}
+
+
+def test_accents_are_in_the_middle_of_stressed_vowels_or_of_every_vowel_where_none_is():
+    assert accented_vowels(sounds("b i g 'i n ,u 'a")) == pytest.approx([0.35, 0.65])
+    assert accented_vowels(sounds("h o u s e")) == pytest.approx([0.15, 0.25, 0.45])
+    assert accented_vowels(sounds("p s t")) == []

@@ -178,6 +178,17 @@ def test_a_rest_pose_does_not_mind_what_other_blocks_need(pace, either):
     assert arrange_hands([folded], pace, engaged=[RIGHT]).sides == {"p": {"r"}}
 
 
+def test_a_stroke_is_not_repeated_over_the_word_of_a_rest_pose(pace, phases):
+    twice = Poses({"r": (A, B, A, B)}, stroke=1, again=(3,))
+    beating = Stroke("g", phases(0, 1, 1, 1.5, 4.0, 4.2, 5.0), (twice,))
+    folded = Stroke("p", phases(2.0, 2.8, 2.8, 3.0, 3.0, 3.0, 3.5), (right(C),), rest=True)
+    found = arrange_hands([beating, folded], pace, tied := {id: frozenset({"stroke"}) for id in "gp"})
+    assert next(work for work in found.works if work.id == "g").at("strokeEnd") < 2.8
+    assert hand_at(found.hands["r"], 3.0, resting_hands(pace.robot)["r"]).reach is C.reach
+    asked = arrange_hands([beating, folded], pace, {**tied, "g": frozenset({"stroke", "strokeEnd"})}).works
+    assert next(work for work in asked if work.id == "g").poses.times == 2, "where the document says when it ends"
+
+
 def test_of_two_gestures_beside_another_block_one_makes_room_on_the_free_hand(pace, overlapping):
     mirrored = [Poses({"l": tuple(reversed(row))}, 1) for row in ((M, L, M), (L, M))]
     open_ = [

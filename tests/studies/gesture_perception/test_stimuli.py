@@ -84,7 +84,7 @@ def test_pairs_begin_where_they_are_told(known, documents, motions: dict[str, Mo
 
 def test_what_nobody_would_see_is_no_pair(known, documents, motions: dict[str, Motion]):
     assert plan_pairs(documents, motions, known, "power=0", 2) == []
-    assert plan_pairs(documents, motions, known, "idle=2", 2) == [], "a gesture alone leaves no pause"
+    assert plan_pairs(documents, motions, known, "repetition=0", 2) == []
 
 
 def test_texts_have_captions_and_pauses_to_idle_in(known):

@@ -1,0 +1,117 @@
+"""Remembers the cutting planes of one search of key times for the next: a block is planned again with few other keys.
+
+What a hinge lacks hangs on the angles of its own keys, the times between them, and its limits alone. So a plane holds
+wherever the hinge passes the same keys again, under the same limits or tighter ones, whatever all others do.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.limits import Limits
+from kinesic.motion.infeasibility import Bottleneck
+from kinesic.motion.key_time_lp import CuttingPlane
+from kinesic.motion.keys import Keys, Pair, Sync
+
+Mark = tuple[tuple[Sync, ...], float]  # sync points that fall on a key of a hinge, and its angle there [rad]
+Cuts = Mapping[int, Sequence[CuttingPlane]]  # of each hinge
+
+SLIGHT = 1e-4  # share of the steepest slope below which a plane is not about a key
+MOST = 200  # planes that are remembered
+GROWING = ("speed", "acceleration", "jerk", "duty")  # limits within which a plane holds under smaller ones, too
+
+
+@dataclass(frozen=True, eq=False)
+class _KnownPlane:
+    """A plane over keys of a hinge that follow one another, in any motion that has them."""
+
+    hinge: int
+    marks: tuple[Mark, ...]  # the keys, with one more on either side, between which the hinge may swing
+    slopes: Floats  # (k,) [1/s] over their times
+    bound: float
+    limits: Limits  # of the hinge
+    met: tuple[tuple[Pair, Bottleneck], ...]  # what was too fast between which of the keys
+
+    def holds(self, limits: Limits) -> bool:
+        """Whether it holds under other limits of the hinge."""
+        own, others = vars(self.limits), vars(limits)
+        return all(others[name] <= own[name] if name in GROWING else others[name] == own[name] for name in own)
+
+
+class PlaneMemory:
+    """The planes of the last searches, with which the next one begins."""
+
+    def __init__(self) -> None:
+        """Nothing is known yet."""
+        self._planes: list[_KnownPlane] = []
+        self._recalled: list[tuple[CuttingPlane, _KnownPlane]] = []
+
+    def keep(self, keys: Keys, limits: Limits, cuts: Cuts, met: Mapping[Pair, Bottleneck]) -> None:
+        """Learns the planes that a search ends with, and forgets those that it was given and did without.
+
+        Args:
+            keys: of the search.
+            limits: of all hinges.
+            cuts: the planes, over the times of all keys.
+            met: what was too fast between which keys.
+        """
+        known = {id(cut): plane for cut, plane in self._recalled}
+        found = [
+            known.get(id(cut)) or _portable(cut, hinge, keys, limits, met) for hinge, own in cuts.items() for cut in own
+        ]
+        forgotten = {id(plane) for plane in (*found, *known.values())}
+        others = [plane for plane in self._planes if id(plane) not in forgotten]
+        self._planes, self._recalled = [*found, *others][:MOST], []
+
+    def recall(self, keys: Keys, limits: Limits) -> tuple[dict[int, list[CuttingPlane]], dict[Pair, Bottleneck]]:
+        """Finds the planes of each hinge that hold for other keys, and what is too fast between these as asked.
+
+        Args:
+            keys: that are sought again.
+            limits: of all hinges.
+        """
+        cuts: dict[int, list[CuttingPlane]] = {}
+        met: dict[Pair, Bottleneck] = {}
+        marks = [_marks(keys, hinge, own) for hinge, own in enumerate(keys.own)]
+        parts = [limits.part(np.array([hinge])) for hinge in range(len(keys.own))]
+        self._recalled = []
+        for plane in self._planes:
+            own, here, count = keys.own[plane.hinge], marks[plane.hinge], len(plane.marks)
+            first = next((k for k in range(len(own) - count + 1) if here[k : k + count] == plane.marks), None)
+            if first is None or not plane.holds(parts[plane.hinge]):
+                continue
+            rows = own[first : first + count]
+            slopes = np.zeros(len(keys.asked))
+            slopes[rows] = plane.slopes
+            cut = CuttingPlane(slopes, plane.bound)
+            cuts.setdefault(plane.hinge, []).append(cut)
+            self._recalled.append((cut, plane))
+            if slopes @ keys.asked > plane.bound:
+                met |= {(rows[i], rows[j]): found for (i, j), found in plane.met}
+        return cuts, met
+
+
+def _marks(keys: Keys, hinge: int, rows: Sequence[int]) -> tuple[Mark, ...]:
+    return tuple((keys.syncs[row], float(keys.angles[row, hinge])) for row in rows)
+
+
+def _portable(cut: CuttingPlane, hinge: int, keys: Keys, limits: Limits, met: Mapping[Pair, Bottleneck]) -> _KnownPlane:
+    """A plane over the times of all keys, as one over those that it is about."""
+    own = keys.own[hinge]
+    slopes = cut.slopes[own]
+    about = np.flatnonzero(np.abs(slopes) > SLIGHT * np.abs(slopes).max())
+    first, last = int(about[0]), int(about[-1])
+    slopes[first] += slopes[:first].sum()  # so that they still change nothing when all keys move together
+    slopes[last] += slopes[last + 1 :].sum()
+    slopes[:first] = slopes[last + 1 :] = 0.0
+    wide = slice(max(first - 1, 0), last + 2)
+    rows, part = own[wide], limits.part(np.array([hinge]))
+    place = {row: k for k, row in enumerate(rows)}
+    within = [
+        ((place[i], place[j]), found)
+        for (i, j), found in met.items()
+        if found.hinge == hinge and i in place and j in place
+    ]
+    return _KnownPlane(hinge, _marks(keys, hinge, rows), sealed(slopes[wide]), cut.bound, part, tuple(within))
