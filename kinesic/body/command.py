@@ -60,6 +60,7 @@ class Power:
     mean: Floats  # (m,) [A] of all servos together
     peak: Floats  # (m,) [A] largest on any physics step
     energy: float  # [J] in all
+    volts: float  # [V] lowest of the supply
     warming: Mapping[str, Floats]  # hinge -> (m,) [K] rise of its windings, where the servo's thermal figures are known
 
 

@@ -116,3 +116,8 @@ class Drives(tuple[Drive, ...]):
     servo_current = _row(lambda drive: drive.servo.stall_a)  # [A] at stall, of one servo
     stall_current = _row(lambda drive: drive.servo.stall_a * drive.count)  # [A] of all servos of the drive
     idle_current = _row(lambda drive: drive.count * drive.servo.idle_a)  # [A] of all servos of the drive
+
+
+def follow_lags(drives: Drives) -> Floats:
+    """Computes (n,) [s] by which servos follow their goals late, and by which goals of a plan so lead its speed."""
+    return sealed((1.0 / drives.no_load + drives.rate_gain / drives.stall) / drives.gain)

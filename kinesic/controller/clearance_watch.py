@@ -4,7 +4,7 @@ What hinges stray from the plan is expected to come again, this way or that, as 
 measured of late are added to the postures that come, and taken from them, and the clearance of these is measured. While
 it is ample, time runs as planned; then it runs slower, which makes errors smaller, as servos lag in proportion to their
 speed; what is left of them when time has crept for a while is the sag of a soft servo, which keeps its sign. Where even
-creeping does not help, it is over.
+creeping does not help, it is over; likewise, at once, where the measured posture itself has come too near.
 """
 
 from dataclasses import dataclass, replace
@@ -20,6 +20,7 @@ LOOK = 0.05  # [s] between two looks
 AHEAD = 0.3  # [s] that postures are looked at before they come: slowing takes as long
 MEMORY = 1.0  # [s] for which an error is expected to come again
 EASY, TOUCH = 0.9, 0.4  # of the clearance that a robot asks for: where slowing begins, and where time only creeps
+RESERVE = 0.3  # of that clearance, where it ends at once: a quarter of it stays
 CREEP = 0.02  # pace of a performance that waits for its errors to become smaller
 SETTLED = 0.3  # [s] of creeping, after which servos do not swing any more
 PATIENCE = 2.0  # [s] of creeping, after which it ends: errors are forgotten sooner
@@ -37,11 +38,12 @@ class ClearanceWatch:
     room: float = inf  # [m] clearance foreseen
     pace: float = 1.0  # seconds of the performance per second
     crept: float = 0.0  # [s] since it has crept
+    near: bool = False  # whether what is measured has come into the reserve
 
     @property
     def over(self) -> bool:
-        """Whether waiting was in vain: the performance is to end."""
-        return self.crept >= PATIENCE
+        """Whether the reserve is gone, or waiting was in vain: the performance is to end."""
+        return self.near or self.crept >= PATIENCE
 
 
 def look(
@@ -61,10 +63,12 @@ def look(
     swung = (*watch.swung, sealed(np.where(watch.crept < SETTLED, here, 0.0)))[-1 - _LATE :]
     errors = np.concatenate([np.array(late[::-_SKIPPED]), -np.array(swung[::-_SKIPPED])])
     expected = (coming[:, None] + errors).reshape(-1, len(strayed))
-    room = float(distances.clearance(expected).distances.min())
+    rooms = distances.clearance(expected).distances
+    room, present = float(rooms.min()), float(rooms[0])
     pace = pace_for(room, least)
     crept = watch.crept + LOOK if pace <= CREEP else 0.0
-    return replace(watch, strayed=late, swung=swung, room=room, pace=pace, crept=crept)
+    near = present < RESERVE * least
+    return replace(watch, strayed=late, swung=swung, room=room, pace=pace, crept=crept, near=near)
 
 
 def pace_for(room: float, least: float) -> float:

@@ -10,6 +10,7 @@ from kinesic.body.choices import Terms
 from kinesic.body.command import RATE
 from kinesic.body.dynamics import Dynamics
 from kinesic.body.robot import Robot
+from kinesic.controller.learned_gains import LearnedGains
 
 
 class Motion(Protocol):
@@ -43,6 +44,7 @@ class FeedForward:
     period: float = 1 / RATE  # [s] between goals
     delay: float = 0.0  # [s] of the bus
     terms: Terms = "full"  # what is inverted; for measuring what each part is worth
+    learned: LearnedGains | None = None  # of these very servos; None: they are as their data sheets say
 
     def lead(self, motion: Motion, times: Floats) -> FeedForwardGoals:
         """Computes the set points of a motion for goals that are sent at (m,) performance times [s]."""
@@ -60,5 +62,7 @@ class FeedForward:
             return FeedForwardGoals(sealed(robot.skeleton.clamp(sent)), nothing, nothing, sealed(duties))
         leads = (speeds / no_load + rate * speeds / stall) / gain
         loads = torques / (gain * stall) if self.terms == "full" else np.zeros_like(torques)
+        if self.learned:
+            loads, leads = (1.0 + self.learned.load) * loads, (1.0 + self.learned.lead) * leads
         goals = robot.skeleton.clamp(angles + leads + loads)
         return FeedForwardGoals(sealed(goals), sealed(loads), sealed(leads), sealed(duties))

@@ -237,7 +237,10 @@ def noticing(period: float) -> float:
 
 
 def correct_goals(
-    stream: Sequence[Command], setpoints: FeedForwardGoals, bodies: Sequence[Body], observer: Observer
+    stream: Sequence[Command],
+    setpoints: FeedForwardGoals,
+    bodies: Sequence[Body],
+    observer: Observer,
 ) -> Iterator[tuple[Command, ...]]:
     """Corrects the goals of commands for each body by what it did with those before.
 

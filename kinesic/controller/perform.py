@@ -17,6 +17,7 @@ from kinesic.body.robot import Robot
 from kinesic.controller.clearance_watch import slows
 from kinesic.controller.documents import read_block
 from kinesic.controller.feedforward import FeedForward
+from kinesic.controller.learned_gains import LearnedGains
 from kinesic.controller.observer import Observer, correct_goals
 from kinesic.controller.options import PlanningOptions, check_options
 from kinesic.controller.performance import Performance, Reference
@@ -165,9 +166,12 @@ def dry_run(
     correction: bool = True,
     watch: bool = True,
     delay: float = 0.0,
+    learned: LearnedGains | None = None,
 ) -> Performance:
     """Performs a plan in one twin: see `dry_runs`."""
-    return dry_runs(planned, (twin,), feedforward=feedforward, correction=correction, watch=watch, delay=delay)[0]
+    return dry_runs(
+        planned, (twin,), feedforward=feedforward, correction=correction, watch=watch, delay=delay, learned=learned
+    )[0]
 
 
 def dry_runs(
@@ -178,6 +182,7 @@ def dry_runs(
     correction: bool = True,
     watch: bool = True,
     delay: float = 0.0,
+    learned: LearnedGains | None = None,
     parse_seconds: float = 0.0,
     progress: Callable[[float], None] = lambda share: None,
 ) -> tuple[Performance, ...]:
@@ -190,13 +195,15 @@ def dry_runs(
         correction: whether goals are corrected by what the twins measure.
         watch: whether a twin whose errors leave too little clearance is slowed down, and stopped before contact.
         delay: [s] of the bus, as feed-forward and correction believe it to be; the twins' own is in their factors.
+        learned: what an earlier performance told of the servos (`identify`); None: nothing.
         parse_seconds: for the report.
         progress: gets the share of the ticks that are over, now and then.
     """
     known, trajectory, robot = planned.setup, planned.trajectory, planned.setup.robot
     began = perf_counter()
     times = command_times(planned.duration)
-    leading = FeedForward(robot, known.dynamics, delay=delay, terms=feedforward)
+    delay = max(delay, learned.delay) if learned else delay
+    leading = FeedForward(robot, known.dynamics, delay=delay, terms=feedforward, learned=learned)
     setpoints = leading.lead(trajectory, times)
     stream = tuple(commands(trajectory, times, setpoints))
     observer = _observer(known, delay, len(twins)) if correction else None

@@ -7,7 +7,7 @@ rest at the end. Here is only listened, and handed on what somebody at the keybo
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -20,16 +20,20 @@ import numpy as np
 from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.controller.arrival import lags, part_paths
 from kinesic.controller.feedforward import FeedForward
+from kinesic.controller.learned_gains import LearnedGains
 from kinesic.controller.performance import MOVING, Performance
 from kinesic.controller.play import command_times, commands
+from kinesic.controller.servo_watch import ServoWatch
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.channel import Note, Status
+from kinesic.planning.plan import Plan
 from kinesic.planning.syncs import SyncTime
 
 DELAY = 0.002  # [s] from a command's time until its goals have gone over the wire
 LOOK = 0.02  # [s] between two looks at supervisor and keyboard
 ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+TOO_NEAR = "stopped before contact: the servos' errors leave too little clearance (`kinesic twin fit` finds why)"
 FULL = 0.999  # scale of time that is all of it
 
 Request = Literal["go on", "stop", "resume", "end"]  # "stop": at once; "resume": consents; "end": fold to rest
@@ -152,10 +156,11 @@ def perform_live(
     """
     plan = performance.plan
     times = command_times(plan.duration)
-    setpoints = FeedForward(plan.setup.robot, plan.setup.dynamics, delay=DELAY).lead(plan.trajectory, times)
+    setpoints = _leading(performance).lead(plan.trajectory, times)
     history: list[Status] = []
     notes: list[Note] = []
     requests: list[Request] = []
+    watch = watch_of(plan)
     with ThreadPoolExecutor(1) as pool:
         try:
             for command in commands(plan.trajectory, times, setpoints):
@@ -164,7 +169,8 @@ def perform_live(
             closing = pool.submit(servos.close)
         try:
             while not closing.done():
-                _listen(servos, history, notes, shown)
+                news = _listen(servos, history, notes, shown)
+                _heed(servos, watch, news, requests, notes)
                 _obey(servos, requested(), requests)
                 time.sleep(LOOK)
         except BaseException:
@@ -202,12 +208,46 @@ def interrupted() -> Iterator[Callable[[], bool]]:
             signal.signal(number, handler)
 
 
-def _listen(servos: Servos, history: list[Status], notes: list[Note], shown: Callable[[Status], None]) -> None:
+def _leading(performance: Performance) -> FeedForward:
+    """Leads servos as their data sheets say, or, where the twin is that of this robot, as it was fitted to them."""
+    known, twin = performance.plan.setup, performance.twin
+    if performance.twin_name != "own":
+        return FeedForward(known.robot, known.dynamics, delay=DELAY)
+    learned = LearnedGains.of_twin(known.robot, twin)
+    return FeedForward(known.robot, known.dynamics, delay=max(DELAY, learned.delay), learned=learned)
+
+
+def watch_of(plan: Plan) -> ServoWatch:
+    """Makes the watch of the clearance of a plan that servos perform."""
+    known, end = plan.setup, plan.trajectory.duration
+
+    def reference(times: Floats) -> Floats:
+        return plan.trajectory.sample(np.minimum(times, end))[0]
+
+    return ServoWatch(reference, known.distances, least=known.robot.least_clearance)
+
+
+def _heed(
+    servos: Servos, watch: ServoWatch, news: Sequence[Status], requests: list[Request], notes: list[Note]
+) -> None:
+    """Slows the servos down where their errors leave too little clearance, and stops them before contact."""
+    if watch.see(news):
+        servos.slow_to(watch.pace)
+        if watch.over and not requests:
+            servos.stop()
+            requests.append("stop")
+            notes.append(Note(news[-1].clock, -1, "clearance", TOO_NEAR))
+
+
+def _listen(
+    servos: Servos, history: list[Status], notes: list[Note], shown: Callable[[Status], None]
+) -> tuple[Status, ...]:
     news = servos.history()
     history += news
     notes += servos.events()
     if news:
         shown(news[-1])
+    return news
 
 
 def _obey(servos: Servos, request: Request, requests: list[Request]) -> None:
@@ -232,7 +272,7 @@ def _ending(
     if any(status.faulty for status in history):
         return "failed", _last_of(notes, "failed", "refused", "error") or "a servo has failed"
     if requests:
-        return ("stopped" if "stop" in requests else "ended"), ""
+        return ("stopped", _last_of(notes, "clearance")) if "stop" in requests else ("ended", "")
     performed = max((status.clock for status in history if status.stage.runs), default=0.0)
     why = _last_of([note for note in notes if note.clock >= performed], "paused", "supply")
     return ("failed", why) if why else ("performed", "")

@@ -60,7 +60,8 @@ def perform_watched(plan: Plan, twin: Twin, feedforward: FeedForward, observer: 
     times: list[float] = []
     paces: list[float] = []
     duties: list[Floats] = []
-    inputs, belief = observer and InputStream(observer), observer and observer.begin()
+    inputs = InputStream(observer) if observer else None
+    belief = observer.begin() if observer else None
     strayed = np.zeros(len(setup.robot.skeleton.hinges))
     while not watch.over:
         now = Slowed(plan.trajectory, clock.time, clock.scale)

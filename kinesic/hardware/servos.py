@@ -15,6 +15,7 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.body.command import Command
 from kinesic.body.robot import Robot
+from kinesic.body.servo import follow_lags
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.address import find_supervisor
 from kinesic.hardware.supervisor.channel import Channel, Note, Status, map_memory, memory_file, memory_size
@@ -58,7 +59,8 @@ class Servos:
         memory = memory_file(octets)
         self._channel = Channel(map_memory(memory, octets), self._joints)
         self._lock = Lock()  # somebody may look on while another waits in `close`
-        self._waiting: deque[tuple[float, Floats]] = deque()  # commands for which there was no room
+        self._lags = follow_lags(robot.drives)
+        self._waiting: deque[tuple[float, Floats, Floats]] = deque()  # commands for which there was no room
         self._notes: list[Note] = []
         self._reasons: list[str] = []  # why servos were refused, or failed
         order = SupervisorOrder(
@@ -98,7 +100,7 @@ class Servos:
         """
         if command.goals.shape != (self._joints,) or not np.isfinite(command.goals).all():
             raise BusError(f"goals at {command.time:.3f} s are {command.goals}, must be {self._joints} finite numbers")
-        self._waiting.append((command.time, command.goals))
+        self._waiting.append((command.time, command.goals, self._lags * command.speeds))
         self._pass_on()
         if not self.running or self._channel.status().waits == "confirmation":
             raise BusError(self._epitaph())
@@ -126,6 +128,10 @@ class Servos:
     def stop(self, policy: Policy = "hold") -> None:
         """Stops in an emergency: holds where the robot is until `release`, or lets go."""
         self._channel.stop(policy)
+
+    def slow_to(self, pace: float) -> None:
+        """Lets the performance run at a pace, 0..1, at most; 1: as planned. It holds until the next call."""
+        self._channel.slow_to(pace)
 
     def resume(self) -> None:
         """Lets the performance go on after an emergency stop, or after an interruption of more than a second.

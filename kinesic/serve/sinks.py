@@ -9,9 +9,11 @@ from msgspec.structs import replace
 
 from kinesic.body.arrays import Floats
 from kinesic.body.command import RATE, Command, Sink
+from kinesic.body.dynamics import Distances
 from kinesic.body.robot import Robot
 from kinesic.controller.feedforward import FeedForward
 from kinesic.controller.play import commands
+from kinesic.controller.servo_watch import ServoWatch, WrittenPostures
 from kinesic.hardware.servos import Servos
 from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.setup import Setup
@@ -83,14 +85,22 @@ class RealTwin:
 
 
 class RealServos:
-    """Servos, whose supervisor owns the time."""
+    """Servos, whose supervisor owns the time, and slows it where their errors leave too little clearance."""
 
-    def __init__(self, servos: Servos) -> None:
-        """Takes over opened servos."""
-        self.servos = servos
+    def __init__(self, servos: Servos, *, distances: Distances, least: float) -> None:
+        """Takes over opened servos.
+
+        Args:
+            servos: opened.
+            distances: of the robot.
+            least: [m] clearance that it asks for.
+        """
+        self.servos, self._written = servos, WrittenPostures()
+        self._watch = ServoWatch(self._written, distances, least=least)
 
     def write(self, command: Command, /) -> None:
         """Hands one command on."""
+        self._written.add(command)
         self.servos.write(command)
 
     def seen(self) -> tuple[float, Floats] | None:
@@ -105,6 +115,10 @@ class RealServos:
 
     def time(self, clock: float, /) -> float | None:
         """Time [s] of the performance by the supervisor, wherever it stands; None before there is one."""
+        if self._watch.see(self.servos.history()):
+            self.servos.slow_to(self._watch.pace)
+            if self._watch.over:
+                self.servos.stop()
         status = self.servos.state()
         return None if isnan(status.time) else status.time_at(clock)
 

@@ -3,6 +3,12 @@
 A servo's stall figures are those of its motor at full duty: current per torque is stall current over stall torque, and
 the winding's resistance is the voltage over the stall current. The bridge draws the motor's current for the share of
 time that it is on. What a braking motor gives back is not counted: most supplies cannot take it.
+
+A supply may sag. Per step of the physics: with a share v of the open voltage U, a servo of duty d whose speed is the
+share w of that without load has the share v d - w of its stall torque, and draws d (v d - w) of its stall current. So
+the sum I of all currents grows with v, in straight pieces, and v = 1 - R I(v) / U has one solution; Newton's steps
+from v = 1 come to it from above, exactly, after as many steps as servos begin to brake on the way. The same holds for
+the v at which a supply that limits its current gives just that.
 """
 
 from dataclasses import dataclass
@@ -12,6 +18,11 @@ import numpy as np
 from kinesic.body.arrays import Floats, Indices, sealed
 from kinesic.body.command import Power
 from kinesic.body.servo import Drives
+from kinesic.sim.servo_factors import Factors
+
+WHOLE = sealed([1.0])  # share of its voltage that a stiff supply has
+LEAST = 0.4  # share of the voltage at which servos would go out: the twin's do not, they only stay as weak
+CLOSE = 1e-6  # change of the share that is none
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,19 +32,21 @@ class DriveEffort:
     duties: Floats  # (s, n) demanded, may exceed 1
     applied: Floats  # (s, n) within -1..1
     loads: Floats  # (s, n) torque over stall torque, which is motor current over stall current
+    supplied: Floats  # (s,) or (1,) share of its voltage that the supply had
 
 
-def effort(drives: Drives, errors: Floats, speeds: Floats) -> DriveEffort:
+def effort(drives: Drives, errors: Floats, speeds: Floats, *, supplied: Floats = WHOLE) -> DriveEffort:
     """Computes demanded duty, applied duty and share of stall torque of each drive at each step of the physics.
 
     Args:
         drives: in joint order.
         errors: (s, n) [rad] goals minus angles.
         speeds: (s, n) [rad/s].
+        supplied: (s,) or (1,) share of its voltage that the supply had.
     """
     duties = drives.gain * errors - drives.rate_gain / drives.stall * speeds
     applied = np.clip(duties, -1.0, 1.0)
-    return DriveEffort(duties, applied, applied - speeds / drives.no_load)
+    return DriveEffort(duties, applied, supplied[:, None] * applied - speeds / drives.no_load, supplied)
 
 
 def power(names: tuple[str, ...], drives: Drives, given: DriveEffort, *, spans: Floats, counts: list[int]) -> Power:
@@ -56,7 +69,8 @@ def power(names: tuple[str, ...], drives: Drives, given: DriveEffort, *, spans: 
     return Power(
         mean=sealed(mean),
         peak=sealed(np.maximum.reduceat(np.append(current, 0.0), edges)[::2]),
-        energy=float(spans @ drawn @ drives.volt),
+        energy=float((spans * given.supplied) @ drawn @ drives.volt),
+        volts=float(given.supplied.min() * drives.volt.max()),
         warming={
             name: sealed(_warming(drive.servo.thermal, losses, spans)[edges[1::2] - 1])
             for name, drive, losses in zip(names, drives, lost.T, strict=True)
@@ -81,3 +95,59 @@ def _warming(thermal: tuple[float, float], losses: Floats, spans: Floats) -> Flo
         rise = goal + (rise - goal) * share
         rises[k] = rise
     return rises
+
+
+@dataclass(frozen=True, eq=False)
+class Supply:
+    """Where the servos' current comes from."""
+
+    drives: Drives
+    resistance: float  # [ohm]
+    amps: float  # [A] at most
+    volts: float  # [V] without load
+
+    @classmethod
+    def of(cls, drives: Drives, factors: Factors) -> "Supply | None":
+        """Makes the supply that factors describe, for drives at its open voltage; None where it holds its voltage."""
+        sags = factors.resistance > 0.0 or np.isfinite(factors.amps)
+        return cls(drives, factors.resistance, factors.amps, float(drives.volt.max())) if sags else None
+
+    def share(self, duties: Floats, speeds: Floats) -> float:
+        """Finds the share of its voltage that is left.
+
+        Args:
+            duties: (n,) -1..1 that the servos apply.
+            speeds: (n,) [rad/s].
+        """
+        drives, drop = self.drives, self.resistance / self.volts
+        asked, back = drives.stall_current * duties**2, drives.stall_current * duties * speeds / drives.no_load
+        idle, share = float(drives.idle_current.sum()), 1.0
+        while True:
+            drawing = share * asked > back
+            slope, rest = float(asked[drawing].sum()), idle - float(back[drawing].sum())
+            fallen = (1.0 - drop * rest) / (1.0 + drop * slope)
+            if slope > 0.0 and fallen * slope + rest > self.amps:
+                fallen = (self.amps - rest) / slope
+            if fallen < LEAST:
+                return LEAST
+            if fallen > share - CLOSE:
+                return min(share, fallen)
+            share = fallen
+
+    def goals(self, goals: Floats, angles: Floats, speeds: Floats, caps: Floats | float = 1.0) -> tuple[Floats, float]:
+        """Finds the goals with which servos at their full voltage would do what these do at what is left of it.
+
+        Args:
+            goals: (n,) [rad] of the servos.
+            angles: (n,) [rad] as they measure them.
+            speeds: (n,) [rad/s] likewise.
+            caps: (n,) 0..1 of the duty that each may use.
+
+        Returns:
+            (n,) [rad], and the share of the voltage.
+        """
+        drives = self.drives
+        rate = drives.rate_gain / drives.stall * speeds
+        duties = np.clip(drives.gain * (goals - angles) - rate, -np.asarray(caps), caps)
+        share = self.share(duties, speeds)
+        return angles + (share * duties + rate) / drives.gain, share

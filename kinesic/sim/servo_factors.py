@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from math import inf
 from pathlib import Path
 from typing import Literal
 
@@ -12,6 +13,7 @@ from kinesic.body.robot import Robot
 from kinesic.body.servo import ServoModel
 
 MOST_PLAY = 0.2  # [rad] beyond which a gear is broken
+MOST_RESISTANCE = 5.0  # [ohm] beyond which a supply feeds no servo
 
 
 class DriveFactors(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -38,12 +40,16 @@ class Factors(DriveFactors, frozen=True, forbid_unknown_fields=True):
 
     mass: float = 1.0  # of structure and servos
     supply: float = 1.0  # voltage: stall torque, stall current and no-load speed follow it
+    resistance: float = (
+        0.0  # [ohm] of the supply and its leads: the voltage falls by it times the current of all servos
+    )
+    amps: float = inf  # [A] that the supply gives at most: its voltage falls until the servos draw no more
     latency: float = 0.0  # [s] from a command until its goals reach the servos
     play: float = 0.0  # [rad] by which gears let each hinge turn freely; the servo measures the hinge
     servos: dict[str, DriveFactors] = {}  # of single servo models, in place of those above
 
     def __post_init__(self) -> None:
-        """Refuses factors that are not positive, and latency and play that cannot be.
+        """Refuses factors that are not positive, and latency, play and a supply that cannot be.
 
         Raises:
             ValueError: names the factor and its value.
@@ -55,6 +61,9 @@ class Factors(DriveFactors, frozen=True, forbid_unknown_fields=True):
             raise ValueError(f"latency is {self.latency} s, must be in [0, 1)")
         if not 0.0 <= self.play < MOST_PLAY:
             raise ValueError(f"play is {self.play} rad, must be in [0, {MOST_PLAY}): 0.0087 is half a degree")
+        if not 0.0 <= self.resistance < MOST_RESISTANCE:
+            raise ValueError(f"resistance is {self.resistance} ohm, must be in [0, {MOST_RESISTANCE}): 0.1 is usual")
+        _positive("amps", self.amps)
 
     def __hash__(self) -> int:
         """Of the content, the table of servos included."""
@@ -107,6 +116,14 @@ class Factors(DriveFactors, frozen=True, forbid_unknown_fields=True):
 def _positive(name: str, value: float) -> None:
     if not value > 0:
         raise ValueError(f"factor {name} is {value}, must be above 0 (1 leaves it as it is)")
+
+
+def every(some: Factors, others: Factors) -> Factors:
+    """Joins what is wrong in two ways; where both say something of a figure, the second counts."""
+    said = {
+        name: value for name in Factors.__struct_fields__ if (value := getattr(others, name)) != getattr(NOMINAL, name)
+    }
+    return msgspec.structs.replace(some, **said)
 
 
 NOMINAL = Factors()

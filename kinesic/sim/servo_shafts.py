@@ -6,6 +6,7 @@ import numpy as np
 from kinesic.body.arrays import Flags, Floats, Indices, sealed
 from kinesic.body.robot import Robot
 from kinesic.sim.model import actuator_order, build_model, joint_order, of_hinges, play_order
+from kinesic.sim.power import Supply
 from kinesic.sim.servo_factors import NOMINAL, Factors
 from kinesic.sim.twin import STEP
 
@@ -33,6 +34,7 @@ class Shafts:
         self._data = mujoco.MjData(self._model)
         self._joints: Indices = joint_order(robot, self._model)
         self._play = play_order(robot, self._model)
+        self._supply = Supply.of(self._drives, factors)
         self._actuators: Indices = actuator_order(robot, self._model)
         self._model.actuator_group[self._actuators] = np.arange(len(self._actuators))
         self._goals = np.array(robot.skeleton.rest if start is None else start)
@@ -80,9 +82,17 @@ class Shafts:
         self._model.actuator_forcerange[self._actuators] = limits
         count = int(np.ceil(seconds / STEP - 1e-9))
         self._model.opt.timestep = seconds / count
-        if not len(self._play):
+        if not self._supply and not len(self._play):
             mujoco.mj_step(self._model, self._data, count)
             return
-        for _ in range(count):  # the motor's position is not the hinge's, which the servo measures
-            self._data.ctrl[self._actuators] = self._goals - self._data.qpos[self._play]
+        for _ in range(count):
+            self._data.ctrl[self._actuators] = self._asked(self._supply)
             mujoco.mj_step(self._model, self._data)
+
+    def _asked(self, supply: Supply | None) -> Floats:
+        """(n,) [rad] goals of motors, whose position is not the hinge's where gears have play; servos measure it."""
+        data, goals = self._data, self._goals
+        if supply:
+            angles, speeds = (of_hinges(values, self._joints, self._play) for values in (data.qpos, data.qvel))
+            goals, _ = supply.goals(goals, angles, speeds, self._shares)
+        return goals - data.qpos[self._play] if len(self._play) else goals

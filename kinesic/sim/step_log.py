@@ -24,6 +24,8 @@ class StepLog:
         self.keep_angles = partial(self._angles.frombytes, angles.data.cast("B"))  # after each step of the physics
         self.keep_speeds = partial(self._speeds.frombytes, speeds.data.cast("B"))  # likewise
         self._steps = array("d", [0.0])  # [s] how long each step was
+        self._supplied = array("d", [1.0])  # share of its voltage that the supply had; of a stiff one, no more is kept
+        self.keep_supplied = self._supplied.append  # before each step of the physics
         self._goals = [(0, goals)]  # from which step on they are in force
         self.times: list[float] = []  # [s] of the commands
         self.counts: list[int] = []  # steps so far at each command
@@ -62,9 +64,15 @@ class StepLog:
         first = [*(begin for begin, _ in self._goals), len(self._steps)]
         return np.repeat([goals for _, goals in self._goals], np.diff(first), axis=0)
 
+    @property
+    def supplied(self) -> Floats:
+        """(s,) share of its voltage that the supply had during each step; (1,) of one that holds it."""
+        return np.array(self._supplied)
+
     def forget(self) -> None:
         """Drops all but the last step."""
         count = len(self._live[0])
         del self._angles[:-count], self._speeds[:-count], self._steps[:-1]
+        del self._supplied[:-1]
         self._goals = [(0, self._goals[-1][1])]
         self.times, self.counts, self.sent = [], [], []

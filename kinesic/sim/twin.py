@@ -13,7 +13,7 @@ from kinesic.body.robot import SIDES, Robot
 from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.kinematics import body_frames
 from kinesic.sim.model import actuator_order, build_model, joint_order, of_hinges, play_order
-from kinesic.sim.power import effort, power
+from kinesic.sim.power import Supply, effort, power
 from kinesic.sim.servo_factors import NOMINAL, Factors
 from kinesic.sim.step_log import StepLog
 
@@ -64,6 +64,7 @@ class Twin:
         self._order = _place(joint_order(robot, self._model))
         self._actuators = _place(actuator_order(robot, self._model))
         self._play = play_order(robot, self._model)
+        self._supply = Supply.of(self._robot.drives, factors)
         self._ticks = robot.drives.tick if rounds else None
         posture = robot.skeleton.rest if start is None else start
         self._data.qpos[self._order] = posture
@@ -131,7 +132,7 @@ class Twin:
         postures, speeds, spans = log.steps()
         postures, speeds = self._of_hinges(postures), self._of_hinges(speeds)
         drives = self._robot.drives
-        given = effort(drives, log.goals() - postures, speeds)
+        given = effort(drives, log.goals() - postures, speeds, supplied=log.supplied)
         angles = postures[at]
         frames = body_frames(self._robot, angles)
         return Measurements(
@@ -157,13 +158,21 @@ class Twin:
         count = ceil(span / self._step - SAME_TIME)
         self._options.timestep = span / count
         for _ in range(count):
-            if len(self._play):  # the motor's position is not the hinge's, which the servo measures
-                self._control[self._actuators] = self._goals - data.qpos[self._play]
+            if self._supply or len(self._play):
+                self._control[self._actuators] = self._asked(self._supply)
             step(model, data)
             keep_angles()
             keep_speeds()
         self._log.stepped(count, span / count)
         self._time = time
+
+    def _asked(self, supply: Supply | None) -> Floats:
+        """(n,) [rad] goals of motors, whose position is not the hinge's where gears have play; servos measure it."""
+        data, goals = self._data, self._goals
+        if supply:
+            goals, share = supply.goals(goals, self._of_hinges(data.qpos), self._of_hinges(data.qvel))
+            self._log.keep_supplied(share)
+        return goals - data.qpos[self._play] if len(self._play) else goals
 
     def _of_hinges(self, values: Floats) -> Floats:
         return of_hinges(values, self._order, self._play)

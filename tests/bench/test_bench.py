@@ -69,7 +69,7 @@ def test_feed_forward_and_correction_each_bring_servos_nearer_to_the_plan(brief)
 def test_without_a_corpus_the_table_is_null_and_says_why(monkeypatch):
     monkeypatch.setenv("KINESIC_CORPUS", "nowhere")
     figures = twin.tracking_figures(set_up())
-    assert len(figures) == 7 * (6 + len(twin.WRONG) + len(twin.TOGETHER))
+    assert len(figures) == 8 * (2 * (2 + len(twin.WRONG) + len(twin.TOGETHER)) + 4)
     assert all(figure.value is None and "KINESIC_CORPUS" in figure.why for figure in figures)
 
 

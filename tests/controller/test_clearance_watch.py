@@ -11,6 +11,7 @@ from kinesic.controller.clearance_watch import (
     LOOK,
     MEMORY,
     PATIENCE,
+    RESERVE,
     SETTLED,
     TOUCH,
     ClearanceWatch,
@@ -73,9 +74,19 @@ def test_an_error_is_remembered_and_then_forgotten():
 def test_who_waits_in_vain_is_over_and_errors_are_forgotten_before():
     watch, looks = ClearanceWatch(), 0
     while not watch.over:
-        watch, looks = seen(watch, 0.02, strayed=-0.019), looks + 1
+        watch, looks = seen(watch, 0.02, strayed=-0.0165), looks + 1
     assert looks == pytest.approx(PATIENCE / LOOK, abs=1)
+    assert not watch.near
     assert PATIENCE > MEMORY
+
+
+def test_what_has_come_into_the_reserve_is_over_at_once():
+    assert RESERVE < TOUCH
+    assert not seen(ClearanceWatch(), 0.02, strayed=-0.0165).over
+    watch = seen(ClearanceWatch(), 0.02, strayed=-0.0175)
+    assert watch.near
+    assert watch.over
+    assert not seen(ClearanceWatch(), 0.02, 0.0, strayed=0.0).over  # what is only to come can still be slowed down
 
 
 def test_what_is_left_of_an_error_while_time_creeps_keeps_its_sign():

@@ -4,6 +4,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.dynamics import Load
 from kinesic.body.robot import Robot
 from kinesic.controller.feedforward import FeedForward
+from kinesic.controller.learned_gains import LearnedGains
 from kinesic.motion.trajectory import stay
 
 ROBOT = Robot.load()
@@ -28,6 +29,17 @@ class Loaded(Weightless):
         return np.full_like(angles, 0.5)
 
 
+class Turning:
+    """All hinges pass a posture evenly."""
+
+    def __init__(self, posture: Floats) -> None:
+        self.posture = posture
+
+    def sample(self, times: Floats) -> tuple[Floats, Floats, Floats]:
+        rows = np.tile(self.posture, (len(times), 1))
+        return rows, np.full_like(rows, 0.1), np.zeros_like(rows)
+
+
 def test_a_weightless_body_at_rest_is_sent_where_it_is():
     posture = ROBOT.skeleton.rest
     sent = FeedForward(ROBOT, Weightless(), period=0.01).lead(stay(posture), np.array([0.0, 0.05])).goals
@@ -39,6 +51,19 @@ def test_a_load_is_met_by_the_error_that_yields_its_torque():
     sent = FeedForward(ROBOT, Loaded(), period=0.01).lead(stay(posture), np.array([0.05])).goals
     for k, drive in enumerate(ROBOT.drives):
         assert np.isclose((sent[0, k] - posture[k]) * drive.gain * drive.stall, 0.5)
+
+
+def test_what_was_learned_leads_by_so_much_more():
+    posture = ROBOT.skeleton.clamp(np.full(COUNT, 0.1))
+    known = LearnedGains(np.full(COUNT, 0.5), np.full(COUNT, -0.25))
+    plain, taught = (
+        FeedForward(ROBOT, Loaded(), period=0.01, learned=learned).lead(Turning(posture), np.array([0.05]))
+        for learned in (None, known)
+    )
+    np.testing.assert_allclose(taught.loads, 1.5 * plain.loads)
+    np.testing.assert_allclose(taught.leads, 0.75 * plain.leads)
+    np.testing.assert_allclose(taught.goals - plain.goals, 0.5 * plain.loads - 0.25 * plain.leads, atol=1e-12)
+    np.testing.assert_allclose(taught.duties, plain.duties)
 
 
 def test_a_moving_hinge_is_led_by_its_lag(through):

@@ -11,6 +11,7 @@ from kinesic.body.robot import Robot
 from kinesic.body.servo import SPEED_SHARE
 from kinesic.controller import observer as observer_module
 from kinesic.controller.feedforward import FeedForwardGoals
+from kinesic.controller.learned_gains import identify
 from kinesic.controller.observer import LARGEST, LoadEstimate, Observer, ObserverInputs, _forecast, correct_goals
 from kinesic.controller.observer_step import FADING, RESTORING, SHARES
 from kinesic.controller.perform import _observer, dry_run, plan
@@ -242,6 +243,17 @@ def test_a_delay_splits_a_goal_between_two_ticks():
     for delay, arrival in ((0.0, [1.0, 0.0]), (0.0025, [0.75, 0.25]), (0.018, [0.0, 0.2, 0.8])):
         observer = Observer.of(ROBOT, DYNAMICS, period=PERIOD, delay=delay)
         np.testing.assert_allclose(observer.arrival, arrival, atol=1e-9)
+
+
+def test_what_one_performance_learned_helps_the_next(known):
+    """Half the P gain and 15 ms: what is known from the first motion on need not be noticed."""
+    first, second = (plan(passage_text(k), known) for k in (0, 1))
+    wrong = Factors(gain=0.5, latency=0.015)
+    learned = identify(dry_run(first, twin=wrong).measured, known.robot)
+    np.testing.assert_allclose([learned.load, learned.lead], 1.0, atol=0.05)
+    assert learned.delay == pytest.approx(0.015, abs=0.001)
+    new, taught = (dry_run(second, twin=wrong, learned=gains) for gains in (None, learned))
+    assert tracking_errors(taught).rmse < 0.7 * tracking_errors(new).rmse
 
 
 def test_full_duty_does_not_explain_away_half_of_the_gain(monkeypatch, known):

@@ -14,6 +14,7 @@ from kinesic.hardware.supervisor.channel import Note, Status
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.report.report import report
 from kinesic.report.servo_report import live_checks, live_log, with_live
+from kinesic.sim.servo_factors import PESSIMISTIC, Factors
 
 NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" stroke="0.8"/></bml>'
 
@@ -35,6 +36,7 @@ class Actor:
         self.told: list[Command] = []
         self.late, self.part, self.error, self.faulty = late, part, error, faulty
         self.done: list[str] = []
+        self.paces: list[float] = []
         self.waiting: Callable[[], bool] = lambda: False
 
     def write(self, command: Command, /) -> None:
@@ -49,6 +51,9 @@ class Actor:
 
     def stop(self) -> None:
         self.done.append("stop")
+
+    def slow_to(self, pace: float) -> None:
+        self.paces.append(pace)
 
     def resume(self) -> None:
         self.done.append("resume")
@@ -135,6 +140,59 @@ def test_what_the_keyboard_wants_is_done(performance: Performance, wishes: list[
     assert live.ending == ending
     status = live_checks(live)[0].status
     assert status == ("fail" if wishes else "pass")
+
+
+class Straying(Actor):
+    """Tells in pieces of a performance in which both elbows bend until the hands meet."""
+
+    def __init__(self, angles: Floats) -> None:
+        super().__init__()
+        self.angles, self.cycles = angles, 0
+        self.waiting = lambda: self.cycles < 60
+
+    def history(self) -> tuple[Status, ...]:
+        first, self.cycles = self.cycles, min(self.cycles + 10, len(self.told))
+        return tuple(
+            told(Status(Stage.ACTIVE, 100.0 + c.time, c.time, 1.0, 23), c.goals, self.angles)
+            for c in self.told[first : self.cycles]
+        )
+
+
+def test_servos_that_stray_towards_the_body_are_slowed_down_and_stopped(performance: Performance):
+    robot = performance.plan.setup.robot
+    meeting = robot.skeleton.rest.copy()
+    for side in "lr":  # forearms level, hands before the belly
+        for name, degrees in (("elbow_flexion", 90.0), ("shoulder_twisting", -60.0)):
+            meeting[robot.skeleton.names.index(f"{side}_{name}")] = np.radians(degrees)
+    assert performance.plan.setup.distances.clearance(meeting[None]).distances[0] < 0.0
+    actor = Straying(meeting)
+    live = perform_live(performance, actor)
+    assert actor.paces[0] < 0.5
+    assert "stop" in actor.done
+    assert live.ending == "stopped"
+    assert "clearance" in [note.kind for note in live.notes]
+    assert "too little clearance" in live.why
+
+
+def test_servos_that_follow_are_not_slowed_down(performance: Performance):
+    actor = Straying(performance.plan.trajectory.at(0.0).angles)
+    live = perform_live(performance, actor)
+    assert set(actor.paces) == {1.0}
+    assert (live.ending, "stop" in actor.done) == ("performed", False)
+
+
+def test_servos_are_led_as_their_own_twin_was_fitted_and_no_other(performance: Performance):
+    plain, tired, fitted = Actor(), Actor(), Actor()
+    perform_live(performance, plain)
+    perform_live(replace(performance, twin=PESSIMISTIC), tired)
+    perform_live(replace(performance, twin=Factors(gain=0.5, latency=0.012)), fitted)
+    tilt = performance.plan.setup.robot.skeleton.names.index("skullbase_tilt")
+    angles, goals, told = (
+        np.array([row[tilt] for row in rows])
+        for rows in ([c.angles for c in plain.told], [c.goals for c in plain.told], [c.goals for c in fitted.told])
+    )
+    np.testing.assert_array_equal([c.goals[tilt] for c in tired.told], goals)
+    assert np.abs(told - angles).max() > 1.7 * np.abs(goals - angles).max()
 
 
 def test_a_fault_is_told_by_its_reason(performance: Performance):

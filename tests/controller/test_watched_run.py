@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kinesic.controller.clearance_watch import PATIENCE
+from kinesic.controller.clearance_watch import PATIENCE, RESERVE
 from kinesic.controller.feedforward import FeedForward
 from kinesic.controller.perform import _observer, dry_run, plan
 from kinesic.controller.watched_run import PERIOD, SLOWING, Slowed, perform_watched
@@ -52,9 +52,10 @@ def test_nothing_to_slow_down_for_gives_the_same_motion(known, calm):
 
 def test_who_waits_in_vain_is_stopped(known, pleading):
     """A robot that asks for more clearance than anything leaves: time creeps, and it is over."""
-    robot = replace(known.robot, least_clearance=0.5)
-    cautious = replace(pleading, setup=replace(known, robot=robot))
-    twin = Twin(known.robot, factors=NOMINAL, start=pleading.trajectory.at(0.0).angles)
+    start = pleading.trajectory.at(0.0).angles
+    least = float(known.distances.clearance(start[None]).distances[0]) / (RESERVE + 0.05)
+    cautious = replace(pleading, setup=replace(known, robot=replace(known.robot, least_clearance=least)))
+    twin = Twin(known.robot, factors=NOMINAL, start=start)
     run = perform_watched(cautious, twin, FeedForward(known.robot, known.dynamics), None)
     assert len(run.times) * PERIOD == pytest.approx(PATIENCE, abs=0.1)
     assert run.times[-1] < SLOWING

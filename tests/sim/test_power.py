@@ -16,7 +16,7 @@ IDLE = sum(drive.count * drive.servo.idle_a for drive in DRIVES)
 
 def steady(duty, load, *, steps=6):
     """All servos doing the same on each step."""
-    return DriveEffort(*(np.full((steps, COUNT), value) for value in (duty, np.clip(duty, -1, 1), load)))
+    return DriveEffort(*(np.full((steps, COUNT), value) for value in (duty, np.clip(duty, -1, 1), load)), np.ones(1))
 
 
 def taken(given, *, counts=(1, 3, 6), drives=DRIVES, span=0.004):

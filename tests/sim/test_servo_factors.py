@@ -53,10 +53,25 @@ def test_a_factor_of_zero_is_named():
         Factors(armature=0.0)
 
 
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("resistance = -0.1", "resistance is -0.1 ohm"),
+        ("resistance = 5.0", r"must be in \[0, 5.0\)"),
+        ("amps = 0.0", "factor amps is 0.0"),
+    ],
+)
+def test_a_supply_that_cannot_be_is_refused(tmp_path, text, why):
+    path = tmp_path / "weak.toml"
+    path.write_text(text)
+    with pytest.raises(ConfigError, match=why):
+        Factors.read(path)
+
+
 def test_all_factors_are_pinned_by_name_and_leave_things_as_they_are():
     figures = ("stall", "no_load", "friction", "armature", "gain")
     assert DriveFactors.__struct_fields__ == figures
-    assert Factors.__struct_fields__ == (*figures, "mass", "supply", "latency", "play", "servos")
+    assert Factors.__struct_fields__ == (*figures, "mass", "supply", "resistance", "amps", "latency", "play", "servos")
     assert all(getattr(NOMINAL, name) == 1.0 for name in (*figures, "mass", "supply"))
     assert NOMINAL.latency == NOMINAL.play == 0.0
     assert NOMINAL.servos == {}

@@ -30,6 +30,7 @@ from kinesic.serve.tracks import SoundAndFace
 from kinesic.serve.wire.origin import Access, read_origin
 from kinesic.serve.wire.pages import NO_FILES, WebFile
 from kinesic.serve.wire.quotas import USUAL, Quotas
+from kinesic.sim.distances import CapsuleDistances
 from kinesic.speech.loudspeaker import audio_fault
 
 LOOK = 1.0  # [s] between two looks at what has happened to the servos
@@ -135,7 +136,8 @@ def _open_sinks(planning: FrozenPlanning, performers: Performers) -> list[RealTi
     opened = [RealTimeSink(RealTwin(robot))] if "twin" in sinks else []
     if "servos" in sinks:
         servos = Servos(robot, all_ports(performers.ports, Manifest.of(robot).bauds), log=Path("events.jsonl"))
-        opened.append(RealTimeSink(RealServos(servos), ahead=AHEAD, delay=DELAY))
+        watched = RealServos(servos, distances=CapsuleDistances(robot), least=robot.least_clearance)
+        opened.append(RealTimeSink(watched, ahead=AHEAD, delay=DELAY))
     if "face" in sinks:
         opened.append(RealTimeSink(Preview(robot)))
     return opened

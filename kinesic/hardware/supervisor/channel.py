@@ -26,11 +26,12 @@ CAPACITY = 16_384  # commands: more than two minutes of them
 EVENTS = 512
 HISTORY = 4096  # cycles: more than half a minute of them
 MEMORY_NAME = "kinesic"  # as the host shows it
+PACES = 1000  # steps of the pace that a watch asks for
 LOOKS = 50  # at a row that is being written
 STAGES = tuple(Stage)
 POLICIES: tuple[Policy, ...] = ("hold", "limp")
 AWAITED: tuple[Awaited, ...] = get_args(Awaited)
-_WORDS = ("written", "read", "ended", "release", "estop", "resume", "confirm", "noted", "cycles")
+_WORDS = ("written", "read", "ended", "release", "estop", "resume", "confirm", "pace", "noted", "cycles")
 _PLACES = {name: place for place, name in enumerate(_WORDS)}
 _TEXT = 400  # [bytes] of an event
 
@@ -104,28 +105,38 @@ class Channel:
         """Asks the supervisor for an emergency stop."""
         self.set("estop", POLICIES.index(policy) + 1)
 
+    def slow_to(self, pace: float) -> None:
+        """Asks the supervisor for a pace of time, 0..1, until another is asked for."""
+        self.set("pace", 1 + round(PACES * pace))
+
     @property
     def room(self) -> int:
         """Commands that still fit."""
         return self.capacity - (self.word("written") - self.word("read"))
 
-    def write(self, time: float, goals: Floats) -> bool:
-        """Adds a command of the planner; returns False, and does nothing, while there is no room."""
+    def write(self, time: float, goals: Floats, leads: Floats | float = 0.0) -> bool:
+        """Adds a command of the planner; returns False, and does nothing, while there is no room.
+
+        Args:
+            time: [s] of the performance.
+            goals: (n,) [rad].
+            leads: (n,) [rad] part of them that carries the planned speed; it shrinks while time is slowed down.
+        """
         if self.room <= 0:
             return False
         number = self.word("written")
-        _store(self._ring, number % self.capacity, number + 1, time, goals)
+        _store(self._ring, number % self.capacity, number + 1, time, goals, leads)
         self.set("written", number + 1)
         return True
 
-    def commands(self, most: int) -> list[tuple[float, Floats]]:
-        """Takes new commands for the supervisor, so many at most: times [s] and goals (n,) [rad]."""
-        found: list[tuple[float, Floats]] = []
+    def commands(self, most: int) -> list[tuple[float, Floats, Floats]]:
+        """Takes new commands for the supervisor, so many at most: times [s], goals and their leads (n,) [rad]."""
+        found: list[tuple[float, Floats, Floats]] = []
         while self._taken < self.word("written") and len(found) < most:
             row = _load(self._ring, self._taken % self.capacity, self._taken + 1)
             if row is None:
                 break
-            found.append((float(row["time"]), sealed(row["goals"])))
+            found.append((float(row["time"]), sealed(row["goals"]), sealed(row["leads"])))
             self._taken += 1
         if found:
             self.set("read", self._taken)
@@ -204,7 +215,8 @@ _row = attrgetter(*_FIGURES, *_VECTORS)
 
 
 def _command(joints: int) -> np.dtype[np.void]:
-    return np.dtype([("number", "<u8"), ("time", "<f8"), ("goals", "<f8", (joints,)), ("crc", "<u8")])
+    vectors = [(name, "<f8", (joints,)) for name in ("goals", "leads")]
+    return np.dtype([("number", "<u8"), ("time", "<f8"), *vectors, ("crc", "<u8")])
 
 
 def _status(joints: int) -> np.dtype[np.void]:

@@ -4,6 +4,8 @@ from bisect import bisect_right
 from collections import deque
 from math import inf
 
+import numpy as np
+
 from kinesic.body.arrays import Floats
 
 BEHIND = 2  # commands that are kept before the present one: slopes need them
@@ -19,6 +21,7 @@ class GoalBuffer:
     def __init__(self) -> None:
         self._times: deque[float] = deque()
         self._goals: deque[Floats] = deque()
+        self._leads: deque[Floats] = deque()
 
     @property
     def begin(self) -> float:
@@ -33,24 +36,28 @@ class GoalBuffer:
     def __len__(self) -> int:
         return len(self._times)
 
-    def add(self, time: float, goals: Floats) -> None:
+    def add(self, time: float, goals: Floats, leads: Floats | None = None) -> None:
         """Adds a command, which replaces those that are not earlier.
 
         Args:
             time: [s].
             goals: (n,) [rad].
+            leads: (n,) [rad] part of them that carries the planned speed; None: nothing.
         """
         while self._times and time <= self._times[-1]:
             self._times.pop()
             self._goals.pop()
+            self._leads.pop()
         self._times.append(time)
         self._goals.append(goals)
+        self._leads.append(np.zeros_like(goals) if leads is None else leads)
 
     def forget(self, time: float) -> None:
         """Drops what is not needed from a time [s] on."""
         while len(self._times) > BEHIND and self._times[BEHIND] <= time:
             self._times.popleft()
             self._goals.popleft()
+            self._leads.popleft()
 
     def at(self, time: float) -> Floats:
         """Returns (n,) [rad] at a time [s]; the first or last goals outside of what is known.
@@ -73,6 +80,23 @@ class GoalBuffer:
         way = goals[after] - goals[before]
         curve: Floats = goals[before] + u * (start + u * (3 * way - 2 * start - end + u * (start + end - 2 * way)))
         return curve
+
+    def slowed(self, time: float, scale: float) -> Floats:
+        """Returns (n,) [rad] at a time [s] that passes at a scale, 0..1: what leads the speed shrinks with it.
+
+        Raises:
+            LookupError: nothing is known at all.
+        """
+        goals = self.at(time)
+        if scale >= 1.0:
+            return goals
+        times, leads = self._times, self._leads
+        after = min(bisect_right(times, time), len(times) - 1)
+        before = max(after - 1, 0)
+        span = times[after] - times[before]
+        u = min(1.0, max(0.0, (time - times[before]) / span)) if span > 0.0 else 0.0
+        slower: Floats = goals - (1.0 - scale) * (leads[before] + u * (leads[after] - leads[before]))
+        return slower
 
     def _slope(self, k: int) -> Floats:
         """(n,) [rad/s] at a command."""

@@ -109,14 +109,15 @@ class Player:
         """Whether the present move has ended."""
         return self._move is not None and self._move_time.time >= self._move.duration - DONE
 
-    def take(self, time: float, goals: Floats) -> bool:
+    def take(self, time: float, goals: Floats, leads: Floats | None = None) -> bool:
         """Takes a command, and returns whether it came in time and makes sense.
 
         Args:
             time: [s] of the performance.
             goals: (n,) [rad].
+            leads: (n,) [rad] part of them that carries the planned speed; None: nothing.
         """
-        if not np.isfinite(goals).all():
+        if not np.isfinite(goals).all() or not (leads is None or np.isfinite(leads).all()):
             return False
         over = self.left <= DONE
         if not self.begun or (over and (time > self._buffer.end + GAP or time <= self.time_scale.time)):
@@ -124,7 +125,7 @@ class Player:
             self.performances += 1
         elif time <= self.time_scale.time:
             return False
-        self._buffer.add(time, goals)
+        self._buffer.add(time, goals, leads)
         return True
 
     def hold(self) -> None:
@@ -134,7 +135,7 @@ class Player:
 
     def approach(self, start: Floats) -> None:
         """Moves from (n,) [rad] to where the performance begins, or goes on."""
-        self._go(start, self._buffer.at(self.time_scale.time))
+        self._go(start, self._buffer.slowed(self.time_scale.time, 0.0))
 
     def fold(self, start: Floats, goal: Floats) -> None:
         """Moves from (n,) [rad] to (n,) [rad]."""
@@ -168,5 +169,5 @@ class Player:
         if self._source == "performance":
             self.time_scale = advance_time(self.time_scale, seconds, target=target, end=self._buffer.end, slow=slow)
             self._buffer.forget(self.time_scale.time)
-            return self._buffer.at(self.time_scale.time)
+            return self._buffer.slowed(self.time_scale.time, self.time_scale.scale)
         return None

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from kinesic.hardware.supervisor.channel import POLICIES, Channel
+from kinesic.hardware.supervisor.channel import PACES, POLICIES, Channel
 from kinesic.hardware.supervisor.settings import Policy
 from kinesic.hardware.supervisor.state_machine import Event
 
@@ -26,6 +26,12 @@ class Requests:
     def confirmed(self) -> bool:
         """Whether a person lets fall what is raised."""
         return bool(self._channel.word("confirm"))
+
+    @property
+    def pace(self) -> float:
+        """How fast, 0..1, whoever watches the clearance lets time run; 1 where nobody does."""
+        asked = self._channel.word("pace")
+        return min(1.0, (asked - 1) / PACES) if asked else 1.0
 
     def policy(self, usual: Policy) -> Policy:
         """Returns what an emergency stop is to do, if it does not say so itself."""

@@ -20,6 +20,7 @@ class SupervisorSettings:
     lead: float = 0.5  # of commands that must be there before time runs
     slow: float = 0.4  # in which time comes to a stop, or up to speed, when there is no hurry
     quick: float = 0.06  # in which it stops when the planner is gone, or at an emergency stop
+    wary: float = 0.2  # in which it stops where the clearance goes
     patience: float = 5.0  # of holding without anything to perform before it folds
     startle: float = 0.85  # of an interruption that goes on by itself: it is seen, and motion to be seen, 0.1 s later
     consent: float = 60.0  # of waiting for consent, folded, before a performance is ended
@@ -28,7 +29,7 @@ class SupervisorSettings:
     policy: Policy = "hold"  # what an emergency stop does
 
     def __post_init__(self) -> None:
-        for name in ("period", "watchdog", "patient_watchdog", "lead", "slow", "quick", "pace"):
+        for name in ("period", "watchdog", "patient_watchdog", "lead", "slow", "quick", "wary", "pace"):
             if getattr(self, name) <= 0.0:
                 raise ValueError(f"{name} is {getattr(self, name)}, must be > 0")
         for name in ("watchdog", "patient_watchdog"):

@@ -110,8 +110,8 @@ class Supervisor:
         player, performances = self._steering.player, self._steering.player.performances
         before = player.left > DONE
         taken = self._channel.commands(TAKEN if player.left < AHEAD else 0)
-        for time, goals in taken:
-            if not player.take(time, goals):
+        for time, goals, leads in taken:
+            if not player.take(time, goals, leads):
                 self._note("dropped", f"a command for {time:.3f} s came too late, or is not a number")
         fresh = player.performances != performances
         stage, left = self.state.stage, player.left > DONE
@@ -137,6 +137,8 @@ class Supervisor:
         target = min(monitor.scale, self._host.pace) if stage is Stage.ACTIVE else float(stage in MOVING)
         hurry = self._requests.alone or stage in (Stage.STOPPED, Stage.LOST)
         slow = self._settings.quick if hurry and not target else self._settings.slow
+        if stage is Stage.ACTIVE and self._requests.pace < target:
+            target, slow = self._requests.pace, self._settings.wary
         refused = self._steering.move(seconds, monitor.present, target=target, slow=slow) & monitor.energised
         if refused.any() and not self._limited:
             names = ", ".join(sorted({self.manifest.members[k].hinge for k in np.flatnonzero(refused)}))

@@ -31,8 +31,9 @@ def test_commands_come_once_and_in_order(ends):
     for k in range(5):
         assert planner.write(k / 10, np.full(JOINTS, float(k)))
     told = supervisor.commands(3) + supervisor.commands(9)
-    assert [time for time, _ in told] == [0.0, 0.1, 0.2, 0.3, 0.4]
-    assert [goals.tolist() for _, goals in told] == [[float(k)] * JOINTS for k in range(5)]
+    assert [time for time, _, _ in told] == [0.0, 0.1, 0.2, 0.3, 0.4]
+    assert all((leads == 0.0).all() for _, _, leads in told)
+    assert [goals.tolist() for _, goals, _ in told] == [[float(k)] * JOINTS for k in range(5)]
     assert supervisor.commands(9) == []
 
 

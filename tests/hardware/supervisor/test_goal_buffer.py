@@ -56,3 +56,26 @@ def test_a_later_word_on_the_future_replaces_it():
     score.add(0.15, np.array([7.0]))
     assert (score.begin, score.end, len(score)) == (0.0, 0.15, 3)
     assert score.at(0.15) == 7.0
+
+
+def test_what_leads_the_speed_shrinks_with_the_pace():
+    score = GoalBuffer()
+    for k in range(10):
+        score.add(k * 0.01, np.array([1.0 + 0.1 * k]), np.array([0.2 * k]))
+    for time, lead in ((0.0, 0.0), (0.035, 0.7), (0.09, 1.8), (0.5, 1.8)):
+        led = score.at(time)[0]
+        assert score.slowed(time, 1.0)[0] == led
+        assert score.slowed(time, 0.25)[0] == pytest.approx(led - 0.75 * lead)
+        assert score.slowed(time, 0.0)[0] == pytest.approx(led - lead)
+
+
+def test_goals_without_leads_are_the_same_at_any_pace_and_leads_go_with_their_goals():
+    score = score_of([0.0, 0.1], [1.0, 2.0])
+    assert score.slowed(0.05, 0.1) == score.at(0.05)
+    score = GoalBuffer()
+    for k in range(10):
+        score.add(k * 0.01, np.array([1.0]), np.array([float(k)]))
+    score.forget(0.055)
+    score.add(0.08, np.array([1.0]), np.array([0.5]))  # in the place of the last two
+    assert score.slowed(0.055, 0.0)[0] == pytest.approx(1.0 - 5.5)
+    assert score.slowed(0.08, 0.0)[0] == pytest.approx(0.5)

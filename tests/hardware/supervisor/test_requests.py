@@ -126,3 +126,10 @@ def test_at_first_all_answer_and_nobody_has_torque():
     calm = Observation()
     assert [flag for flag in FLAGS if getattr(calm, flag)] == ["answering", "well", "still"]
     assert calm.policy == "hold"
+
+
+def test_time_runs_as_it_may_until_a_watch_asks_for_less(asked: Asked):
+    assert asked.requests.pace == 1.0
+    for pace in (0.02, 0.5, 0.0, 1.0):
+        asked.channel.slow_to(pace)
+        assert asked.requests.pace == pytest.approx(pace)

@@ -78,6 +78,39 @@ def test_a_performance_is_followed_and_ends_at_rest_and_limp(desk: Make):
     assert np.abs(made.here - rest).max() <= 3
 
 
+def test_a_watch_slows_time_down_soon_and_lets_it_run_again(desk: Make):
+    made = desk().active(6.0)
+    made.channel.slow_to(0.1)
+    made.run(0.2)
+    assert made.status.scale == pytest.approx(0.1)
+    began = made.status.time
+    made.run(0.5)
+    assert made.status.time - began == pytest.approx(0.05, abs=0.002)
+    assert made.stage is Stage.ACTIVE
+    made.channel.slow_to(1.0)
+    made.run(0.5)
+    assert made.status.scale == 1.0
+
+
+def test_goals_of_slowed_time_lead_by_less(desk: Make):
+    """All joints turn at 0.5 rad/s, led by 0.1 rad: at a tenth of the pace a tenth of it is left."""
+    made = desk()
+    made.open()
+    for k in range(300):
+        time, rate = k * PERIOD, min(1.0, k / 30)
+        way = 0.5 * (time - 0.15 if k > 30 else time * rate / 2)
+        led = 0.1 * rate
+        assert made.channel.write(time, made.manifest.rest + way + led, np.full(len(made.manifest.rest), led))
+    made.until(Stage.ACTIVE)
+    made.run(0.8)
+    ahead = made.status.goals - made.manifest.rest - 0.5 * (made.status.time - 0.15)
+    assert ahead == pytest.approx(0.1, abs=0.005)
+    made.channel.slow_to(0.1)
+    made.run(0.4)
+    ahead = made.status.goals - made.manifest.rest - 0.5 * (made.status.time - 0.15)
+    assert ahead == pytest.approx(0.01, abs=0.005)
+
+
 def test_time_is_performance_time(desk: Make):
     made = desk()
     made.open()

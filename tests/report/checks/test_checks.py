@@ -186,7 +186,7 @@ def test_current_is_compared_with_the_supply_where_there_is_one(done):
     peak = np.full(count, 2.0)
     peak[30] = 6.0
     power = Power(
-        sealed(np.full(count, 1.5)), sealed(peak), 90.0, {"l_elbow_flexion": sealed(np.linspace(0, 50, count))}
+        sealed(np.full(count, 1.5)), sealed(peak), 90.0, 12.0, {"l_elbow_flexion": sealed(np.linspace(0, 50, count))}
     )
     robot = done.plan.setup.robot
     fed = with_measured(with_setup(done, robot=replace(robot, supply=Supply(12.0, 5.0))), power=power)
