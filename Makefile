@@ -1,4 +1,4 @@
-# make demo   performs a block of BML in the virtual robot
+# make demo   performs a block of BML in the virtual robot; its film is smaller than others, to be there soon
 # make test   runs the tests
 # Both set up .venv first; nothing but python3 (with venv) and make is needed, and no root.
 
@@ -8,6 +8,7 @@ INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 TESTED := --constraint requirements.lock
 SOURCES := pyproject.toml requirements.lock $(wildcard setup.py kinesic/*/kernel/*.cpp kinesic/*/kernel/*.h)
 EXTRAS := speech face
+SMALL := --film-size 854x480 --film-rate 15
 OPENGL := libegl1 libgl1-mesa-dri libopengl0 libgl1
 SCREENS := xvfb chromium
 
@@ -15,7 +16,7 @@ SCREENS := xvfb chromium
 .PHONY: demo test test-rounding check soak mutants bench system-deps test-deps lock studio clean
 
 demo: .venv/.stamp-demo
-	@$(BIN)/kinesic perform kinesic/configs/bml/welcome.bml --out out/demo --force
+	@$(BIN)/kinesic perform kinesic/configs/bml/welcome.bml --out out/demo --force $(SMALL)
 
 # Tests start many processes: compiled modules are kept for them, whatever the caller's environment says. Files in an
 # order of their own, the longest first (tests/scheduling.py): sorted by their number of tests, they would come last.

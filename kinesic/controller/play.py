@@ -15,7 +15,7 @@ from kinesic.motion.trajectory import Trajectory
 SETTLE = 0.3  # [s] of stillness after the end
 
 
-def command_times(duration: float, *, rate: int = RATE, settle: float = SETTLE) -> Floats:
+def command_times(duration: float, *, rate: float = RATE, settle: float = SETTLE) -> Floats:
     """Returns (m,) [s] performance times of commands, from 0 to the end and a little stillness."""
     return np.arange(int(np.ceil((duration + settle) * rate)) + 1) / rate
 

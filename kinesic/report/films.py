@@ -118,12 +118,14 @@ class FaceFilm:
     kind: ClassVar[Kind] = "face"
     after: ClassVar[None] = None
     robot: Robot | None  # whose head turns the face; None: it looks ahead, as on a screen
-    commands: tuple[Command, ...]  # at `FACE_RATE`
+    commands: tuple[Command, ...]  # one for each picture
+    rate: float = FACE_RATE  # [Hz]
 
     @classmethod
-    def of(cls, robot: Robot | None, commands: Iterable[Command]) -> "FaceFilm":
-        """The film of a robot that follows commands; their faces become picklable."""
-        return cls(robot, tuple(msgspec.structs.replace(command, face=dict(command.face)) for command in commands))
+    def of(cls, robot: Robot | None, commands: Iterable[Command], rate: float = FACE_RATE) -> "FaceFilm":
+        """The film of a robot that follows commands at a rate [Hz]; their faces become picklable."""
+        own = tuple(msgspec.structs.replace(command, face=dict(command.face)) for command in commands)
+        return cls(robot, own, rate)
 
     @staticmethod
     def prepare() -> None:
@@ -142,7 +144,7 @@ class FaceFilm:
 
         look = PortraitSettings(size=FACE_SIZE, camera=replace(CLOSE, field_deg=FACE_FIELD))
         try:
-            with FaceRecording(path, self.robot, look=look, rate=FACE_RATE, progress=progress) as recording:
+            with FaceRecording(path, self.robot, look=look, rate=self.rate, progress=progress) as recording:
                 for command in self.commands:
                     recording.write(command)
         except DisplayError as error:

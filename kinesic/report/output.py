@@ -107,7 +107,7 @@ def add_films(
     with TemporaryDirectory() as place:
         film, face = (Path(place) / name for name in (settings.name, "face.webp"))
         jobs: dict[Path, FilmJob] = {}
-        portrait = face_film(plan)
+        portrait = face_film(plan, min(settings.rate, FACE_RATE))
         if portrait is not None:
             jobs[face] = portrait
         if robot.skin is None:
@@ -126,13 +126,13 @@ def add_films(
     return whole
 
 
-def face_film(plan: Plan) -> FaceFilm | None:
-    """The film of the face of a plan, which looks ahead where it is for a screen on the head; None: nobody needs it."""
+def face_film(plan: Plan, rate: float = FACE_RATE) -> FaceFilm | None:
+    """The film of the face of a plan at a rate [Hz]; it looks ahead where it is for a screen. None: nobody needs it."""
     screen = screen_of(plan.setup.robot) is not None
     if not screen and not asks_face(plan):
         return None
-    times = command_times(plan.duration, rate=FACE_RATE)
-    return FaceFilm.of(None if screen else plan.setup.robot, commands_with_face(plan, times))
+    times = command_times(plan.duration, rate=rate)
+    return FaceFilm.of(None if screen else plan.setup.robot, commands_with_face(plan, times), rate)
 
 
 def rewrite(written: Written, performance: Performance, data: dict[str, Json]) -> None:
