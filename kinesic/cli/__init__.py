@@ -9,7 +9,7 @@ with ended_on_the_spot():  # Ctrl-C is one line from the beginning
 
     from kinesic.bml.block import BmlError
     from kinesic.body.config import ConfigError
-    from kinesic.cli.live import serve_verb, studio_verb
+    from kinesic.cli.live import mcp_verb, serve_verb, studio_verb
     from kinesic.cli.plain_words import printable
     from kinesic.cli.servos import servo_verbs
     from kinesic.cli.verbs import kinesic
@@ -18,7 +18,7 @@ with ended_on_the_spot():  # Ctrl-C is one line from the beginning
 BAD_INPUT = 2
 
 
-for verb in (serve_verb, studio_verb, servo_verbs):
+for verb in (serve_verb, studio_verb, mcp_verb, servo_verbs):
     kinesic.add_command(verb)
 
 

@@ -44,3 +44,19 @@ def studio_verb() -> None:
 
     It is `kinesic serve` with a page at the same address: programs may connect meanwhile.
     """
+
+
+@click.command("mcp")
+@planning
+@performers("Who performs; servos only if they are named here.")
+@click.option("--connect", metavar="HOST:PORT", help="A server that performs already, instead of one of its own.")
+@click.option("--token", envvar="KINESIC_TOKEN", help="That the server asks for, and clients by --http must show.")
+@click.option("--http", metavar="HOST:PORT", help="Serves clients by HTTP at this address, not by standard input.")
+@done_by("live.mcp:serve_tools")
+def mcp_verb() -> None:
+    """Serves a language model the tools to perform: gestures, documents, text, gaze, status and stop.
+
+    It needs the extra mcp: pip install 'kinesic[mcp]'.
+
+    A client starts it by itself and talks to it over standard input and output: kinesic mcp --robot upper36.
+    """

@@ -1,0 +1,89 @@
+"""`kinesic mcp`: tools for a language model, before a server that performs."""
+
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from threading import Thread
+
+import click
+
+from kinesic.body.config import ConfigError
+from kinesic.cli.live.serve import read_address
+from kinesic.cli.options import Performers, Planning
+from kinesic.controller.options import offers
+from kinesic.serve.server import Address
+
+ENDING = 15.0  # [s] in which a server of our own folds the arms and ends
+LISTENS = re.compile(r"listening at (\S+):(\d+)")
+
+
+def serve_tools(
+    planning: Planning, performers: Performers, connect: str | None, token: str | None, http: str | None
+) -> int:
+    """Serves the tools until the client is gone."""
+    try:
+        from kinesic.mcp.robot_line import RobotLine  # noqa: PLC0415 - the extra may be missing
+        from kinesic.mcp.server import make_server  # noqa: PLC0415 - as above
+        from kinesic.mcp.web import serve_web  # noqa: PLC0415 - as above
+    except ModuleNotFoundError as error:
+        raise ConfigError(f"kinesic mcp needs {error.name}: pip install 'kinesic[mcp]'") from None
+    address = None if http is None else read_address(http, token)
+    known = planning.set_up()
+    with _server(connect, planning, performers) as place:
+        try:
+            robot = RobotLine(place.host, place.port, token=token if connect else None)
+        except OSError as error:
+            raise ConfigError(f"--connect {place}: {error}; start kinesic serve there") from None
+        with robot:
+            server = make_server(robot, known, resumes="servos" not in performers.sinks and connect is None)
+            if address is None:
+                server.run("stdio")
+            else:
+                click.echo(f"tools at http://{address}/mcp", err=True)
+                serve_web(server, address.host, address.port, token=token)
+    return 0
+
+
+@contextmanager
+def _server(connect: str | None, planning: Planning, performers: Performers) -> Iterator[Address]:
+    """The address of a server that performs: one that is there, or one of our own with the same options."""
+    if connect is not None:
+        host, _, port = connect.rpartition(":")
+        if not host or not port.isdecimal():
+            raise ConfigError(f"--connect {connect}: give HOST:PORT, such as 127.0.0.1:8864")
+        yield Address(host.strip("[]"), int(port))
+        return
+    own = [sys.executable, "-m", "kinesic", "serve", "--listen", "127.0.0.1:0", *_arguments(planning, performers)]
+    # Its standard input closes with this process, whatever becomes of it: then the server folds the arms and ends.
+    with subprocess.Popen(
+        own, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+    ) as it:
+        assert it.stdin is not None  # both are pipes
+        assert it.stderr is not None
+        try:
+            said = []
+            for line in it.stderr:
+                said.append(line.strip())
+                if found := LISTENS.search(line):
+                    Thread(target=it.stderr.read, daemon=True).start()  # nobody listens to what it says from now on
+                    yield Address(found[1], int(found[2]))
+                    return
+            raise ConfigError(f"the server does not begin: {' '.join(said[-3:]) or 'it says nothing'}")
+        finally:
+            it.stdin.close()
+            with suppress(subprocess.TimeoutExpired):
+                it.wait(ENDING)
+            it.kill()
+
+
+def _arguments(planning: Planning, performers: Performers) -> list[str]:
+    """Writes options as the command line of another process has them."""
+    options = [f"--robot={planning.robot}", f"--style={planning.style}", f"--on={','.join(sorted(performers.sinks))}"]
+    options += [f"--port={port}" for port in performers.ports]
+    for name, offer in offers().items():
+        value = planning.options.get(name)
+        values = value if offer.many and isinstance(value, tuple) else (value,)
+        options += [f"{offer.flag or f'--{name}'}={each}" for each in values if each is not None]
+    return options

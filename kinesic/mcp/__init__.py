@@ -1,0 +1,1 @@
+"""Tools by which a language model performs: gestures to choose from, documents, text, gaze, and a stop."""

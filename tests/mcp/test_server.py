@@ -1,0 +1,167 @@
+"""The tools over the protocol: a client in memory and one over standard input perform, ask, stop and misbehave."""
+
+import asyncio
+import json
+import sys
+import threading
+from collections.abc import Awaitable, Callable, Iterator
+from time import monotonic
+
+import pytest
+
+from kinesic.controller.perform import set_up
+from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.serve.wire.quotas import Quotas
+
+from ..serve.conftest import Running, running
+
+mcp = pytest.importorskip("mcp", reason="pip install 'kinesic[mcp]'")
+
+from kinesic.mcp.robot_line import RobotLine  # noqa: E402 - after the extra is known to be there
+from kinesic.mcp.server import make_server  # noqa: E402
+from kinesic.mcp.teaching import BML_SCHEMA, TEACHING  # noqa: E402
+
+pytestmark = pytest.mark.realtime
+
+STORY = {
+    "id": "story1",
+    "behaviours": [
+        {"type": "speech", "id": "s", "text": ["It is ", {"sync": "m1"}, "large."]},
+        {"type": "gesture", "id": "g", "lexeme": "large", "stroke": "s:m1"},
+    ],
+}
+Act = Callable[["mcp.Client"], Awaitable[object]]
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[Running]:
+    with running(Quotas(rate=1000.0, burst=1000)) as found:
+        yield found
+
+
+def within(server: Running, act: Act, *, resumes: bool = True) -> object:
+    """Lets a client in memory act before the tools of a server."""
+
+    async def run() -> object:
+        with RobotLine("127.0.0.1", server.port) as robot:
+            async with mcp.Client(make_server(robot, set_up(), resumes=resumes)) as client:
+                return await act(client)
+
+    return asyncio.run(run())
+
+
+def text(result: object) -> str:
+    return "".join(each.text for each in result.content)
+
+
+def test_a_model_finds_gestures_performs_says_looks_and_asks(server: Running):
+    async def act(client):
+        tools = {tool.name for tool in (await client.list_tools()).tools}
+        found = await client.call_tool("list_gestures", {"query": "weigh against"})
+        performed = await client.call_tool("perform", {"document": STORY})
+        said = await client.call_tool("say", {"text": "No, I did not!", "style": "joyful"})
+        looked = await client.call_tool("look", {"at": "LEFT"})
+        status = await client.call_tool("status", {})
+        return tools, found, performed, said, looked, status
+
+    tools, found, performed, said, looked, status = within(server, act)
+    assert tools == {"list_gestures", "perform", "say", "look", "status", "stop", "resume"}
+    assert "balance" in text(found)
+    assert json.loads(text(performed))["block"] == "story1"
+    assert json.loads(text(performed))["seconds"] > 1.0
+    assert not said.is_error, text(said)
+    assert not looked.is_error, text(looked)
+    assert json.loads(text(status))["state"] == "playing"
+
+
+@pytest.mark.parametrize(
+    ("tool", "arguments", "told"),
+    [
+        ("perform", {"document": '<bml id="x"><gesture id="g" lexeme="beat" stroke="nowhere:end"/></bml>'}, "line 1"),
+        ("perform", {"document": '{"do": "resume"}'}, "no document"),
+        ("perform", {"document": '{"do": "stop_line"}'}, "no document"),
+        ("perform", {"document": '<bml id="x"/>\0{"do": "resume"}'}, "NUL"),
+        ("perform", {"document": {"behaviours": []}}, '"id"'),
+        ("perform", {"document": "[" * 5000}, "JSON"),
+        ("perform", {"document": "hello"}, "<bml id="),
+        ("perform", {"document": 7}, ""),
+        ("perform", {}, ""),
+        ("say", {"text": "hi", "style": "../../etc/passwd"}, "no style"),
+        ("say", {"text": "x" * 30_000}, ""),
+        ("look", {"at": "behind"}, ""),
+        ("list_gestures", {"query": "x" * 300}, ""),
+        ("arm_servos", {}, ""),
+    ],
+)
+def test_what_is_wrong_is_answered_and_moves_nothing(server: Running, tool: str, arguments: dict, told: str):
+    async def act(client):
+        return await client.call_tool(tool, arguments)
+
+    try:
+        result = within(server, act)
+        answer = text(result) if result.is_error else "nothing is wrong"
+    except mcp.MCPError as error:  # the protocol's own answer to a call that it does not know
+        answer = str(error)
+    assert answer != "nothing is wrong"
+    assert told in answer
+
+
+def test_a_stop_waits_for_nothing_and_only_a_person_goes_on_with_servos(server: Running):
+    async def act(client):
+        slow = [asyncio.create_task(client.call_tool("say", {"text": "and so on. " * 300})) for _ in range(2)]
+        await asyncio.sleep(0.05)
+        begun = monotonic()
+        stopped = await client.call_tool("stop", {})
+        took = monotonic() - begun
+        await asyncio.gather(*slow, return_exceptions=True)
+        state = json.loads(text(await client.call_tool("status", {})))["state"]
+        tools = {tool.name for tool in (await client.list_tools()).tools}
+        return stopped, took, state, tools
+
+    stopped, took, state, tools = within(server, act, resumes=False)
+    assert "only a person" in text(stopped)
+    assert took < 1.0
+    assert state == "stopped"
+    assert "resume" not in tools
+    within(server, lambda client: client.call_tool("resume", {}))
+
+
+def test_what_a_model_reads_is_small_and_its_example_is_performed(server: Running):
+    lexicon = Lexicon.load()
+
+    async def act(client):
+        usual, names, schema = [
+            (await client.read_resource(f"kinesic://{name}")).contents[0].text
+            for name in ("usual", "gestures", "schema")
+        ]
+        prompt = (await client.get_prompt("perform_story", {"story": "Once."})).messages[0].content.text
+        example = json.loads(TEACHING[TEACHING.index("{") : TEACHING.index("]}\n") + 2])
+        return usual, names, schema, prompt, await client.call_tool("perform", {"document": example})
+
+    usual, names, schema, prompt, performed = within(server, act)
+    assert len(usual.split(", ")) == 40
+    assert len(usual) <= 1000
+    assert set(usual.split(", ")) <= lexicon.forms_by_id.keys()
+    assert len(names) <= 4000
+    assert set(names.split()) == lexicon.forms_by_id.keys()
+    assert len(TEACHING) / 4 <= 600, "tokens, about"
+    assert prompt.endswith("Once.")
+    assert json.loads(schema) == json.loads(json.dumps(BML_SCHEMA))
+    assert json.loads(text(performed))["not_as_asked"] == [], text(performed)
+
+
+def test_a_client_over_standard_input_performs_and_its_end_ends_the_server(tmp_path):
+    async def run():
+        begun = mcp.StdioServerParameters(
+            command=sys.executable, args=["-m", "kinesic", "mcp", "--voice", "durations"], cwd=tmp_path
+        )
+        async with mcp.Client(begun) as client:
+            performed = await client.call_tool("perform", {"document": STORY})
+            stopped = await client.call_tool("stop", {})
+            resumed = await client.call_tool("resume", {})
+            return [text(each) for each in (performed, stopped, resumed)]
+
+    performed, stopped, resumed = asyncio.run(run())
+    assert json.loads(performed)["block"] == "story1"
+    assert (stopped, resumed) == ("stopped", "resumed")
+    assert threading.active_count() < 50
