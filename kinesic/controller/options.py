@@ -60,7 +60,7 @@ class PlanningOptions(TypedDict, total=False):
         Offer("TOML of named points in the world [m].", kind=Path),
     ]
     character: Annotated[str | None, Offer(CHARACTER_HELP, metavar="NAME")]
-    language: Annotated[str, Offer("Of plain text: en, de, es, fr.", "en", show_default=True)]
+    language: Annotated[str, Offer("Of plain text: en, de, es, fr, ja.", "en", show_default=True)]
     intentions: Annotated[str | Path | None, Offer("Greta's lexicon of intentions (XML), for FML and text.", kind=Path)]
     baseline: Annotated[str | Path | None, Offer("Greta's baseline (XML): how the agent moves in FML.", kind=Path)]
     qualifiers: Annotated[str | Path | None, Offer("Greta's qualifiers (XML): how intentions change it.", kind=Path)]

@@ -66,6 +66,19 @@ class Language:
         """Whether a word is of a closed class."""
         return word in self.classes.get(name, frozenset())
 
+    @property
+    def has_particles(self) -> bool:
+        """Whether its words are written without spaces, and its particles tell where they end."""
+        return "particle" in self.classes
+
+    @cached_property
+    def _known(self) -> frozenset[str]:
+        return frozenset().union(*self.classes.values(), *self.rules)
+
+    def knows(self, word: str) -> bool:
+        """Whether a word is of any class or rule."""
+        return word in self._known
+
     @cached_property
     def longest(self) -> int:
         """Words of the longest pattern."""

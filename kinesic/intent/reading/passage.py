@@ -13,6 +13,7 @@ Kind = Literal["statement", "question", "exclamation"]
 SPEECH = "s"  # id of the speech that says a text
 SYLLABLE, WORD = 0.155, 0.05  # [s] of a syllable, and of a word on top of them: about 175 words in a minute
 COMMA, STOP = 0.2, 0.45  # [s] of silence behind a phrase and a sentence
+COMMAS = ",;:\u3001\uff0c"  # punctuation between phrases
 ONSET = 0.45  # of a syllable: where its vowel sounds
 
 
@@ -63,7 +64,7 @@ class Passage:
         for k, word in enumerate(self.words):
             if k and self.words[k - 1].sentence != word.sentence:
                 now += STOP
-            elif k and set(word.before) & set(",;:"):
+            elif k and set(word.before) & set(COMMAS):
                 now += COMMA
             now += word.pause
             times.append(now)

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from kinesic.intent.reading.language import Language
-from kinesic.intent.reading.passage import Passage
+from kinesic.intent.reading.passage import COMMAS, Passage
 
 LONGEST_ITEM = 5  # words of one thing in a list
 LEAST_ITEMS = 3
@@ -69,7 +69,7 @@ def clause_ends(passage: Passage, language: Language) -> list[int]:
     ends = list(range(len(words)))
     for k in reversed(ends[:-1]):
         after = words[k + 1]
-        is_over = after.sentence != words[k].sentence or any(each in after.before for each in ",;:.")
+        is_over = after.sentence != words[k].sentence or any(each in after.before for each in f"{COMMAS}.")
         if not (is_over or language.has("negation_end", after.plain)):
             ends[k] = ends[k + 1]
     return ends

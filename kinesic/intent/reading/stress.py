@@ -10,6 +10,11 @@ _SPLIT = re.compile(
     r"i(?=a(?!r?ge)|o(?!u|n)|u)|(?<=[^q])u(?=[aeio](?!u))(?=al|at|ou|it|en)|e(?=o|at[ei])|y(?=i)|a(?=o)"
 )
 _DIGITS = re.compile(r"\d+")
+_KANA = re.compile("[\u3041-\u30ff]")
+_WEAK_KANA = re.compile(
+    "[\u3041\u3043\u3045\u3047\u3049\u3083\u3085\u3087\u30a1\u30a3\u30a5\u30a7\u30a9\u30e3\u30e5\u30e7]"
+)  # they sound with the one before
+_KANJI = re.compile("[\u3400-\u9fff\u3005]")
 _BEFORE_LAST = re.compile(  # endings that draw the stress to the syllable before them
     r"(tion|sion|cian|cious|tious|cial|tial|ics?|ical(ly)?|ity|ify|ian|ions?|ious(ly)?|eous|iar|ient|ience)$"
 )
@@ -57,11 +62,12 @@ _WEAK_ENDINGS = re.compile(r"(ing|er|ers|ed|es|ly|ness|ment|ments|ful|less|able|
 
 
 def count_syllables(word: str) -> int:
-    """Counts the syllables of a word, at least one; of a number, about those of its name."""
+    """Counts the syllables of a word, at least one; of a number, about those of its name; morae of Japanese, about."""
     digits = _DIGITS.search(word)
     if digits:
         return max(1, round(1.5 * len(digits[0])))
-    return max(1, len(_nuclei(word)))
+    morae = len(_KANA.findall(word)) - len(_WEAK_KANA.findall(word)) + 2 * len(_KANJI.findall(word))
+    return max(1, morae or len(_nuclei(word)))
 
 
 def stressed_syllable(word: str) -> int:

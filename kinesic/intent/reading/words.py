@@ -6,6 +6,7 @@ from functools import lru_cache
 
 from kinesic.intent.reading.language import Language
 from kinesic.intent.reading.passage import Kind, Passage, Word
+from kinesic.intent.reading.segmenting import segment
 
 LEAST_CAPITALS = 2  # letters of a word in capitals that is stressed
 SHOUTED = 0.7  # share of letters in capitals beyond which they stress nothing
@@ -88,7 +89,8 @@ class _Reading:
         """Takes one token."""
         match kind:
             case "word":
-                self._add_word(text)
+                for word in segment(text, self.language):
+                    self._add_word(word)
             case "open":
                 self.is_stressed = True
             case "close":
@@ -113,7 +115,7 @@ class _Reading:
     def passage(self) -> Passage:
         """Returns what was read."""
         if self._is_open():
-            self.kinds.append("statement")
+            self.kinds.append(self._kind(""))
         last = max(len(self.kinds) - 1, 0)
         feelings = tuple((min(sentence, last), feeling) for sentence, feeling in self.feelings if self.kinds)
         tail = " ".join("".join(self.between).split())
@@ -156,7 +158,13 @@ class _Reading:
         if text == "." and (is_short or not self._is_open()):
             return
         if self._is_open():
-            self.kinds.append("question" if "?" in text else "exclamation" if "!" in text else "statement")
-        elif self.kinds and "?" in text:
+            self.kinds.append(self._kind(text))
+        elif self.kinds and self._kind(text) == "question":
             self.kinds[-1] = "question"
         self.is_phrase_over = True
+
+    def _kind(self, stop: str) -> Kind:
+        """What a sentence is by the punctuation at its end, or by its last word where the language tells by that."""
+        if "?" in stop or "\uff1f" in stop or self.language.has("question_end", self.words[-1].plain):
+            return "question"
+        return "exclamation" if "!" in stop or "\uff01" in stop else "statement"

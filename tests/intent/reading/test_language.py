@@ -11,6 +11,7 @@ from kinesic.intent.reading.language import load_language
 SAID = {  # greeting, denial, question, farewell
     "de": ("Hallo, meine Freunde!", "Ich habe das alte Haus nie gesehen.", "Wo ist der Hund?", "Auf Wiedersehen."),
     "es": ("¡Hola, amigos!", "No he visto nunca la casa vieja.", "¿Dónde está el perro?", "Hasta luego."),
+    "ja": ("こんにちは、皆さん。", "私はその古い家を見たことがありません。", "犬はどこですか。", "さようなら。"),
     "fr": ("Bonjour, mes amis !", "Je n'ai jamais vu la vieille maison.", "Où est le chien ?", "Au revoir."),
 }
 MEANT = ("performative-greet", "negation", "question", "performative-farewell")
@@ -48,6 +49,6 @@ def test_every_rule_of_a_language_has_a_behaviour_set(language):
 
 
 def test_a_language_without_rules_is_refused_and_a_region_is_not():
-    with pytest.raises(ConfigError, match="no rules for the language 'xx'; there are de, en, es, fr"):
+    with pytest.raises(ConfigError, match="no rules for the language 'xx'; there are de, en, es, fr, ja"):
         load_language("xx")
     assert load_language("de-AT").tag == "de"
