@@ -124,14 +124,14 @@ class RobotLine:
             raise RobotError(f"the server is gone ({error}): start it again") from None
 
     def _read(self) -> None:
-        """Hands messages to those who wait for them, until the server is gone."""
-        try:
-            while True:
+        """Hands messages to those who wait for them, until the server is gone or the connection is closed here."""
+        while True:
+            try:
                 message = self._client.receive()
-                if message is not None:
-                    self._take(message)
-        except OSError:
-            return
+            except (OSError, ValueError):  # the latter: closed just before it waits again
+                return
+            if message is not None:
+                self._take(message)
 
     def _take(self, message: str) -> None:
         if message.startswith("{"):
