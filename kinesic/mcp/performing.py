@@ -2,6 +2,7 @@
 
 import json
 import re
+from threading import Lock
 
 from kinesic.mcp.robot_line import Answer, RobotLine
 from kinesic.mcp.teaching import Json
@@ -21,6 +22,7 @@ class Performing:
     def __init__(self, robot: RobotLine) -> None:
         """Performs by a connection."""
         self._robot = robot
+        self._one = Lock()  # of two documents that are planned at once the server answers the later one alone
 
     def perform(self, document: str) -> Answer:
         """Plans a document, and has it performed where it can be.
@@ -33,7 +35,13 @@ class Performing:
             RobotError: nobody answers.
         """
         block = _block_id(document)
+        with self._one:
+            return self._perform(document, block)
+
+    def _perform(self, document: str, block: str) -> Answer:
         planned = self._robot.ask("plan", bml=document)
+        if "duration" not in planned and "error" not in planned:
+            raise RefusedError(str(planned.get("why", "another document came in between; send it again")))
         error = planned.get("error")
         if isinstance(error, dict):
             raise RefusedError(f"line {error['line']}, column {error['column']}: {error['text']}")

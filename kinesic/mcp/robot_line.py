@@ -5,8 +5,7 @@ import re
 from collections import deque
 from queue import Empty, Queue
 from threading import Lock, Thread
-from types import TracebackType
-from typing import Self, TypeVar
+from typing import TypeVar
 
 from kinesic.client import Client, StopLine
 from kinesic.mcp.teaching import Json
@@ -36,7 +35,7 @@ class RobotLine:
         """
         self._stop_line = StopLine(host, port, token=token)
         self._client = Client(host, port, token=token)
-        self._sending, self._stopping = Lock(), Lock()
+        self._sending, self._asking, self._stopping = Lock(), Lock(), Lock()
         self._numbers, self._answers = 0, dict[int, Queue[Answer]]()
         self._status, self._begun = Queue[Answer](), dict[str, Queue[str]]()
         self._feedback = deque[str](maxlen=KEPT)
@@ -65,9 +64,12 @@ class RobotLine:
         Raises:
             RobotError: nobody answers.
         """
-        with self._sending:
-            self._send('{"do": "status"}')
-        told: Answer = _next(self._status)
+        with self._asking:
+            while not self._status.empty():  # answers that came too late
+                self._status.get_nowait()
+            with self._sending:
+                self._send('{"do": "status"}')
+            told: Answer = _next(self._status)
         return {**told, "feedback": list(self._feedback)}
 
     def perform(self, document: str, block: str) -> str:
@@ -152,14 +154,6 @@ class RobotLine:
             told.put(message.partition(">")[2].partition("<")[0])
         elif kind in ("<predictionFeedback", "<blockProgress"):
             told.put("")
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
 
 def _refuses(message: str) -> bool:

@@ -5,6 +5,7 @@ import json
 import sys
 import threading
 from collections.abc import Awaitable, Callable, Iterator
+from contextlib import closing
 from time import monotonic
 
 import pytest
@@ -43,7 +44,7 @@ def within(server: Running, act: Act, *, resumes: bool = True) -> object:
     """Lets a client in memory act before the tools of a server."""
 
     async def run() -> object:
-        with RobotLine("127.0.0.1", server.port) as robot:
+        with closing(RobotLine("127.0.0.1", server.port)) as robot:
             async with mcp.Client(make_server(robot, set_up(), resumes=resumes)) as client:
                 return await act(client)
 
@@ -104,6 +105,16 @@ def test_what_is_wrong_is_answered_and_moves_nothing(server: Running, tool: str,
         answer = str(error)
     assert answer != "nothing is wrong"
     assert told in answer
+
+
+def test_documents_that_come_at_once_are_all_performed(server: Running):
+    async def act(client):
+        nods = [{"id": f"at_once{k}", "behaviours": [{"type": "head", "id": "h", "lexeme": "NOD"}]} for k in range(4)]
+        calls = [client.call_tool("perform", {"document": nod}) for nod in nods]
+        return await asyncio.gather(*calls, *(client.call_tool("status", {}) for _ in range(4)))
+
+    results = within(server, act)
+    assert not [text(each) for each in results if each.is_error]
 
 
 def test_a_stop_waits_for_nothing_and_only_a_person_goes_on_with_servos(server: Running):

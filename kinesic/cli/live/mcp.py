@@ -4,7 +4,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from threading import Thread
 
 import click
@@ -36,7 +36,7 @@ def serve_tools(
             robot = RobotLine(place.host, place.port, token=token if connect else None)
         except OSError as error:
             raise ConfigError(f"--connect {place}: {error}; start kinesic serve there") from None
-        with robot:
+        with closing(robot):
             server = make_server(robot, known, resumes="servos" not in performers.sinks and connect is None)
             if address is None:
                 server.run("stdio")
