@@ -36,8 +36,10 @@ class RobotLine:
         self._stop_line = StopLine(host, port, token=token)
         self._client = Client(host, port, token=token)
         self._sending, self._asking, self._stopping = Lock(), Lock(), Lock()
-        self._numbers, self._answers = 0, dict[int, Queue[Answer]]()
-        self._status, self._begun = Queue[Answer](), dict[str, Queue[str]]()
+        self._asked = 0  # questions so far
+        self._answers: dict[int, Queue[Answer]] = {}  # to those who wait for them, by the number of the question
+        self._status: Queue[Answer] = Queue()  # answers to `status`, which have no number
+        self._begun: dict[str, Queue[str]] = {}  # by block: why it is refused, or nothing once it is expected to begin
         self._feedback = deque[str](maxlen=KEPT)
         Thread(target=self._read, daemon=True, name="feedback").start()
 
@@ -49,8 +51,8 @@ class RobotLine:
         """
         answers: Queue[Answer] = Queue()
         with self._sending:
-            self._numbers += 1
-            number = self._numbers
+            self._asked += 1
+            number = self._asked
             self._answers[number] = answers
             self._send(json.dumps({"do": verb, "id": number, **values}))
         try:
