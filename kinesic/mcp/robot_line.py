@@ -6,6 +6,7 @@ from collections import deque
 from queue import Empty, Queue
 from threading import Lock, Thread
 from typing import TypeVar
+from xml.sax.saxutils import unescape
 
 from kinesic.client import Client, StopLine
 from kinesic.mcp.teaching import Json
@@ -34,7 +35,11 @@ class RobotLine:
             PermissionError: the token is wrong, or missing.
         """
         self._stop_line = StopLine(host, port, token=token)
-        self._client = Client(host, port, token=token)
+        try:
+            self._client = Client(host, port, token=token)
+        except OSError:
+            self._stop_line.close()
+            raise
         self._sending, self._asking, self._stopping = Lock(), Lock(), Lock()
         self._asked = 0  # questions so far
         self._answers: dict[int, Queue[Answer]] = {}  # to those who wait for them, by the number of the question
@@ -153,7 +158,7 @@ class RobotLine:
         if told is None:
             return
         if kind == "<warningFeedback" and _refuses(message):
-            told.put(message.partition(">")[2].partition("<")[0])
+            told.put(unescape(message.partition(">")[2].partition("<")[0]) or "it is refused without a reason")
         elif kind in ("<predictionFeedback", "<blockProgress"):
             told.put("")
 
