@@ -7,7 +7,7 @@ from gestures import BEGIN, DOCS, END, PAGE
 
 from kinesic.bench.expressivity.lexicon import NEUTRAL_STYLE
 from kinesic.bench.figure import Figure
-from kinesic.bench.naturalness import PART, SEEDS, draw, lexicon_figures, measured, varied_figures
+from kinesic.bench.naturalness import PART, SEEDS, document_figures, draw, lexicon_figures, measured, varied_figures
 from kinesic.bench.naturalness.body import PARTS
 from kinesic.bench.naturalness.captured_table import captured_table
 from kinesic.bench.naturalness.lexicon import MeasuredGesture, by_style
@@ -202,6 +202,8 @@ if __name__ == "__main__":
     styles = names_of("style")
     found = measured(styles)
     before, rest = PAGE.read_text(encoding="utf-8").split(BEGIN)
-    written_section = section(found, [*lexicon_figures(found, Robot.load().arm_length), *varied_figures()])
+    written_section = section(
+        found, [*lexicon_figures(found, Robot.load().arm_length), *document_figures(), *varied_figures()]
+    )
     PAGE.write_text(f"{before}{BEGIN}\n\n{written_section}\n\n{END}{rest.split(END)[1]}", encoding="utf-8")
     draw(styles, DOCS)

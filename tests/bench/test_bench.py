@@ -1,4 +1,5 @@
 import json
+from dataclasses import replace
 from functools import partial
 from types import SimpleNamespace
 
@@ -13,6 +14,7 @@ from kinesic.bench.plan import first_command
 from kinesic.cli import bench
 from kinesic.controller.perform import set_up
 
+KINDS = ("", "_feedforward_only", "_without")  # of the twin's helps
 SMALL = 8  # the seed of a crowded block whose optimum is soon found
 
 
@@ -21,6 +23,7 @@ def brief(monkeypatch):
     """One or two repetitions are enough to see that the figures are there."""
     monkeypatch.setattr(plan, "REPETITIONS", 1)
     monkeypatch.setattr(plan, "CROWDS", 1)
+    monkeypatch.setattr(plan, "THRONGED", 1)
     monkeypatch.setattr(plan, "RHYTHMS", 1)
     monkeypatch.setattr(plan.hostile, "figures", partial(plan.hostile.figures, ["pile_20"]))
     monkeypatch.setattr(plan, "crowd", lambda seed, lexemes: crowd(SMALL + seed, lexemes))
@@ -49,7 +52,9 @@ def test_plan_has_its_figures_and_no_violation(brief):
 
 
 def test_twin_measures_speed_and_clearance(brief, monkeypatch):
-    monkeypatch.setattr(twin, "TOGETHER", twin.TOGETHER[:0])  # one wrong twin is identified; each takes seconds
+    monkeypatch.setattr(twin, "TOGETHER", ())
+    monkeypatch.setattr(twin, "HELPS", twin.HELPS[1:2])  # identification takes seconds, and has tests of its own
+    monkeypatch.setattr(twin, "BLOCKS", 1)
     figures = {figure.name: figure for figure in twin.bench()}
     assert figures["twin.real_time"].value > 1
     assert figures["twin.clearance"].ok
@@ -59,11 +64,11 @@ def test_twin_measures_speed_and_clearance(brief, monkeypatch):
 def test_feed_forward_and_correction_each_bring_servos_nearer_to_the_plan(brief, monkeypatch):
     for wrong in ("WRONG", "TOGETHER"):
         monkeypatch.setattr(twin, wrong, ())  # nothing is asked of them here
+    known = [replace(given, identifies=False) for given in twin.HELPS if given.suffix in KINDS]
+    monkeypatch.setattr(twin, "HELPS", known)
     figures = {figure.name: figure for figure in twin.tracking_figures(set_up(), 3)}
     for twin_name in ("nominal", "pessimistic"):
-        helped, alone, without = (
-            figures[f"twin.rmse_{twin_name}{kind}"].value for kind in ("", "_feedforward_only", "_without")
-        )
+        helped, alone, without = (figures[f"twin.rmse_{twin_name}{kind}"].value for kind in KINDS)
         assert helped < alone < without
     assert figures["twin.rmse_nominal"].ok
     assert figures["twin.rmse_pessimistic_without"].ok is None

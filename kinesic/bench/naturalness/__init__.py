@@ -32,7 +32,7 @@ def bench() -> list[Figure]:
 def bench_styles(styles: Sequence[str]) -> list[Figure]:
     """Measures every gesture alone: all bars in the neutral manner, the rows in others."""
     figures = lexicon_figures(measured(tuple(styles)), Robot.load().arm_length)
-    return figures + varied_figures() if NEUTRAL_STYLE in styles else figures
+    return [*figures, *document_figures(), *varied_figures()] if NEUTRAL_STYLE in styles else figures
 
 
 def bench_clips(folder: Path) -> list[Figure]:
@@ -72,14 +72,18 @@ def lexicon_figures(gestures: Sequence[MeasuredGesture], arm: float) -> list[Fig
     for style, group in by_style(gestures).items():
         hands = [each.hand for each in group if each.hand]
         if style == NEUTRAL_STYLE:
-            found += [*row_figures(PART, hands, MEDIANS), *bar_figures(group, arm), *synchrony_figures(PART)]
-            found += story_figures(PART)
+            found += [*row_figures(PART, hands, MEDIANS), *bar_figures(group, arm)]
             found += body_figures(PART, [(each.gesture, each.category, each.body) for each in group])
             found += category_figures(group)
             found += _legibility(PART, group)
         else:
             found += row_figures(f"{PART}.{style}", hands, {})
     return found
+
+
+def document_figures() -> list[Figure]:
+    """Measures strokes, nods and rests of documents that are spoken."""
+    return [*synchrony_figures(PART), *story_figures(PART)]
 
 
 def varied_figures() -> list[Figure]:
