@@ -16,10 +16,11 @@ from kinesic.body.arrays import Floats
 from kinesic.body.command import Command
 from kinesic.body.robot import Robot
 from kinesic.body.servo import follow_lags
+from kinesic.hardware.bus.telemetry import Telemetry
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.address import find_supervisor
 from kinesic.hardware.supervisor.channel import Channel, Note, Status, map_memory, memory_file, memory_size
-from kinesic.hardware.supervisor.manifest import Manifest, raised_joints
+from kinesic.hardware.supervisor.manifest import Manifest, Member, raised_joints
 from kinesic.hardware.supervisor.settings import USUAL, Policy, SupervisorOrder, SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
 
@@ -113,6 +114,15 @@ class Servos:
         """Returns the last status of the supervisor."""
         self._pass_on()
         return self._channel.status()
+
+    def telemetry(self) -> Telemetry:
+        """Returns how every servo is, in the order of `members`; said anew 20 times a second."""
+        return self._channel.telemetry()
+
+    @property
+    def members(self) -> tuple[Member, ...]:
+        """All servos: which they are, and what each of them turns."""
+        return self._manifest.members
 
     def history(self) -> tuple[Status, ...]:
         """Returns the status in every cycle since the last call: goals and angles for reports and fits."""

@@ -19,19 +19,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats, sealed
+from kinesic.hardware.bus.telemetry import Telemetry
 from kinesic.hardware.supervisor.settings import Policy
 from kinesic.hardware.supervisor.state_machine import Awaited, Stage
 
 CAPACITY = 16_384  # commands: more than two minutes of them
 EVENTS = 512
 HISTORY = 4096  # cycles: more than half a minute of them
+TELLINGS, TOLD = 8, 256  # of how servos are; of so many servos
 MEMORY_NAME = "kinesic"  # as the host shows it
 PACES = 1000  # steps of the pace that a watch asks for
 LOOKS = 50  # at a row that is being written
 STAGES = tuple(Stage)
 POLICIES: tuple[Policy, ...] = ("hold", "limp")
 AWAITED: tuple[Awaited, ...] = get_args(Awaited)
-_WORDS = ("written", "read", "ended", "release", "estop", "resume", "confirm", "pace", "noted", "cycles")
+_WORDS = ("written", "read", "ended", "release", "estop", "resume", "confirm", "pace", "noted", "cycles", "tellings")
 _PLACES = {name: place for place, name in enumerate(_WORDS)}
 _TEXT = 400  # [bytes] of an event
 
@@ -91,6 +93,7 @@ class Channel:
         self._events: Rows = np.frombuffer(memory, _EVENT, EVENTS, start)
         start += self._events.nbytes
         self._ring: Rows = np.frombuffer(memory, self._commands, capacity, start)
+        self._telemetry: Rows = np.frombuffer(memory, _TELEMETRY, TELLINGS, start + self._ring.nbytes)
         self._taken = self._noted = self._seen = 0  # rows that this side has read
 
     def word(self, name: str) -> int:
@@ -157,6 +160,24 @@ class Channel:
             if row is not None:
                 return _told(row)
         return _SILENT
+
+    def write_telemetry(self, telemetry: Telemetry) -> None:
+        """Says how every servo is; of a robot with more than `TOLD` of them, those that come first."""
+        number, count = self.word("tellings"), min(len(telemetry.celsius), TOLD)
+        figures = np.zeros((_FIGURES_OF_ONE, TOLD), dtype=np.float32)
+        figures[:, :count] = telemetry.figures[:, :count]
+        _store(self._telemetry, number % TELLINGS, number + 1, telemetry.clock, count, figures)
+        self.set("tellings", number + 1)
+
+    def telemetry(self) -> Telemetry:
+        """Returns how every servo was when that was said last."""
+        for _ in range(LOOKS):
+            number = self.word("tellings")
+            row = _load(self._telemetry, (number - 1) % TELLINGS, number)
+            if row is not None:
+                figures = row["figures"][:, : int(row["count"])].astype(np.float64)
+                return Telemetry(float(row["clock"]), *(sealed(figure) for figure in figures))
+        return Telemetry()
 
     def history(self) -> tuple[Status, ...]:
         """Returns the status of every cycle since the last call; of too many, the last."""
@@ -228,12 +249,16 @@ def _status(joints: int) -> np.dtype[np.void]:
 _EVENT = np.dtype(
     [("number", "<u8"), ("clock", "<f8"), ("servo", "<i8"), ("kind", "S24"), ("text", f"S{_TEXT}"), ("crc", "<u8")]
 )
+_FIGURES_OF_ONE = len(Telemetry().figures)
+_TELEMETRY = np.dtype(
+    [("number", "<u8"), ("clock", "<f8"), ("count", "<i8"), ("figures", "<f4", (_FIGURES_OF_ONE, TOLD)), ("crc", "<u8")]
+)
 
 
 def memory_size(joints: int, capacity: int = CAPACITY) -> int:
     """Returns the size [bytes] of the memory for so many joints."""
     rows = HISTORY * _status(joints).itemsize + EVENTS * _EVENT.itemsize + capacity * _command(joints).itemsize
-    return 8 * len(_WORDS) + rows
+    return 8 * len(_WORDS) + rows + TELLINGS * _TELEMETRY.itemsize
 
 
 def memory_file(octets: int) -> int:

@@ -5,8 +5,9 @@ from collections.abc import Callable
 import numpy as np
 
 from kinesic.body.arrays import Flags
+from kinesic.hardware.bus.telemetry import VOLT
 from kinesic.hardware.supervisor.manifest import Manifest
-from kinesic.hardware.supervisor.monitor import VOLT, CommunicationMonitor
+from kinesic.hardware.supervisor.monitor import CommunicationMonitor
 from kinesic.hardware.supervisor.state_machine import Event, Stage
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.hardware.bus.cycle import Records
+from kinesic.hardware.bus.telemetry import Telemetry
 from kinesic.hardware.protocol.registers import WATCHDOG_TRIPPED, HardwareError, Register
 from kinesic.hardware.supervisor.axes import Snapshot
 from kinesic.hardware.supervisor.manifest import REST, Manifest
@@ -25,7 +26,6 @@ MOVES = 3  # [PRESENT_VELOCITY] below which a servo does not move
 LOAD_FULL = 1000.0  # PRESENT_CURRENT at stall of a servo without current sensor
 WEIGH = 0.05  # [s] between two looks at currents and temperatures
 GAP = 0.15  # [s] between two records beyond which nobody knows what was between them
-VOLT = Register.PRESENT_INPUT_VOLTAGE.field.scale
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,6 +170,13 @@ class CommunicationMonitor:
     def well(self) -> bool:
         """Whether the performance may go on."""
         return self.answering and self._fit and self.scale > 0.0
+
+    def telemetry(self, clock: float) -> Telemetry:
+        """Returns how every servo is at a time [s]; `records` must be there."""
+        if self.records is None:
+            return Telemetry(clock)
+        turns = self._manifest.scale.turns
+        return Telemetry.of(clock, self.records, self.answered, full=self._ratings.current, turns=turns)
 
     @property
     def holding_joints(self) -> frozenset[int]:

@@ -12,13 +12,14 @@ from time import time as wall_time
 import numpy as np
 
 from kinesic.files.output_file import open_to_add
+from kinesic.hardware.bus.telemetry import VOLT
 from kinesic.hardware.supervisor.channel import Channel, Note, Status
 from kinesic.hardware.supervisor.goals import GoalSteering
 from kinesic.hardware.supervisor.manifest import Manifest
-from kinesic.hardware.supervisor.monitor import VOLT, CommunicationMonitor
+from kinesic.hardware.supervisor.monitor import CommunicationMonitor
 from kinesic.hardware.supervisor.state_machine import Awaited, Stage, SupervisorState
 
-SLOWLY = 0.1  # [s] between two looks at temperatures and voltages
+SLOWLY = 0.05  # [s] between two looks at temperatures, loads, voltages and errors
 
 
 class EventLog:
@@ -84,6 +85,7 @@ class StatusWriter:
             self._measured = clock
             self._hottest = float(monitor.records["temperature"].max())
             self._volts = float(monitor.records["volts"].min()) * VOLT
+            self._channel.write_telemetry(monitor.telemetry(clock))
         self._channel.write_status(
             Status(
                 stage=state.stage,
