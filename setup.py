@@ -31,4 +31,4 @@ def kernel(room: str) -> Extension:
     )
 
 
-setup(ext_modules=[kernel("ik"), kernel("motion")])
+setup(ext_modules=[kernel(room) for room in ("ik", "motion", "controller", "sim")])

@@ -1,6 +1,6 @@
 """Finds when a part of the body arrives where a sync point wants it, by one rule for plan, twin and sensors."""
 
-from bisect import bisect_left, bisect_right
+from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -9,8 +9,15 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import SIDES, PartName, Robot
+from kinesic.kernels import Kernel, find_kernel
 from kinesic.planning.plan import Plan
 from kinesic.planning.syncs import SyncTime, planned_spans
+from kinesic.sim.kinematics import body_frames
+
+KERNEL: Kernel = find_kernel("kinesic.controller._kernel")  # which implementation runs
+
+if KERNEL == "compiled":
+    from kinesic.controller import _kernel
 
 HANDS: tuple[PartName, PartName] = ("l_hand", "r_hand")
 WINDOW = 0.3  # [s] before and after the planned time
@@ -37,8 +44,8 @@ def part_paths(angles: Floats, robot: Robot, hands: Mapping[str, Floats] | None 
 
 
 def _hands(angles: Floats, robot: Robot) -> dict[str, Floats]:
-    origins = robot.skeleton.frames(angles).origins
-    return {side: origins[:, robot.arm(side).wrist] for side in SIDES}
+    origins = body_frames(robot, angles).origins
+    return {side: np.ascontiguousarray(origins[robot.arm(side).wrist].T) for side in SIDES}
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,14 +78,14 @@ def arrivals(plan: Plan, times: Floats, reference: Mapping[PartName, Floats]) ->
     @cache
     def arrival(part: PartName, at: float, radius: float) -> Arrival:  # many sync points are at the same time
         place = _place(at, instants, reference[part])
-        return Arrival(part, at, place, radius, _first_entry(at, instants, reference[part], place, radius))
+        return Arrival(part, at, place, radius, _first_entry(at, times, reference[part], place, radius))
 
     found: dict[SyncTime, tuple[Arrival, ...]] = {}
-    for sync in plan.syncs:
-        begin, end = times.searchsorted([zero + time for time in spans[sync.behaviour]])
+    edges = times.searchsorted(np.reshape([spans[sync.behaviour] for sync in plan.syncs], (-1, 2)) + zero)
+    for sync, (begin, end) in zip(plan.syncs, np.minimum(edges, len(times) - 1).tolist(), strict=True):
         parts = []
         for part in sorted(plan.keyframes.uses.get(sync.behaviour, frozenset())):
-            length = float(ways[part][min(end, len(times) - 1)] - ways[part][begin])
+            length = float(ways[part][end] - ways[part][begin])
             if length > 0.0:
                 radius = max(LEAST_BALL if part in HANDS else LEAST_CONE, SHARE * length)
                 parts.append(arrival(part, zero + sync.planned, radius))
@@ -103,11 +110,10 @@ def lags(
     Returns:
         Seconds per sync point of a moving behaviour; None where the part never arrives.
     """
-    instants: list[float] = times.tolist()
 
     @cache
     def lag(arrival: Arrival) -> float | None:
-        entered = _first_entry(arrival.at, instants, performed[arrival.part], arrival.place, arrival.radius)
+        entered = _first_entry(arrival.at, times, performed[arrival.part], arrival.place, arrival.radius)
         return None if entered is None or arrival.planned is None else entered - arrival.planned
 
     found: dict[SyncTime, float | None] = {}
@@ -128,11 +134,13 @@ def _place(at: float, times: Sequence[float], path: Floats) -> Floats:
     return place
 
 
-def _first_entry(at: float, times: Sequence[float], path: Floats, centre: Floats, radius: float) -> float | None:
+def _first_entry(at: float, times: Floats, path: Floats, centre: Floats, radius: float) -> float | None:
     """First time [s] within the window at which a path is inside a ball."""
-    window = slice(bisect_left(times, at - WINDOW), bisect_left(times, at + WINDOW))
+    if KERNEL == "compiled":
+        return _kernel.first_entry(times, np.ascontiguousarray(path), at, WINDOW, centre, radius)
+    window = slice(*times.searchsorted([at - WINDOW, at + WINDOW]))
     apart = path[window] - centre
-    return entry(times[window], np.sqrt(np.vecdot(apart, apart)), radius)
+    return entry(times[window].tolist(), np.sqrt(np.vecdot(apart, apart)), radius)
 
 
 def entry(times: Sequence[float], distances: Floats, radius: float, *, last: bool = False) -> float | None:

@@ -96,10 +96,11 @@ def foresee(planned: Floats, measured: Floats, distances: Distances, *, every: i
     postures = planned[::every]
     strayed = measured[::every] - postures
     rooms = np.full(len(postures), inf)
-    for lag in range(0, min(round(MEMORY / (_SKIPPED * LOOK)) + 1, len(postures)), _SKIPPED):
-        for way in (1.0, -1.0):
-            expected = postures[lag:] + way * strayed[: len(postures) - lag]
-            rooms[lag:] = np.minimum(rooms[lag:], distances.clearance(expected).distances)
+    lags = range(0, min(round(MEMORY / (_SKIPPED * LOOK)) + 1, len(postures)), _SKIPPED)
+    strays = [(lag, way * strayed[: len(postures) - lag]) for lag in lags for way in (1.0, -1.0)]
+    expected = distances.clearance(np.concatenate([postures[lag:] + stray for lag, stray in strays])).distances
+    for (lag, _), found in zip(strays, np.split(expected, np.cumsum([len(s) for _, s in strays])[:-1]), strict=True):
+        rooms[lag:] = np.minimum(rooms[lag:], found)
     return rooms
 
 

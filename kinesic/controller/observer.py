@@ -182,15 +182,14 @@ class Observer:
             stream: commands as the feed-forward has them.
             setpoints: of the same ticks.
         """
+        angles, goals = np.array([command.angles for command in stream]), np.array([c.goals for c in stream])
+        return self.inputs(angles, goals, setpoints)
+
+    def inputs(self, angles: Floats, goals: Floats, setpoints: FeedForwardGoals) -> ObserverInputs:
+        """Precomputes the same from the reference and the goals of all commands, (m, n) [rad] each."""
         bodies = len(self.lower) // setpoints.loads.shape[1]
         angles, goals, loads, leads = (
-            np.tile(rows, bodies)
-            for rows in (
-                [command.angles for command in stream],
-                [command.goals for command in stream],
-                setpoints.loads,
-                setpoints.leads,
-            )
+            np.tile(rows, bodies) for rows in (angles, goals, setpoints.loads, setpoints.leads)
         )
         noticed, noticed_leads = self._notice(loads), self._notice(leads)
         forgotten = self.period / FORGETTING

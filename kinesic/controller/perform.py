@@ -1,8 +1,8 @@
 """Joins planning with the twin: plans a BML document and performs it."""
 
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from functools import lru_cache
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import lru_cache, partial
 from pathlib import Path
 from time import perf_counter
 from typing import Unpack
@@ -11,17 +11,18 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.choices import Terms
-from kinesic.body.command import RATE, Command, Measurements
+from kinesic.body.command import RATE, Measurements
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 from kinesic.controller.clearance_watch import slows
+from kinesic.controller.closed_loop import perform_in_twins
 from kinesic.controller.documents import read_block
 from kinesic.controller.feedforward import FeedForward
 from kinesic.controller.learned_gains import LearnedGains
-from kinesic.controller.observer import Observer, correct_goals
+from kinesic.controller.observer import Observer
 from kinesic.controller.options import PlanningOptions, check_options
 from kinesic.controller.performance import Performance, Reference
-from kinesic.controller.play import command_times, commands, play_together
+from kinesic.controller.play import command_times
 from kinesic.controller.watched_run import perform_watched
 from kinesic.expressivity.context import read_targets
 from kinesic.expressivity.idle import Idling
@@ -205,16 +206,12 @@ def dry_runs(
     delay = max(delay, learned.delay) if learned else delay
     leading = FeedForward(robot, known.dynamics, delay=delay, terms=feedforward, learned=learned)
     setpoints = leading.lead(trajectory, times)
-    stream = tuple(commands(trajectory, times, setpoints))
-    observer = _observer(known, delay, len(twins)) if correction else None
+    observers = partial(_observer, known, delay) if correction else None
     start = trajectory.at(0.0).angles
 
     def performed(*, touches: bool) -> list[Measurements]:
         bodies = [Twin(robot, factors=factors, start=start, touches=touches) for factors in twins]
-        ticks: Iterator[tuple[Command, ...]] = ((command,) * len(bodies) for command in stream)
-        if observer:
-            ticks = correct_goals(stream, setpoints, bodies, observer)
-        play_together(_counted(ticks, len(stream), progress), bodies)
+        perform_in_twins(trajectory, times, setpoints, bodies, observers, progress)
         return [body.measurements() for body in bodies]
 
     measured = performed(touches=False)
@@ -225,7 +222,7 @@ def dry_runs(
         Performance(reference, factors, each, parse_seconds, seconds)
         for factors, each in zip(twins, measured, strict=True)
     ]
-    alone = _observer(known, delay, 1) if correction else None
+    alone = observers(1) if observers else None
     return tuple(_watched(run, leading, alone) if watch and slows(run.rooms, robot) else run for run in runs)
 
 
@@ -238,16 +235,6 @@ def _watched(even: Performance, feedforward: FeedForward, observer: Observer | N
     return Performance(
         Reference(plan, run.times, run.duties), even.twin, run.measured, even.parse_seconds, seconds, run.least_pace
     )
-
-
-def _counted(
-    ticks: Iterator[tuple[Command, ...]], count: int, progress: Callable[[float], None]
-) -> Iterator[tuple[Command, ...]]:
-    """Passes ticks on, and tells once a second which share of them is over."""
-    for k, tick in enumerate(ticks):
-        yield tick
-        if k % RATE == 0:
-            progress(k / count)
 
 
 @lru_cache(maxsize=8)

@@ -1,3 +1,5 @@
+from collections.abc import Sequence
+
 from kinesic.body.arrays import Floats
 from kinesic.motion.bspline import Indices
 
@@ -17,3 +19,12 @@ def nearest(
 def relax(
     first: Indices, shares: Floats, values: Floats, stencils: Floats, lower: Floats, upper: Floats, easy: float
 ) -> tuple[Floats, float, Floats, Floats] | None: ...
+
+# -- motions: results of `sample` are written into the caller's arrays
+
+def sample(
+    controls: Floats, places: Floats, scales: Floats, angles: Floats, speeds: Floats, accelerations: Floats
+) -> None: ...
+def peaks(
+    controls: Floats, scales: Floats, limits: Floats, shares: Sequence[Floats]
+) -> tuple[Floats, Floats, Floats, float]: ...

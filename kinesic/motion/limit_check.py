@@ -8,12 +8,17 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
-from kinesic.motion.trajectory import STEP, Trajectory, spline_weights
+from kinesic.motion.trajectory import KERNEL, STEP, Trajectory, spline_weights
+
+if KERNEL == "compiled":
+    from kinesic.motion import _kernel
 
 RATE = 1000  # [Hz]
 CHUNK = 128  # pieces at once, so that the arrays stay in the cache
 INSTANTS = np.linspace(0.0, 1.0, round(RATE * STEP) + 1)  # of every piece, the same as it is uniform
 SHARES = tuple(spline_weights(INSTANTS, 1, order)[1] for order in range(3))  # (s, 4 - order) of the control points
+QUANTITIES = ("position", "speed", "acceleration", "jerk", "duty")
+SCALES = sealed([STEP**order for order in range(4)])  # of a derivative
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +53,8 @@ def check_limits(trajectory: Trajectory, limits: Limits) -> Peaks:
         limits: of the same hinges.
     """
     pieces, hinges = len(trajectory.controls) - 3, len(limits.lower)
+    if KERNEL == "compiled":
+        return _search(trajectory.controls, limits)
     found: dict[str, Peak] = {}
     squares = 0.0
     for begin in range(0, pieces, CHUNK):
@@ -56,6 +63,20 @@ def check_limits(trajectory: Trajectory, limits: Limits) -> Peaks:
         for name, values in _ratios(points, limits):
             found[name] = _larger(found.get(name), values, STEP * begin)
     return Peaks(MappingProxyType(found), float(np.sqrt(squares / pieces / hinges)))
+
+
+def _search(controls: Floats, limits: Limits) -> Peaks:
+    """Does the same with the kernel, which looks only at pieces that may hold a peak."""
+    middle, half = (limits.upper + limits.lower) / 2, (limits.upper - limits.lower) / 2
+    pulled, driven = limits.inertial / limits.duty, limits.viscous / limits.duty
+    bounds = np.stack([middle, half, limits.speed, limits.acceleration, limits.jerk, pulled, driven])
+    *rows, squares = _kernel.peaks(np.ascontiguousarray(controls), SCALES, bounds, SHARES)
+    found: dict[str, Peak] = {}
+    for name, ratios, pieces, instants in zip(QUANTITIES, *(row.reshape(-1, len(middle)) for row in rows), strict=True):
+        worst = min(np.flatnonzero(ratios == ratios.max()), key=lambda hinge: pieces[hinge] // CHUNK)
+        begin, instant = CHUNK * (int(pieces[worst]) // CHUNK), float(INSTANTS[int(instants[worst])])
+        found[name] = Peak(sealed(ratios), STEP * begin + STEP * (int(pieces[worst]) - begin + instant))
+    return Peaks(MappingProxyType(found), float(np.sqrt(squares / (len(controls) - 3) / len(middle))))
 
 
 def _derived(controls: Floats, order: int) -> Floats:

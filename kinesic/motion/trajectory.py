@@ -11,9 +11,16 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import State
+from kinesic.kernels import Kernel, find_kernel
+
+KERNEL: Kernel = find_kernel("kinesic.motion._kernel")  # which implementation runs
+
+if KERNEL == "compiled":
+    from kinesic.motion import _kernel
 
 STEP = 0.01  # [s] between knots
 EARLY = 1e-6  # steps by which a knot may be missed
+SCALES = sealed([STEP**order for order in range(3)])  # of a derivative
 FEWEST = 4  # control points of a motion: one piece
 
 
@@ -53,7 +60,12 @@ class Trajectory:
     def sample(self, times: Floats) -> tuple[Floats, Floats, Floats]:
         """Angles, speeds and accelerations, each (m, n), at (m,) times."""
         local = times - self.start
-        angles, speeds, accelerations = (self._values(local, order) for order in range(3))
+        if KERNEL == "compiled":
+            shape = len(times), self.controls.shape[1]
+            angles, speeds, accelerations = (np.empty(shape) for _ in range(3))
+            _kernel.sample(np.ascontiguousarray(self.controls), local / STEP, SCALES, angles, speeds, accelerations)
+        else:
+            angles, speeds, accelerations = (self._values(local, order) for order in range(3))
         still = (local < 0.0) | (local > self.duration)
         speeds[still] = 0.0
         accelerations[still] = 0.0

@@ -2,13 +2,15 @@
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import PartName
 from kinesic.controller.arrival import HANDS, part_paths
-from kinesic.controller.performance import Performance
+from kinesic.controller.performance import Performance, Reference
+from kinesic.planning.plan import Plan
 from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime, limit_met
 
 STROKE = ("strokeStart", "strokeEnd")
@@ -77,15 +79,21 @@ class ChangedBehaviour:
 
 def story(performance: Performance) -> tuple[ChangedBehaviour, ...]:
     """Finds behaviours with a moved sync point, or a stroke that lost more than 5 %; the largest shift first."""
-    plan = performance.plan
-    desired = _desired_paths(performance)
+    return _story(performance.reference)
+
+
+@lru_cache(maxsize=2)
+def _story(reference: Reference) -> tuple[ChangedBehaviour, ...]:
+    """The same for all twins that perform a plan."""
+    plan = reference.plan
+    desired = _desired_paths(plan)
     found = []
     for name in dict.fromkeys(sync.behaviour for sync in plan.syncs):
         syncs = [sync for sync in plan.syncs if sync.behaviour == name]
-        moved = _together(_moved(sync, performance) for sync in syncs if abs(sync.planned - sync.asked) > SHIFT_TO_WARN)
-        parts = sorted(plan.keyframes.uses.get(name, frozenset()) & set(performance.reference.paths))
+        moved = _together(_moved(sync, plan) for sync in syncs if abs(sync.planned - sync.asked) > SHIFT_TO_WARN)
+        parts = sorted(plan.keyframes.uses.get(name, frozenset()) & set(reference.paths))
         core = _core(syncs)
-        losses = tuple(loss for part in parts if core for loss in _losses(part, core, desired, performance))
+        losses = tuple(loss for part in parts if core for loss in _losses(part, core, desired, reference))
         if moved or losses:
             found.append(ChangedBehaviour(name, moved, losses, stroke=core is not None))
     return tuple(sorted(found, key=lambda changed: -changed.shift))
@@ -106,14 +114,13 @@ class _DesiredPaths:
     paths: Mapping[PartName, Floats]  # (m, 3)
 
 
-def _desired_paths(performance: Performance) -> _DesiredPaths:
-    motion = performance.plan.desired
+def _desired_paths(plan: Plan) -> _DesiredPaths:
+    motion = plan.desired
     times = np.arange(int(np.ceil(motion.duration * RATE)) + 1) / RATE
-    return _DesiredPaths(times - motion.zero, part_paths(motion.sample(times)[0], performance.plan.setup.robot))
+    return _DesiredPaths(times - motion.zero, part_paths(motion.angles(times), plan.setup.robot))
 
 
-def _moved(sync: SyncTime, performance: Performance) -> Moved:
-    plan = performance.plan
+def _moved(sync: SyncTime, plan: Plan) -> Moved:
     met = limit_met(sync, plan.keyframes, plan.motion, plan.setup.robot)
     if met is None:
         return Moved((sync.sync,), sync.asked, sync.planned, "", "", 0.0)
@@ -142,13 +149,11 @@ def _core(syncs: list[SyncTime]) -> tuple[SyncTime, SyncTime] | None:
 
 
 def _losses(
-    part: PartName, core: tuple[SyncTime, SyncTime], desired: _DesiredPaths, performance: Performance
+    part: PartName, core: tuple[SyncTime, SyncTime], desired: _DesiredPaths, reference: Reference
 ) -> Iterator[Loss]:
-    zero = performance.plan.trajectory.zero
+    zero = reference.plan.trajectory.zero
     before = _cut(desired.times, desired.paths[part], core[0].asked, core[1].asked)
-    after = _cut(
-        performance.measured.times, performance.reference.paths[part], zero + core[0].planned, zero + core[1].planned
-    )
+    after = _cut(reference.times, reference.paths[part], zero + core[0].planned, zero + core[1].planned)
     unit, scale = ("m", 1.0) if part in HANDS else ("deg", float(np.degrees(1.0)))
     for quantity, per, measure in (("speed", "/s", _fastest), ("path", "", _length)):
         loss = Loss(part, quantity, unit + per, scale * measure(*before), scale * measure(*after))
@@ -157,9 +162,22 @@ def _losses(
 
 
 def _cut(times: Floats, path: Floats, begin: float, end: float) -> tuple[Floats, Floats]:
-    inner = times[(times > begin) & (times < end)]
-    moments = np.array([begin, *inner, end])
-    return moments, np.column_stack([np.interp(moments, times, column) for column in path.T])
+    """Times and places from one moment to another, both of them included."""
+    first, last = times.searchsorted(begin, side="right"), times.searchsorted(end)
+    edges = [_between(times, path, moment) for moment in (begin, end)]
+    return (
+        np.concatenate([[begin], times[first:last], [end]]),
+        np.concatenate([edges[0], path[first:last], edges[1]]),
+    )
+
+
+def _between(times: Floats, path: Floats, moment: float) -> Floats:
+    """(1, d) where a path is at a moment, on a straight line between samples."""
+    after = min(max(int(times.searchsorted(moment, side="right")), 1), len(times) - 1)
+    span = times[after] - times[after - 1]
+    share = min(max((moment - times[after - 1]) / span, 0.0), 1.0)
+    place: Floats = path[after - 1] + share * (path[after] - path[after - 1])
+    return place[None]
 
 
 def _fastest(times: Floats, path: Floats) -> float:

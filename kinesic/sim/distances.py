@@ -5,8 +5,8 @@ where the hand is far from everything; where the ball is near, the fingers thems
 """
 
 from collections.abc import Sequence
+from functools import lru_cache
 from itertools import product
-from typing import cast
 
 import numpy as np
 
@@ -15,7 +15,11 @@ from kinesic.body.dynamics import Clearance
 from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.body.skeleton import Capsule, Segment, Skeleton
 from kinesic.sim.fingers import FingerPlaces, finger_hull
-from kinesic.sim.kinematics import MotionFrames, body_frames
+from kinesic.sim.kinematics import KERNEL, MotionFrames, body_frames, compiled_frames
+from kinesic.sim.segment_distances import segment_distances
+
+if KERNEL == "compiled":
+    from kinesic.sim import _kernel
 
 BLOCK = 512  # postures whose kinematics are computed at once
 STRIP = 128  # of them at once for all pairs, so that arrays stay in the cache and products on one core
@@ -143,6 +147,9 @@ class CapsuleDistances:
         after = np.searchsorted(known, between)
         lowest = np.ascontiguousarray(lowest.T)  # whole rows are looked up faster
         near = np.empty(len(between), dtype=bool)
+        if KERNEL == "compiled":
+            _kernel.suspect(angles[between], after, angles[known], lowest, self._reaches, limit, near)
+            return between[near]
         strip = max(1, min(STRIP, PRODUCT // self._reaches.size))
         for block in (slice(k, k + strip) for k in range(0, len(between), strip)):
             bounds = []
@@ -160,7 +167,13 @@ class CapsuleDistances:
         """(m,) [m] and index of the closest pair of capsules, for (m, n) [rad]."""
         if not self._names:
             return np.full(len(angles), np.inf), np.zeros(len(angles), dtype=np.intp)
-        distances, pairs = np.empty(len(angles)), np.empty(len(angles), dtype=np.intp)
+        distances, pairs = np.empty(len(angles)), np.empty(len(angles), dtype=np.int64)
+        if KERNEL == "compiled" and not self._fingers:
+            turns = np.ascontiguousarray(self._skeleton.turns(angles).T)
+            chosen = np.ones(len(self._skeleton.segments), dtype=np.bool_)
+            frames = compiled_frames(self._skeleton)
+            _compiled(self).nearest(frames, chosen, np.sin(turns), np.cos(turns), distances, pairs)
+            return distances, pairs
         for block in (slice(k, k + BLOCK) for k in range(0, len(angles), BLOCK)):
             lowest = self._strips(body_frames(self._robot, angles[block]), angles[block])
             distances[block], pairs[block] = lowest.min(axis=0), lowest.argmin(axis=0)
@@ -168,15 +181,31 @@ class CapsuleDistances:
 
     def _strips(self, frames: MotionFrames, angles: Floats) -> Floats:
         """(p, m) [m] distance of each pair in m postures; for those that cannot be the closest, a lower bound."""
-        starts, ends = self._axes(frames)
-        strips = [
-            self._closest(starts[:, :, k : k + STRIP], ends[:, :, k : k + STRIP])
-            for k in range(0, starts.shape[2], STRIP)
-        ]
-        lowest = np.concatenate(strips, axis=1)
+        if KERNEL == "compiled":
+            lowest = np.empty((len(self._names), len(angles)))
+            _compiled(self).closest(
+                np.ascontiguousarray(frames.rotations), np.ascontiguousarray(frames.origins), lowest
+            )
+        else:
+            starts, ends = self._axes(frames)
+            strips = (slice(k, k + STRIP) for k in range(0, len(angles), STRIP))
+            lowest = np.concatenate([self._closest(starts[:, :, strip], ends[:, :, strip]) for strip in strips], axis=1)
         near = np.maximum(lowest[~self._hulled].min(axis=0, initial=np.inf), NEAR)
         self._measure_fingers(lowest, (lowest <= near) & self._hulled[:, None], frames, angles)
         return lowest
+
+    def compiled(self) -> "_kernel.CapsulePairs":
+        """Makes what the kernel measures; not kept in the object, which other processes get."""
+        return _kernel.make_pairs(
+            np.array(self._owners, dtype=np.int64),
+            self._starts,
+            self._ends,
+            self._first,
+            self._second,
+            self._radii,
+            self._halves,
+            self._hulled,
+        )
 
     def _closest(self, starts: Floats, ends: Floats) -> Floats:
         """The same from the capsules' axes, (c, 3, m) [m] each."""
@@ -226,6 +255,11 @@ class CapsuleDistances:
         return _placed(frames, self._owners, self._starts, self._ends)
 
 
+@lru_cache(maxsize=8)
+def _compiled(distances: CapsuleDistances) -> "_kernel.CapsulePairs":
+    return distances.compiled()
+
+
 def _by_size(within: Sequence[Indices], counted: Flags) -> list[tuple[Indices, Indices]]:
     """Puts counted pairs of bodies with as many pairs of capsules within together."""
     sizes = np.array([pairs.shape[1] for pairs in within], dtype=np.intp)
@@ -273,36 +307,3 @@ def _reach(skeleton: Skeleton, owner: int, capsule: Capsule) -> Floats:
         far += float(np.linalg.norm(segment.origin_in_parent))
         segment = None if segment.parent is None else skeleton.segments[skeleton.segment(segment.parent)]
     return reach
-
-
-def segment_distances(a0: Floats, a1: Floats, b0: Floats, b1: Floats) -> Floats:
-    """Measures distances between straight segments, after Ericson, Real-Time Collision Detection, 5.1.9.
-
-    Args:
-        a0: (k, 3) [m] one end of the first segments; may equal the other.
-        a1: (k, 3) [m] their other end.
-        b0: (k, 3) [m] one end of the second segments.
-        b1: (k, 3) [m] their other end.
-
-    Returns:
-        (k,) [m].
-    """
-    along_a, along_b, apart = a1 - a0, b1 - b0, a0 - b0
-    aa, bb, ab = _dot(along_a, along_a), _dot(along_b, along_b), _dot(along_a, along_b)
-    ar, br = _dot(along_a, apart), _dot(along_b, apart)
-    s = _share(ab * br - ar * bb, aa * bb - ab * ab)  # of the unbounded lines; any s serves parallel ones
-    t = _share(ab * s + br, bb)
-    s = _share(ab * t - ar, aa)
-    gap = apart + s[:, None] * along_a - t[:, None] * along_b
-    return cast(Floats, np.sqrt(_dot(gap, gap)))
-
-
-def _dot(a: Floats, b: Floats) -> Floats:
-    return cast(Floats, np.einsum("kc,kc->k", a, b))
-
-
-def _share(part: Floats, whole: Floats) -> Floats:
-    """The quotient of part and whole within 0..1, and 0 where the whole vanishes."""
-    share = np.zeros_like(part)
-    np.divide(part, whole, out=share, where=whole > np.finfo(float).tiny)
-    return np.clip(share, 0.0, 1.0, out=share)

@@ -8,9 +8,15 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.dynamics import Load
 from kinesic.body.robot import Robot
+from kinesic.sim.kinematics import KERNEL
 from kinesic.sim.model import build_model, joint_order
+from kinesic.sim.stepping.addresses import function_address
 from kinesic.sim.worst_postures import Extremes, extremes
 
+if KERNEL == "compiled":
+    from kinesic.sim import _kernel
+
+STAGES = ("mj_kinematics", "mj_comPos", "mj_comVel", "mj_rne")  # of MuJoCo's inverse dynamics, without constraints
 FRICTION_SPEED = 0.05  # [rad/s] within which Coulomb friction fades, so that a plan's torque has no jumps
 
 
@@ -42,21 +48,30 @@ class MujocoDynamics:
         Returns:
             (m, n) [Nm].
         """
+        rigid = np.empty(angles.shape)  # of the links, by the recursive Newton-Euler method
+        ordered = [np.ascontiguousarray(values[:, self._hinges]) for values in (angles, speeds, accelerations)]
+        self._newton_euler(ordered[0], ordered[1], ordered[2], rigid)
+        drives = self._robot.drives
+        torques: Floats = rigid[:, self._order] + drives.armature * accelerations + drives.damping * speeds
+        torques += drives.frictionloss * np.tanh(speeds / FRICTION_SPEED)
+        return torques
+
+    def _newton_euler(self, angles: Floats, speeds: Floats, accelerations: Floats, rigid: Floats) -> None:
+        """Writes the torques (m, n) of the links for motions (m, n), all of them in MuJoCo's order."""
         model, data = self._model, self._data
         qpos, qvel, qacc = data.qpos, data.qvel, data.qacc
-        rigid = np.empty(angles.shape)  # of the links, by the recursive Newton-Euler method
-        for row, angle, speed, acceleration in zip(
-            rigid, angles[:, self._hinges], speeds[:, self._hinges], accelerations[:, self._hinges], strict=True
-        ):
+        stages = [function_address(name) for name in STAGES]
+        *before, last = [stage for stage in stages if stage is not None] or [0]
+        if KERNEL == "compiled" and len(before) == len(STAGES) - 1:
+            places = int(model._address), int(data._address)
+            _kernel.inverse(before, last, *places, True, qpos, qvel, qacc, angles, speeds, accelerations, rigid)
+            return
+        for row, angle, speed, acceleration in zip(rigid, angles, speeds, accelerations, strict=True):
             qpos[:], qvel[:], qacc[:] = angle, speed, acceleration
             mujoco.mj_kinematics(model, data)
             mujoco.mj_comPos(model, data)
             mujoco.mj_comVel(model, data)
             mujoco.mj_rne(model, data, 1, row)
-        drives = self._robot.drives
-        torques: Floats = rigid[:, self._order] + drives.armature * accelerations + drives.damping * speeds
-        torques += drives.frictionloss * np.tanh(speeds / FRICTION_SPEED)
-        return torques
 
     def holding(self, angles: Floats) -> Floats:
         """Computes the torque (m, n) [Nm] that holds postures (m, n) [rad] against gravity; friction does not help."""

@@ -2,12 +2,19 @@
 
 from collections.abc import Collection
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from kinesic.body.arrays import Floats, Indices
 from kinesic.body.robot import Robot
 from kinesic.body.skeleton import Skeleton
+from kinesic.kernels import Kernel, find_kernel
+
+KERNEL: Kernel = find_kernel("kinesic.sim._kernel")  # which implementation runs
+
+if KERNEL == "compiled":
+    from kinesic.sim import _kernel
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +58,11 @@ def motion_frames(
     count, turns = len(angles), skeleton.turns(angles)
     rotations = np.empty((len(skeleton.segments), 3, 3, count)) if known is None else known.rotations.copy()
     origins = np.empty((len(skeleton.segments), 3, count)) if known is None else known.origins.copy()
+    if KERNEL == "compiled":
+        chosen = np.array([only is None or k in only for k in range(len(skeleton.segments))])
+        turned = np.ascontiguousarray(turns.T)
+        compiled_frames(skeleton).solve(chosen, np.sin(turned), np.cos(turned), rotations, origins)
+        return MotionFrames(rotations, origins)
     for k, (parent, origin, hinges) in enumerate(skeleton.steps):
         if only is not None and k not in only:
             continue
@@ -67,6 +79,17 @@ def motion_frames(
             rotation = turned
         rotations[k] = rotation
     return MotionFrames(rotations, origins)
+
+
+@lru_cache(maxsize=16)
+def compiled_frames(skeleton: Skeleton) -> "_kernel.MotionFrames":
+    """Makes what the kernel knows of a skeleton, once."""
+    frames = _kernel.MotionFrames()
+    for parent, origin, hinges in skeleton.steps:
+        joints = [joint for joint, _ in hinges]
+        aside = np.array([np.zeros(3) if at is None else at for _, at in hinges])
+        frames.add_link(parent, np.ascontiguousarray(origin), joints, skeleton.axes[joints], aside)
+    return frames
 
 
 def _turned(rotations: Floats, axis: Floats, angles: Floats) -> Floats:

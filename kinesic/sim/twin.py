@@ -15,7 +15,8 @@ from kinesic.sim.kinematics import body_frames
 from kinesic.sim.model import actuator_order, build_model, joint_order, of_hinges, play_order
 from kinesic.sim.power import Supply, effort, power
 from kinesic.sim.servo_factors import NOMINAL, Factors
-from kinesic.sim.step_log import StepLog
+from kinesic.sim.stepping.addresses import TwinParts, function_address, timestep_address
+from kinesic.sim.stepping.step_log import StepLog, StepRecord
 
 STEP = 0.004  # [s] longest physics step: angles stay within 0.05 deg of those with steps of 1 ms
 SAME_TIME = 1e-9  # [s] below which two times are one
@@ -115,6 +116,37 @@ class Twin:
         """Drops all measurements so far, for performances without end; the robot moves on."""
         self._log.forget()
 
+    def parts(self) -> TwinParts | None:
+        """Hands its physics to a compiled loop, before the first command; None where only Python can step it."""
+        step, timestep = function_address("mj_step"), timestep_address(self._model)
+        if step is None or timestep is None or self._supply:
+            return None
+        data, hinges = self._data, np.arange(len(self._goals))
+        return TwinParts(
+            step=step,
+            model=int(self._model._address),
+            data=int(data._address),
+            timestep=timestep,
+            positions=data.qpos,
+            speeds=data.qvel,
+            control=data.ctrl,
+            hinges=np.arange(len(data.qpos))[self._order],
+            play=self._play,
+            actuators=hinges[self._actuators],
+            ticks=np.empty(0) if self._ticks is None else self._ticks,
+            longest=self._step,
+            latency=self._latency,
+        )
+
+    def take(self, record: StepRecord) -> None:
+        """Takes what a compiled loop has done with its parts as if it had been written command by command."""
+        self._log.take(record)
+        arrived = len(record.aimed)
+        self._time = float(record.times[-1])
+        self._goals = record.sent[arrived - 1] if arrived else self._goals
+        arrivals = (record.times[arrived:] + self._latency).tolist()
+        self._waiting = deque(zip(arrivals, record.sent[arrived:], strict=True))
+
     def measurements(self) -> Measurements:
         """Samples all that was measured so far at the times of the commands.
 
@@ -141,7 +173,7 @@ class Twin:
             speeds=sealed(speeds[at]),
             torques=sealed(given.loads[at] * drives.stall),
             duties=sealed(given.duties[at]),
-            goals=sealed(log.sent),
+            goals=sealed(log.sent()),
             hands={side: sealed(frames.origins[self._robot.arm(side).wrist].T) for side in SIDES},
             clearance=self._distances.approach(postures, at, near=self._robot.least_clearance, frames=frames),
             latency=self._latency,

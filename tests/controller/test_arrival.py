@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from kinesic.controller.arrival import LEAST_BALL, SHARE, WINDOW, _first_entry
+from kinesic.controller.arrival import LEAST_BALL, SHARE, WINDOW, _first_entry, arrivals
 from kinesic.controller.performance import MOVING
 
 TIMES = np.arange(0.0, 2.0, 0.01)
@@ -30,3 +30,10 @@ def test_the_rule_is_a_ball_of_5_mm_or_5_percent_of_the_path_within_300_ms():
 
 def test_tracking_counts_hinges_faster_than_5_percent_of_their_limit():
     assert MOVING == 0.05
+
+
+def test_what_was_to_begin_after_a_stop_has_no_way_to_judge(calm):
+    plan, times = calm.plan, calm.reference.times
+    stopped = times[:5]
+    paths = {part: path[: len(stopped)] for part, path in calm.reference.paths.items()}
+    assert arrivals(plan, stopped, paths) == {}

@@ -8,9 +8,10 @@ from scipy.interpolate import make_interp_spline
 from kinesic.body.arrays import sealed
 from kinesic.body.description import Exclusion
 from kinesic.body.robot import Robot
-from kinesic.sim.distances import BLOCK, CapsuleDistances, _reach, segment_distances
+from kinesic.sim.distances import BLOCK, CapsuleDistances, _reach
 from kinesic.sim.kinematics import motion_frames
 from kinesic.sim.model import build_model, capsule_name
+from kinesic.sim.segment_distances import segment_distances
 from kinesic.sim.worst_postures import random_postures
 
 ROBOT = Robot.load()

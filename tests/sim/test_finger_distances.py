@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from kinesic.body.robot import SIDES, Robot
-from kinesic.sim.distances import NEAR, SIGHT, CapsuleDistances, segment_distances
+from kinesic.sim.distances import NEAR, SIGHT, CapsuleDistances
 from kinesic.sim.fingers import finger_hull
+from kinesic.sim.segment_distances import segment_distances
 from kinesic.sim.worst_postures import random_postures
 
 ROBOT = Robot.load("upper36")

@@ -2,8 +2,11 @@
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/vector.h>
 
 #include "interior_point.h"
+#include "limit_peaks.h"
+#include "spline_sample.h"
 
 namespace nb = nanobind;
 using namespace kinesic::motion;
@@ -11,6 +14,7 @@ using namespace kinesic::motion;
 namespace {
 
 using Numbers = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
+using Result = nb::ndarray<double, nb::c_contig, nb::device::cpu>;
 using Places = nb::ndarray<const int, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
 std::vector<double> copy(const Numbers& from) { return {from.data(), from.data() + from.size()}; }
@@ -93,10 +97,53 @@ nb::object relax(const Places& first, const Numbers& shares, const Numbers& valu
     return nb::make_tuple(array(method.controls()), method.relaxation(), array(method.ties()), array(pulls));
 }
 
+// Writes angles, speeds and accelerations (m, n) at places (m,); scales are the steps' powers.
+void sample(const Numbers& controls, const Numbers& places, const Numbers& scales, Result& angles, Result& speeds,
+            Result& accelerations) {
+    require(controls.ndim() == 2 && controls.shape(0) >= 4 && scales.size() == 3);
+    const size_t hinges = controls.shape(1), count = places.size();
+    Result* const results[3] = {&angles, &speeds, &accelerations};
+    for (int order = 0; order < 3; ++order) {
+        require(results[order]->size() == count * hinges);
+        sample_spline(controls.data(), int(controls.shape(0)) - 3, int(hinges), places.data(), count, order,
+                      scales.data()[order], results[order]->data());
+    }
+}
+
+// How near a motion (k + 3, n) comes to its limits (7, n): ratios, pieces and instants (5, n), and the sum of its squared
+// jerks; shares are those of control points at the instants, for each derivative.
+nb::tuple peaks(const Numbers& controls, const Numbers& scales, const Numbers& limits, const std::vector<Numbers>& shares) {
+    require(controls.ndim() == 2 && controls.shape(0) >= 4 && scales.size() == 4 && shares.size() == 3);
+    const size_t hinges = controls.shape(1);
+    require(limits.size() == 7 * hinges);
+    Instants instants{int(shares[0].shape(0)), {}};
+    for (int order = 0; order < 3; ++order) {
+        require(shares[order].size() == size_t(instants.count) * (4 - order));
+        instants.shares[order] = shares[order].data();
+    }
+    std::vector<double> found[3];
+    for (auto& rows : found) rows.resize(QUANTITIES * hinges);
+    double squares = 0.0;
+    for (size_t i = 0; i < hinges; ++i) {
+        const auto limit = [&](int row) { return limits.data()[row * hinges + i]; };
+        HingePeak best[QUANTITIES];
+        find_peaks(controls.data() + i, hinges, int(controls.shape(0)) - 3, scales.data(),
+                   {limit(0), limit(1), limit(2), limit(3), limit(4), limit(5), limit(6)}, instants, best, squares);
+        for (int q = 0; q < QUANTITIES; ++q) {
+            found[0][q * hinges + i] = best[q].ratio;
+            found[1][q * hinges + i] = best[q].piece;
+            found[2][q * hinges + i] = best[q].instant;
+        }
+    }
+    return nb::make_tuple(array(found[0]), array(found[1]), array(found[2]), squares);
+}
+
 }  // namespace
 
 NB_MODULE(_kernel, module) {
     module.def("smooth", &smooth);
     module.def("nearest", &nearest);
     module.def("relax", &relax);
+    module.def("sample", &sample);
+    module.def("peaks", &peaks);
 }

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from kinesic.sim.distances import segment_distances
+from kinesic.sim.segment_distances import segment_distances
 
 ENDS = arrays(np.float64, (4, 3), elements=st.floats(-1.0, 1.0, width=32))
 SHARES = np.linspace(0.0, 1.0, 41)

@@ -1,11 +1,25 @@
 """Keeps every step of the physics, in MuJoCo's order and cheaply: there are 300 a second."""
 
 from array import array
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
-from kinesic.body.arrays import Floats
+from kinesic.body.arrays import Floats, Indices
+
+
+@dataclass(frozen=True, eq=False)
+class StepRecord:
+    """What a compiled loop did: m commands and s steps, all that a twin did since it was built."""
+
+    times: Floats  # (m,) [s] of the commands
+    sent: Floats  # (m, n) [rad] goals of each command
+    counts: Indices  # (m,) steps so far at each command
+    aimed: Indices  # (g,) steps before the goals of the first g commands came into force
+    angles: Floats  # (s, q) [rad] after each step
+    speeds: Floats  # (s, q) [rad/s] likewise
+    spans: Floats  # (s,) [s] how long each step was
 
 
 class StepLog:
@@ -26,14 +40,15 @@ class StepLog:
         self._steps = array("d", [0.0])  # [s] how long each step was
         self._supplied = array("d", [1.0])  # share of its voltage that the supply had; of a stiff one, no more is kept
         self.keep_supplied = self._supplied.append  # before each step of the physics
-        self._goals = [(0, goals)]  # from which step on they are in force
+        self._begins, self._aims = [0], [goals[None]]  # from which steps on which rows of goals are in force
         self.times: list[float] = []  # [s] of the commands
         self.counts: list[int] = []  # steps so far at each command
-        self.sent: list[Floats] = []  # (n,) [rad] goals of each command
+        self._sent: list[Floats] = []  # (k, n) [rad] goals of k commands each
 
     def aim(self, goals: Floats) -> None:
         """Sets the goals (n,) [rad] in force from the next step on."""
-        self._goals.append((len(self._steps), goals))
+        self._begins.append(len(self._steps))
+        self._aims.append(goals[None])
 
     def stepped(self, count: int, span: float) -> None:
         """Counts steps of the physics that were kept, each of a length in [s]."""
@@ -43,7 +58,18 @@ class StepLog:
         """Marks a command at a time [s], with its goals (n,) [rad]."""
         self.times.append(time)
         self.counts.append(len(self._steps))
-        self.sent.append(goals)
+        self._sent.append(goals[None])
+
+    def take(self, record: StepRecord) -> None:
+        """Keeps all steps of a record, after the posture that no step led to."""
+        self._angles.frombytes(np.ascontiguousarray(record.angles).data.cast("B"))
+        self._speeds.frombytes(np.ascontiguousarray(record.speeds).data.cast("B"))
+        self._steps.frombytes(np.ascontiguousarray(record.spans).data.cast("B"))
+        self.times += record.times.tolist()
+        self.counts += (record.counts + 1).tolist()
+        self._sent.append(record.sent)
+        self._begins += (record.aimed + 1).tolist()
+        self._aims.append(record.sent[: len(record.aimed)])
 
     @property
     def posture(self) -> Floats:
@@ -61,8 +87,11 @@ class StepLog:
 
     def goals(self) -> Floats:
         """Lists the goals (s, n) [rad] in force during each step."""
-        first = [*(begin for begin, _ in self._goals), len(self._steps)]
-        return np.repeat([goals for _, goals in self._goals], np.diff(first), axis=0)
+        return np.repeat(np.concatenate(self._aims), np.diff([*self._begins, len(self._steps)]), axis=0)
+
+    def sent(self) -> Floats:
+        """Lists the goals (m, n) [rad] of all commands."""
+        return np.concatenate(self._sent)
 
     @property
     def supplied(self) -> Floats:
@@ -74,5 +103,5 @@ class StepLog:
         count = len(self._live[0])
         del self._angles[:-count], self._speeds[:-count], self._steps[:-1]
         del self._supplied[:-1]
-        self._goals = [(0, self._goals[-1][1])]
-        self.times, self.counts, self.sent = [], [], []
+        self._begins, self._aims = [0], [self._aims[-1][-1:]]
+        self.times, self.counts, self._sent = [], [], []

@@ -1,0 +1,48 @@
+from collections.abc import Callable
+
+from kinesic.body.arrays import Floats, Indices
+
+class Observer: ...
+class TwinPhysics: ...
+
+def make_observer(
+    forecast: Floats, gain: Floats, step: Floats, full: Floats, arrival: Floats, constants: Floats
+) -> Observer: ...
+def make_physics(
+    step: int,
+    model: int,
+    data: int,
+    timestep: int,
+    positions: Floats,
+    speeds: Floats,
+    control: Floats,
+    hinges: Indices,
+    play: Indices,
+    actuators: Indices,
+    ticks: Floats,
+    longest: float,
+    latency: float,
+) -> TwinPhysics: ...
+def perform(
+    twin: TwinPhysics,
+    times: Floats,
+    goals: Floats,
+    observer: Observer | None,
+    inputs: Floats,
+    progress: Callable[[int], None],
+    every: int,
+) -> tuple[Floats, Floats, Floats, Indices, Indices, Floats]: ...
+def first_entry(
+    times: Floats, path: Floats, at: float, window: float, centre: Floats, radius: float
+) -> float | None: ...
+def observer_inputs(
+    angles: Floats,
+    goals: Floats,
+    loads: Floats,
+    leads: Floats,
+    arrival: Floats,
+    lower: Floats,
+    upper: Floats,
+    constants: Floats,
+    rows: Floats,
+) -> None: ...

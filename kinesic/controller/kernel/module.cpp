@@ -1,0 +1,193 @@
+// kinesic.controller._kernel: commands, correction and physics of a whole dry run in one loop.
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/optional.h>
+
+#include <optional>
+
+#include "observer_tick.h"
+#include "twin_physics.h"
+
+namespace nb = nanobind;
+using namespace kinesic::controller;
+
+namespace {
+
+using Numbers = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
+using Places = nb::ndarray<const int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Live = nb::ndarray<double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Rows = nb::ndarray<double, nb::c_contig, nb::device::cpu>;
+
+std::vector<double> copy(const Numbers& from) { return {from.data(), from.data() + from.size()}; }
+
+std::vector<int> copy(const Places& from, size_t below) {
+    std::vector<int> places(from.data(), from.data() + from.size());
+    for (int place : places)
+        if (place < 0 || size_t(place) >= below) throw nb::value_error("a hinge has a place that MuJoCo does not have");
+    return places;
+}
+
+template <typename Value>
+nb::object array(std::vector<Value>&& from) {
+    auto* held = new std::vector<Value>(std::move(from));
+    nb::capsule owner(held, [](void* data) noexcept { delete static_cast<std::vector<Value>*>(data); });
+    return nb::cast(nb::ndarray<nb::numpy, Value, nb::ndim<1>>(held->data(), {held->size()}, owner));
+}
+
+void require(bool good) {
+    if (!good) throw nb::value_error("arrays of a dry run have lengths that do not fit");
+}
+
+Observer make_observer(const Numbers& forecast, const Numbers& gain, const Numbers& step, const Numbers& full,
+                       const Numbers& arrival, const Numbers& constants) {
+    Observer made;
+    made.hinges = int(step.size());
+    made.late = int(arrival.size());
+    require(made.late > 0 && forecast.size() == 9 * step.size() && gain.size() == 3 * step.size());
+    require(full.size() == step.size() && constants.size() == 6);
+    made.forecast = copy(forecast);
+    made.gain = copy(gain);
+    made.step = copy(step);
+    made.full = copy(full);
+    made.arrival = copy(arrival);
+    std::copy_n(constants.data(), 3, made.restoring);
+    made.lightest = constants.data()[3];
+    made.heaviest = constants.data()[4];
+    made.fading = constants.data()[5];
+    return made;
+}
+
+TwinPhysics make_physics(uintptr_t step, uintptr_t model, uintptr_t data, uintptr_t timestep, const Live& positions,
+                         const Live& speeds, const Live& control, const Places& hinges, const Places& play,
+                         const Places& actuators, const Numbers& ticks, double longest, double latency) {
+    TwinPhysics made;
+    require(step && model && data && timestep && speeds.size() == positions.size() && longest > 0.0);
+    require(actuators.size() == hinges.size() && (!play.size() || play.size() == hinges.size()));
+    require(!ticks.size() || ticks.size() == hinges.size());
+    made.step = reinterpret_cast<void (*)(void*, void*)>(step);
+    made.model = reinterpret_cast<void*>(model);
+    made.data = reinterpret_cast<void*>(data);
+    made.timestep = reinterpret_cast<double*>(timestep);
+    made.positions = positions.data();
+    made.speeds = speeds.data();
+    made.control = control.data();
+    made.size = int(positions.size());
+    made.hinges = copy(hinges, positions.size());
+    made.play = copy(play, positions.size());
+    made.actuators = copy(actuators, control.size());
+    made.ticks = copy(ticks);
+    for (int place : made.actuators) made.goals.push_back(made.control[place]);
+    made.longest = longest;
+    made.latency = latency;
+    return made;
+}
+
+// Performs commands at (m,) times with goals (m, n), corrected by an observer with inputs (m, 10, n) if there is one.
+nb::tuple perform(TwinPhysics& twin, const Numbers& times, const Numbers& goals, const std::optional<Observer>& observer,
+                  const Numbers& inputs, const nb::callable& progress, int every) {
+    const int hinges = int(twin.hinges.size()), count = int(times.size());
+    require(count > 0 && every > 0 && goals.size() == size_t(count) * hinges);
+    require(!observer || (observer->hinges == hinges && inputs.size() == size_t(count) * INPUTS * hinges));
+    std::vector<double> belief(observer ? observer->rows() * hinges : 0), measured(hinges);
+    twin.time = times.data()[0];
+    for (int k = 0; k < count; ++k) {
+        const double* wanted = goals.data() + size_t(k) * hinges;
+        if (observer && k) {
+            const double* row = inputs.data() + size_t(k) * INPUTS * hinges;
+            twin.read(measured.data());
+            for (int i = 0; i < hinges; ++i) measured[i] -= row[i - INPUTS * hinges];  // the reference a tick before
+            observe(*observer, row, measured.data(), belief.data());
+            wanted = belief.data() + (observer->rows() - 1) * hinges;
+        }
+        twin.write(times.data()[k], wanted);
+        if (k % every == 0) progress(k);
+    }
+    return nb::make_tuple(array(std::move(twin.angles_kept)), array(std::move(twin.speeds_kept)),
+                          array(std::move(twin.spans)), array(std::move(twin.aimed)), array(std::move(twin.counts)),
+                          array(std::move(twin.sent)));
+}
+
+// Follows values (n,) by a share of the difference each tick.
+void follow(const double* values, double share, int hinges, double* followed) {
+    for (int i = 0; i < hinges; ++i) followed[i] = share * values[i] + (1.0 - share) * followed[i];
+}
+
+// Writes the inputs (m, 10, n) of an observer from reference and goals (m, n), loads and leads: `Observer.inputs`.
+// Constants: share that is noticed a tick, share that is forgotten, lead that is clear, largest correction.
+void observer_inputs(const Numbers& angles, const Numbers& goals, const Numbers& loads, const Numbers& leads,
+                     const Numbers& arrival, const Numbers& lower, const Numbers& upper, const Numbers& constants,
+                     Rows& rows) {
+    const int n = int(lower.size()), late = int(arrival.size());
+    const size_t count = n ? angles.size() / n : 0;
+    require(count && angles.size() == count * n && goals.size() == angles.size() && loads.size() == angles.size());
+    require(leads.size() == angles.size() && upper.size() == lower.size() && constants.size() == 4 && late > 0);
+    require(rows.size() == INPUTS * angles.size());
+    const double noticing = constants.data()[0], forgotten = constants.data()[1], largest = constants.data()[3];
+    const double clear = constants.data()[2] * constants.data()[2];
+    const double* led[2] = {loads.data(), leads.data()};
+    std::vector<double> noticed[2] = {{led[0], led[0] + n}, {led[1], led[1] + n}}, squares(n), learned(n, 0.0), acting(n);
+    for (size_t k = 0; k < count; ++k) {
+        double* row = rows.data() + k * INPUTS * n;
+        for (int part = 0; part < 2; ++part) {
+            std::fill(acting.begin(), acting.end(), 0.0);
+            for (int j = 0; j < late; ++j) {  // what was led so many ticks ago, and the first before there was any
+                const double* earlier = led[part] + (int64_t(k) > j + 1 ? (k - j - 2) : 0) * n;
+                for (int i = 0; i < n; ++i) acting[i] += arrival.data()[j] * earlier[i];
+            }
+            follow(acting.data(), noticing, n, noticed[part].data());
+        }
+        for (int i = 0; i < n; ++i)
+            squares[i] = noticed[0][i] * noticed[0][i] + noticed[1][i] * noticed[1][i];
+        follow(squares.data(), forgotten, n, learned.data());
+        for (int i = 0; i < n; ++i) {
+            const size_t at = k * n + i;
+            const double trust = clear + learned[i] / forgotten, goal = goals.data()[at];
+            row[ANGLE * n + i] = angles.data()[at];
+            row[GOAL * n + i] = goal;
+            row[LOWEST * n + i] = std::max(lower.data()[i], goal - largest);
+            row[HIGHEST * n + i] = std::min(upper.data()[i], goal + largest);
+            row[LOAD * n + i] = led[0][at];
+            row[NOTICED * n + i] = noticed[0][i];
+            row[TRUST * n + i] = noticed[0][i] / trust;
+            row[LEAD * n + i] = led[1][at];
+            row[NOTICED_LEAD * n + i] = noticed[1][i];
+            row[TRUST_LEAD * n + i] = noticed[1][i] / trust;
+        }
+    }
+}
+
+// First time within a window about `at` at which a path (m, d) at (m,) times is inside a ball, between samples on a straight
+// line; None where it never is.
+std::optional<double> first_entry(const Numbers& times, const Numbers& path, double at, double window,
+                                  const Numbers& centre, double radius) {
+    const size_t count = times.size(), size = centre.size();
+    require(path.size() == count * size);
+    const double *all = times.data(), *begin = std::lower_bound(all, all + count, at - window);
+    const double* end = std::lower_bound(begin, all + count, at + window);
+    double outer = 0.0;
+    for (const double* now = begin; now < end; ++now) {
+        const double* place = path.data() + (now - all) * size;
+        double squares = 0.0;
+        for (size_t k = 0; k < size; ++k) squares += (place[k] - centre.data()[k]) * (place[k] - centre.data()[k]);
+        const double distance = std::sqrt(squares);
+        if (distance <= radius) {
+            if (now == begin) return *now;
+            return now[-1] + (outer - radius) / (outer - distance) * (now[0] - now[-1]);
+        }
+        outer = distance;
+    }
+    return std::nullopt;
+}
+
+}  // namespace
+
+NB_MODULE(_kernel, module) {
+    nb::class_<Observer>(module, "Observer");
+    nb::class_<TwinPhysics>(module, "TwinPhysics");
+    module.def("make_observer", &make_observer);
+    module.def("make_physics", &make_physics);
+    module.def("observer_inputs", &observer_inputs);
+    module.def("first_entry", &first_entry);
+    module.def("perform", &perform, nb::arg(), nb::arg(), nb::arg(), nb::arg().none(), nb::arg(), nb::arg(), nb::arg());
+}

@@ -1,0 +1,97 @@
+// How near a motion comes to its limits, at some instants of each piece: `motion/limit_check.py`, compiled.
+//
+// A spline lies within its control points, so that most pieces need no look: they cannot exceed what was found.
+
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace kinesic::motion {
+
+constexpr int QUANTITIES = 5;  // position, speed, acceleration, jerk, duty
+
+struct HingePeak {
+    double ratio = 0.0;
+    int piece = 0, instant = 0;
+};
+
+// Shares (s, 4 - order) of the control points at some instants of a piece, for each derivative.
+struct Instants {
+    int count = 0;
+    const double* shares[3] = {};
+};
+
+// A spline's control points, (4 - order) of which make a piece.
+struct Part {
+    std::vector<double> points;
+    int order = 0;
+};
+
+// Finds the largest magnitude of a sum of splines at the instants of its pieces.
+inline HingePeak find_peak(const std::vector<const Part*>& parts, int pieces, const Instants& instants) {
+    static const double constant = 1.0;
+    std::vector<double> bounds(pieces, 0.0);
+    for (const Part* part : parts)
+        for (int k = 0; k < pieces; ++k) {
+            double largest = 0.0;
+            for (int j = 0; j < 4 - part->order; ++j) largest = std::max(largest, std::abs(part->points[k + j]));
+            bounds[k] += largest;
+        }
+    const bool still = parts[0]->order == 3;  // it is constant between knots
+    HingePeak best;
+    const auto look = [&](int piece, bool first) {
+        for (int s = 0; s < (still ? 1 : instants.count); ++s) {
+            double value = 0.0;
+            for (const Part* part : parts) {
+                const int count = 4 - part->order;
+                const double* shares = still ? &constant : instants.shares[part->order] + s * count;
+                double sum = 0.0;
+                for (int j = 0; j < count; ++j) sum += shares[j] * part->points[piece + j];
+                value += sum;
+            }
+            const double ratio = std::abs(value);
+            if (first || ratio > best.ratio || (ratio == best.ratio && piece < best.piece)) best = {ratio, piece, s};
+            first = false;
+        }
+    };
+    look(int(std::max_element(bounds.begin(), bounds.end()) - bounds.begin()), true);
+    for (int k = 0; k < pieces; ++k)
+        if (bounds[k] >= best.ratio) look(k, false);
+    return best;
+}
+
+// What each quantity of a hinge is divided by, and what its duty is made of.
+struct HingeLimits {
+    double middle, half, speed, acceleration, jerk;  // [rad], [rad], [rad/s], ...
+    double pulled, driven;                           // duty over its limit per acceleration, and per speed
+};
+
+// Peaks of one hinge's spline, whose control points are `stride` apart; adds the squares of its jerks.
+inline void find_peaks(const double* controls, size_t stride, int pieces, const double* scales, const HingeLimits& limits,
+                       const Instants& instants, HingePeak* peaks, double& squares) {
+    std::vector<double> differences[4];
+    for (int k = 0; k < pieces + 3; ++k) differences[0].push_back(controls[k * stride]);
+    for (int order = 1; order < 4; ++order)
+        for (size_t k = 1; k < differences[order - 1].size(); ++k)
+            differences[order].push_back(differences[order - 1][k] - differences[order - 1][k - 1]);
+    const auto make = [&](int order, auto scale) {
+        Part part{differences[order], order};
+        for (double& point : part.points) point = scale(point / scales[order]);
+        return part;
+    };
+    for (double jerk : differences[3]) squares += jerk / scales[3] * (jerk / scales[3]);
+    const Part parts[] = {
+        make(0, [&](double x) { return (x - limits.middle) / limits.half; }),
+        make(1, [&](double x) { return x / limits.speed; }),
+        make(2, [&](double x) { return x / limits.acceleration; }),
+        make(3, [&](double x) { return x / limits.jerk; }),
+        make(2, [&](double x) { return limits.pulled * x; }),
+        make(1, [&](double x) { return limits.driven * x; }),
+    };
+    for (int q = 0; q < QUANTITIES - 1; ++q) peaks[q] = find_peak({&parts[q]}, pieces, instants);
+    peaks[QUANTITIES - 1] = find_peak({&parts[4], &parts[5]}, pieces, instants);
+}
+
+}  // namespace kinesic::motion

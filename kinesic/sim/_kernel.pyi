@@ -1,0 +1,44 @@
+from collections.abc import Sequence
+
+from kinesic.body.arrays import Flags, Floats, Indices
+
+# Arrays are contiguous; results are written into the caller's.
+
+class MotionFrames:
+    def __init__(self) -> None: ...
+    def add_link(self, parent: int, origin: Floats, joints: Sequence[int], axes: Floats, offsets: Floats) -> None: ...
+    def solve(self, chosen: Flags, sines: Floats, cosines: Floats, rotations: Floats, origins: Floats) -> None: ...
+
+class CapsulePairs:
+    def closest(self, rotations: Floats, origins: Floats, lowest: Floats) -> None: ...
+    def nearest(
+        self, frames: MotionFrames, chosen: Flags, sines: Floats, cosines: Floats, distances: Floats, pairs: Indices
+    ) -> None: ...
+
+def make_pairs(
+    owners: Indices,
+    starts: Floats,
+    ends: Floats,
+    first: Indices,
+    second: Indices,
+    radii: Floats,
+    halves: Floats,
+    hulled: Flags,
+) -> CapsulePairs: ...
+def suspect(
+    between: Floats, after: Indices, known: Floats, lowest: Floats, reaches: Floats, limit: float, near: Flags
+) -> None: ...
+def inverse(
+    before: Sequence[int],
+    newton_euler: int,
+    model: int,
+    data: int,
+    accelerating: bool,
+    qpos: Floats,
+    qvel: Floats,
+    qacc: Floats,
+    positions: Floats,
+    speeds: Floats,
+    accelerations: Floats,
+    torques: Floats,
+) -> None: ...

@@ -1,0 +1,1 @@
+"""Steps the twin's physics, and keeps what each step did."""
