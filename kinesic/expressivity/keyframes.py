@@ -50,6 +50,22 @@ class BodyMove:
         return self.head == self.trunk == Turn() and self.nod == self.shake == self.shoulders == 0.0
 
 
+@dataclass(frozen=True)
+class Succession:
+    """How much later than others a part of a body moves in one gesture."""
+
+    leader: Side = "r"  # of two hands the one that comes at the times of the gesture
+    behind: float = 0.0  # [s] that the other one follows
+    loose: float = 0.0  # [s] that the wrist comes later than the shoulder on the ways there and back
+
+    def behind_of(self, side: Side) -> float:
+        """How much later than the gesture's times one of its hands is [s]."""
+        return 0.0 if side == self.leader else self.behind
+
+
+TOGETHER = Succession()
+
+
 @dataclass(frozen=True, eq=False)
 class Hand:
     """Where one hand is."""
@@ -104,3 +120,4 @@ class KeyFrames:
     bodies: Mapping[str, BodyMove] = field(default_factory=dict)  # id of a gesture -> what the body does beside it
     fingers: Mapping[Side, tuple[FingerKey, ...]] = field(default_factory=dict)  # of hands whose fingers move
     shapes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # behaviour id -> hand shapes asked for
+    successions: Mapping[str, Succession] = field(default_factory=dict)  # id of what hands do -> what moves later

@@ -48,6 +48,7 @@ from kinesic.expressivity.hands.coarticulation import NO_CLASHES
 from kinesic.expressivity.hands.engaged import Clashes
 from kinesic.expressivity.hands.fingers import finger_keys
 from kinesic.expressivity.hands.phases import Arranged, arrange_hands
+from kinesic.expressivity.hands.succession import find_successions
 from kinesic.expressivity.idle import add_idle_motion
 from kinesic.expressivity.keyframes import KeyFrames, Outcome
 from kinesic.expressivity.posture import posture_moves
@@ -100,7 +101,9 @@ def keyframes(
     shapes = {id: move.shapes for id, move in moves.items() if move.shapes}
     fingers = finger_keys(sequences.hands, hands.works, context.pace)
     frames = gather_frames(sequences, syncs, context.robot, PRIORITIES[context.shared.gathering])
-    return KeyFrames(timeline, frames, outcomes, uses, (*timeline.notices, *notices), beside.moves, fingers, shapes)
+    successions = find_successions(hands.works, context)
+    notices = [*timeline.notices, *notices]
+    return KeyFrames(timeline, frames, outcomes, uses, tuple(notices), beside.moves, fingers, shapes, successions)
 
 
 def _whole_body(timeline: Timeline, context: BlockContext, moves: Mapping[str, Move], hands: Arranged) -> WholeBody:

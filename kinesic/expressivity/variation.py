@@ -4,6 +4,7 @@ Nobody makes the same beat twice. In captured takes of one person, the durations
 13 to 21 % and the lengths of their ways of 31 to 36 %; the same beat, repeated, is taken to vary half as much. A
 deviation follows from the seed and amount, the block's id, and the gesture's id and number among the block's gestures,
 so that a performance can be repeated. Where a hand is, is part of what some gestures mean: they keep place and size.
+Nor do all hinges of a person move at one time: shoulders lead and wrists follow, and one hand of two is a little later.
 """
 
 from collections.abc import Mapping
@@ -15,7 +16,7 @@ import numpy as np
 
 from kinesic.bml.block import RANGES, Behaviour, Block, Gesture, Pointing
 from kinesic.body.arrays import Floats, sealed
-from kinesic.body.robot import Robot
+from kinesic.body.robot import OTHER_SIDE, Robot, Side
 from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
 from kinesic.expressivity.lexicon.legibility_table import legibility_table
 from kinesic.expressivity.lexicon.space import shift_position, spread_hands
@@ -30,6 +31,9 @@ APART = 0.04  # [arm lengths] along each axis, that the left hand of two is besi
 TOGETHER = 0.45  # [arm lengths] from hand to hand, below which they stay mirror images
 OUTWARD = 1  # among the coordinates of a place
 OTHER_HAND = 0.25  # share of gestures that the other hand makes, where the document leaves it open
+BEHIND = 0.03, 0.08  # [s] that one hand of two follows the other
+LEFT_LEADS = 0.25  # share of gestures that the left hand leads
+LOOSE = 0.035, 0.065  # [s] that the wrist comes later than the shoulder on the ways there and back
 EITHER_HAND = frozenset(("beat", "iconic", "metaphoric"))  # categories without a hand of their own
 
 
@@ -54,11 +58,19 @@ class Deviation:
     place: Floats  # (3,) forward, outward, up [arm lengths] of all stroke keys
     apart: Floats  # (3,) likewise of the left hand of two, beside that
     other_hand: bool  # whether the hand that would not have been taken makes it, where either may
+    leader: Side = "r"  # of two hands
+    behind: float = 0.0  # [s] that the other one follows
+    loose: float = 0.0  # [s] that the wrist comes later than the shoulder
 
     @property
     def in_place(self) -> "Deviation":
         """The same without what would take a hand from its place."""
-        return replace(self, spatial=0.0, place=HERE, apart=HERE)
+        return replace(self, spatial=0.0, place=HERE, apart=HERE, behind=0.0)
+
+    @property
+    def follower(self) -> Side:
+        """The hand that comes later, of two."""
+        return OTHER_SIDE[self.leader]
 
     def style(self, style: Style) -> Style:
         """Changes the style of a behaviour, inside the ranges of its numbers; the body is as large as the hands."""
@@ -135,12 +147,16 @@ def _deviation(block: Block, behaviour: Behaviour, number: int, variation: Varia
     extent = 2.0 * ((first + number * GOLDEN) % 1.0) - 1.0
     temporal, *place = chance.uniform(-1.0, 1.0, 4)
     other_hand = float(chance.uniform()) < variation.amount * OTHER_HAND
+    apart = chance.uniform(-1.0, 1.0, 3)
     return Deviation(
         spatial=variation.amount * SPATIAL * extent,
         temporal=variation.amount * TEMPORAL * (float(temporal) - extent) / 2.0,  # what is larger takes longer
         place=sealed(variation.amount * PLACE * np.array(place)),
-        apart=sealed(variation.amount * APART * chance.uniform(-1.0, 1.0, 3)),
+        apart=sealed(variation.amount * APART * apart),
         other_hand=other_hand,
+        leader="l" if chance.uniform() < LEFT_LEADS else "r",
+        behind=variation.amount * float(chance.uniform(*BEHIND)),
+        loose=variation.amount * float(chance.uniform(*LOOSE)),
     )
 
 

@@ -214,7 +214,7 @@ def _plan_once(
         if not dropped:
             break
         without |= (thin_out(frames, dropped, FEWER) if budget.spent else {}) | dropped
-    motion, times, clearance = add_secondary_motion(motion, times, clearance, frames.timeline, utterances, setup)
+    motion, times, clearance = add_secondary_motion(motion, times, clearance, frames, utterances, setup)
     syncs = sync_times(frames, motion)
     return Plan(
         setup=setup,

@@ -19,14 +19,14 @@ from kinesic.expressivity.behaviours import stays
 from kinesic.expressivity.context import BlockContext
 from kinesic.expressivity.gaze import STRAIGHT, aim, from_eyes
 from kinesic.expressivity.keyframes import BodyMove
-from kinesic.expressivity.turns import add_turns
+from kinesic.expressivity.turns import UPRIGHT, add_turns, departure_time
 from kinesic.motion.easing import ease
 
 CLOSING, SHUT, OPENING = 0.06, 0.02, 0.10  # [s] of a blink
 LEAST_GAP, MEAN_GAP = 1.2, 4.0  # [s] between blinks
 WIDE_TURN = radians(20)  # of the gaze, that brings a blink with it
 FLITTING = radians(2.5)  # spread of saccades about what is looked at
-EARLY = 0.3  # [s] that eyes leave before a stroke for what it shows
+EARLY = 0.3  # [s] that eyes leave before a stroke for what it shows, where the head does not turn with them
 HALF_APART = 0.03  # [m] of the eyes from the middle between them
 VERGENCE = 0.16  # [s] that eyes take to meet nearer or farther away
 LEAST_REST, MEAN_REST = 0.5, 1.6  # [s] that eyes rest between them
@@ -101,7 +101,7 @@ def looks(timeline: Timeline, context: BlockContext) -> tuple[GazeDirection, ...
 
 
 def gesture_looks(timeline: Timeline, bodies: Mapping[str, BodyMove]) -> tuple[GazeDirection, ...]:
-    """Lists where eyes look with gestures: they are there a little before the stroke begins.
+    """Lists where eyes look with gestures: they leave as the head does, else a little before the stroke begins.
 
     Args:
         timeline: behaviours with times.
@@ -111,7 +111,8 @@ def gesture_looks(timeline: Timeline, bodies: Mapping[str, BodyMove]) -> tuple[G
     for timed in timeline.timed:
         move, times = bodies.get(timed.behaviour.id), timed.times
         if move is not None and move.eyes is not None:
-            start = max(times["start"], times["strokeStart"] - EARLY)
+            late = times["strokeStart"] - (EARLY if move.head == UPRIGHT else np.inf)
+            start = departure_time(max(times["start"], late), times["strokeStart"], EARLY)
             found.append(GazeDirection(start, move.eyes.torsion, -move.eyes.tilt, times["relax"]))
     return tuple(found)
 

@@ -1,24 +1,29 @@
-"""Adds secondary motion to a certified motion, as far as limits, torques and clearance allow it."""
+"""Lays secondary motion, and what is late, on a certified motion, as far as limits, torques and clearance allow it."""
 
-from collections.abc import Mapping
-from dataclasses import replace
-from itertools import chain
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
 from zlib import crc32
 
 import numpy as np
 
-from kinesic.bml.block import Pointing, Timeline
+from kinesic.bml.block import Head, Pointing, Timeline
 from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.dynamics import Clearance
-from kinesic.body.robot import SIDES
+from kinesic.body.robot import SIDES, Robot
 from kinesic.body.utterance import Utterance
+from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.motion.condition import Conditioned
-from kinesic.motion.trajectory import FEWEST, Trajectory
+from kinesic.motion.trajectory import STEP, Trajectory
 from kinesic.planning.certify import overloaded_times
 from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
+from kinesic.planning.secondary.arcs import arcs
+from kinesic.planning.secondary.arm_times import arm_courses
 from kinesic.planning.secondary.breath import breaths
 from kinesic.planning.secondary.drift import drifts
-from kinesic.planning.secondary.swells import Swell, add_swells, exceeded
+from kinesic.planning.secondary.homeward import ways_home
+from kinesic.planning.secondary.succession import later_hinges
+from kinesic.planning.secondary.swells import Change, Changes, Swell, exceeded, spans
 from kinesic.planning.secondary.talking import talking
 from kinesic.planning.setup import Setup
 
@@ -31,45 +36,89 @@ def add_secondary_motion(
     motion: Conditioned,
     times: Floats,
     clearance: Clearance,
-    timeline: Timeline,
+    frames: KeyFrames,
     utterances: Mapping[str, Utterance],
     setup: Setup,
 ) -> tuple[Conditioned, Floats, Clearance]:
-    """Lets the body breathe, stray from poses that it holds, and move its head as it speaks.
+    """Lets the body breathe, stray from poses that it holds, and move its head as it speaks; wrists follow shoulders.
 
-    Keys stay where they are, and none comes at another time. What brings a hinge beyond a limit, or a segment too near
-    to another one, becomes less, and is left out where that is not enough: first what arms do, then the rest.
+    No sync point comes at another time, and what leads is at its key at every stroke. What brings a hinge beyond a
+    limit, or a segment too near to another one, becomes less, and is left out where that is not enough: first what arms
+    do, then the rest.
 
     Args:
         motion: certified and clear.
         times: (m,) [s] performance time.
         clearance: of the motion, at these times.
-        timeline: of the block.
+        frames: of the block.
         utterances: of its speeches, by their ids.
         setup: robot, limits, and how lively it is.
 
     Returns:
         The motion, and times (k,) [s] with its clearance.
     """
-    swells = _swells(motion.trajectory, timeline, utterances, setup)
-    if not swells:
+    changes = _changes(motion, frames, utterances, setup)
+    if not changes:
         return motion, times, clearance
-    alone = motion.trajectory
-    amounts, away = np.ones(len(swells)), np.array([swell.away != 0.0 for swell in swells])
-    of_arms = away[:, [joint for side in SIDES for joint in setup.robot.arm(side).joints]].any(axis=1)
-    laid = add_swells(alone, zip(swells, amounts.tolist(), strict=True))
+    alone, every = motion.trajectory, _Every(Changes(motion.trajectory, changes), setup.robot)
+    amounts = _within_limits(alone, every, np.ones(len(changes)), np.ones(len(changes), dtype=np.bool_), setup)
+    laid = every.of.added(amounts)
     times, found = scan_clearance(laid, setup.distances)
-    spans = np.array([swell.spans(times) for swell in swells])
-    bad = _hindered(alone, laid, times, (found, clearance), setup)
-    while np.any(met := (amounts > 0.0) & np.any(spans & (away @ bad.T), axis=1)):
-        less = met & of_arms if np.any(met & of_arms) else met
-        amounts = np.where(less, np.where(amounts == 1.0, LESS, 0.0), amounts)
-        laid = add_swells(alone, zip(swells, amounts.tolist(), strict=True))
-        changed = np.any(spans[less], axis=0)
-        found = _measure_again(found, changed, laid.sample(times[changed])[0], setup)
-        bad = np.array(bad)
-        bad[changed] = _hindered(alone, laid, times, (found, clearance), setup, changed)[changed]
+    chosen = np.ones(len(times), dtype=np.bool_)
+    bad = _hindered(alone, laid, times, (found, clearance), chosen, setup)
+    while np.any(met := (amounts > 0.0) & every.met(times, bad)):
+        less = met & every.of_arms if np.any(met & every.of_arms) else met
+        amounts = _within_limits(alone, every, _lessened(amounts, less), less, setup)
+        laid = every.of.added(amounts)
+        chosen = np.any(every.under_way(times)[less], axis=0)
+        found = _measure_again(found, chosen, laid.sample(times[chosen])[0], setup)
+        bad = np.where(chosen, _hindered(alone, laid, times, (found, clearance), chosen, setup), bad)
     return replace(motion, trajectory=laid), times, found
+
+
+@dataclass(frozen=True, eq=False)
+class _Every:
+    """What all changes of a motion move."""
+
+    of: Changes
+    robot: Robot
+
+    @cached_property
+    def moved(self) -> Flags:
+        """(c, n) which hinges each moves."""
+        hinges = np.arange(len(self.robot.skeleton.hinges))
+        return np.array([np.isin(hinges, change.hinges) for change in self.of.every])
+
+    @cached_property
+    def of_arms(self) -> Flags:
+        """(c,) which of them move an arm."""
+        joints = [joint for side in SIDES for joint in self.robot.arm(side).joints]
+        return np.asarray(self.moved[:, joints].any(axis=1))
+
+    def under_way(self, times: Floats) -> Flags:
+        """(c, m) which of them are under way at (m,) times [s]."""
+        return np.array([spans(change, times) for change in self.of.every])
+
+    def met(self, times: Floats, bad: Flags) -> Flags:
+        """(c,) which of them are under way when they must not: (m,) at (m,) times [s]."""
+        return np.asarray(np.any(self.under_way(times[bad]), axis=1))
+
+
+def _within_limits(alone: Trajectory, every: _Every, amounts: Floats, changed: Flags, setup: Setup) -> Floats:
+    """(c,) how much of each change hinges can follow, of given amounts, some of which changed: that costs little."""
+    while np.any(changed):
+        hinges = np.flatnonzero(every.moved[changed].any(axis=0)).tolist()
+        beyond = exceeded(alone, every.of.added(amounts), setup.limits, hinges)
+        times = np.asarray(alone.start + np.arange(len(beyond)) * STEP, dtype=np.float64)
+        changed = np.zeros(len(amounts), dtype=np.bool_)
+        for hinge in np.flatnonzero(beyond.any(axis=0)).tolist():
+            changed |= every.moved[:, hinge] & every.met(times, beyond[:, hinge]) & (amounts > 0.0)
+        amounts = _lessened(amounts, changed)
+    return amounts
+
+
+def _lessened(amounts: Floats, less: Flags) -> Floats:
+    return np.where(less, np.where(amounts == 1.0, LESS, 0.0), amounts)
 
 
 def _measure_again(found: Clearance, changed: Flags, angles: Floats, setup: Setup) -> Clearance:
@@ -82,27 +131,43 @@ def _measure_again(found: Clearance, changed: Flags, angles: Floats, setup: Setu
     return Clearance(sealed(distances), pairs)
 
 
-def _swells(
-    motion: Trajectory, timeline: Timeline, utterances: Mapping[str, Utterance], setup: Setup
-) -> tuple[Swell, ...]:
+def _changes(
+    motion: Conditioned, frames: KeyFrames, utterances: Mapping[str, Utterance], setup: Setup
+) -> tuple[Change, ...]:
     """All that a block leaves room for; nothing while an arm points at something."""
-    idling, robot, zero = setup.idling, setup.robot, motion.zero
-    if idling.amount == 0.0:
-        return ()
-    chance = np.random.default_rng((idling.seed, crc32(timeline.block.id.encode())))
-    part = idling.amount * min(setup.style.whole_body, LIVELIEST)
-    whole = max(zero + timeline.start, motion.start), max(zero + timeline.end, motion.end)
-    found = chain(
-        breaths(whole, idling.amount, robot, chance),
-        drifts(motion, idling.amount, robot, chance),
-        (each.later(zero) for each in talking(timeline, utterances, part, robot, chance)),
+    timeline, trajectory = frames.timeline, motion.trajectory
+    zero, courses = trajectory.zero, tuple(arm_courses(frames, motion, setup.robot))
+    found: tuple[Change, ...] = (
+        *later_hinges(courses, trajectory, setup.robot),
+        *ways_home(courses, trajectory, setup.variation, timeline.block.id, setup.robot),
+        *_swells(trajectory, timeline, utterances, setup),
     )
     aiming = [
         (zero + timed.times["start"], zero + timed.times["end"])
         for timed in timeline.timed
         if isinstance(timed.behaviour.action, Pointing)
     ]
-    return tuple(swell for swell in found if not any(begin < swell.end and swell.begin < end for begin, end in aiming))
+    return tuple(each for each in found if not any(begin < each.end and each.begin < end for begin, end in aiming))
+
+
+def _swells(
+    motion: Trajectory, timeline: Timeline, utterances: Mapping[str, Utterance], setup: Setup
+) -> Iterator[Swell]:
+    idling, robot, zero = setup.idling, setup.robot, motion.zero
+    if idling.amount == 0.0:
+        return
+    chance = np.random.default_rng((idling.seed, crc32(timeline.block.id.encode())))
+    part = idling.amount * min(setup.style.whole_body, LIVELIEST)
+    whole = max(zero + timeline.start, motion.start), max(zero + timeline.end, motion.end)
+    yield from breaths(whole, idling.amount, robot, chance)
+    yield from drifts(motion, idling.amount, robot, chance)
+    yield from (each.later(zero) for each in talking(timeline, utterances, part, robot, chance))
+    nods = [
+        (zero + min(timed.times.values()), zero + max(timed.times.values()))
+        for timed in timeline.timed
+        if isinstance(timed.behaviour.action, Head)
+    ]
+    yield from arcs(motion, nods, part, robot, chance)
 
 
 def _hindered(
@@ -110,18 +175,14 @@ def _hindered(
     laid: Trajectory,
     times: Floats,
     clearances: tuple[Clearance, Clearance],
+    chosen: Flags,
     setup: Setup,
-    looked_at: Flags | None = None,
 ) -> Flags:
-    """Finds at which times (m,) swells must not move which hinges (n,) as they do, though the motion alone may.
+    """Finds at which times (m,) a motion with changes is too near to itself or overloads a drive, and alone is not.
 
-    A limit is that of one hinge; distances and torques are everybody's.
+    Drives are looked at where that is `chosen`.
     """
     now, before = clearances
-    chosen = np.ones(len(times), dtype=np.bool_) if looked_at is None else looked_at
     distances = before.distances[np.minimum(np.arange(len(times)), len(before.distances) - 1)]
     least = np.minimum(setup.robot.least_clearance + LAG_RESERVE, distances - NEARER)
-    found = exceeded(alone, laid, setup.limits)[np.minimum(np.arange(len(times)), len(laid.controls) - FEWEST)]
-    found[now.distances < least] = True
-    found[np.isin(times, overloaded_times(alone, laid, times[chosen], setup))] = True
-    return found
+    return (now.distances < least) | np.isin(times, overloaded_times(alone, laid, times[chosen], setup))

@@ -6,11 +6,10 @@ from math import radians
 
 import numpy as np
 
-from kinesic.body.arrays import Flags
 from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.expressivity.idle import Span
 from kinesic.motion.trajectory import STEP, Trajectory
-from kinesic.planning.secondary.swells import Swell
+from kinesic.planning.secondary.swells import Swell, runs
 
 LEAST_HOLD = 0.4  # [s] that is seen as one
 ONCE = 1.6  # [s] that an arm takes to stray and come back, where it holds for long
@@ -47,13 +46,7 @@ def held_spans(motion: Trajectory, side: Side, robot: Robot) -> Iterator[Span]:
     angles = motion.controls[:, joints]
     away = np.abs(angles - robot.skeleton.rest[joints]).max(axis=1) > AWAY
     still = np.append(np.abs(np.diff(angles, axis=0)).max(axis=1) < STILL, False) & away
-    for first, last in _runs(still):
+    for first, last in runs(still):
         begin, end = (motion.start + knot * STEP for knot in (first, last - 1))  # a control point lies a knot ahead
         if end - begin >= LEAST_HOLD:
             yield begin, end
-
-
-def _runs(flags: Flags) -> Iterator[tuple[int, int]]:
-    """First and last index of each run of true ones."""
-    edges = np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8))
-    yield from zip(np.flatnonzero(edges > 0).tolist(), (np.flatnonzero(edges < 0) - 1).tolist(), strict=True)

@@ -1,11 +1,13 @@
 import numpy as np
 import pytest
 
+from kinesic.bml.block import Gesture
 from kinesic.bml.parse import parse
 from kinesic.bml.schedule import schedule
 from kinesic.body.action_units import ASIDE, DOWNWARD, INWARD, UPWARD
 from kinesic.expressivity.face.eyes import (
     CLOSING,
+    EARLY,
     FLITTING,
     LEAST_GAP,
     OPENING,
@@ -15,11 +17,13 @@ from kinesic.expressivity.face.eyes import (
     blinking,
     flitting,
     gaze_units,
+    gesture_looks,
     headings,
     looking,
     looks,
     meeting,
 )
+from kinesic.expressivity.keyframes import BodyMove, Turn
 
 TIMES = np.arange(0.0, 10.0, 0.005)
 AHEAD = np.zeros((len(TIMES), 2))
@@ -126,3 +130,13 @@ def test_eyes_meet_at_what_is_near_and_part_again():
     np.testing.assert_allclose(inward[TIMES > 5.3], np.arctan(0.03 / 2.0))
     assert np.abs(inward[(TIMES > 3.3) & (TIMES < 5.0)]).max() < 1e-12
     assert GazeDirection(0.0, 0.0, 0.0).inward == 0.0
+
+
+def test_eyes_leave_for_what_a_gesture_shows_no_later_than_the_head(timeline, phases):
+    asked = timeline(("g", Gesture("large"), phases(1.0, 2.0, 2.0, 2.5, 3.0, 3.5, 4.5)))
+    seen = Turn(torsion=0.3, tilt=0.2)
+    (with_head,), (alone,) = (
+        gesture_looks(asked, {"g": BodyMove(head=head, eyes=seen)}) for head in (Turn(torsion=0.1), Turn())
+    )
+    assert (with_head.start, with_head.left, with_head.end) == (1.0, 0.3, 3.5)
+    assert alone.start == pytest.approx(2.0 - EARLY)

@@ -8,7 +8,7 @@ from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
 from kinesic.motion.limit_check import check_limits
 from kinesic.motion.trajectory import STEP, Trajectory, stay
-from kinesic.planning.secondary.swells import Swell, add_swells, exceeded
+from kinesic.planning.secondary.swells import Changes, Swell, exceeded
 from kinesic.sim.dynamics import MujocoDynamics
 
 ROBOT = Robot.load()
@@ -24,8 +24,12 @@ def swell(begin, peak, end, *, degrees=1.0, hinge=TILT):
     return Swell(begin, peak, end, sealed(away))
 
 
+def laid_on(motion, swells):
+    return Changes(motion, [swell for swell, _ in swells]).added(np.array([amount for _, amount in swells]))
+
+
 def test_a_swell_goes_out_to_its_peak_and_back_to_nothing():
-    laid = add_swells(STILL, [(swell(1.0, 2.0, 4.0), 1.0)])
+    laid = laid_on(STILL, [(swell(1.0, 2.0, 4.0), 1.0)])
     angles, speeds, _ = laid.sample(np.array([0.0, 0.99, 2.0, 4.02, 5.0]))
     np.testing.assert_allclose(np.degrees(angles[:, TILT]), [0.0, 0.0, 1.0, 0.0, 0.0], atol=1e-3)
     np.testing.assert_allclose(speeds[:, TILT], 0.0, atol=1e-3)
@@ -33,28 +37,28 @@ def test_a_swell_goes_out_to_its_peak_and_back_to_nothing():
 
 
 def test_the_sum_is_the_motion_wherever_no_swell_is():
-    laid = add_swells(STILL, [(swell(1.0, 1.5, 2.0), 1.0), (swell(3.0, 3.5, 4.0), 0.5), (swell(2.2, 2.4, 2.6), 0.0)])
+    laid = laid_on(STILL, [(swell(1.0, 1.5, 2.0), 1.0), (swell(3.0, 3.5, 4.0), 0.5), (swell(2.2, 2.4, 2.6), 0.0)])
     outside = np.array([0.5, 0.97, 2.03, 2.4, 2.97, 4.03, 4.9])
     np.testing.assert_allclose(laid.sample(outside)[0], STILL.sample(outside)[0], atol=1e-12)
     assert np.degrees(laid.at(3.5).angles[TILT]) == pytest.approx(0.5, abs=1e-2)
 
 
 def test_a_motion_that_is_over_goes_on_until_the_last_swell_is():
-    laid = add_swells(stay(REST, 0.1), [(swell(0.3, 1.0, 2.0), 1.0)])
+    laid = laid_on(stay(REST, 0.1), [(swell(0.3, 1.0, 2.0), 1.0)])
     assert laid.end == pytest.approx(2.0, abs=2 * STEP)
     np.testing.assert_array_equal(laid.controls[:3], np.tile(REST, (3, 1)))
     np.testing.assert_array_equal(laid.controls[-3:], np.tile(REST, (3, 1)))
 
 
 def test_a_swell_is_smooth_up_to_the_acceleration():
-    laid = add_swells(STILL, [(swell(1.0, 2.0, 4.0), 1.0)])
+    laid = laid_on(STILL, [(swell(1.0, 2.0, 4.0), 1.0)])
     accelerations = laid.sample(np.arange(0.0, 5.0, STEP))[2][:, TILT]
     assert np.abs(np.diff(accelerations)).max() < 0.08 * np.ptp(accelerations)
 
 
 def test_only_what_swells_break_is_exceeded():
-    assert not exceeded(STILL, add_swells(STILL, [(swell(1.0, 2.0, 3.0), 1.0)]), LIMITS).any()
-    beyond = exceeded(STILL, add_swells(STILL, [(swell(1.0, 2.0, 3.0, degrees=-16.0), 1.0)]), LIMITS)
+    assert not exceeded(STILL, laid_on(STILL, [(swell(1.0, 2.0, 3.0), 1.0)]), LIMITS).any()
+    beyond = exceeded(STILL, laid_on(STILL, [(swell(1.0, 2.0, 3.0, degrees=-16.0), 1.0)]), LIMITS)
     times = np.flatnonzero(beyond.any(axis=1)) * STEP
     assert np.flatnonzero(beyond.any(axis=0)).tolist() == [TILT]
     assert 1.5 < times.min() < 2.0 < times.max() < 2.5, "the range ends at -15 degrees"
@@ -66,6 +70,6 @@ def test_a_limit_that_a_motion_breaks_alone_is_no_reason_against_a_swell_that_le
     motion = Trajectory(sealed(sharp), 0.0)
     assert max(peak.ratios.max() for peak in check_limits(motion, LIMITS).shares.values()) > 1.0
     aside = swell(0.1, 0.4, 0.7)
-    assert not exceeded(motion, add_swells(motion, [(aside, 1.0)]), LIMITS).any()
+    assert not exceeded(motion, laid_on(motion, [(aside, 1.0)]), LIMITS).any()
     across = replace(aside, begin=0.5, peak=1.0, end=1.5)
-    assert exceeded(motion, add_swells(motion, [(across, 1.0)]), LIMITS).any()
+    assert exceeded(motion, laid_on(motion, [(across, 1.0)]), LIMITS).any()

@@ -1,0 +1,84 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinesic.controller.perform import plan, set_up
+from kinesic.expressivity.variation import Variation
+from kinesic.planning.secondary.arm_times import arm_courses
+from kinesic.planning.secondary.homeward import BOW, SETTLED, ways_home
+from kinesic.planning.secondary.swells import Changes
+
+ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+OFFERS = "".join(
+    f'<gesture id="g{k}" lexeme="offer" mode="RIGHT_HAND" '
+    f'start="{at}" stroke="{at + 1}" relax="{at + 1.8}" end="{at + 3}"/>'
+    for k, at in enumerate((0.5, 5.5, 10.5))
+)
+
+
+@pytest.fixture(scope="module")
+def exact():
+    """One gesture three times, exactly alike."""
+    return plan(ROOT.format(OFFERS), set_up())
+
+
+@pytest.fixture(scope="module")
+def courses(exact):
+    return tuple(arm_courses(exact.keyframes, exact.motion, exact.setup.robot))
+
+
+def found(exact, courses, seed=4, amount=1.0):
+    return [*ways_home(courses, exact.trajectory, Variation(amount, seed), "b", exact.setup.robot)]
+
+
+def wrists(exact, trajectory, times):
+    robot = exact.setup.robot
+    return robot.skeleton.frames(trajectory.sample(trajectory.zero + times)[0]).origins[:, robot.arm("r").wrist]
+
+
+def test_an_arm_is_known_to_hold_to_go_home_and_to_hang(exact, courses):
+    (course,) = courses
+    assert (course.side, [stroke.id for stroke in course.strokes]) == ("r", ["g0", "g1", "g2"])
+    for k, gap in enumerate(course.gaps[1:]):
+        leave, there = np.subtract(gap.way_home, exact.trajectory.zero)
+        assert leave == pytest.approx(exact.syncs[f"g{k}:relax"].planned, abs=0.05)
+        assert there == pytest.approx(exact.syncs[f"g{k}:end"].planned, abs=0.05)
+
+
+def test_ways_home_differ_and_end_where_they_did(exact, courses):
+    laid = Changes(exact.trajectory, found(exact, courses)).added(np.ones(5))
+    ways = []
+    for k in range(3):
+        leave, end = (exact.syncs[f"g{k}:{sync}"].planned for sync in ("relax", "end"))
+        shares = leave + np.linspace(0.1, 0.8, 12) * (end - leave)
+        ways.append(wrists(exact, laid, shares) - wrists(exact, exact.trajectory, shares))
+    assert all(0.003 < np.linalg.norm(way, axis=1).max() < 0.15 for way in ways)
+    assert all(np.linalg.norm(ways[a] - ways[b], axis=1).max() > 0.005 for a, b in ((0, 1), (1, 2), (0, 2)))
+    assert all(way[:, 1].mean() < 0.002 for way in ways)  # the right hand no nearer to the middle
+    np.testing.assert_array_equal(laid.controls[-3:], exact.trajectory.controls[-3:])
+
+
+def test_a_hand_hangs_beside_its_rest_until_its_next_stroke_and_not_after_the_last_one(exact, courses):
+    laid = Changes(exact.trajectory, found(exact, courses)).added(np.ones(5))
+    hanging = np.array([exact.syncs[f"g{k}:end"].planned + 0.1 for k in (0, 1)])
+    away = wrists(exact, laid, hanging) - wrists(exact, exact.trajectory, hanging)
+    assert all(0.001 < np.linalg.norm(each) < 0.05 for each in away)
+    assert np.linalg.norm(away[0] - away[1]) > 0.002
+    strokes = np.array([exact.syncs[f"g{k}:{sync}"].planned for k in range(3) for sync in ("strokeStart", "stroke")])
+    np.testing.assert_allclose(wrists(exact, laid, strokes), wrists(exact, exact.trajectory, strokes), atol=1e-5)
+
+
+def test_it_is_small_follows_from_the_seed_and_is_none_where_nothing_varies(exact, courses):
+    swells = found(exact, courses)
+    assert len(swells) == 3 + 2
+    assert all(np.abs(swell.away).max() <= max(*BOW, *SETTLED) + 1e-9 for swell in swells)
+    assert [*map(repr, (s.away for s in found(exact, courses)))] == [*map(repr, (s.away for s in swells))]
+    other = found(exact, courses, seed=5)
+    assert all(np.abs(a.away - b.away).max() > 1e-3 for a, b in zip(swells, other, strict=True))
+    assert not found(exact, courses, amount=0.0)
+
+
+def test_what_is_planned_keeps_clear(exact):
+    varied = plan(ROOT.format(OFFERS), replace(exact.setup, variation=Variation(2.0, 4)))
+    assert varied.clearance.distances.min() >= exact.setup.robot.least_clearance
