@@ -141,6 +141,7 @@ class WebpFilm:
         with self._file, self._threads:
             if error is not None:
                 self._threads.shutdown(cancel_futures=True)
+                self._path.unlink(missing_ok=True)  # nobody waits for the rest of it
                 return
             if self._last is not None:
                 self._encode(*self._last)
@@ -220,8 +221,9 @@ def _webp(picture: Picture, *, quality: int, method: int) -> bytes:
 def _changed(before: Picture, after: Picture, within: Box) -> Box | None:
     """The least box that holds what has changed within one; left and top are even. None: nothing has."""
     left, top, _, _ = within
-    differs = (_cut(before, within) != _cut(after, within)).any(axis=2)
-    rows, columns = (np.flatnonzero(differs.any(axis=axis)) for axis in (1, 0))
+    differs = _cut(before, within) != _cut(after, within)
+    flat = differs.reshape(len(differs), -1)
+    rows, columns = np.flatnonzero(flat.any(axis=1)), np.flatnonzero(flat.any(axis=0)) // differs.shape[2]
     if not len(rows):
         return None
     begin = (left + int(columns[0]), top + int(rows[0]))

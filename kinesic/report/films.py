@@ -9,7 +9,6 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from threading import Event
 from typing import ClassVar, Literal, Protocol
 
 import msgspec
@@ -19,8 +18,8 @@ from kinesic.body.command import Command
 from kinesic.body.robot import Robot
 from kinesic.files.caption_band import Spoken
 from kinesic.files.film_file import Picture
-from kinesic.files.film_reader import FilmReader
 from kinesic.files.film_settings import USUAL, FilmSettings
+from kinesic.files.growing_film import GrowingFilm
 from kinesic.planning.captions import captions
 from kinesic.planning.face_track import faces
 from kinesic.planning.plan import Plan
@@ -41,7 +40,7 @@ class FilmJob(Protocol):
 
     @property
     def after(self) -> Path | None:
-        """Another film that is needed first."""
+        """Another film that it shows, and follows while that is drawn."""
 
     @staticmethod
     def prepare() -> None:
@@ -62,7 +61,7 @@ class TwinFilm:
     settings: FilmSettings = USUAL
     units: tuple[Mapping[str, float], ...] = ()  # action units of each picture; none: a face that does nothing
     spoken: tuple[Spoken, ...] = ()  # captions
-    after: Path | None = None  # the film of its face; where it is not there, a plain face is drawn
+    after: Path | None = None  # the film of its face, while it is drawn; where it does not come, a plain face is drawn
     sound: Path | None = None  # a WAV on the same clock
 
     @classmethod
@@ -105,10 +104,16 @@ class TwinFilm:
         from kinesic.sim.filming.drawn_face import paint_face  # noqa: PLC0415 - as above
 
         if self.after is not None:
-            with suppress(OSError):  # it is not there, or not whole
-                film = FilmReader(self.after)
-                return lambda k, time: film.at(time + 0.5 / FACE_RATE)
+            with suppress(OSError):  # it is not there
+                film = GrowingFilm(self.after)
+                return lambda k, time: self._either(film.at(time + 0.5 / FACE_RATE), k)
         return (lambda k, time: paint_face(self.units[k])) if self.units else None
+
+    def _either(self, rendered: Picture | None, k: int) -> Picture:
+        """The rendered face of a picture, or where there is none a painted one."""
+        from kinesic.sim.filming.drawn_face import paint_face  # noqa: PLC0415 - as above
+
+        return paint_face(self.units[k] if self.units else {}) if rendered is None else rendered
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,7 +194,7 @@ def _process(kind: Kind) -> Iterator["subprocess.Popen[bytes]"]:
 def draw_films(
     jobs: Mapping[Path, FilmJob], processes: FilmProcesses, progress: Callable[[float], None] = lambda share: None
 ) -> dict[Path, str]:
-    """Draws films beside one another, and what another needs before it; interrupted, the processes that draw end.
+    """Draws films beside one another, one that shows another as far as that is; interrupted, the processes end.
 
     Args:
         jobs: films by the paths of their files, at most one of a kind.
@@ -200,19 +205,18 @@ def draw_films(
         Why a film is not there, by its path; empty where it is.
     """
     shares = dict.fromkeys(jobs, 0.0)
-    drawn = {path: Event() for path in jobs}
+    for path in set(jobs) & {job.after for job in jobs.values()}:
+        path.touch()  # it is coming
 
     def draw(path: Path, job: FilmJob) -> str:
         def tell(share: float) -> None:
             shares[path] = share
             progress(sum(shares.values()) / len(shares))
 
-        try:
-            if job.after in drawn:
-                drawn[job.after].wait()
-            return _draw(processes[job.kind], path, job, tell)
-        finally:
-            drawn[path].set()
+        why = _draw(processes[job.kind], path, job, tell)
+        if why:
+            path.unlink(missing_ok=True)  # so that nobody waits for it
+        return why
 
     with ThreadPoolExecutor(max(len(jobs), 1)) as threads:
         waiting = {path: threads.submit(draw, path, job) for path, job in jobs.items()}

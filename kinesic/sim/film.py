@@ -16,7 +16,7 @@ from kinesic.files.caption_band import Spoken, caption_box, words_at, write_capt
 from kinesic.files.film_file import Box, EncodingError, Picture, durations, open_film
 from kinesic.sim.filming.canvas import Canvas, CanvasError
 from kinesic.sim.filming.framing import joined, motion_view, moving_balls, robot_boxes, seen_at, shadow_boxes
-from kinesic.sim.filming.soft_shadow import shade, shadow_outlines
+from kinesic.sim.filming.soft_shadow import shade, shadow_outlines, stand_in
 from kinesic.sim.gl import missing_libraries, opengl_fault
 from kinesic.sim.model import turn_order
 from kinesic.sim.scene_layout import View, view_of
@@ -136,7 +136,8 @@ def _draw_frames(
     places, radii = moving_balls(robot, postures, [segment.name for segment in robot.skeleton.segments])
     outlines = shadow_outlines(places, radii, view, size=size)
     boxes = robot_boxes(seen_at(view, places, size=size), radii + REACH * robot.arm_length, size=size)
-    changing = [joined(*both) for both in zip(boxes, shadow_boxes(outlines, size=size), strict=True)]
+    shadows = shadow_boxes(outlines, size=size)
+    changing = [joined(*both) for both in zip(boxes, shadows, strict=True)]
     model = styled_model(robot, width=width, height=height, view=view)
     data, order = mujoco.MjData(model), turn_order(robot, model)
     with Canvas(model, size, finer=FINER) as canvas:
@@ -148,13 +149,16 @@ def _draw_frames(
             face = shown(k)
             if face is not None:
                 canvas.show(face)
-            picture, free = empty.copy(), np.full(empty.shape[:2], 255, dtype=np.uint8)
-            part = np.s_[box[1] : box[3], box[0] : box[2]]
-            picture[part], free[part] = canvas.draw(data, box)
-            darkened = changing[k]
-            part = np.s_[darkened[1] : darkened[3], darkened[0] : darkened[2]]
-            picture[part] = shade(picture[part], free[part], darkened, outlines[k], size=size)
-            yield picture, darkened if not k else joined(changing[k - 1], darkened)
+            picture = empty.copy()
+            floor, part = _part(shadows[k]), _part(box)
+            picture[floor] = shade(picture[floor], shadows[k], outlines[k], size=size)
+            picture[part] = stand_in(*canvas.draw(data, box), picture[part])
+            yield picture, changing[k] if not k else joined(changing[k - 1], changing[k])
+
+
+def _part(box: Box) -> tuple[slice, slice]:
+    left, top, right, low = box
+    return slice(top, low), slice(left, right)
 
 
 def _check_opengl(*, guarded: bool) -> None:

@@ -85,10 +85,13 @@ class FaceRecording:
     def _drawn(self, rows: list[tuple[float, Mapping[str, float], Floats]]) -> Iterator[Pixels]:
         angles = np.array([angles for _, _, angles in rows])
         stands = np.zeros((len(rows), 3)) if self._robot is None else turns(self._robot, angles)
-        look = self._look
+        look, before = self._look, None
         with Portrait(look.variant, preset=look.preset, size=look.size) as portrait:
-            for k, ((_, units, _), (left, up, over)) in enumerate(zip(rows, stands.tolist(), strict=True)):
-                yield portrait.draw(units, replace(look.camera, turn=(left, up, over)), gain=look.gain)
+            for k, ((_, units, _), turn) in enumerate(zip(rows, stands.tolist(), strict=True)):
+                if before is None or before != (units, turn):  # a face that holds still is not drawn again
+                    pixels = portrait.draw(units, replace(look.camera, turn=tuple(turn)), gain=look.gain)
+                before = units, turn
+                yield pixels
                 self._progress((k + 1) / len(rows))
 
     def __enter__(self) -> "FaceRecording":

@@ -13,6 +13,7 @@ from kinesic.sim.filming.scene_screen import has_screen, put_face
 from kinesic.sim.scene_style import CAMERA, FLOOR_GROUP
 
 MOST_SHAPES = 4000  # that are drawn at once
+NOTHING = 1.0  # the depth where nothing was drawn
 EARLY = "MuJoCo cannot draw ({}): import kinesic.sim before mujoco, or set MUJOCO_GL=egl"
 
 
@@ -44,9 +45,9 @@ class Canvas:
             raise CanvasError(EARLY.format(error)) from None
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._context)
         self._scene = mujoco.MjvScene(model=model, maxgeom=MOST_SHAPES)
-        self._all, self._floor, self._camera = mujoco.MjvOption(), mujoco.MjvOption(), mujoco.MjvCamera()
-        self._all.geomgroup[FLOOR_GROUP] = 1
-        self._floor.geomgroup[:] = np.arange(len(self._floor.geomgroup)) == FLOOR_GROUP
+        self._robot, self._room, self._camera = mujoco.MjvOption(), mujoco.MjvOption(), mujoco.MjvCamera()
+        self._robot.geomgroup[FLOOR_GROUP] = 0
+        self._room.geomgroup[:] = np.arange(len(self._room.geomgroup)) == FLOOR_GROUP
         self._camera.type, self._camera.fixedcamid = mujoco.mjtCamera.mjCAMERA_FIXED, model.camera(CAMERA).id
         self._empty: tuple[Picture, NDArray[np.float32]] | None = None
         self._screened = has_screen(model)
@@ -59,19 +60,23 @@ class Canvas:
             mujoco.mjr_uploadTexture(self._model, self._context, put_face(self._model, picture))
 
     def draw(self, data: mujoco.MjData, box: Box | None = None) -> tuple[Picture, Picture]:
-        """Draws the part of a picture in a box of it, or all.
+        """Draws the robot alone, on black: floor and sky, which stay, would take longer than it.
+
+        Args:
+            data: its posture.
+            box: the part of the picture that is drawn; None: all.
 
         Returns:
             (h, w, 3) the part, and (h, w) how much of each of its pixels is floor or sky, 0..255.
         """
         left, top, right, low = box = box or (0, 0, *self._size)
-        drawn, near = self._draw(data, self._all, box)
+        drawn, near = self._draw(data, self._robot, box)
         upward, finer = self._size[1], self._finer
-        beyond = self._drawn_empty(data)[1][
-            finer * (upward - low) : finer * (upward - top), finer * left : finer * right
-        ]
-        free = np.where(near < beyond, np.uint8(0), np.uint8(255))
-        return self._reduced(drawn), self._reduced(free)
+        rows, columns = slice(finer * (upward - low), finer * (upward - top)), slice(finer * left, finer * right)
+        seen = near < self._drawn_empty(data)[1][rows, columns]
+        if (below := (near < NOTHING) & ~seen).any():
+            drawn[below] = 0  # it is behind the floor
+        return self._reduced(drawn), np.uint8(255) - self._reduced(seen.view(np.uint8) * np.uint8(255))
 
     def draw_empty(self, data: mujoco.MjData) -> Picture:
         """Draws a picture without the robot."""
@@ -79,7 +84,7 @@ class Canvas:
 
     def _drawn_empty(self, data: mujoco.MjData) -> "tuple[Picture, NDArray[np.float32]]":
         if self._empty is None:
-            self._empty = self._draw(data, self._floor, (0, 0, *self._size))
+            self._empty = self._draw(data, self._room, (0, 0, *self._size))
         return self._empty
 
     def _reduced(self, drawn: Picture) -> Picture:
@@ -92,6 +97,7 @@ class Canvas:
         mujoco.mjv_updateScene(
             self._model, data, option, None, self._camera, mujoco.mjtCatBit.mjCAT_ALL.value, self._scene
         )
+        self._scene.flags[mujoco.mjtRndFlag.mjRND_SKYBOX.value] = option is self._room
         for camera in self._scene.camera:
             _narrow(camera, (left / width, top / height, right / width, low / height), width / height)
         area = mujoco.MjrRect(0, 0, self._finer * (right - left), self._finer * (low - top))

@@ -42,12 +42,11 @@ def shadow_outlines(places: Floats, radii: Floats, view: View, *, size: tuple[in
     return sealed(seen_at(view, corners, size=size)[..., :2])
 
 
-def shade(picture: Picture, floor: Picture, box: Box, outlines: Floats, *, size: tuple[int, int]) -> Picture:
-    """Darkens the floor where the shadow is.
+def shade(room: Picture, box: Box, outlines: Floats, *, size: tuple[int, int]) -> Picture:
+    """Darkens a room where the shadow is.
 
     Args:
-        picture: (h, w, 3) the part of a picture in a box of it.
-        floor: (h, w) 0..255, how much of each pixel is floor.
+        room: (h, w, 3) the part of a picture in a box of it.
         box: that the part fills.
         outlines: (k, corners, 2) of one posture.
         size: of the whole picture.
@@ -60,7 +59,16 @@ def shade(picture: Picture, floor: Picture, box: Box, outlines: Floats, *, size:
     soft = coarse.filter(ImageFilter.GaussianBlur(BLUR * height))
     left, top, right, low = box
     within = (left / COARSE, top / COARSE, right / COARSE, low / COARSE)
-    part = soft.resize((right - left, low - top), Image.Resampling.BILINEAR, box=within)
-    fallen = ImageChops.multiply(part.point(lambda share: round(DARK * share)), Image.fromarray(floor))
-    light = ImageChops.invert(fallen)
+    light = soft.point(lambda share: 255 - round(DARK * share))
+    part = light.resize((right - left, low - top), Image.Resampling.BILINEAR, box=within)
+    return _darkened(room, part)
+
+
+def stand_in(robot: Picture, free: Picture, room: Picture) -> Picture:
+    """Puts a robot that was drawn on black (h, w, 3) before its room, of which it leaves (h, w) 0..255 free."""
+    return np.asarray(ImageChops.add(Image.fromarray(robot), Image.fromarray(_darkened(room, Image.fromarray(free)))))
+
+
+def _darkened(picture: Picture, light: Image.Image) -> Picture:
+    """A picture in which each pixel keeps a share of its light."""
     return np.asarray(ImageChops.multiply(Image.fromarray(picture), Image.merge("RGB", (light, light, light))))

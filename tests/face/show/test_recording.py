@@ -8,6 +8,7 @@ from kinesic.body.command import Command
 from kinesic.body.robot import Robot
 from kinesic.controller.play import play
 from kinesic.face.display import DisplayError
+from kinesic.face.render.portrait import Portrait
 from kinesic.face.render.presets import DRAFT
 from kinesic.face.show import recording
 from kinesic.face.show.recording import FaceRecording, PortraitSettings
@@ -51,6 +52,26 @@ def test_a_long_performance_has_fewer_pictures(drawable: None, tmp_path: Path, m
         assert film.n_frames == 7
         film.load()
         assert film.info["duration"] == 150
+
+
+def test_a_face_that_holds_still_is_drawn_once(drawable: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    drawn: list[dict[str, float]] = []
+
+    def draw(portrait: Portrait, units: dict[str, float], *more: object, **others: object) -> np.ndarray:
+        drawn.append(units)
+        return np.full((32, 32, 3), round(255 * units["26"]), dtype=np.uint8)
+
+    monkeypatch.setattr(Portrait, "draw", draw)
+    held = [Command(k / 20, NONE, NONE, NONE, NONE, {"26": 0.5 if k < 8 else 1.0}) for k in range(12)]
+    play(held, FaceRecording(tmp_path / "x.webp", rate=20.0, look=LOOK))
+    assert drawn == [{"26": 0.5}, {"26": 1.0}]
+    with Image.open(tmp_path / "x.webp") as film:
+        shown = []
+        for k in range(film.n_frames):
+            film.seek(k)
+            film.load()
+            shown.append(film.info["duration"])
+    assert shown == [400, 200]
 
 
 def test_nothing_performed_is_no_film(tmp_path: Path):

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from kinesic.body.arrays import sealed
+from kinesic.files.film_file import Box
 from kinesic.sim.filming.framing import seen_at, shadow_boxes
-from kinesic.sim.filming.soft_shadow import DARK, shade, shadow_outlines
+from kinesic.sim.filming.soft_shadow import DARK, shade, shadow_outlines, stand_in
 from kinesic.sim.scene_layout import SUN, View
 
 SIZE = (320, 180)
@@ -29,30 +30,37 @@ def test_it_lies_where_the_light_goes():
     assert (turns <= 1e-6).all() or (turns >= -1e-6).all(), "an outline is convex"
 
 
-def test_the_floor_is_darker_in_it_softly_and_a_robot_is_not():
-    light = np.full((180, 320, 3), 200, dtype=np.uint8)
-    floor = np.full((180, 320), 255, dtype=np.uint8)
-    box = (0, 0, 320, 180)
-    shaded = shade(light, floor, box, outlines()[0], size=SIZE)
+def shaded(box: Box) -> np.ndarray:
+    """A part of a light room with the shadow in it."""
+    left, top, right, low = box
+    light = np.full((low - top, right - left, 3), 200, dtype=np.uint8)
+    return shade(light, box, outlines()[0], size=SIZE)
+
+
+def test_the_room_is_darker_in_it_softly():
+    seen = shaded((0, 0, 320, 180))
     x, y = outlines()[0][0].mean(axis=0).astype(int)
-    assert shaded[y, x, 0] == pytest.approx(200 * (1 - DARK), abs=12)
-    assert len(np.unique(shaded)) > 10, "its edge is no step"
-    assert (shaded[:20] == 200).all()
-    assert (shade(light, np.zeros_like(floor), box, outlines()[0], size=SIZE) == 200).all()
+    assert seen[y, x, 0] == pytest.approx(200 * (1 - DARK), abs=12)
+    assert len(np.unique(seen)) > 10, "its edge is no step"
+    assert (seen[:20] == 200).all()
 
 
 def test_nothing_is_darkened_beyond_its_box():
-    light = np.full((180, 320, 3), 200, dtype=np.uint8)
-    shaded = shade(light, np.full((180, 320), 255, dtype=np.uint8), (0, 0, 320, 180), outlines()[0], size=SIZE).copy()
+    seen = shaded((0, 0, 320, 180)).copy()
     ((left, top, right, low),) = shadow_boxes(outlines(), size=SIZE)
     assert (right - left) * (low - top) < 0.5 * 320 * 180
-    shaded[top:low, left:right] = 200
-    assert (np.abs(shaded.astype(int) - 200) <= 1).all()
+    seen[top:low, left:right] = 200
+    assert (np.abs(seen.astype(int) - 200) <= 1).all()
 
 
 def test_a_part_is_shaded_as_the_whole():
-    light = np.full((180, 320, 3), 200, dtype=np.uint8)
-    floor = np.full((180, 320), 255, dtype=np.uint8)
-    whole = shade(light, floor, (0, 0, 320, 180), outlines()[0], size=SIZE)
-    part = shade(light[60:170, 40:200], floor[60:170, 40:200], (40, 60, 200, 170), outlines()[0], size=SIZE)
+    whole, part = shaded((0, 0, 320, 180)), shaded((40, 60, 200, 170))
     assert np.abs(part.astype(int) - whole[60:170, 40:200]).max() <= 1
+
+
+def test_a_robot_hides_its_room_and_shares_pixels_at_its_edge():
+    room = np.full((2, 3, 3), (200, 100, 40), dtype=np.uint8)
+    robot = np.array([[[0, 0, 0], [30, 60, 90], [60, 120, 180]]] * 2, dtype=np.uint8)
+    free = np.array([[255, 128, 0]] * 2, dtype=np.uint8)
+    seen = stand_in(robot, free, room)[0].astype(int)
+    assert np.abs(seen - [[200, 100, 40], [130, 110, 110], [60, 120, 180]]).max() <= 1

@@ -1,0 +1,79 @@
+"""A film is read while it is written: each picture as soon as it is whole; nobody waits for one that never comes."""
+
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from threading import Event
+
+import numpy as np
+import pytest
+
+from kinesic.files.film_file import WAITING, Picture, WebpFilm
+from kinesic.files.growing_film import GrowingFilm
+
+SIZE = (64, 48)
+MANY = 2 * WAITING
+
+
+def grey(k: int) -> Picture:
+    return np.full((48, 64, 3), 200, dtype=np.uint8) - np.uint8(8 * k)
+
+
+def write(path: Path, go_on: Event, *, broken: bool) -> None:
+    """Writes pictures of 100 ms, and the last of them not before `go_on`."""
+    with WebpFilm(path, SIZE, in_parts=False) as film:
+        for k in range(MANY - 1):
+            film.write(grey(k), None, 100)
+        film._file.flush()
+        go_on.wait()
+        if broken:
+            raise ZeroDivisionError
+        film.write(grey(MANY - 1), None, 100)
+
+
+@pytest.mark.parametrize("broken", [False, True])
+def test_pictures_are_seen_before_the_film_is_complete(tmp_path: Path, broken: bool) -> None:
+    path, go_on = tmp_path / "x.webp", Event()
+    path.touch()
+    film = GrowingFilm(path)
+    with ThreadPoolExecutor(2) as threads:
+        writing = threads.submit(write, path, go_on, broken=broken)
+        first = film.at(0.05)
+        assert not writing.done()
+        assert first is not None
+        assert abs(float(first.mean()) - 200) < 2
+        last = threads.submit(film.at, 0.1 * MANY - 0.05)
+        go_on.set()
+        seen = last.result(timeout=10.0)
+    if broken:
+        assert seen is None
+        assert film.at(99.0) is None
+        assert not path.exists(), "a film that broke off is none"
+    else:
+        assert seen is not None
+        assert abs(float(seen.mean()) - float(grey(MANY - 1).mean())) < 2
+        assert film.at(99.0) is seen, "the last one stays"
+
+
+def test_parts_are_put_over_what_was_seen_before(tmp_path: Path) -> None:
+    path, pictures = tmp_path / "x.webp", [grey(0) for _ in range(4)]
+    for k, picture in enumerate(pictures):
+        picture[10:26, 12 * k : 12 * k + 16] = 40
+    with WebpFilm(path, SIZE) as writer:
+        for picture in pictures:
+            writer.write(picture, None, 100)
+    film = GrowingFilm(path)
+    for k, picture in enumerate(pictures):
+        seen = film.at(0.1 * k + 0.05)
+        assert seen is not None
+        assert np.abs(seen.astype(int) - picture).mean() < 3
+
+
+def test_a_film_that_nobody_writes_is_given_up_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("kinesic.files.growing_film.PATIENCE", 0.05)
+    path = tmp_path / "x.webp"
+    with pytest.raises(FileNotFoundError):
+        GrowingFilm(path)
+    path.touch()
+    film = GrowingFilm(path)
+    assert film.at(0.0) is None
+    assert film.at(1.0) is None
