@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.ndimage import binary_dilation
 
+from kinesic.body.action_units import channels
 from kinesic.body.arrays import Flags, Floats
 from kinesic.face.assets.action_units import intensities
 from kinesic.face.assets.chart import chart_window
@@ -84,7 +85,8 @@ def measure_law_violations() -> dict[str, float]:
 def _of(head: _Head, unit: str, numbers: tuple[int, ...], flat: Floats) -> _Law:
     """How far half the intensity is from half the tangent, energy off the maps, left from right; and the steepest."""
     full, half = (tangent(head.normals({unit: share}), flat) for share in (1.0, 0.5))
-    left, right = (tangent(head.normals({f"{side}{unit}": 1.0}), flat) for side in "LR")
+    own = channels(int(unit))
+    left, right = (tangent(head.normals({name: 1.0}), flat) for name in (own[0], own[-1]))
     deep = (full > DEEP[0]) & (full < DEEP[1])
     energy = full**2
     return _Law(

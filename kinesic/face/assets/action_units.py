@@ -25,6 +25,7 @@ from kinesic.body.action_units import (
 )
 from kinesic.body.arrays import Floats, sealed
 from kinesic.face.assets.lids import Lids, lids
+from kinesic.face.assets.lips import Lips, lips
 from kinesic.face.assets.mesh import Mesh
 from kinesic.face.display import DisplayError
 
@@ -41,15 +42,18 @@ SHAPES: Mapping[int, Mapping[str, float]] = {
     9: {"noseSneerSIDE": 1.0, "mouthUpperUpSIDE": 0.15, "browDownSIDE": 0.2},  # the levator draws brow and lip along
     10: {"mouthUpperUpSIDE": 1.0, "noseSneerSIDE": 0.25},  # the furrow beside the nose deepens with the lip
     11: {"noseSneerSIDE": 0.4, "mouthUpperUpSIDE": 0.2},
-    12: {"mouthSmileSIDE": 0.85},  # at full weight the cheek folds on itself
+    12: {
+        "mouthSmileSIDE": 0.85,
+        "mouthLowerDownSIDE": 0.3,
+    },  # at full weight the cheek folds on itself; lips meet as high
     13: {"mouthSmileSIDE": 0.5, "cheekSquintSIDE": 0.3, "mouthPressSIDE": 0.2},  # corners sharply up, cheeks puffy
     14: {"mouthDimpleSIDE": 1.0},
     15: {"mouthFrownSIDE": 1.0},
     16: {"mouthLowerDownSIDE": 1.0},
-    17: {"mouthShrugLower": 1.0, "mouthShrugUpper": 0.4},  # the chin boss pushes both lips up
+    17: {"mouthShrugLower": 1.0, "mouthShrugUpper": 0.7},  # the chin boss pushes both lips up
     18: {"mouthPucker": 1.0},
     19: {"tongueOut": 1.0, "jawOpen": 0.25},  # the tongue needs the teeth apart
-    20: {"mouthStretchSIDE": 1.0},
+    20: {"mouthStretchSIDE": 1.0, "mouthDimpleSIDE": 0.75},  # together straight outward
     22: {"mouthFunnel": 1.0},
     23: {"mouthRollLower": 0.45, "mouthRollUpper": 0.35, "mouthPucker": 0.2},  # narrow lips, no corner moves
     24: {"mouthRollLower": 0.5, "mouthRollUpper": 0.4},  # the pack's mouthPress lifts the corners as a smile would
@@ -70,8 +74,10 @@ SHAPES: Mapping[int, Mapping[str, float]] = {
     64: {"eyeLookDownLeft": 1.0, "eyeLookDownRight": 1.0},
     66: {"eyeLookInLeft": 0.4, "eyeLookInRight": 0.4},
 }
+TOGETHER: Mapping[tuple[str, str], Mapping[str, float]] = {  # what two units do that neither does alone
+    (f"{side}12", "25"): {f"mouthUpperUp{name}": 0.7, f"mouthLowerDown{name}": 0.35} for side, name in SIDES.items()
+}  # a smile parts the lips over the teeth
 SEALS = ("24", "28")  # action units that hold the lips together, whatever the jaw does
-PRESSURE = 0.04  # weight of mouthClose beyond what the jaw needs: no slit is left
 PARTING = ("mouthLowerDownLeft", "mouthLowerDownRight", "mouthUpperUpLeft", "mouthUpperUpRight", "mouthFunnel")
 LIDS = ("eyeWide", "eyeSquint", "eyeLookDown", "eyeLookUp", "eyeLookIn", "eyeLookOut")  # that a closing lid undoes
 BLINK = "eyeBlink"  # a shape of which only is used which vertices it moves: lids slide instead
@@ -102,6 +108,7 @@ class _Rig:
     shape: Mapping[str, int]  # name -> place
     eyeballs: tuple[NDArray[np.intp], NDArray[np.intp]]  # vertices of the left and of the right
     lids: tuple[Lids, Lids]
+    lips: Lips
 
 
 def intensities(units: Mapping[str, float]) -> Floats:
@@ -144,8 +151,8 @@ def shape_weights(mesh: Mesh, units: Mapping[str, float]) -> Floats:
 def deform(mesh: Mesh, units: Mapping[str, float]) -> Floats:
     """Moves the vertices of a mesh to where they are when it shows some action units, (v, 3) [m].
 
-    Skin, teeth and tongue are moved by shapes; the eyeballs turn about their centres, by up to `ASIDE`, `UPWARD`,
-    `DOWNWARD` and `INWARD`, and the lids slide over them.
+    Skin, teeth and tongue are moved by shapes; lips give way to each other; the eyeballs turn about their centres, by
+    up to `ASIDE`, `UPWARD`, `DOWNWARD` and `INWARD`, and the lids slide over them.
 
     Args:
         mesh: of the head, subdivided or not.
@@ -162,6 +169,7 @@ def deform(mesh: Mesh, units: Mapping[str, float]) -> Floats:
     closing = weights[shut]
     weights[shut] = 0.0
     positions: Floats = mesh.positions + (mesh.deltas @ weights).reshape(-1, 3)
+    rig.lips.part(positions, _seal(told))
     for number, (eyeball, centre, closer) in enumerate(zip(rig.eyeballs, mesh.eyes, rig.lids, strict=True)):
         turned = gaze_rotation(told, number)
         positions[eyeball] = centre + (mesh.positions[eyeball] - centre) @ turned.T
@@ -184,11 +192,21 @@ def gaze_rotation(told: Floats, number: int) -> Floats:
 
 
 def _weights(rig: _Rig, told: Floats) -> Floats:
-    found = np.minimum(rig.mixing @ told, 1.0)
-    seal = max(told[_CHANNEL[name]] for name in SEALS)
+    found = rig.mixing @ told
+    for both, shapes in TOGETHER.items():
+        amount = min(told[_CHANNEL[name]] for name in both)
+        for name, weight in shapes.items():
+            found[rig.shape[name]] += amount * weight
+    found = np.minimum(found, 1.0)
+    seal = _seal(told)
     found[[rig.shape[name] for name in PARTING]] *= 1.0 - seal
-    found[rig.shape["mouthClose"]] = seal * min(found[rig.shape["jawOpen"]] + PRESSURE, 1.0)
+    found[rig.shape["mouthClose"]] = seal * found[rig.shape["jawOpen"]]
     return found
+
+
+def _seal(told: Floats) -> float:
+    """0..1 how firmly the lips are held together."""
+    return float(max(told[_CHANNEL[name]] for name in SEALS))
 
 
 @lru_cache(maxsize=8)
@@ -197,4 +215,4 @@ def _rig(mesh: Mesh) -> _Rig:
     is_left = mesh.positions[eyes, 1] > 0.0
     shape = {name: place for place, name in enumerate(mesh.shapes)}
     closing = (lids(mesh, "Left", 0), lids(mesh, "Right", 1))
-    return _Rig(shape_mixing(mesh.shapes), shape, (eyes[is_left], eyes[~is_left]), closing)
+    return _Rig(shape_mixing(mesh.shapes), shape, (eyes[is_left], eyes[~is_left]), closing, lips(mesh))

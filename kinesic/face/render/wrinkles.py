@@ -1,8 +1,8 @@
 """Wrinkles as height maps in the chart, drawn from the curves of `configs/faces/wrinkles.toml` (thesis 4.3.2).
 
-Each furrow has the profile of a Mexican hat, so that skin piles up beside it, and runs out at its ends. The twelve maps
-are those of Table 4.1; a picture shows their sum, each as strong as its action unit: their heights are drawn over the
-G-buffer, whose normals they bend.
+Each furrow has the profile of a Mexican hat, so that skin piles up beside it, and runs out at its ends. The first
+twelve maps are those of Table 4.1; a picture shows the sum of all, each as strong as its action unit: their heights are
+drawn over the G-buffer, whose normals they bend.
 """
 
 import tomllib
@@ -13,7 +13,7 @@ from pathlib import Path
 import moderngl
 import numpy as np
 
-from kinesic.body.action_units import CHANNELS
+from kinesic.body.action_units import CHANNELS, channels
 from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.config import CONFIGS
 from kinesic.face.assets.chart import LEFT_RIGHT, LOW_HIGH, ROUND, chart_window, vertex_chart
@@ -22,7 +22,7 @@ from kinesic.face.render.geometry import Geometry
 from kinesic.face.render.passes import ScreenPass, Stored, Target, Value, store_pixels, texture
 
 FILE = CONFIGS / "faces" / "wrinkles.toml"
-MAPS = 12
+MAPS = 16
 RESOLUTION = 512
 SPAN = 10  # points of the drawn line between two given ones
 REACH = 5.5  # half widths beyond which a furrow has no height
@@ -57,7 +57,7 @@ class Wrinkle:
     """The furrows of an action unit."""
 
     unit: int
-    maps: tuple[int, ...]  # of Table 4.1: one for the whole face, or the left and the right
+    maps: tuple[int, ...]  # one for the whole face, or the left and the right
     says: str
     curves: tuple[Curve, ...]  # of the left, where there are two maps
 
@@ -79,7 +79,7 @@ def wrinkles(path: Path = FILE) -> tuple[Wrinkle, ...]:
 
 @cache
 def maps(resolution: int = RESOLUTION) -> Floats:
-    """Draws the wrinkle maps: (12, n, n) heights on a grid over the chart's window, first row at the bottom.
+    """Draws the wrinkle maps: (16, n, n) heights on a grid over the chart's window, first row at the bottom.
 
     A furrow of depth 1 is 1 deep; the skin beside it is raised by up to 0.4.
     """
@@ -95,7 +95,7 @@ def maps(resolution: int = RESOLUTION) -> Floats:
 
 @cache
 def reaches() -> Floats:
-    """(12, 2, 2) lowest and highest a and y at which each map has any height."""
+    """(16, 2, 2) lowest and highest a and y at which each map has any height."""
     found = np.zeros((MAPS, 2, 2))
     low, span = np.array([LEFT_RIGHT[0], LOW_HIGH[0]]), np.array([np.ptp(LEFT_RIGHT), np.ptp(LOW_HIGH)])
     for number, height in enumerate(maps()):
@@ -106,14 +106,15 @@ def reaches() -> Floats:
 
 
 def shares(told: Floats) -> Floats:
-    """Gives how much of each map is shown, on the left and on the right half of the face, (2, 12).
+    """Gives how much of each map is shown, on the left and on the right half of the face, (2, 16).
 
     Args:
         told: (c,) intensity of each of `CHANNELS`.
     """
     found = np.zeros((2, MAPS))
     for wrinkle in wrinkles():
-        left, right = (told[CHANNELS.index(f"{side}{wrinkle.unit}")] for side in "LR")
+        own = channels(wrinkle.unit)
+        left, right = told[CHANNELS.index(own[0])], told[CHANNELS.index(own[-1])]
         if len(wrinkle.maps) == 1:
             found[:, wrinkle.maps[0]] = left, right
         else:
@@ -195,7 +196,7 @@ class WrinklePass:
         """Draws heights of wrinkles over the G-buffer that was just drawn, and its first texture with bent normals.
 
         Args:
-            shown: (2, 12) how much of each wrinkle map, on the left and on the right half of the face.
+            shown: (2, 16) how much of each wrinkle map, on the left and on the right half of the face.
         """
         form, place = self._geometry.target.textures
         relief = self._relief.clear().textures[0]
@@ -217,7 +218,7 @@ class WrinklePass:
         return relief, bent.textures[0]
 
     def _corners(self) -> Floats:
-        """(2, 12, 2) lowest and highest of the screen's coordinates that each map may reach."""
+        """(2, 16, 2) lowest and highest of the screen's coordinates that each map may reach."""
         points = self._geometry.on_screen.take(self._near, axis=1)
         ends = (each.reduceat(points, self._first, axis=1) for each in (np.minimum, np.maximum))
         return np.stack(list(ends), axis=2)
@@ -232,7 +233,7 @@ def _packed() -> tuple[Stored, ...]:
 
 @lru_cache(maxsize=4)
 def _wrinkled(mesh: Mesh, drawn_on: Mesh) -> Flags:
-    """(12, v) which vertices belong to a triangle that has something of each wrinkle map."""
+    """(16, v) which vertices belong to a triangle that has something of each wrinkle map."""
     corners = vertex_chart(drawn_on)[mesh.triangles, :2]
     low, high = corners.min(axis=1), corners.max(axis=1)
     whole = (high - low)[:, 0] < ROUND / 2  # not cut by the chart's seam

@@ -90,6 +90,35 @@ def test_muscles_pull_where_anatomy_says(mesh: Mesh):
     assert moved(mesh, _27=1.0)[chin, 2] < 1.5 * moved(mesh, _26=1.0)[chin, 2]
 
 
+def test_lips_are_stretched_outward_not_downward(mesh: Mesh):
+    still = mesh.positions
+    lip = np.flatnonzero(
+        (mesh.parts == 0) & (np.abs(still[:, 2] - still[mesh.vertices("teeth"), 2].max() + 0.014) < 0.01)
+    )
+    lip = lip[(still[lip, 0] > 0.01) & (np.abs(still[lip, 1] - 0.022) < 0.004)]
+    corner = lip[np.argmax(moved(mesh, L20=1.0)[lip, 1])]
+    _, aside, up = moved(mesh, L20=1.0)[corner]
+    assert aside > 6e-3
+    assert abs(up) < 0.3 * aside
+
+
+def test_brows_go_much_further_up_at_full_than_at_low_intensity(mesh: Mesh):
+    apart = mesh.eyes[0, 1]
+    for y in (0.4 * apart, 1.1 * apart):
+        brow = centre(mesh, y, 0.021)
+        low, high = (moved(mesh, _1=share, _2=share)[brow, 2] for share in (0.4, 1.0))
+        assert high > 5e-3
+        assert high - low > 3e-3
+
+
+def test_a_raised_cheek_goes_up_and_stands_out(mesh: Mesh):
+    apart = mesh.eyes[0, 1]
+    cheek = centre(mesh, 1.15 * apart, -0.8 * apart)
+    forward, aside, up = moved(mesh, L6=1.0)[cheek]
+    assert up > 3e-3
+    assert np.dot(mesh.normals(mesh.positions)[cheek], (forward, aside, up)) > 1e-3
+
+
 def test_pressed_lips_stay_closed_whatever_the_jaw_does(mesh: Mesh):
     assert seen(mesh, mesh.positions, MOUTH) == {"skin"}
     assert seen(mesh, deform(mesh, {"26": 1.0, "25": 1.0}), MOUTH) >= {"skin", "tongue"}

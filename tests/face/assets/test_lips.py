@@ -1,0 +1,59 @@
+"""Lips touch, and neither passes through the other."""
+
+import numpy as np
+import pytest
+
+from kinesic.body.action_units import CHANNELS
+from kinesic.face.assets.action_units import deform
+from kinesic.face.assets.lips import Lips, lips
+from kinesic.face.assets.mesh import VARIANTS, Mesh, load_head
+
+OUTER = 3  # columns at each end, in the corners of the mouth
+
+
+@pytest.fixture(scope="module", params=VARIANTS)
+def mesh(request: pytest.FixtureRequest) -> Mesh:
+    return load_head(request.param)
+
+
+@pytest.fixture(scope="module")
+def mouth(mesh: Mesh) -> Lips:
+    return lips(mesh)
+
+
+def overlap(mouth: Lips, positions: np.ndarray) -> np.ndarray:
+    """Millimetres by which the lips overlap, from corner to corner."""
+    return 1000.0 * mouth.overlap(positions)[OUTER:-OUTER]
+
+
+def test_lips_at_rest_just_touch(mesh: Mesh, mouth: Lips):
+    found = overlap(mouth, mesh.positions)
+    assert found.min() > 0.0
+    assert np.median(found) < 0.8
+    assert found.max() < 2.5
+
+
+@pytest.mark.parametrize("jaw", [0.0, 0.4, 1.0])
+def test_pressed_lips_touch_and_do_not_pass_through_each_other(mesh: Mesh, mouth: Lips, jaw: float):
+    found = overlap(mouth, deform(mesh, {"24": 1.0, "25": 1.0, "26": jaw}))
+    assert found.min() > 0.0
+    assert found.max() < 2.5
+
+
+def test_lips_never_pass_through_each_other(mesh: Mesh, mouth: Lips):
+    random = np.random.default_rng(4)
+    for _ in range(40):
+        shown = {name: float(random.uniform()) for name in random.choice(CHANNELS, 6, replace=False)}
+        assert overlap(mouth, deform(mesh, shown)).max() < 4.0, shown
+
+
+def test_parted_lips_open_as_far_as_they_are_told(mesh: Mesh, mouth: Lips):
+    opened = [-overlap(mouth, deform(mesh, {"25": share})).min() for share in np.linspace(0.0, 1.0, 6)]
+    assert np.all(np.diff(opened) > 0.1)
+    assert np.all(np.diff(opened)[1:] > 0.7)
+    assert 3.0 < opened[-1] < 8.0
+
+
+def test_a_smile_shows_the_upper_teeth_only_where_lips_part(mesh: Mesh, mouth: Lips):
+    assert overlap(mouth, deform(mesh, {"12": 1.0})).min() > 0.0
+    assert overlap(mouth, deform(mesh, {"12": 1.0, "25": 0.5})).min() < -4.0
