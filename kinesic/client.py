@@ -107,13 +107,12 @@ class Client:
         """Sends a document, and yields all messages until its block has ended or was refused.
 
         Args:
-            bml: with an id of its own, by which its end is known.
+            bml: as XML or JSON, with an id of its own, by which its end is known.
 
         Raises:
             ConnectionError: the server is gone.
         """
-        found = _ID.search(bml)
-        name = found[1] if found else "block"
+        name = _block_id(bml)
         ends = (f'<blockProgress xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{name}:end"',)
         self.send(bml)
         while True:
@@ -209,6 +208,17 @@ class StopLine:
 def _expect(told: str, answer: Mapping[str, str]) -> None:
     if answer.get("told") != told:
         raise ConnectionError(answer.get("why", f"the server answers {answer}"))
+
+
+def _block_id(bml: str) -> str:
+    """The id of a document's block; `block` where it has none, or is no document."""
+    if bml.lstrip().startswith("{"):
+        try:
+            return str(json.loads(bml).get("id", "block"))
+        except ValueError:
+            return "block"
+    found = _ID.search(bml)
+    return found[1] if found else "block"
 
 
 def _refuses(message: str, name: str) -> bool:

@@ -9,9 +9,11 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from queue import Queue
 from textwrap import dedent
+from threading import Thread
 from urllib.parse import quote_plus
 
 import pytest
@@ -100,6 +102,55 @@ def test_the_example_of_a_client(server):
     )
     assert "second:end" in done.stdout
     assert '"told":"status"' in done.stdout
+
+
+STORY = "Once there was a fish. It was huge!"
+ANSWERS = (  # of a model, as they were recorded; the first one lacks a comma
+    """Here it is: {"id": "story1", "behaviours": [
+    {"type": "speech", "id": "s", "text": ["Once there was a fish. It was ", {"sync": "m1"}, "huge!"]}
+    {"type": "gesture", "id": "g1", "lexeme": "large", "stroke": "s:m1"}]}""",
+    """{"id": "story2", "behaviours": [
+    {"type": "speech", "id": "s", "text": ["Once there was a fish. It was ", {"sync": "m1"}, "huge!"]},
+    {"type": "gesture", "id": "g1", "lexeme": "large", "stroke": "s:m1"}]}""",
+)
+
+
+@contextmanager
+def recorded_model(asked: list[dict]) -> Iterator[str]:
+    """A chat API that answers as a model did; what it is asked is kept."""
+
+    class Recorded(BaseHTTPRequestHandler):
+        def do_POST(self) -> None:
+            assert self.path == "/v1/chat/completions"
+            asked.append(json.loads(self.rfile.read(int(self.headers["Content-Length"]))))
+            message = {"role": "assistant", "content": ANSWERS[len(asked) - 1]}
+            body = json.dumps({"choices": [{"message": message}]}).encode()
+            self.send_response(200)
+            self.send_header("Content-Length", str(len(body)))
+            self.end_headers()
+            self.wfile.write(body)
+
+        def log_message(self, *_arguments: object) -> None:
+            """Says nothing."""
+
+    with ThreadingHTTPServer(("127.0.0.1", 0), Recorded) as model:
+        Thread(target=model.serve_forever, daemon=True).start()
+        yield f"http://127.0.0.1:{model.server_port}/v1"
+        model.shutdown()
+
+
+def test_a_model_performs_a_story_and_mends_what_is_refused(server, tmp_path):
+    asked: list[dict] = []
+    story = tmp_path / "story.txt"
+    story.write_text(STORY)
+    with recorded_model(asked) as url:
+        call = [sys.executable, EXAMPLES / "11_story.py", url, "recorded", story, str(server.port)]
+        done = subprocess.run(call, capture_output=True, text=True, check=True)
+    assert "story2:end" in done.stdout
+    first, second = (each["messages"] for each in asked)
+    assert STORY in first[1]["content"]
+    assert "PARSING_FAILURE" in second[-1]["content"]
+    assert second[-2]["content"] == ANSWERS[0]
 
 
 @contextmanager

@@ -32,6 +32,7 @@ STYLE_HELP = f"Manner, unless documents say otherwise: {', '.join(names_of('styl
 LISTEN_HELP = "Address for TCP and WebSocket; 'none' for standard input alone. Port 0: any that is free."
 TOKEN_HELP = "That clients must show; needed where others than this machine can connect. Also KINESIC_TOKEN."
 ORIGIN_HELP = "Whose pages may connect beside the server's own, such as http://localhost:5173; repeat it."
+TEXT_HELP = "Says messages that are neither XML nor JSON, with gestures that fit their words."
 TWIN_HELP = "nominal, pessimistic, both (checks of the nominal one, errors of both), or a TOML file of factors."
 TERMS_HELP = "What of the servos is inverted: everything, what speed needs, or nothing."
 CORRECTION_HELP = "Goals corrected by what the twin measures."
@@ -112,6 +113,7 @@ class Door:
         tuple[str, ...],
         click.option("--allow-origin", "origins", multiple=True, metavar="ORIGIN", help=ORIGIN_HELP),
     ]
+    texts: Annotated[bool, click.option("--text", "texts", is_flag=True, help=TEXT_HELP)]
 
 
 @dataclass(frozen=True)

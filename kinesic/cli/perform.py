@@ -10,7 +10,8 @@ import click
 from kinesic.bml.block import Block
 from kinesic.body.config import ConfigError
 from kinesic.cli.ending_signals import STOPPED
-from kinesic.cli.options import FAULT, Output, Performers, Planning, TwinOptions
+from kinesic.cli.live.say import speak_as_it_comes
+from kinesic.cli.options import FAULT, Output, Performers, Planning, TwinOptions, read_input
 from kinesic.cli.plain_words import printable, printable_xml
 from kinesic.cli.plan import document_name, is_motion, parse_document, parse_text, plan_motion
 from kinesic.cli.playback import follow_servos, perform_on_servos, play_whole, preview_window, write_live
@@ -130,7 +131,11 @@ def say_text(
     film: FilmSettings | None,
     to: str,
 ) -> int:
-    """Writes BML for a text and performs it; only prints it, if that is wanted."""
+    """Writes BML for a text and performs it; only prints it, if that is wanted. `-` is standard input, as it comes."""
+    if text == "-" and to == "bml":
+        text = read_input(text).decode(errors="replace")
+    elif text == "-":
+        return speak_as_it_comes(planning, performers, output)
     if to == "bml":
         click.echo(printable_xml(write_bml(text, planning.set_up())), nl=False)
         return 0

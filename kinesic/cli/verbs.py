@@ -208,7 +208,10 @@ def _import_robot() -> None:
 @click.option("--to", type=click.Choice(["performance", "bml"]), default="performance", help="bml: only prints it.")
 @done_by("perform:say_text")
 def _say() -> None:
-    """Says TEXT with gestures, head, face and gaze for what it means; each has its reason in the BML."""
+    """Says TEXT with gestures, head, face and gaze for what it means; each has its reason in the BML.
+
+    With - as TEXT standard input is said as it comes, phrase by phrase, live and without a report.
+    """
 
 
 @kinesic.group()

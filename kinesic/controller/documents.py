@@ -33,11 +33,19 @@ def write_fml(text: str | bytes, known: Setup, *, source: str = "<text>") -> tup
 def write_bml(text: str, known: Setup) -> str:
     """Writes BML that says a text and performs what it means, with the seed and in the style of a setup."""
     seed = known.idling.seed
-    return author(text, known.lexicon, known.style, language=known.language, sets=_shown(known)[0], seed=seed)
+    return author(text, known.lexicon, known.style, language=known.language, sets=intention_sets(known), seed=seed)
+
+
+def intention_sets(known: Setup) -> BehaviourSets:
+    """Finds what shows intentions: the sets of a setup's lexicon of intentions, or those that come with kinesic.
+
+    Raises:
+        ConfigError: the lexicon is wrong.
+    """
+    lexicon = known.intentions.lexicon
+    return own_sets() if lexicon is None else read_lexicon(lexicon)
 
 
 def _shown(known: Setup) -> tuple[BehaviourSets, Agent]:
     """What shows intentions, and who."""
-    files = known.intentions
-    sets = own_sets() if files.lexicon is None else read_lexicon(files.lexicon)
-    return sets, read_agent(files.baseline, files.qualifiers)
+    return intention_sets(known), read_agent(known.intentions.baseline, known.intentions.qualifiers)

@@ -2,7 +2,7 @@
 
 import random
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from kinesic.intent.behaviour_sets import NONE, BehaviourSet, BehaviourSets, Channel, Choice, Signal
 from kinesic.intent.budget import Budget
@@ -27,6 +27,7 @@ class ChosenBehaviour:
     amount: float | None = None
     repetition: int | None = None
     manner: Mapping[str, float] = field(default_factory=dict)  # numbers of expressivity, -1..1
+    begin: str = ""  # when a hand sets out for it, in words of BML; empty: as early as it likes
 
 
 @dataclass(frozen=True)
@@ -44,6 +45,18 @@ class Selection:
 
     behaviours: tuple[ChosenBehaviour, ...]
     omissions: tuple[Omission, ...]
+    replaced: tuple[ChosenBehaviour, ...] = ()  # earlier ones that give way to these
+
+
+@dataclass(frozen=True)
+class Earlier:
+    """What shows the words before these."""
+
+    fixed: tuple[ChosenBehaviour, ...] = ()  # it is done, or has begun
+    free: tuple[ChosenBehaviour, ...] = ()  # it may still give way
+
+
+NOTHING_BEFORE = Earlier()
 
 
 @dataclass(frozen=True)
@@ -54,6 +67,7 @@ class _Candidate:
     signal: Signal
     weight: float  # certainty, and more where it is needed
     choices: tuple[Choice, ...]
+    earlier: ChosenBehaviour | None = None  # that it is already
 
 
 def choose_behaviours(
@@ -63,6 +77,8 @@ def choose_behaviours(
     *,
     seed: int = 0,
     agent: Agent | None = None,
+    since: float = 0.0,
+    earlier: Earlier = NOTHING_BEFORE,
 ) -> Selection:
     """Chooses behaviours for all intents; the same intents, sets, budget and seed have the same behaviours.
 
@@ -75,12 +91,14 @@ def choose_behaviours(
         budget: how much there may be.
         seed: of what is drawn.
         agent: whose preferences and expressivity count; None: nobody's.
+        since: [s] intents with earlier strokes are shown already; where they deny something no head nods all the same.
+        earlier: what shows them. The budget is for these that may still give way and for what is chosen.
     """
     agent = agent or Agent()
     chance = random.Random(seed)
     omitted: list[Omission] = []
     wanted: dict[Channel, list[_Candidate]] = {"gesture": [], "head": [], "face": [], "gaze": [], "torso": []}
-    for intent in intents:
+    for intent in (each for each in intents if each.stroke.seconds >= since):
         found = sets.find(intent.name)
         if found is None:
             omitted.append(Omission(intent, None, f"no behaviour set is called {intent.name}"))
@@ -90,12 +108,24 @@ def choose_behaviours(
             wanted[each.signal.channel].append(each)
         if not candidates:
             omitted.append(Omission(intent, None, f"the set of {intent.name} is empty"))
-    chosen: list[ChosenBehaviour] = []
+    chosen, replaced = list[ChosenBehaviour](), list[ChosenBehaviour]()
     for channel, all_of_it in wanted.items():
-        kept = _spaced(all_of_it, channel, intents, budget, omitted)
-        chosen += _with_lexemes(kept, channel, agent, chance, omitted)
+        fixed = [each for each in earlier.fixed if each.channel == channel]
+        shown = KeptIntents(each.intent for each in fixed)
+        free = [_stands(each) for each in earlier.free if each.channel == channel]
+        denied = KeptIntents(each for each in intents if each.name in DENIALS)
+        kept = _spaced([*free, *all_of_it], channel, denied, shown, budget, omitted)
+        replaced += [each.earlier for each in free if each.earlier is not None and each not in kept]
+        chosen += _with_lexemes(kept, channel, agent, chance, omitted, [each.lexeme for each in fixed])
     chosen.sort(key=lambda each: (each.intent.stroke.seconds, each.channel))
-    return Selection(tuple(chosen), tuple(omitted))
+    return Selection(tuple(chosen), tuple(omitted), tuple(replaced))
+
+
+def _stands(behaviour: ChosenBehaviour) -> _Candidate:
+    """An earlier behaviour as a candidate that gives way to none of its own certainty."""
+    choices = (Choice(behaviour.lexeme, 1.0),)
+    signal = Signal(behaviour.channel, behaviour.channel, choices)
+    return _Candidate(behaviour.intent, signal, behaviour.intent.certainty + NEED, choices, behaviour)
 
 
 def _candidates(intent: Intent, found: BehaviourSet, agent: Agent, chance: random.Random) -> Iterable[_Candidate]:
@@ -133,15 +163,15 @@ def _is_absent(signal: Signal, intent: Intent, agent: Agent, chance: random.Rand
 def _spaced(
     candidates: Sequence[_Candidate],
     channel: Channel,
-    intents: Sequence[Intent],
+    denied: KeptIntents,
+    taken: KeptIntents,
     budget: Budget,
     omitted: list[Omission],
 ) -> list[_Candidate]:
     """Keeps the most certain ones that are far enough apart and within the budget, in their order in time."""
-    denied = KeptIntents(each for each in intents if each.name in DENIALS)
-    kept, taken = list[_Candidate](), KeptIntents()
+    kept, room = list[_Candidate](), len(taken) + budget.gestures
     for each in sorted(candidates, key=lambda each: -each.weight):
-        why = _hindrance(each, channel, taken, denied, budget)
+        why = _hindrance(each, channel, taken, denied, replace(budget, gestures=room))
         if why:
             omitted.append(Omission(each.intent, channel, why))
         else:
@@ -170,11 +200,19 @@ def _hindrance(candidate: _Candidate, channel: Channel, kept: KeptIntents, denie
 
 
 def _with_lexemes(
-    kept: Sequence[_Candidate], channel: Channel, agent: Agent, chance: random.Random, omitted: list[Omission]
+    kept: Sequence[_Candidate],
+    channel: Channel,
+    agent: Agent,
+    chance: random.Random,
+    omitted: list[Omission],
+    before: Sequence[str],
 ) -> Iterable[ChosenBehaviour]:
-    """Draws a choice for each candidate; of gestures one that was not among the last ones."""
-    recent: list[str] = []
+    """Draws a choice for each candidate; of gestures one that was not among the last ones, those before counted."""
+    recent = [*before][-(RECENT - 1) :]
     for each in kept:
+        if each.earlier is not None:
+            recent = [*recent, each.earlier.lexeme][-(RECENT - 1) :]
+            continue
         free = [choice for choice in each.choices if channel != "gesture" or choice.lexeme not in recent]
         if not free:
             why = f"{each.choices[0].lexeme} was among the last {RECENT - 1} gestures"

@@ -25,14 +25,30 @@ LINE = 100  # letters of a line of speech, about
 _USED = re.compile(rf'{SPEECH}:(\w+)["+-]')  # a sync point of the speech that a behaviour is tied to
 
 
-def write_text(passage: Passage, behaviours: Sequence[ChosenBehaviour], *, block: str = "said") -> str:
-    """Writes a block that says a text and performs what was chosen for it."""
+def write_text(
+    passage: Passage,
+    behaviours: Sequence[ChosenBehaviour],
+    *,
+    block: str = "said",
+    words: range | None = None,
+    start: str = "",
+) -> str:
+    """Writes a block that says a text and performs what was chosen for it.
+
+    Args:
+        passage: the text.
+        behaviours: that were chosen.
+        block: its id.
+        words: which words of the text it says; None: all.
+        start: sync point at which it begins to speak; without one where the behaviours let it.
+    """
     elements = list(write_behaviours(behaviours))
     used = "\n".join(elements)
+    beginning = f" start={quoteattr(start)}" if start else ""
     lines = [
         f'<bml {NAMESPACES} id="{block}">',
-        f'  <speech id="{SPEECH}" language={quoteattr(passage.language)}>',
-        f"    <text>{_spoken(passage, used)}</text>",
+        f'  <speech id="{SPEECH}" language={quoteattr(passage.language)}{beginning}>',
+        f"    <text>{_spoken(passage, used, words or range(len(passage.words)))}</text>",
         "  </speech>",
         *(f"  {element}" for element in elements),
         "</bml>",
@@ -42,9 +58,17 @@ def write_text(passage: Passage, behaviours: Sequence[ChosenBehaviour], *, block
 
 def write_behaviours(behaviours: Iterable[ChosenBehaviour], taken: Collection[str] = ()) -> Iterator[str]:
     """Writes each behaviour as an element of BML, with an id that is not taken."""
+    for id, each in name_behaviours(behaviours, taken):
+        yield _element(each, id)
+
+
+def name_behaviours(
+    behaviours: Iterable[ChosenBehaviour], taken: Collection[str] = ()
+) -> Iterator[tuple[str, ChosenBehaviour]]:
+    """Gives each behaviour the id under which it is written, which is not taken."""
     ids = {channel: _free_ids(letter, taken) for channel, letter in LETTERS.items()}
     for each in behaviours:
-        yield _element(each, next(ids[each.channel]))
+        yield next(ids[each.channel]), each
 
 
 def _free_ids(letter: str, taken: Collection[str]) -> Iterator[str]:
@@ -76,6 +100,8 @@ def _element(each: ChosenBehaviour, id: str) -> str:
         case "torso":
             name = "torso"
             written |= {"lexeme": each.lexeme, **_numbers(each), **_span(each, LEAST_FACE)}
+    if each.begin:
+        written["start"] = each.begin
     written |= {f"kinesic:{name}": f"{value:.3g}" for name, value in each.manner.items()}
     if intent.style and each.channel == "gesture":
         written["kinesic:style"] = intent.style
@@ -106,18 +132,22 @@ def _look(each: ChosenBehaviour) -> dict[str, str]:
     return {"influence": "EYES", "offsetAngle": f"{angle:g}", "offsetDirection": direction}
 
 
-def _spoken(passage: Passage, used: str) -> str:
+def _spoken(passage: Passage, used: str, words: range) -> str:
     """What is said, with a sync point before each word that a behaviour is tied to."""
     pieces: list[str] = []
     length, marks = 0, frozenset(_USED.findall(used))
-    for k, word in enumerate(passage.words):
-        between = escape(word.before)
+    for k in words:
+        word = passage.words[k]
+        is_first = k == words.start > 0  # what ends the words before it is said with them
+        between = escape(word.before.partition(" ")[2] if is_first else word.before)
         if length > LINE and between.endswith(" "):
             between, length = f"{between.rstrip()}\n      ", 0
-        pause = f'<break time="{word.pause:g}s"/>' if word.pause else ""
+        pause = f'<break time="{word.pause:g}s"/>' if word.pause and not is_first else ""
         sync = f'<sync id="{mark(k)}"/>' if mark(k) in marks else ""
         said = f'<emphasis level="strong">{escape(word.text)}</emphasis>' if word.emphatic else escape(word.text)
         pieces.append(f"{between}{pause}{sync}{said}")
         length += len(word.before) + len(sync) + len(said)
+    if words.stop < len(passage.words):
+        return f"{''.join(pieces)}{escape(passage.words[words.stop].before.partition(' ')[0])}"
     pause = f'<break time="{passage.tail_pause:g}s"/>' if passage.tail_pause else ""
     return f"{''.join(pieces)}{escape(passage.tail)}{pause}"

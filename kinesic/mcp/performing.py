@@ -9,7 +9,8 @@ from kinesic.mcp.teaching import Json
 from kinesic.serve.wire.protocol import END, control
 
 MOST_NOTICES = 12
-_ID = re.compile(r"<(?:\w+:)?bml\b[^<>]*?\sid\s*=\s*([\"'])(.+?)\1")
+# The id of the first <bml>, with any prefix and in either kind of quotes.
+_BML_ID = re.compile(r"<(?:\w+:)?bml\b[^<>]*?\sid\s*=\s*([\"'])(.+?)\1")
 
 
 class RefusedError(ValueError):
@@ -22,7 +23,7 @@ class Performing:
     def __init__(self, robot: RobotLine) -> None:
         """Performs by a connection."""
         self._robot = robot
-        self._one = Lock()  # of two documents that are planned at once the server answers the later one alone
+        self._planning = Lock()  # of two documents that are planned at once the server answers the later one alone
 
     def perform(self, document: str) -> Answer:
         """Plans a document, and has it performed where it can be.
@@ -35,7 +36,7 @@ class Performing:
             RobotError: nobody answers.
         """
         block = _block_id(document)
-        with self._one:
+        with self._planning:
             return self._perform(document, block)
 
     def _perform(self, document: str, block: str) -> Answer:
@@ -65,7 +66,7 @@ def _block_id(document: str) -> str:
         raise RefusedError(f"neither BML nor a document in JSON: {error}") from None
     text = document.lstrip()
     if not text.startswith(("{", "[")):
-        found = _ID.search(text)
+        found = _BML_ID.search(text)
         if found is None:
             raise RefusedError('no <bml id="...">: give the block an id of its own')
         return found[2]

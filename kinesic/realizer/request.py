@@ -7,6 +7,8 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
+import msgspec
+
 from kinesic.bml.block import (
     BOUNDS,
     Behaviour,
@@ -35,6 +37,13 @@ from kinesic.planning.speech import synthesise_block
 LEAD = 0.15  # [s] from the request to the beginning of a block that refers to others: time to plan it
 HEAD = 65_536  # [bytes] of a document in which its id is looked for
 _ID = re.compile(rb"""<(?:\w+:)?bml\b[^<>]*?\sid\s*=\s*["']([^"']+)["']""")
+
+
+class _Named(msgspec.Struct):
+    id: str = UNNAMED
+
+
+_named = msgspec.json.Decoder(_Named)
 
 
 @dataclass(frozen=True)
@@ -185,6 +194,12 @@ def refusal_feedback(message: Message, error: BmlError) -> str:
 
 
 def block_id(text: str | bytes) -> str:
-    """Reads the id of a document's block from its first tag; `UNNAMED` where it has none."""
-    found = _ID.search(text.encode() if isinstance(text, str) else text, 0, HEAD)
+    """Reads the id of a document's block, from its first tag or its JSON; `UNNAMED` where it has none."""
+    data = text.encode() if isinstance(text, str) else text
+    if data.lstrip()[:1] == b"{":
+        try:
+            return _named.decode(data).id
+        except (msgspec.DecodeError, UnicodeDecodeError):
+            return UNNAMED
+    found = _ID.search(data, 0, HEAD)
     return found[1].decode(errors="replace") if found else UNNAMED

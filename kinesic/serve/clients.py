@@ -8,7 +8,7 @@ from itertools import count
 from kinesic.bml.block import NoticeType
 from kinesic.realizer.request import Message
 from kinesic.serve.desk.asker import Asker
-from kinesic.serve.messages import Restyling
+from kinesic.serve.messages import Restyling, Words
 from kinesic.serve.queues import OutputQueue, UnreadMemory
 from kinesic.serve.session import Session
 from kinesic.serve.wire.origin import Access
@@ -20,9 +20,11 @@ from kinesic.serve.wire.protocol import (
     Ping,
     Restyle,
     Resume,
+    SpokenWords,
     Stop,
     StopLineRequest,
     control,
+    is_text,
     json_answer,
     stop_failure,
 )
@@ -31,7 +33,8 @@ from kinesic.serve.wire.quotas import Quotas, TokenBucket, quota_feedback
 
 NORMAL, POLICY, TOO_BIG, LATER = 1000, 1008, 1009, 1013  # WebSocket's close codes
 EXCESS = 10  # times as many messages as are taken at once may be refused before a client is sent away
-DRAGGED = 4  # times as many reaches may be asked for as other messages are taken
+MANY = ReachQuestion | SpokenWords  # messages of which there are many
+DRAGGED = 4  # times as many of these are taken as of others
 NO_TOKEN = 'a token is needed: send {"do": "hello", "token": "..."} first'
 
 
@@ -43,7 +46,7 @@ class ConnectedClient:
     name: str  # its address
     admitted: bool  # has shown the token, or needs none
     bucket: TokenBucket  # of messages that are taken
-    questions: TokenBucket  # of those that ask for a reach, which are many while somebody drags a hand
+    questions: TokenBucket  # of those that ask for a reach, while somebody drags a hand, and of words
     excess: TokenBucket  # of those that are refused one by one
     output: OutputQueue
     movable: bool  # a connection that another thread may go on with; standard input is none
@@ -142,17 +145,22 @@ class ClientRegistry:
             self._free(client)
         elif not self.place(client) and not isinstance(request, Hello):
             client.close(LATER, f"rule clients: {self.rules.clients} are connected already; you may only stop")
-        elif not (client.questions if isinstance(request, ReachQuestion) else client.bucket).take():
+        elif not (client.questions if isinstance(request, MANY) else client.bucket).take():
             what = f"at most {self.rules.rate:g} messages a second are taken from each client"
             self._refuse(client, quota_feedback("rate", what))
         elif request is not None:
             self._obey(client, request)
+        elif self.access.texts and is_text(message):
+            self._hand_on(client, Words(message.decode(errors="replace"), client.number, ends=True))
         else:
             client.count += 1
             source = f"<{client.name}, message {client.count}>"  # no file, so that it names none beside it
-            refusal = self.session.perform(Message(message, client.number, source))
-            if refusal is not None:
-                client.send(refusal)
+            self._hand_on(client, Message(message, client.number, source))
+
+    def _hand_on(self, client: ConnectedClient, message: Message) -> None:
+        refusal = self.session.perform(message)
+        if refusal is not None:
+            client.send(refusal)
 
     def refuse_overlong(self, client: ConnectedClient, error: ValueError) -> None:
         """Answers a message that is longer than it may be."""
@@ -210,8 +218,11 @@ class ClientRegistry:
                 self.session.interrupt(block)
             case Restyle(style, changes, amount, block):
                 self.session.restyle(Restyling(style, changes, amount, block, client.number))
-            case Enquiry():
-                client.send(json_answer("status", clients=self._taken, **self.session.status()))
+            case SpokenWords(text, ends, instead):
+                self._hand_on(client, Words(text, client.number, ends=ends, instead=instead))
+            case Enquiry(id):
+                number = {"id": id} if id else {}
+                client.send(json_answer("status", **number, clients=self._taken, **self.session.status()))
             case Ping(id):
                 client.send(json_answer("pong", id=id))
             case Hello() | StopLineRequest():

@@ -50,8 +50,16 @@ class BodyReport(Struct, frozen=True):
 
 
 @dataclass(frozen=True)
+class Words(Message):
+    """Words that a client wants said, with what they mean; more may follow."""
+
+    ends: bool = False  # whether no more follow
+    instead: bool = False  # whether they take the place of all that is not said yet
+
+
+@dataclass(frozen=True)
 class DocumentRequest:
-    """To the planner: perform a document."""
+    """To the planner: perform a document, or say words."""
 
     message: Message
     stops: int  # emergency stops so far; planned only if there is no further one

@@ -23,7 +23,7 @@ from kinesic.realizer.realizer import (
     prepare_block,
 )
 from kinesic.realizer.release import release_motion
-from kinesic.realizer.request import block_id, read_request, refusal_feedback
+from kinesic.realizer.request import Message, block_id, read_request, refusal_feedback
 from kinesic.serve.idling import IdleScheduler
 from kinesic.serve.messages import (
     ClientRequest,
@@ -40,10 +40,12 @@ from kinesic.serve.messages import (
     RequestDone,
     Restyling,
     Resumption,
+    Words,
 )
 from kinesic.serve.refiner import RefinedPlan, RefinementJob, pack, unpack
 from kinesic.serve.renewal import renew_setup
-from kinesic.serve.tracks import Track, Version, make_track, track_version
+from kinesic.serve.talks import Talks
+from kinesic.serve.tracks import Version, changed_tracks
 from kinesic.serve.warm_up import warm_up
 from kinesic.serve.wire.protocol import json_answer
 from kinesic.serve.wire.quotas import Quotas, quota_feedback
@@ -96,11 +98,13 @@ def run_planner(
                 planning.take_halt(loop.recv())
             elif requests in pending:
                 planning.fulfil(requests.recv())
+                planning.speak()
                 loop.send(RequestDone())
             elif refiner in pending:
                 planning.improve(refiner.recv_bytes())
             else:
                 planning.go_on()
+            planning.speak()
             planning.request_refinement()
     except (EOFError, BrokenPipeError, ConnectionResetError):
         return
@@ -128,13 +132,15 @@ class PlannerState:
         self._accompaniment = properties.accompaniment
         self._versions = dict[str, Version]()  # of the tracks that the loop has
         self._refining = False  # whether the refiner is at work
-        self._idling = IdleScheduler()
+        self._idling, self._talks = IdleScheduler(), Talks()
         self._scene = replace(Scene.of(setup), motion=beginning.motion, agenda=beginning.agenda)
 
     @property
     def pause(self) -> float | None:
         """Time until something is due [s]; None where nothing is."""
-        pause = min(self._scene.next_time, self._idling.next_time(self._scene)) - self._clock.now()
+        scene = self._scene
+        next_time = min(scene.next_time, self._idling.next_time(scene), self._talks.next_time(scene))
+        pause = next_time - self._clock.now()
         return max(pause, LOOK) if isfinite(pause) else None
 
     def go_on(self) -> None:
@@ -153,12 +159,13 @@ class PlannerState:
         if isinstance(request, DocumentRequest | Resumption):
             self._catch_up(request.stops)
         match request:
-            case DocumentRequest():
+            case DocumentRequest(message):
                 self._idling.allow(self._clock.now())
-                self._plan(request)
+                self._hear(message) if isinstance(message, Words) else self._plan(request)
             case Interruption(block):
                 if block is None:
                     self._idling.forbid()
+                    self._talks.clear()
                 self._propose(lambda scene, now: interrupt(scene, now, block))
             case Restyling():
                 self._restyle(request)
@@ -167,6 +174,23 @@ class PlannerState:
                 self._renewals += 1
             case Resumption(stops) if stops == self._stops:
                 self._propose(_resume)
+
+    def speak(self) -> None:
+        """Says the next phrases of texts that come word by word, as soon as they are whole and it is their turn."""
+        while (phrase := self._talks.next_phrase(self._scene, self._clock.now())) is not None:
+            self._tell(phrase.answer, phrase.sender)
+            if phrase.replaced:
+                self._propose(phrase.make_way)
+            self._plan(DocumentRequest(Message(phrase.bml, phrase.sender, "<words>"), self._stops))
+        for sender, block in self._talks.finished(self._scene.setup):
+            self._tell(json_answer("all_said", block=block), sender)
+
+    def _hear(self, words: Words) -> None:
+        """Takes words, and lets the loop know that their client is owed something."""
+        refusal = self._talks.take(words, self._clock.now())
+        if refusal:
+            self._tell(quota_feedback("waiting", refusal), words.sender)
+        self._propose(advance)
 
     def request_refinement(self) -> None:
         """Has the refiner plan the first block that could be planned better, when it has nothing else to do."""
@@ -194,6 +218,7 @@ class PlannerState:
         """Takes over the motion of an emergency stop, which interrupts every block."""
         self._stops = halted.stops
         self._idling.forbid()
+        self._talks.clear()
         self._propose(lambda scene, _now: replace(interrupt(scene, halted.time), motion=halted.motion), moves=False)
 
     def _catch_up(self, stops: int) -> None:
@@ -260,9 +285,9 @@ class PlannerState:
             scene = change(replace(self._scene, ahead=ahead, said=()), now)
             self._took = min(LONGEST, max(self._clock.now() - now, SLOWER * self._took))
             motion = scene.motion if moves and scene.motion is not self._scene.motion else None
-            versions, tracks = self._tracks(scene)
+            versions, tracks = changed_tracks(scene, self._versions, self._accompaniment)
             idles = scene.idle is not None and not scene.blocks
-            owed = frozenset(block.sender for block in scene.blocks)
+            owed = frozenset(block.sender for block in scene.blocks) | self._talks.senders
             moving = {(block.id, need.behaviour): need.hinges for block in scene.blocks for need in block.occupancy}
             self._loop.send(
                 Proposal(
@@ -280,17 +305,6 @@ class PlannerState:
                 self._catch_up(verdict.stops)
                 return False
         return False
-
-    def _tracks(self, scene: Scene) -> tuple[dict[str, Version], dict[str, Track | None]]:
-        """Versions of all tracks of the blocks that play, and the tracks that have changed."""
-        if not (self._accompaniment.face or self._accompaniment.sound):
-            return {}, {}
-        resting = () if scene.idle is None else (scene.idle,)
-        playing = {running.id: running for running in (*resting, *scene.playing)}
-        versions = {id: track_version(running) for id, running in playing.items()}
-        over: dict[str, Track | None] = dict.fromkeys(self._versions.keys() - versions.keys())
-        fresh = [id for id, own in versions.items() if self._versions.get(id) != own]
-        return versions, over | {id: make_track(playing[id], self._accompaniment) for id in fresh}
 
     def _answer(self) -> tuple[Halted | None, ProposalVerdict]:
         """The last emergency stop before the loop's verdict, and the verdict."""

@@ -5,14 +5,29 @@ So nobody waits behind somebody else's heap, and a slow reader costs nobody else
 
 from asyncio import Event
 from collections import deque
+from dataclasses import replace
 from sys import getsizeof
 
 from kinesic.bml.block import Notice, NoticeType
 from kinesic.bml.feedback import warning
 from kinesic.realizer.request import Message
+from kinesic.serve.messages import Words
 from kinesic.serve.wire.quotas import NOBODY
 
+MOST_TEXT = 100_000  # letters of words that are joined
 MINOR = "<syncPointProgress"  # what such a message begins with
+
+
+def join_words(earlier: Message, later: Message) -> Words | None:
+    """Joins words that wait with those that follow them; None where they are not to be joined."""
+    if not (isinstance(earlier, Words) and isinstance(later, Words)) or earlier.ends or later.instead:
+        return None
+    text = f"{_text(earlier)}{_text(later)}"
+    return replace(earlier, text=text, ends=later.ends) if len(text) <= MOST_TEXT else None
+
+
+def _text(message: Message) -> str:
+    return message.text if isinstance(message.text, str) else message.text.decode(errors="replace")
 
 
 class FairQueue:
@@ -32,6 +47,10 @@ class FairQueue:
     def add(self, document: Message) -> bool:
         """Adds a document; False where too many of this sender's wait."""
         line = self._lines.setdefault(document.sender, deque())
+        joined = join_words(line[-1], document) if line else None
+        if joined is not None:
+            line[-1] = joined
+            return True
         if len(line) >= self._most:
             return False
         line.append(document)

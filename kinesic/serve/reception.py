@@ -6,7 +6,7 @@ nobody out. A connection costs next to nothing until its first byte comes.
 
 import socket
 from asyncio import Task, TimerHandle, create_task, get_running_loop, timeout, wait
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import partial
 from resource import RLIMIT_NOFILE, getrlimit
@@ -19,7 +19,7 @@ from kinesic.serve.wire.origin import own_authorities
 from kinesic.serve.wire.pace import Pace
 from kinesic.serve.wire.pages import NO_FILES, WebFile
 from kinesic.serve.wire.protocol import BLANK
-from kinesic.serve.wire.quotas import TokenBucket
+from kinesic.serve.wire.quotas import Quotas, TokenBucket
 from kinesic.serve.wire.transport import UNKNOWN, Console, HalfError, OverlongError, Stream, Transport
 from kinesic.serve.wire.websocket import WebSocket
 
@@ -215,11 +215,11 @@ class Reception:
             reads.widen(READS)
 
 
-async def attend_console(clients: ClientRegistry) -> None:
+async def attend_console(clients: ClientRegistry, make_console: Callable[[Quotas], Console] = Console) -> None:
     """Attends to standard input until it ends and everything from it is performed."""
     client = clients.join("stdin", trusted=True, movable=False)
     clients.place(client)
-    await attend(clients, Console(clients.rules), client)
+    await attend(clients, make_console(clients.rules), client)
 
 
 async def _read_first(line: Transport) -> bytes:

@@ -21,6 +21,7 @@ from kinesic.serve.tracks import SILENT, SoundAndFace
 from kinesic.serve.wire.origin import ANYBODY_HERE, Access
 from kinesic.serve.wire.pages import NO_FILES, WebFile
 from kinesic.serve.wire.quotas import USUAL, Quotas
+from kinesic.serve.wire.transport import Console
 
 SWITCH = 0.001  # [s] after which clients and the loop take the interpreter from each other
 AWAY = 1001  # WebSocket's code of a server that ends
@@ -103,16 +104,19 @@ async def open_serving(
         clients.session.close()
 
 
-async def until_done(open_: Serving, enough: Event, *, console: bool) -> None:
+async def until_done(
+    open_: Serving, enough: Event, *, console: bool, make_console: Callable[[Quotas], Console] = Console
+) -> None:
     """Waits until the end is requested, the loop has failed, or nothing can come any more.
 
     Args:
         open_: the server.
         enough: set by whoever requests the end.
         console: whether standard input is read.
+        make_console: makes what reads it, by the rules of clients.
     """
     tasks = {create_task(enough.wait()), create_task(_failed(open_.clients.session))}
-    reading = create_task(attend_console(open_.clients)) if console else None
+    reading = create_task(attend_console(open_.clients, make_console)) if console else None
     if reading is not None and open_.address is None:
         tasks.add(reading)
     await wait(tasks, return_when=FIRST_COMPLETED)

@@ -10,6 +10,7 @@ from kinesic.body.command import RATE
 from kinesic.body.utterance import Sound
 from kinesic.planning.face_track import asks_face, shown_units
 from kinesic.realizer.running_block import RunningBlock
+from kinesic.realizer.scene import Scene
 from kinesic.speech.loudspeaker import SpeakerError
 from kinesic.speech.speaker import Speaker
 
@@ -58,6 +59,26 @@ def make_track(running: RunningBlock, accompaniment: SoundAndFace) -> Track:
     is_seen = accompaniment.face and (asks_face(plan) or plan.setup.idling.amount > 0.0)
     times = np.arange(int(plan.duration * RATE) + 1) / RATE
     return Track(begin, shown_units(plan, times) if is_seen else {}, sounds if accompaniment.sound else ())
+
+
+def changed_tracks(
+    scene: Scene, known: Mapping[str, Version], accompaniment: SoundAndFace
+) -> tuple[dict[str, Version], dict[str, Track | None]]:
+    """Makes the tracks of a scene that have changed; returns the versions of all, too.
+
+    Args:
+        scene: whose blocks play.
+        known: versions of the tracks that the loop has.
+        accompaniment: whether faces and sounds have sinks.
+    """
+    if not (accompaniment.face or accompaniment.sound):
+        return {}, {}
+    resting = () if scene.idle is None else (scene.idle,)
+    playing = {running.id: running for running in (*resting, *scene.playing)}
+    versions = {id: track_version(running) for id, running in playing.items()}
+    over: dict[str, Track | None] = dict.fromkeys(known.keys() - versions.keys())
+    fresh = [id for id, own in versions.items() if known.get(id) != own]
+    return versions, over | {id: make_track(playing[id], accompaniment) for id in fresh}
 
 
 class Effects:

@@ -128,5 +128,7 @@ def test_expectations_count_only_what_is_known() -> None:
 def test_the_id_of_a_hostile_document_is_found_or_given_up_at_once():
     """Text that begins a tag again and again took hours, and nobody else had a turn."""
     assert block_id(b"<bml " * 200_000) == UNNAMED
+    assert block_id('\n{"behaviours": [{"id": "g"}], "id": "b1"}') == "b1"
+    assert block_id(b'{"id": 7}') == block_id('{"behaviours": []}') == block_id(b'{"id": "\xff"}') == UNNAMED
     assert block_id("<bml " * 10 + ' id="late">') == "late"
     assert block_id(b"<a/>" * 100_000 + b'<bml id="far">') == UNNAMED

@@ -4,7 +4,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinesic.realizer.request import Message
-from kinesic.serve.queues import MINOR, FairQueue, OutputQueue, UnreadMemory
+from kinesic.serve.messages import Words
+from kinesic.serve.queues import MINOR, MOST_TEXT, FairQueue, OutputQueue, UnreadMemory
 
 
 def waiting(sender, text=b""):
@@ -33,6 +34,34 @@ def test_who_waits_is_known_until_nobody_does():
     assert turns.clear() == (waiting(7),)
     assert 7 not in turns
     assert len(turns) == 0
+
+
+def test_words_that_wait_are_joined_until_their_talk_ends():
+    turns = FairQueue(3)
+    for each in (
+        Words("He", 1),
+        Words("llo", 1),
+        Words("!", 1, ends=True),
+        Words("No", 1),
+        Words("Yes", 1, instead=True),
+    ):
+        assert turns.add(each)
+    assert not turns.add(Words("x", 1, instead=True))
+    assert [(each.text, each.ends, each.instead) for each in iter(turns.next, None)] == [
+        ("Hello!", True, False),
+        ("No", False, False),
+        ("Yes", False, True),
+    ]
+
+
+def test_words_are_not_joined_with_documents_nor_without_end():
+    turns = FairQueue(2)
+    assert turns.add(Words("a", 1))
+    assert turns.add(waiting(1, b"<bml/>"))
+    assert not turns.add(Words("b", 1))
+    assert turns.add(Words("x" * MOST_TEXT, 2))
+    assert turns.add(Words("y", 2))
+    assert len(turns) == 4
 
 
 @settings(deadline=None)

@@ -7,6 +7,7 @@ from time import process_time
 import numpy as np
 
 from kinesic.bench.figure import Figure
+from kinesic.bench.meaning import streaming
 from kinesic.bench.meaning.sentences import deictic_sentences, prose
 from kinesic.bml.parse import parse
 from kinesic.controller.perform import set_up
@@ -59,6 +60,7 @@ def bench() -> Iterable[Figure]:
     slow = float(np.percentile([each.seconds for each in written], 95))
     yield Figure("meaning.write_p95", 1000 * slow, "ms", 20.0, "lower")
     yield Figure("meaning.dropped", sum(_dropped(texts[:PLANNED])), "behaviours", 0.0, "lower")
+    yield from streaming.bench()
 
 
 def _write(text: str, lexicon: Lexicon, style: Style) -> Written:

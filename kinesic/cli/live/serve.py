@@ -30,6 +30,7 @@ from kinesic.serve.tracks import SoundAndFace
 from kinesic.serve.wire.origin import Access, read_origin
 from kinesic.serve.wire.pages import NO_FILES, WebFile
 from kinesic.serve.wire.quotas import USUAL, Quotas
+from kinesic.serve.wire.transport import Console
 from kinesic.sim.distances import CapsuleDistances
 from kinesic.speech.loudspeaker import audio_fault
 
@@ -57,6 +58,7 @@ def open_and_serve(
     files: Mapping[str, WebFile] = NO_FILES,
     folder: Path | None = None,
     opened: Callable[[Address], None] = lambda _address: None,
+    console: Callable[[Quotas], Console] | None = None,
 ) -> int:
     """Opens a server, and waits until it has ended.
 
@@ -69,12 +71,13 @@ def open_and_serve(
         files: that browsers may have.
         folder: where clients keep documents.
         opened: called with the address once clients may come.
+        console: makes what reads standard input, a terminal too; None: messages are read there, unless it is one.
     """
     why = audio_fault() if sound is not False else "not wanted"
     if sound and why:
         raise ConfigError(f"--sound: {why}")
     address, limits = read_address(door.listen, door.token), read_rules(rules)
-    access = Access(door.token or None, frozenset(map(read_origin, door.origins)))
+    access = Access(door.token or None, frozenset(map(read_origin, door.origins)), texts=door.texts)
     sinks = _open_sinks(planning, performers)
     server = open_serving(
         planning.set_up,
@@ -86,7 +89,7 @@ def open_and_serve(
         files=files,
         folder=folder,
     )
-    return asyncio.run(_serve(server, sinks, opened))
+    return asyncio.run(_serve(server, sinks, opened, console))
 
 
 def read_address(text: str, token: str | None) -> Address | None:
@@ -144,7 +147,10 @@ def _open_sinks(planning: FrozenPlanning, performers: Performers) -> list[RealTi
 
 
 async def _serve(
-    server: AbstractAsyncContextManager[Serving], sinks: Sequence[RealTimeSink], opened: Callable[[Address], None]
+    server: AbstractAsyncContextManager[Serving],
+    sinks: Sequence[RealTimeSink],
+    opened: Callable[[Address], None],
+    console: Callable[[Quotas], Console] | None,
 ) -> int:
     enough = asyncio.Event()
 
@@ -163,7 +169,8 @@ async def _serve(
         if open_.address is not None:
             opened(open_.address)
         telling = asyncio.create_task(_tell_of_lost_events([each.sink for each in sinks]))
-        await until_done(open_, enough, console=not sys.stdin.isatty())
+        is_read = console is not None or not sys.stdin.isatty()
+        await until_done(open_, enough, console=is_read, make_console=console or Console)
         telling.cancel()
     session = open_.clients.session
     if session.loop.error is not None:

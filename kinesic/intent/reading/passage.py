@@ -29,6 +29,7 @@ class Word:
     is_content: bool  # it says something of its own: no article, pronoun, preposition, auxiliary
     emphatic: bool = False  # the writer stresses it: CAPITALS, *asterisks*, SSML
     pause: float = 0.0  # [s] that is asked for before it, beside what its punctuation does
+    end: int = 0  # place behind it in the text that was read
 
 
 @dataclass(frozen=True)
@@ -41,6 +42,7 @@ class Passage:
     tail_pause: float = 0.0  # [s] that is asked for behind the last word
     feelings: tuple[tuple[int, str], ...] = ()  # sentence and emotion of each emoticon
     language: str = "en"
+    is_over: bool = True  # its last phrase has ended: by punctuation, or because there is none
 
     @cached_property
     def sentences(self) -> tuple[Sequence[int], ...]:

@@ -19,8 +19,18 @@ STYLES = {"emotion-joy": "joyful", "emotion-joyStrong": "joyful", "emotion-sadne
 REMEMBERED = 8192  # words
 
 
-def find_intents(passage: Passage, language: Language, lexicon: Lexicon) -> tuple[Intent, ...]:
-    """Finds all that a text means, in the order in which it is said; the same text has the same intents."""
+def find_intents(
+    passage: Passage, language: Language, lexicon: Lexicon, *, begins: bool = True, ends: bool = True
+) -> tuple[Intent, ...]:
+    """Finds all that a text means, in the order in which it is said; the same text has the same intents.
+
+    Args:
+        passage: the text.
+        language: its rules.
+        lexicon: gestures that may picture its words.
+        begins: whether a turn begins with it.
+        ends: whether a turn ends with it.
+    """
     if not passage.words:
         return ()
     clauses = clause_ends(passage, language)
@@ -29,7 +39,7 @@ def find_intents(passage: Passage, language: Language, lexicon: Lexicon) -> tupl
         *(_of_part(passage, each) for each in find_phrases(passage, language)),
         *_pictures(passage, lexicon),
         *_feelings(passage),
-        *_turns(passage),
+        *_turns(passage, begins=begins, ends=ends),
     ]
     return tuple(sorted(found, key=lambda intent: (intent.stroke.seconds, -intent.certainty, intent.name)))
 
@@ -87,26 +97,20 @@ def _feelings(passage: Passage) -> Iterator[Intent]:
             yield _intent(passage, feeling, (indices[0], indices[-1], indices[-1]), EMOTICON, why, style=rule)
 
 
-def _turns(passage: Passage) -> Iterator[Intent]:
+def _turns(passage: Passage, *, begins: bool, ends: bool) -> Iterator[Intent]:
     """Where the speaker takes and gives the floor, and where phrases and sentences end."""
     last = len(passage.words) - 1
-    if last >= LONG:
-        end = passage.close(min(2, last))
-        yield Intent(
-            "turn-begin",
-            Moment(f"{SPEECH}:start", 0.0),
-            end,
-            end,
-            0.5,
-            "the turn begins: eyes go aside to plan",
-            word=0,
-        )
-    yield _intent(passage, "turn-end", (last, last, last), 0.6, "the turn ends: it is looked at who listens")
-    for indices in passage.phrases[:-1]:
+    if begins and last >= LONG:
+        start, end, why = Moment(f"{SPEECH}:start", 0.0), passage.close(min(2, last)), "eyes go aside to plan"
+        yield Intent("turn-begin", start, end, end, 0.5, f"the turn begins: {why}", word=0)
+    if ends:
+        yield _intent(passage, "turn-end", (last, last, last), 0.6, "the turn ends: it is looked at who listens")
+    for indices in passage.phrases if passage.is_over and not ends else passage.phrases[:-1]:
         k = indices[-1]
-        ends = passage.words[k + 1].sentence != passage.words[k].sentence
-        name, what = ("boundary-sentence", "sentence") if ends else ("boundary-phrase", "phrase")
-        yield _intent(passage, name, (k, k, k), 0.4 if ends else 0.15, f"a {what} ends with '{passage.words[k].text}'")
+        is_end = k < last and passage.words[k + 1].sentence != passage.words[k].sentence
+        name, what = ("boundary-sentence", "sentence") if is_end else ("boundary-phrase", "phrase")
+        sure = 0.4 if is_end else 0.15
+        yield _intent(passage, name, (k, k, k), sure, f"a {what} ends with '{passage.words[k].text}'")
 
 
 def _intent(

@@ -14,12 +14,12 @@ LEAST_PHRASE = 4  # words before a conjunction that begins a phrase of its own
 LONGEST_BREAK = 10.0  # [s] that a text may ask for
 DASH, ELLIPSIS = 0.15, 0.4  # [s] of silence beside that of the voice
 
-_TAG = re.compile(r"<(/?)([A-Za-z]\w*+(?:[:-]++\w++)*+)[^<>]*+>")
+_TAG = re.compile(r"<(/?)([A-Za-z]\w*+(?:[:-]++\w++)*+)")  # the beginning of one
+_ANY_TAG = re.compile(r"</?[A-Za-z][^<>]*+>")
 _TIME = re.compile(r"time\s*=\s*[\"'](\d++(?:\.\d*+)?|\.\d++)(ms|s)[\"']")  # of a break
 _CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f\ufeff\ufffe\uffff\ud800-\udfff]")
 _TOKENS = r"""
-    (?P<silence>\x02\d+\.\d+\x03)
-    | (?P<open>\x04) | (?P<close>\x05)
+    (?P<tag></?[A-Za-z]\w*+(?:[:-]++\w++)*+[^<>]*+>)
     | (?P<stars>\*{{1,3}}|(?<!\w)_(?=\w)|(?<=\w)_(?!\w))
     | (?P<emoticon>{emoticon})
     | (?P<ellipsis>\.{{2,}}|\u2026)
@@ -41,9 +41,9 @@ def read_text(text: str, language: Language) -> Passage:
         text: as somebody wrote it, also with the tags of SSML.
         language: its abbreviations, emoticons, closed classes and conjunctions.
     """
-    reading = _Reading(language, is_shouted=_is_shouted(text))
-    for token in _tokens(language.emoticon).finditer(_without_tags(_CONTROLS.sub(" ", text))):
-        reading.take(token.lastgroup or "", token[0])
+    reading = _Reading(language, is_shouted=_is_shouted(_ANY_TAG.sub(" ", text) if "<" in text else text))
+    for token in _tokens(language.emoticon).finditer(_CONTROLS.sub(" ", text)):
+        reading.take(token.lastgroup or "", token[0], token.end())
     return reading.passage()
 
 
@@ -51,19 +51,6 @@ def read_text(text: str, language: Language) -> Passage:
 def _tokens(emoticon: str) -> re.Pattern[str]:
     spaced = emoticon.replace(" ", r"\ ").replace("#", r"\#")
     return re.compile(_TOKENS.format(emoticon=spaced), re.VERBOSE | re.DOTALL)
-
-
-def _without_tags(text: str) -> str:
-    """The text with SSML's stress and breaks as control characters, and without other tags."""
-
-    def written(tag: re.Match[str]) -> str:
-        is_end, name = bool(tag[1]), tag[2]
-        if name == "break" and not is_end and (time := _TIME.search(tag[0])):
-            seconds = float(time[1]) / (1000 if time[2] == "ms" else 1)
-            return f"\x02{min(seconds, LONGEST_BREAK):.3f}\x03"
-        return ("\x05" if is_end else "\x04") if name.lower() == "emphasis" else " "
-
-    return _TAG.sub(written, text) if "<" in text else text
 
 
 def _is_shouted(text: str) -> bool:
@@ -85,21 +72,16 @@ class _Reading:
     is_stressed: bool = False
     feelings: list[tuple[int, str]] = field(default_factory=list)
 
-    def take(self, kind: str, text: str) -> None:
-        """Takes one token."""
+    def take(self, kind: str, text: str, end: int) -> None:
+        """Takes one token, which ends at a place of the text."""
         match kind:
             case "word":
                 for word in segment(text, self.language):
-                    self._add_word(word)
-            case "open":
-                self.is_stressed = True
-            case "close":
-                self.is_stressed = False
+                    self._add_word(word, end)
+            case "tag":
+                self._take_tag(text)
             case "stars":
                 self.is_stressed = not self.is_stressed
-            case "silence":
-                self.silence += float(text.strip("\x02\x03"))
-                self.is_phrase_over = True
             case "emoticon":
                 self.feelings.append((max(len(self.kinds) - (not self._is_open()), 0), self.language.emoticons[text]))
             case "ellipsis" | "dash":
@@ -119,13 +101,26 @@ class _Reading:
         last = max(len(self.kinds) - 1, 0)
         feelings = tuple((min(sentence, last), feeling) for sentence, feeling in self.feelings if self.kinds)
         tail = " ".join("".join(self.between).split())
-        return Passage(tuple(self.words), tuple(self.kinds), tail, self.silence, feelings, self.language.tag)
+        is_over = self.is_phrase_over or not self.words
+        return Passage(tuple(self.words), tuple(self.kinds), tail, self.silence, feelings, self.language.tag, is_over)
+
+    def _take_tag(self, tag: str) -> None:
+        """Takes SSML's stress and breaks; other tags are a space."""
+        found = _TAG.match(tag)
+        is_end, name = (bool(found[1]), found[2]) if found else (False, "")
+        if name == "break" and not is_end and (time := _TIME.search(tag)):
+            self.silence += min(float(time[1]) / (1000 if time[2] == "ms" else 1), LONGEST_BREAK)
+            self.is_phrase_over = True
+        elif name.lower() == "emphasis":
+            self.is_stressed = not is_end
+        else:
+            self.between.append(" ")
 
     def _is_open(self) -> bool:
         """Whether the last word is of a sentence that has not ended."""
         return bool(self.words) and self.words[-1].sentence == len(self.kinds)
 
-    def _add_word(self, text: str) -> None:
+    def _add_word(self, text: str, end: int) -> None:
         plain = text.replace("\u2019", "'").lower()
         is_loud = len(text) >= LEAST_CAPITALS and text.isupper() and not self.is_shouted
         is_loud = is_loud and not self.language.has("acronym", plain)
@@ -138,6 +133,7 @@ class _Reading:
             is_content=not self.language.has("function", plain),
             emphatic=is_loud or self.is_stressed,
             pause=self.silence,
+            end=end,
         )
         self.words.append(word)
         self.between, self.silence, self.is_phrase_over = [], 0.0, False

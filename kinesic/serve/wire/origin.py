@@ -23,10 +23,11 @@ WEB_PORT = 80  # which a browser leaves out
 
 @dataclass(frozen=True)
 class Access:
-    """Who may connect."""
+    """Who may connect, and whether what they send may be plain text."""
 
     token: str | None = None  # that clients must show; None: none is needed
     origins: frozenset[str] = frozenset()  # of pages that may connect beside those of this server
+    texts: bool = False  # whether a message that is neither XML nor JSON is said
 
 
 ANYBODY_HERE = Access()

@@ -1,7 +1,8 @@
 """Messages as bytes: how they are told apart in a stream, and those that are not BML.
 
 A message is UTF-8 text that ends with a NUL byte, which no XML and no JSON contains; on a WebSocket it is one message.
-Text that begins with `{` and has a key `do` is a control message, anything else is a document.
+Text that begins with `{` and has a key `do` is a control message, anything else is a document, or a plain text where
+these are allowed.
 """
 
 import msgspec
@@ -82,8 +83,18 @@ class Restyle(Struct, tag="style", tag_field="do", forbid_unknown_fields=True):
     block: str | None = None  # of this block alone
 
 
+class SpokenWords(Struct, tag="words", tag_field="do", forbid_unknown_fields=True):
+    """Words that are said as their phrases are whole, with gestures that fit them."""
+
+    text: str = ""
+    ends: bool = False  # whether no more follow
+    instead: bool = False  # whether they take the place of all that is not said yet
+
+
 class Enquiry(Struct, tag="status", tag_field="do", forbid_unknown_fields=True):
     """Asks for the status."""
+
+    id: int = 0  # of the question, in its answer; 0: it has none
 
 
 class Ping(Struct, tag="ping", tag_field="do", forbid_unknown_fields=True):
@@ -92,7 +103,7 @@ class Ping(Struct, tag="ping", tag_field="do", forbid_unknown_fields=True):
     id: str = ""
 
 
-Control = Hello | Stop | StopLineRequest | Resume | InterruptCommand | Restyle | Enquiry | Ping | Question
+Control = Hello | Stop | StopLineRequest | Resume | InterruptCommand | Restyle | SpokenWords | Enquiry | Ping | Question
 
 
 class _Verb(Struct):
@@ -123,6 +134,11 @@ def control(message: bytes) -> Control | None:
     except msgspec.ValidationError as error:
         raise ValueError(f"{error}; see docs/serve.md for what may be done") from None
     return found
+
+
+def is_text(message: bytes) -> bool:
+    """Whether a message is neither XML nor JSON."""
+    return not message.lstrip(BLANK).startswith((b"<", b"{", b"["))
 
 
 def stop_failure(error: Exception) -> str:

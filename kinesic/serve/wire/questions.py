@@ -9,8 +9,8 @@ Angle = Annotated[float, Meta(ge=-10.0, le=10.0)]  # [rad]
 Place = tuple[Length, Length, Length]  # in the world
 Format = Literal["npz", "csv", "bap", "wav"]  # of a file: motion, voice
 LONG_VERBS = frozenset(
-    {"plan", "export", "gesture", "save"}
-)  # whose messages carry documents, and may be as long as one
+    {"plan", "export", "gesture", "save", "words"}
+)  # whose messages carry documents or texts, and may be as long as one
 
 
 class ReachQuestion(Struct, tag="reach", tag_field="do", forbid_unknown_fields=True):

@@ -4,10 +4,12 @@ The other end of a connection may be slow, but not for ever. Of standard input t
 input.
 """
 
+import json
 import os
 import socket
 import sys
 from asyncio import Lock, StreamReader, get_running_loop, sleep, timeout, to_thread
+from codecs import getincrementaldecoder
 from collections import deque
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterable
 from contextlib import suppress
@@ -192,3 +194,32 @@ class Console:
         while data := os.read(sys.stdin.fileno(), CHUNK):
             self._loop.call_soon_threadsafe(self._reader.feed_data, data)
         self._loop.call_soon_threadsafe(self._reader.feed_eof)
+
+
+class WordConsole(Console):
+    """Words over standard input, as they come; the last ones with its end."""
+
+    def __init__(self, rules: Quotas, show: Callable[[str], None]) -> None:
+        """Begins to read.
+
+        Args:
+            rules: how many messages a second it may make of them.
+            show: is given what comes back, one message after the other.
+        """
+        super().__init__(rules)
+        self._pause, self._show = 1.0 / rules.rate, show
+
+    async def messages(self, _hurry: Callable[[], bool]) -> AsyncIterator[bytes]:
+        """Words as control messages, until the input ends; what comes at once is one message."""
+        letters = getincrementaldecoder("utf-8")("replace")
+        while data := await self._reader.read(CHUNK):
+            yield _words(letters.decode(data))
+            await sleep(self._pause)
+        yield _words(letters.decode(b"", final=True), ends=True)
+
+    def _print(self, message: str) -> None:
+        self._show(message)
+
+
+def _words(text: str, **more: bool) -> bytes:
+    return json.dumps({"do": "words", "text": text} | more).encode()

@@ -75,6 +75,12 @@ def test_standard_input_is_performed_and_ends_it():
     assert "reading standard input" in done.stderr
 
 
+def test_what_standard_input_says_is_said_as_it_comes():
+    say = [sys.executable, "-m", "kinesic", "say", "-", "--voice", "durations"]
+    done = subprocess.run(say, input="Hello, my friend! Look", capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["Hello", "my", "friend", "Look"]
+
+
 def test_the_token_of_the_environment_is_asked_for_and_ctrl_c_folds_and_ends_well():
     with _serving(KINESIC_TOKEN="t") as (process, port):
         with pytest.raises(PermissionError):

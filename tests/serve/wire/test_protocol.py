@@ -14,8 +14,10 @@ from kinesic.serve.wire.protocol import (
     Ping,
     Restyle,
     Resume,
+    SpokenWords,
     Stop,
     control,
+    is_text,
     json_answer,
 )
 
@@ -60,6 +62,7 @@ def test_an_overlong_message_is_told_as_soon_as_it_is(pieces):
         ('{"do": "interrupt", "block": "b"}', InterruptCommand("b")),
         ('{"do": "style", "style": "calm", "set": ["power=1"]}', Restyle("calm", ("power=1",))),
         ('{"do": "status"}', Enquiry()),
+        ('{"do": "status", "id": 7}', Enquiry(7)),
         ('{"do": "ping", "id": "7"}', Ping("7")),
     ],
 )
@@ -90,3 +93,19 @@ def test_wrong_control_messages_say_what_is_wrong(text, why):
 
 def test_answers_are_json():
     assert json.loads(json_answer("pong", id='"7"')) == {"told": "pong", "id": '"7"'}
+
+
+def test_words_may_be_as_long_as_a_document():
+    text = "I never saw it. " * 1000
+    assert control(json.dumps({"do": "words", "text": text}).encode()) == SpokenWords(text)
+    assert control(b'{"do": "words", "text": "a", "ends": true, "instead": true}') == SpokenWords("a", True, True)
+    with pytest.raises(ValueError, match="text"):
+        control(b'{"do": "words", "text": 7}')
+
+
+@pytest.mark.parametrize(
+    ("message", "is_one"),
+    [(b"Hello", True), (b" \n No", True), (b"<bml", False), (b"\xef\xbb\xbf {", False), (b"[", False)],
+)
+def test_a_text_is_neither_xml_nor_json(message, is_one):
+    assert is_text(message) is is_one

@@ -1,0 +1,157 @@
+"""Words that come one by one at real sockets: phrases are performed as they are whole, and the rest waits."""
+
+import json
+import re
+from itertools import pairwise
+from time import monotonic, sleep
+
+import pytest
+from websockets.sync.client import connect
+
+from kinesic.client import Client
+from kinesic.serve.messages import Words
+from kinesic.serve.queues import MOST_TEXT
+from kinesic.serve.talks import Talks
+from kinesic.serve.wire.origin import Access
+from kinesic.serve.wire.quotas import Quotas
+
+from .conftest import running
+
+pytestmark = pytest.mark.realtime
+
+LONGEST = 20.0  # [s] that a test waits for a message
+
+
+def told(client, until, seconds=LONGEST):
+    """Messages until one has a text in it."""
+    end, found = monotonic() + seconds, []
+    while monotonic() < end:
+        message = client.receive(max(end - monotonic(), 0.0))
+        if message is None:
+            break
+        found.append(message)
+        if re.search(until, message):
+            return found
+    raise AssertionError(f"{until} was not told: {found}")
+
+
+def answers(messages, kind):
+    found = (json.loads(each) for each in messages if each.startswith("{"))
+    return [each for each in found if each["told"] == kind]
+
+
+def starts(messages):
+    return {
+        match[1]: float(match[2])
+        for each in messages
+        if (match := re.search(r'<syncPointProgress[^>]* id="([^"]*:s:(?:start|end))" globalTime="([^"]*)"', each))
+    }
+
+
+def test_phrases_are_said_as_they_come_without_a_gap_or_an_overlap(server):
+    with server.client() as client:
+        for word in re.findall(r"\S+ ?", "Hello, my friend! I did not see the large boxes, because it was dark. "):
+            client.do("words", text=word)
+        client.do("words", ends=True)
+        messages = told(client, '"all_said"')
+        end = f'id="{answers(messages, "all_said")[0]["block"]}:end"'
+        messages += [] if any(end in each for each in messages) else told(client, end)
+    saying = answers(messages, "saying")
+    assert " ".join(each["text"] for each in saying).split()[:4] == ["Hello", "my", "friend", "I"]
+    assert " ".join(each["text"] for each in saying).endswith("it was dark")
+    assert len(saying) >= 2
+    at = starts(messages)
+    for one, other in pairwise(saying):
+        gap = at[f"{other['block']}:s:start"] - at[f"{one['block']}:s:end"]
+        assert gap > 0.05
+    assert not [each for each in messages if "speaks until" in each]
+
+
+def test_the_first_phrase_is_said_while_the_next_one_is_awaited(server):
+    with server.client() as client:
+        client.do("words", text="Look at the old house on the hill, and ")
+        messages = told(client, r'id="[^"]*:start"')
+        assert answers(messages, "saying")[0]["text"] == "Look at the old house on the hill"
+        client.do("words", text="the tower", ends=True)
+        assert answers(told(client, '"all_said"'), "saying")[0]["text"] == "and the tower"
+
+
+def test_words_that_are_not_said_can_be_taken_back(server):
+    with server.client() as client:
+        client.do("words", text="The captain told us the long story of the river. It was dull. ")
+        told(client, '"saying"')
+        client.do("words", text="It was wonderful!", instead=True, ends=True)
+        saying = answers(told(client, '"all_said"'), "saying")
+    assert "dull" not in json.dumps(saying) or "dull" in saying[0]["text"]
+    assert saying[-1]["text"].endswith("wonderful")
+
+
+def test_a_silence_ends_a_phrase_that_nobody_ends(server):
+    with server.client() as client:
+        client.do("words", text="I never saw the tower")
+        assert answers(told(client, '"saying"'), "saying")[0]["text"] == "I never saw the tower"
+
+
+@pytest.mark.parametrize("verb", ["stop", "interrupt"])
+def test_a_stop_and_an_interrupt_forget_what_is_not_said(server, verb):
+    with server.client() as client:
+        client.do("words", text="One two three four five six seven eight nine ten. " * 6, ends=True)
+        told(client, r'id="[^"]*-1:start"')
+        client.do(verb)
+        if verb == "stop":
+            told(client, '"stopped"')
+            client.do("words", text="Not now. ")
+            assert "resume first" in told(client, "<warning")[-1]
+            client.do("resume")
+        sleep(0.3)
+        client.do("words", text="Back again. ", ends=True)
+        assert answers(told(client, '"all_said"'), "saying")[-1]["text"] == "Back again"
+
+
+def test_two_talks_take_turns_and_none_speaks_over_the_other(server):
+    with server.client() as one, server.client() as other:
+        for client in (one, other):
+            client.do("words", text="This is what I have to say about it. ", ends=True)
+        first, second = (told(client, r'id="[^"]*:s:end"') for client in (one, other))
+    spans = sorted(sorted(starts(each).values()) for each in (first, second))
+    assert spans[0][1] <= spans[1][0]
+
+
+def test_plain_text_is_said_where_it_is_allowed_and_else_refused(server):
+    with connect(f"ws://127.0.0.1:{server.port}") as web:
+        web.send("Hello there!")
+        assert "PARSING_FAILURE" in web.recv(LONGEST)
+
+
+@pytest.fixture(scope="module")
+def talkative():
+    with running(Quotas(), Access(texts=True)) as found:
+        yield found
+
+
+def test_plain_text_by_websocket_and_by_tcp_is_said(talkative):
+    with connect(f"ws://127.0.0.1:{talkative.port}") as web:
+        web.send("Hello there, my \N{SNOWMAN} friend!")
+        assert json.loads(web.recv(LONGEST))["text"] == "Hello there my friend"
+    with talkative.client() as client:
+        client.do("ping")
+        client.send("Look over there!")
+        assert answers(told(client, '"all_said"'), "saying")[0]["text"] == "Look over there"
+        client.send("[1, 2]")
+        told(client, "PARSING_FAILURE")
+
+
+def test_a_client_that_ends_its_side_hears_all_of_its_text(talkative):
+    with Client(port=talkative.port) as client:
+        client.do("words", text="We saw three boxes. " * 4, ends=True)
+        client._socket.shutdown(1)
+        messages = told(client, '"all_said"')
+        end = f'id="{answers(messages, "all_said")[0]["block"]}:end"'
+        assert any(end in each for each in messages) or told(client, end)
+
+
+def test_no_client_fills_the_memory_with_words():
+    talks = Talks()
+    assert talks.take(Words("x " * (MOST_TEXT // 4), 1), 0.0) == ""
+    assert "letters wait" in talks.take(Words("x " * MOST_TEXT, 1), 0.0)
+    assert talks.senders == {1}
