@@ -13,7 +13,9 @@ from kinesic.serve.queues import OutputQueue, UnreadMemory
 from kinesic.serve.session import Session
 from kinesic.serve.wire.origin import Access
 from kinesic.serve.wire.protocol import (
+    Arm,
     Control,
+    Disarm,
     Enquiry,
     Hello,
     InterruptCommand,
@@ -220,6 +222,11 @@ class ClientRegistry:
                 self.session.restyle(Restyling(style, changes, amount, block, client.number))
             case SpokenWords(text, ends, instead):
                 self._hand_on(client, Words(text, client.number, ends=ends, instead=instead))
+            case Arm(token):
+                trusted = self.access.token is None or self.is_token(token)
+                self.session.arming.arm(client, request, trusted=trusted)
+            case Disarm():
+                self.session.arming.disarm(client, request)
             case Enquiry(id):
                 number = {"id": id} if id else {}
                 client.send(json_answer("status", **number, clients=self._taken, **self.session.status()))

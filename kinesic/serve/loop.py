@@ -16,7 +16,7 @@ from time import monotonic, sleep
 
 import numpy as np
 
-from kinesic.body.arrays import Flags, Floats
+from kinesic.body.arrays import Flags
 from kinesic.body.command import RATE
 from kinesic.controller.play import SETTLE
 from kinesic.face.display import DisplayError
@@ -39,7 +39,7 @@ from kinesic.serve.messages import (
     RequestDone,
 )
 from kinesic.serve.priority import urgent
-from kinesic.serve.sinks import ConsentingSink, HealthSink, MeasuringSink, RealTimeSink, TimedSink, is_steady
+from kinesic.serve.sinks import ConsentingSink, MeasuringSink, RealTimeSink, ServoSink, TimedSink, is_steady
 from kinesic.serve.tracks import Effects
 
 PERIOD = 1 / RATE
@@ -89,6 +89,7 @@ class Loop(Thread):
         self._moving: Mapping[tuple[str, str], Flags] = {}
         self._monitor = ArrivalMonitor()
         self._body = next((each.sink for each in reversed(sinks) if isinstance(each.sink, MeasuringSink)), None)
+        self.servos = next((each.sink for each in sinks if isinstance(each.sink, ServoSink)), None)
         self._consenting = [each.sink for each in sinks if isinstance(each.sink, ConsentingSink)]
         self._orders: deque[Callable[[], None]] = deque()
         self._planner: Connection | None = None
@@ -138,12 +139,20 @@ class Loop(Thread):
     def body(self) -> BodyReport:
         """How the robot is now, from any thread: by the sink that the loop measures by, where it knows."""
         time = self._clock.now()
-        planned = _rounded(self.motion.sample(np.array([time]))[0][0])
         seen = None if self._body is None else self._body.seen()
-        servos = next((each.sink.health() for each in self._sinks if isinstance(each.sink, HealthSink)), None)
-        hottest, volts, faulty = servos or (None, None, False)
-        angles = planned if seen is None else _rounded(seen[1])
-        return BodyReport(round(time, 3), angles, planned, hottest, volts, faulty)
+        planned = self.motion.sample(np.array([time]))[0][0]
+        health = None if self.servos is None else self.servos.health()
+        return BodyReport.of(time, planned, None if seen is None else seen[1], health)
+
+    def arm(self) -> None:
+        """Lets servos follow from the next tick on; they begin with the motion as it is then."""
+        self._orders.append(self._arm)
+
+    def _arm(self) -> None:
+        if self.servos is not None:
+            self.servos.arm()
+            for each in self._sinks:
+                each.repeat_from(self._out)
 
     def settled(self) -> bool:
         """Whether nothing moves and no feedback is to be sent."""
@@ -198,8 +207,9 @@ class Loop(Thread):
 
     def _now(self) -> float:
         """Present time [s], by a sink that owns it, if there is one; never before commands that are out."""
+        limp = self.servos is not None and not self.servos.armed
         clocks = [each.sink for each in self._sinks if isinstance(each.sink, TimedSink)]
-        if clocks:
+        if clocks and not limp:
             time = clocks[0].time(monotonic())
             self._clock.set(self._out if time is None else max(self._out, time))
         elif self._clock.now() - self._out > HICCUP:
@@ -285,11 +295,6 @@ def _takes_more(pipe: Connection) -> bool:
     waiting = poll()
     waiting.register(pipe, POLLOUT)
     return bool(waiting.poll(0))
-
-
-def _rounded(angles: Floats) -> tuple[float, ...]:
-    """Angles [rad] as clients read them; NaN, of a servo that does not answer, stays."""
-    return tuple(round(float(angle), 4) for angle in angles)
 
 
 def _rehearse_stop(setup: Setup) -> None:

@@ -5,10 +5,11 @@ from ctypes import c_double
 from dataclasses import dataclass
 from multiprocessing.sharedctypes import RawValue
 from time import monotonic
+from typing import Literal
 
 from msgspec import Struct
 
-from kinesic.body.arrays import Flags
+from kinesic.body.arrays import Flags, Floats
 from kinesic.motion.trajectory import Trajectory
 from kinesic.realizer.realizer import ScheduledFeedback
 from kinesic.realizer.request import Message
@@ -38,6 +39,47 @@ class Clock:
         self._offset.value = monotonic() - time
 
 
+ServoState = Literal[
+    "limp",  # without torque, until somebody arms them
+    "arming",  # torque comes
+    "armed",  # they follow
+    "releasing",  # they fold, lose their torque, and are opened anew
+    "ended",  # nobody drives them: their supervisor has ended
+]
+
+
+class ServoReport(Struct, frozen=True):
+    """How each servo is, in the order in which `servos` lists them; NaN for one that does not answer."""
+
+    state: ServoState
+    celsius: tuple[float, ...]  # (m,) [C]
+    load: tuple[float, ...]  # (m,) of its current's limit; positive: its hinge's angle rises
+    volts: tuple[float, ...]  # (m,) [V]
+    errors: tuple[float, ...]  # (m,) bits of HARDWARE_ERROR_STATUS
+    torque: tuple[float, ...]  # (m,) 1: it has torque
+
+
+class ServoPlace(Struct, frozen=True):
+    """Which servo it is, and what it turns."""
+
+    bus: str
+    id: int
+    hinge: str
+    model: str
+    hottest: int  # [C] at which it shuts down
+
+
+@dataclass(frozen=True, eq=False)
+class ServoHealth:
+    """How servos are at one moment."""
+
+    angles: Floats  # (n,) [rad] measured, with torque or without; NaN for a servo that does not answer
+    hottest: float  # [C] of all
+    volts: float  # [V] the lowest of all
+    faulty: bool  # whether one reports an error
+    servos: ServoReport
+
+
 class BodyReport(Struct, frozen=True):
     """How the robot is at one moment, for whoever watches."""
 
@@ -47,6 +89,30 @@ class BodyReport(Struct, frozen=True):
     hottest: float | None = None  # [C] of all servos
     volts: float | None = None  # [V] the lowest of all servos
     faulty: bool = False  # whether a servo reports an error
+    servos: ServoReport | None = None  # where there are some
+
+    @classmethod
+    def of(cls, time: float, planned: Floats, measured: Floats | None, health: ServoHealth | None) -> "BodyReport":
+        """Reports the body as it is measured, else as planned, and every servo.
+
+        Args:
+            time: [s] of the clock.
+            planned: (n,) [rad] by the motion that plays.
+            measured: (n,) [rad] by a sink that measures; None: nothing is measured, or not yet.
+            health: of servos, which tell where they are also without torque; None: there are none.
+        """
+        aim = _rounded(planned)
+        angles = aim if measured is None else _rounded(measured)
+        if health is None:
+            return cls(round(time, 3), angles, aim)
+        if health.angles.size:
+            angles = _rounded(health.angles)
+        return cls(round(time, 3), angles, aim, health.hottest, health.volts, health.faulty, health.servos)
+
+
+def _rounded(angles: Floats) -> tuple[float, ...]:
+    """Angles [rad] as clients read them; NaN, of a servo that does not answer, stays."""
+    return tuple(angles.round(4).tolist())
 
 
 @dataclass(frozen=True)

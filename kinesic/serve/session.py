@@ -5,9 +5,11 @@ from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from time import monotonic
+from typing import Literal
 
 from kinesic.planning.setup import Setup
 from kinesic.realizer.request import Message, block_id
+from kinesic.serve.arming import Arming
 from kinesic.serve.desk.desk import Desk
 from kinesic.serve.loop import Loop
 from kinesic.serve.messages import (
@@ -68,6 +70,7 @@ class Session:
         self.loop = Loop(setup, sinks, self.clock, effects=effects, tell=self._pass_on, news=self._pass_news)
         self.planner = Planner(make_setup, self.loop, rules=rules, idle=self._feed, lost=self._refuse_lost)
         self.desk = Desk(make_setup, self.loop, rules, folder=folder, on_gestures_saved=self._renew)
+        self.arming = Arming(self.loop, self)
 
     async def start(self) -> None:
         """Lets the loop run, and waits until the planner is warm.
@@ -89,6 +92,8 @@ class Session:
         if self.loop.waits():
             what = "the servos were out of hand for more than a second, and hold; resume first"
             return quota_feedback("stopped", what, name=block_id(document.text))
+        if self.loop.servos is not None and not self.loop.servos.armed:
+            return quota_feedback("limp", "the servos have no torque; arm them first", name=block_id(document.text))
         if not self._documents.add(document):
             what = f"{self._rules.waiting} blocks of yours wait to be planned; send fewer at once"
             return quota_feedback("waiting", what, name=block_id(document.text))
@@ -127,18 +132,29 @@ class Session:
 
     def status(self) -> dict[str, object]:
         """Reports state, time, queue and faults, for people and programs."""
-        stopped = self._halted or self.loop.waits()
-        rests = self.loop.settled() or self.loop.idles
-        state = "stopped" if stopped else "resting" if rests else "playing"
         return {
-            "state": state,
-            "idles": self.loop.idles and not stopped,
+            "state": self._state,
+            "idles": self.loop.idles and self._state != "stopped",
+            "servos": None if self.loop.servos is None else self.loop.servos.state,
             "time": round(self.clock.now(), 3),
             "waiting": len(self._documents),
             "planner": "warm" if self.planner.warm else "starting",
             "late": self.loop.late,
             "deaths": self.planner.deaths,
         }
+
+    @property
+    def _state(self) -> Literal["stopped", "resting", "playing"]:
+        if self._halted or self.loop.waits():
+            return "stopped"
+        return "resting" if self.loop.settled() or self.loop.idles else "playing"
+
+    @property
+    def hindrance(self) -> str:
+        """Why no servo may be armed now, from where it would go to where the motion is; empty if one may."""
+        if self._halted:
+            return "an emergency stop holds; resume first"
+        return "" if self._state != "playing" else "the motion goes on; wait until it rests, or interrupt it"
 
     def owes(self, sender: int) -> bool:
         """Whether something of a client's waits, or plays."""
@@ -158,6 +174,7 @@ class Session:
         if self._renewal is not None:
             self._renewal.cancel()
         self.planner.close()
+        self.arming.close()
         self.desk.close()
 
     async def _renew(self) -> None:

@@ -1,7 +1,7 @@
 """Drives sinks in real time: each gets its commands when it wants them."""
 
 from collections.abc import Callable, Mapping
-from math import ceil, floor, isnan
+from math import ceil, floor
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -9,14 +9,12 @@ from msgspec.structs import replace
 
 from kinesic.body.arrays import Floats
 from kinesic.body.command import RATE, Command, Sink
-from kinesic.body.dynamics import Distances
 from kinesic.body.robot import Robot
 from kinesic.controller.feedforward import FeedForward
 from kinesic.controller.play import commands
-from kinesic.controller.servo_watch import ServoWatch, WrittenPostures
-from kinesic.hardware.servos import Servos
 from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.setup import Setup
+from kinesic.serve.messages import ServoHealth, ServoPlace, ServoState
 from kinesic.sim.twin import Twin
 
 SAME = 1e-6  # ticks
@@ -54,11 +52,32 @@ class ConsentingSink(Protocol):
 
 
 @runtime_checkable
-class HealthSink(Protocol):
-    """A sink whose servos tell how they are."""
+class ServoSink(Protocol):
+    """A sink of servos, whose torque somebody may give and take."""
 
-    def health(self) -> tuple[float, float, bool]:
-        """Temperature of the hottest servo [C], the lowest voltage [V], and whether one reports an error."""
+    @property
+    def armed(self) -> bool:
+        """Whether they follow, and own the time."""
+
+    @property
+    def state(self) -> ServoState:
+        """What they do."""
+
+    @property
+    def members(self) -> tuple[ServoPlace, ...]:
+        """What each of them is."""
+
+    def health(self) -> ServoHealth:
+        """How they are."""
+
+    def arm(self) -> None:
+        """Lets them follow from now on."""
+
+    def disarm(self) -> None:
+        """Folds and takes their torque, which takes seconds."""
+
+    def revive(self) -> None:
+        """Opens them anew if nobody drives them, which may take a second."""
 
 
 class RealTwin:
@@ -82,60 +101,6 @@ class RealTwin:
     def close(self) -> None:
         """Nothing to give back."""
         self._twin.close()
-
-
-class RealServos:
-    """Servos, whose supervisor owns the time, and slows it where their errors leave too little clearance."""
-
-    def __init__(self, servos: Servos, *, distances: Distances, least: float) -> None:
-        """Takes over opened servos.
-
-        Args:
-            servos: opened.
-            distances: of the robot.
-            least: [m] clearance that it asks for.
-        """
-        self.servos, self._written = servos, WrittenPostures()
-        self._watch = ServoWatch(self._written, distances, least=least)
-
-    def write(self, command: Command, /) -> None:
-        """Hands one command on."""
-        self._written.add(command)
-        self.servos.write(command)
-
-    def seen(self) -> tuple[float, Floats] | None:
-        """When the supervisor measured last, and the angles then; None when it does not perform."""
-        status = self.servos.state()
-        return (status.time, status.angles) if status.stage.runs else None
-
-    def health(self) -> tuple[float, float, bool]:
-        """Temperature of the hottest servo [C], the lowest voltage [V], and whether one reports an error."""
-        status = self.servos.state()
-        return status.hottest, status.volts, status.faulty
-
-    def time(self, clock: float, /) -> float | None:
-        """Time [s] of the performance by the supervisor, wherever it stands; None before there is one."""
-        if self._watch.see(self.servos.history()):
-            self.servos.slow_to(self._watch.pace)
-            if self._watch.over:
-                self.servos.stop()
-        status = self.servos.state()
-        return None if isnan(status.time) else status.time_at(clock)
-
-    def waits(self) -> bool:
-        """Whether the servos hold until somebody consents, as they were out of hand for more than a second."""
-        return self.servos.state().waits == "consent"
-
-    def resume(self) -> None:
-        """Lets the servos go on, if they wait for that."""
-        if self.waits():
-            self.servos.resume()
-
-    def close(self) -> None:
-        """Waits until the robot has folded and is limp; nobody has to consent any more."""
-        if self.waits():
-            self.servos.release()
-        self.servos.close()
 
 
 class RealTimeSink:

@@ -2,7 +2,7 @@
 
 import asyncio
 import threading
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +10,7 @@ from time import monotonic, sleep
 
 import pytest
 
-from kinesic.body.command import Command
+from kinesic.body.command import Command, Sink
 from kinesic.client import Client
 from kinesic.controller.perform import set_up
 from kinesic.planning.setup import Setup
@@ -71,13 +71,14 @@ def running(
     files: Mapping[str, WebFile] = NO_FILES,
     folder: Path | None = None,
     make_setup: Callable[[], Setup] = set_up,
+    more: Sequence[Sink] = (),
 ) -> Iterator[Running]:
-    """A server on a free port, with files for browsers and a folder of documents if any are given."""
+    """A server on a free port, with files for browsers, a folder of documents and more sinks if any are given."""
     witness, ready, found = Witness(), threading.Event(), []
 
     async def serve() -> None:
         enough = asyncio.Event()
-        sinks = [RealTimeSink(witness), RealTimeSink(RealTwin(set_up().robot))]
+        sinks = [RealTimeSink(sink) for sink in (witness, RealTwin(set_up().robot), *more)]
         address = Address("127.0.0.1", 0)
         async with open_serving(
             make_setup,

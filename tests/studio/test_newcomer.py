@@ -118,6 +118,14 @@ def test_a_gesture_is_made_put_on_a_word_made_shy_saved_and_seen_on_servos(perso
     )
     person.click("#save")
     person.page.until("document.querySelector('#file').textContent === 'talk.bml'")
+    assert person.page.value("document.querySelector('#perform').disabled"), "the servos have no torque yet"
+    person.sees("document.querySelectorAll('#strips .strip:not(.head)').length === s.report.servos.celsius.length")
+    person.click("#arm")
+    person.page.until("document.querySelector('#arming').open")
+    person.page.value("document.querySelector('#arm-yes').click()")  # a script is nobody
+    assert person.page.value("document.querySelector('#arming').open")
+    person.click("#arm-yes")
+    person.sees("s.report.servos.state === 'armed'")
     person.click("#perform")
     person.sees(
         "s.mode === 'robot' && s.report.hottest !== null && s.report.angles.some((a, k) => Math.abs(a - "
@@ -127,3 +135,10 @@ def test_a_gesture_is_made_put_on_a_word_made_shy_saved_and_seen_on_servos(perso
     saved = (tmp_path / "talk.bml").read_text()
     assert re.search(r'tea <sync id="(\w+)"/>versus', saved)[1] == re.search(r'stroke="s:(\w+)"', saved)[1]
     assert 'id = "my_balance"' in (tmp_path / "weigh.toml").read_text()
+    strips = "[...document.querySelectorAll('#strips .strip:not(.head)')].map(each => each.textContent)"
+    assert all(re.fullmatch(r"\w+?\d\d\d\d\.\d", strip) for strip in person.page.value(strips))
+    told = person.page.value(f"{STATE}.report.servos")
+    assert all(told["torque"])
+    assert {*told["volts"]} == {12.0}
+    person.click("#arm")
+    person.sees("s.report.servos.state === 'limp' && s.report.servos.torque.every(each => each === 0)")

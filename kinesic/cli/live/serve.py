@@ -6,6 +6,7 @@ import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractAsyncContextManager, AsyncExitStack
 from dataclasses import fields, replace
+from functools import partial
 from ipaddress import ip_address
 from pathlib import Path
 
@@ -25,7 +26,8 @@ from kinesic.face.show.preview import Preview
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.serve.server import Address, Serving, open_serving, until_done
-from kinesic.serve.sinks import AHEAD, RealServos, RealTimeSink, RealTwin
+from kinesic.serve.servo_sink import RealServos
+from kinesic.serve.sinks import AHEAD, RealTimeSink, RealTwin
 from kinesic.serve.tracks import SoundAndFace
 from kinesic.serve.wire.origin import Access, read_origin
 from kinesic.serve.wire.pages import NO_FILES, WebFile
@@ -57,6 +59,7 @@ def open_and_serve(
     *,
     files: Mapping[str, WebFile] = NO_FILES,
     folder: Path | None = None,
+    armed: bool = True,
     opened: Callable[[Address], None] = lambda _address: None,
     console: Callable[[Quotas], Console] | None = None,
 ) -> int:
@@ -70,6 +73,7 @@ def open_and_serve(
         rules: changes of limits, NAME=VALUE.
         files: that browsers may have.
         folder: where clients keep documents.
+        armed: whether servos have torque from the beginning; else a client arms them.
         opened: called with the address once clients may come.
         console: makes what reads standard input, a terminal too; None: messages are read there, unless it is one.
     """
@@ -78,7 +82,7 @@ def open_and_serve(
         raise ConfigError(f"--sound: {why}")
     address, limits = read_address(door.listen, door.token), read_rules(rules)
     access = Access(door.token or None, frozenset(map(read_origin, door.origins)), texts=door.texts)
-    sinks = _open_sinks(planning, performers)
+    sinks = _open_sinks(planning, performers, armed=armed)
     server = open_serving(
         planning.set_up,
         sinks,
@@ -134,12 +138,13 @@ def _is_here(host: str) -> bool:
         return host == "localhost"
 
 
-def _open_sinks(planning: FrozenPlanning, performers: Performers) -> list[RealTimeSink]:
+def _open_sinks(planning: FrozenPlanning, performers: Performers, *, armed: bool) -> list[RealTimeSink]:
     robot, sinks = planning.robot, performers.sinks
     opened = [RealTimeSink(RealTwin(robot))] if "twin" in sinks else []
     if "servos" in sinks:
-        servos = Servos(robot, all_ports(performers.ports, Manifest.of(robot).bauds), log=Path("events.jsonl"))
-        watched = RealServos(servos, distances=CapsuleDistances(robot), least=robot.least_clearance)
+        ports = all_ports(performers.ports, Manifest.of(robot).bauds)
+        opens = partial(Servos, robot, ports, log=Path("events.jsonl"))
+        watched = RealServos(opens, distances=CapsuleDistances(robot), least=robot.least_clearance, armed=armed)
         opened.append(RealTimeSink(watched, ahead=AHEAD, delay=DELAY))
     if "face" in sinks:
         opened.append(RealTimeSink(Preview(robot)))
@@ -179,8 +184,8 @@ async def _serve(
 
 
 async def _tell_of_lost_events(sinks: Iterable[Sink]) -> None:
-    servos = [each.servos for each in sinks if isinstance(each, RealServos)]
+    servos = [each for each in sinks if isinstance(each, RealServos)]
     while True:
         for each in servos:
-            warn_of_lost_events(each.events())
+            warn_of_lost_events(each.servos.events())
         await asyncio.sleep(LOOK)

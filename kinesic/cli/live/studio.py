@@ -64,7 +64,9 @@ def open_studio(
         if browser and has_display():
             webbrowser.open(url)
 
-    return open_and_serve(known, door, performers, sound, rules, files=files, folder=known.folder, opened=opened)
+    return open_and_serve(
+        known, door, performers, sound, rules, files=files, folder=known.folder, armed=False, opened=opened
+    )
 
 
 def _check_document(file: Path, folder: Path) -> None:

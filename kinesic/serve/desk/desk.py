@@ -12,6 +12,7 @@ from kinesic.serve.desk.keeper import DocumentKeeper
 from kinesic.serve.desk.reach import answer_reach, unanswered_reach
 from kinesic.serve.desk.watches import Watches
 from kinesic.serve.loop import Loop
+from kinesic.serve.wire.protocol import json_answer
 from kinesic.serve.wire.questions import (
     ExportQuestion,
     GestureQuestion,
@@ -20,6 +21,7 @@ from kinesic.serve.wire.questions import (
     Question,
     ReachQuestion,
     SaveRequest,
+    ServosQuestion,
     WatchRequest,
 )
 from kinesic.serve.wire.quotas import Quotas
@@ -50,7 +52,7 @@ class Desk:
             folder: where documents are kept; None: nowhere.
             on_gestures_saved: returns when saved gestures will be known to whatever comes next.
         """
-        self._rules = rules
+        self._rules, self._loop = rules, loop
         self._watches = Watches(loop.body)
         self.drafter = Helper[DraftQuestion](make_setup, answer_draft, rules, name="drafter")
         self._reacher = Helper[ReachQuestion](make_setup, answer_reach, rules, name="reacher")
@@ -68,6 +70,9 @@ class Desk:
                 self.drafter.ask(asker.number, question, partial(self._tell_draft, asker, question), kind="export")
             case WatchRequest(rate):
                 self._watches.set(asker, rate)
+            case ServosQuestion(id):
+                servos = self._loop.servos
+                asker.send(json_answer("servos", id=id, servos=() if servos is None else servos.members))
             case SaveRequest() | OpenRequest():
                 self._keeper.take(asker, question)
 

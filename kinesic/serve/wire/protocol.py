@@ -91,6 +91,20 @@ class SpokenWords(Struct, tag="words", tag_field="do", forbid_unknown_fields=Tru
     instead: bool = False  # whether they take the place of all that is not said yet
 
 
+class Arm(Struct, tag="arm", tag_field="do", forbid_unknown_fields=True):
+    """Asks to give servos their torque; with `code`, a person has confirmed that nobody is in the way."""
+
+    token: str | None = None
+    code: str | None = None  # that the server has told for this
+    id: int = 0
+
+
+class Disarm(Struct, tag="disarm", tag_field="do", forbid_unknown_fields=True):
+    """Ends all blocks, folds to rest and takes the torque of all servos."""
+
+    id: int = 0
+
+
 class Enquiry(Struct, tag="status", tag_field="do", forbid_unknown_fields=True):
     """Asks for the status."""
 
@@ -104,6 +118,10 @@ class Ping(Struct, tag="ping", tag_field="do", forbid_unknown_fields=True):
 
 
 Control = Hello | Stop | StopLineRequest | Resume | InterruptCommand | Restyle | SpokenWords | Enquiry | Ping | Question
+
+
+Torque = Arm | Disarm
+Control = Hello | Stop | StopLineRequest | Resume | InterruptCommand | Restyle | Torque | Enquiry | Ping | Question
 
 
 class _Verb(Struct):

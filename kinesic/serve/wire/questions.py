@@ -54,6 +54,12 @@ class WatchRequest(Struct, tag="watch", tag_field="do", forbid_unknown_fields=Tr
     rate: float = 20.0  # [Hz]; 0: no longer
 
 
+class ServosQuestion(Struct, tag="servos", tag_field="do", forbid_unknown_fields=True):
+    """Asks which servos there are, in the order in which `body` tells how they are."""
+
+    id: int = 0
+
+
 class SaveRequest(Struct, tag="save", tag_field="do", forbid_unknown_fields=True):
     """Asks to keep a document in the folder that the server was given."""
 
@@ -69,4 +75,6 @@ class OpenRequest(Struct, tag="open", tag_field="do", forbid_unknown_fields=True
     id: int = 0
 
 
-Question = ReachQuestion | PlanQuestion | ExportQuestion | GestureQuestion | WatchRequest | SaveRequest | OpenRequest
+BodyQuestion = ReachQuestion | WatchRequest | ServosQuestion
+DocumentQuestion = PlanQuestion | ExportQuestion | GestureQuestion | SaveRequest | OpenRequest
+Question = BodyQuestion | DocumentQuestion

@@ -8,16 +8,16 @@ import { Exports } from "./exports.ts";
 import { GestureEditing } from "./gesture_editing.ts";
 import { begin, change, type History, redo, undo } from "./history.ts";
 import { Inspector } from "./inspector.ts";
-import { strainOf } from "./live.ts";
 import { Motion } from "./motion.ts";
 import { fillMenus, showClock, showNotices } from "./panels.ts";
 import { Playback } from "./playback.ts";
 import { Reaching } from "./reaching.ts";
 import { Robot } from "./robot.ts";
 import { type Drag, Stage } from "./stage.ts";
+import { type Measure, strainOf } from "./telemetry.ts";
 import { TextPane } from "./text.ts";
 import { anchorOf, type Moved, Timeline } from "./timeline.ts";
-import type { About, Draft, GestureDraft, Reached } from "./types.ts";
+import type { About, BodyReport, Draft, GestureDraft, Reached } from "./types.ts";
 import type { Answer } from "./wire.ts";
 import { BLOCK } from "./xml.ts";
 
@@ -217,8 +217,13 @@ class App {
     const report = this.mode === "robot" ? this.robot.report : null;
     const angles = this.reaching.shown ?? report?.angles ?? this.posture();
     const { lit, shown } = this.reaching;
-    if (report && !shown) this.stage.show({ angles, ghost: report.planned, lit, strain: strainOf(report) });
+    if (report && !shown) this.stage.show({ angles, ghost: report.planned, lit, strain: this.strain(report) });
     else this.stage.show({ angles, ghost: undefined, lit });
+  }
+
+  private strain(report: BodyReport): number[] {
+    const measure = byId<HTMLSelectElement>("measure").value as Measure;
+    return strainOf(this.about.robot, report, this.robot.places, measure);
   }
 
   /** The posture [rad] that is shown where no hand is dragged. */

@@ -1,37 +1,28 @@
-// What the robot does now: a strip for each hinge, and what the server tells.
+// What the robot does now, and what the server tells.
 import { byId, make } from "./dom.ts";
-import type { Body, BodyReport } from "./types.ts";
+import { Strips } from "./telemetry.ts";
+import type { Body, BodyReport, ServoPlace } from "./types.ts";
 
 const KEPT = 60; // lines of the log
-const WIDEST = 0.1; // [rad] of error, that fills a strip
-
-/** How far each hinge is from its plan, as shares of `WIDEST`. */
-export const strainOf = ({ planned, angles }: BodyReport): number[] =>
-  planned.map((angle, k) => Math.min(1, Math.abs(angle - (angles[k] ?? angle)) / WIDEST));
 
 export class Live {
-  private readonly strips: { bar: HTMLElement; value: HTMLElement }[];
+  private readonly strips: Strips;
   private last = 0;
 
-  constructor(private readonly body: Body) {
-    this.strips = body.hinges.map((name) => {
-      const bar = make("i");
-      const value = make("span", { class: "value" });
-      byId("strips").append(make("div", { class: "strip" }, make("span", { class: "hinge" }, name), bar, value));
-      return { bar, value };
-    });
+  constructor(body: Body) {
+    this.strips = new Strips(body);
+  }
+
+  list(places: readonly ServoPlace[]): void {
+    this.strips.list(places);
   }
 
   show(report: BodyReport): void {
     if (performance.now() - this.last < 90 || !byId("live").checkVisibility()) return;
     this.last = performance.now();
-    const strain = strainOf(report);
-    this.body.hinges.forEach((_, k) => {
-      const { bar, value } = this.strips[k]!;
-      bar.style.setProperty("--share", String(strain[k]));
-      value.textContent = `${((report.angles[k]! * 180) / Math.PI).toFixed(0)}°`;
-    });
+    this.strips.show(report);
     const servos = [
+      report.servos?.state ?? "",
       report.hottest === null ? "" : `${report.hottest.toFixed(0)} °C`,
       report.volts === null ? "" : `${report.volts.toFixed(1)} V`,
       report.faulty ? "a servo reports an error" : "",
@@ -44,7 +35,8 @@ export class Live {
     const root = new DOMParser().parseFromString(xml, "text/xml").documentElement;
     const about = root.getAttribute("id") ?? root.getAttribute("characterId") ?? "";
     const time = root.getAttribute("globalTime");
-    this.say(`${root.localName}${about ? ` ${about}` : ""}${time ? ` ${Number(time).toFixed(2)} s` : ""}`, xml);
+    const what = root.localName === "warningFeedback" ? `: ${root.textContent?.trim()}` : "";
+    this.say(`${root.localName}${about ? ` ${about}` : ""}${time ? ` ${Number(time).toFixed(2)} s` : ""}${what}`, xml);
   }
 
   say(text: string, title = ""): void {

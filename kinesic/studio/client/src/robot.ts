@@ -1,7 +1,8 @@
 // The robot behind the server: whether it is there, how it is, whether it is stopped, and what it tells.
+import { Arming } from "./arming.ts";
 import { byId } from "./dom.ts";
 import { Live } from "./live.ts";
-import type { Body, BodyReport } from "./types.ts";
+import type { Body, BodyReport, ServoPlace } from "./types.ts";
 import { type Answer, Wire } from "./wire.ts";
 
 const RATE = 20; // [Hz] at which it is watched
@@ -13,6 +14,9 @@ export class Robot {
   readonly live: Live;
   report: BodyReport | null = null;
   stopped = false;
+  /** Its servos; none where it is simulated. */
+  places: readonly ServoPlace[] = [];
+  private readonly arming: Arming;
 
   constructor(
     body: Body,
@@ -27,11 +31,16 @@ export class Robot {
       },
       sessionStorage.getItem(TOKEN),
     );
+    this.arming = new Arming(
+      this.wire,
+      () => sessionStorage.getItem(TOKEN),
+      (text) => this.live.say(text),
+    );
   }
 
   /** Whether it takes documents. */
   get ready(): boolean {
-    return this.wire.state === "open" && !this.stopped;
+    return this.wire.state === "open" && !this.stopped && !this.arming.limp;
   }
 
   stop(): void {
@@ -57,14 +66,24 @@ export class Robot {
     if (state === "open") {
       this.wire.tell("watch", { rate: RATE });
       this.wire.tell("status");
+      void this.list();
       this.listener.opened();
     }
     this.listener.changed();
   }
 
+  private async list(): Promise<void> {
+    const answer = await this.wire.ask("servos", {});
+    this.places = (answer?.servos as ServoPlace[] | undefined) ?? [];
+    this.live.list(this.places);
+  }
+
   private told(answer: Answer): void {
     if (answer.told === "body") {
       this.report = answer as unknown as BodyReport;
+      const { limp } = this.arming;
+      this.arming.show(this.report.servos);
+      if (limp !== this.arming.limp) this.listener.changed();
       this.live.show(this.report);
       this.listener.moved();
     } else if (answer.told === "stopped" || answer.told === "failed") {

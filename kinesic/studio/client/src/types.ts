@@ -94,6 +94,25 @@ export interface Reached {
   contact: [string, string] | null;
 }
 
+export interface ServoPlace {
+  bus: string;
+  id: number;
+  hinge: string;
+  model: string;
+  /** [C] at which it shuts down. */
+  hottest: number;
+}
+
+/** How each servo is, in the order in which they are listed; null for one that does not answer. */
+export interface ServoReport {
+  state: "limp" | "arming" | "armed" | "releasing" | "ended";
+  celsius: (number | null)[];
+  load: (number | null)[];
+  volts: (number | null)[];
+  errors: (number | null)[];
+  torque: (number | null)[];
+}
+
 export interface BodyReport {
   time: number;
   angles: number[];
@@ -101,4 +120,5 @@ export interface BodyReport {
   hottest: number | null;
   volts: number | null;
   faulty: boolean;
+  servos: ServoReport | null;
 }

@@ -10,7 +10,7 @@ from kinesic.body.command import Command
 from kinesic.body.dynamics import Clearance
 from kinesic.hardware.supervisor.channel import Status
 from kinesic.hardware.supervisor.state_machine import Stage
-from kinesic.serve.sinks import RealServos
+from kinesic.serve.servo_sink import RealServos
 
 
 class Wall:
@@ -47,7 +47,7 @@ class Told:
 )
 def test_time_is_the_supervisors_where_it_runs_and_where_it_stands(status: Status, time: float | None):
     """Whoever stood still meanwhile learns where it stands: only what comes after that can still be performed."""
-    servos = RealServos(Told(status), distances=Wall(), least=0.01)
+    servos = RealServos(lambda: Told(status), distances=Wall(), least=0.01)
     assert servos.time(100.2) == (time if time is None else pytest.approx(time))
 
 
@@ -80,7 +80,7 @@ class Straying(Told):
 )
 def test_servos_that_stray_are_slowed_down_and_stopped(angle: float, slows: bool, stops: bool):
     told = Straying(angle)
-    servos = RealServos(told, distances=Wall(), least=0.01)
+    servos = RealServos(lambda: told, distances=Wall(), least=0.01)
     for k in range(20):
         row = np.array([0.02])
         servos.write(Command(k / 100, row, row, row, row))
