@@ -73,6 +73,7 @@ class Loop(Thread):
             news: is given what the planner says to the server; None when it is gone.
         """
         super().__init__(name="loop")
+        self.robot = setup.robot.name
         self.motion = stay(setup.robot.skeleton.rest, start=clock.now())  # on the clock
         self.agenda: list[ScheduledFeedback] = []
         self.stops, self._stops_made = 0, 0  # emergency stops that were requested, and those that were made

@@ -133,6 +133,7 @@ class Session:
     def status(self) -> dict[str, object]:
         """Reports state, time, queue and faults, for people and programs."""
         return {
+            "robot": self.loop.robot,
             "state": self._state,
             "idles": self.loop.idles and self._state != "stopped",
             "servos": None if self.loop.servos is None else self.loop.servos.state,

@@ -11,6 +11,7 @@ from kinesic.serve.wire.quotas import USUAL, Quotas
 RULE_HELP = (
     f"A limit for clients: {', '.join(f'{each.name}={getattr(USUAL, each.name):g}' for each in fields(Quotas))}."
 )
+CONNECT_HELP = "The page of a robot that `kinesic serve` drives already, there or here; --token is that server's."
 FOLDER_HELP = "Where documents are opened and saved (default: that of FILE, or this one)."
 
 
@@ -38,6 +39,7 @@ def serve_verb() -> None:
 @click.option("--sound/--no-sound", default=None, help="Speech is heard (default: where that works).")
 @click.option("--browser/--no-browser", default=True, help="Opens the page in the browser, where there is a display.")
 @click.option("--rule", "rules", multiple=True, metavar="NAME=VALUE", help=RULE_HELP)
+@click.option("--connect", metavar="HOST[:PORT]", help=CONNECT_HELP)
 @done_by("live.studio:open_studio")
 def studio_verb() -> None:
     """Opens the studio: a page on which FILE (BML) is written, seen and performed.

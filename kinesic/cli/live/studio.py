@@ -1,6 +1,7 @@
 """`kinesic studio`: the server, and a page in the browser on which documents are written, seen and performed."""
 
 import webbrowser
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -8,9 +9,10 @@ from pathlib import Path
 import click
 
 from kinesic.body.config import ConfigError
+from kinesic.cli.live.attached import ask_robot, read_server, set_up_like, show_page
 from kinesic.cli.live.folder_gestures import read_folder
 from kinesic.cli.live.frozen import FrozenPlanning
-from kinesic.cli.live.serve import open_and_serve
+from kinesic.cli.live.serve import open_and_serve, read_address
 from kinesic.cli.options import Door, Performers, Planning
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.face.show.window import has_display
@@ -43,10 +45,20 @@ def open_studio(
     sound: bool | None,
     browser: bool,
     rules: tuple[str, ...],
+    connect: str | None = None,
 ) -> int:
     """Serves the page, and clients like any server, until somebody ends it."""
     if door.listen == "none":
         raise ConfigError("--listen none: a page needs an address; give HOST:PORT")
+
+    def opened(address: Address) -> None:
+        url = f"http://{address}/"
+        click.echo(f"the studio: {url}", err=True)
+        if browser and has_display():
+            webbrowser.open(url)
+
+    if connect is not None:
+        return _attach(file, planning, door, connect, opened)
     place = folder or (Path() if file is None else file.parent)
     if file is not None:
         _check_document(file, place)
@@ -58,15 +70,20 @@ def open_studio(
     for fault in read_folder(known.folder).faults:
         click.echo(f"passed over: {fault}", err=True)
 
-    def opened(address: Address) -> None:
-        url = f"http://{address}/"
-        click.echo(f"the studio: {url}", err=True)
-        if browser and has_display():
-            webbrowser.open(url)
-
     return open_and_serve(
         known, door, performers, sound, rules, files=files, folder=known.folder, armed=False, opened=opened
     )
+
+
+def _attach(file: Path | None, planning: Planning, door: Door, connect: str, opened: Callable[[Address], None]) -> int:
+    """Shows the page for a robot that another server drives: its folder, its gestures, its rules."""
+    if file is not None:
+        raise ConfigError(f"{file}: with --connect, documents are those of the server's folder; open it on the page")
+    robot, place = read_server(connect), read_address(door.listen, token=None)
+    if place is None:
+        raise ConfigError("--listen none: a page needs an address; give HOST:PORT")
+    setup = set_up_like(planning, ask_robot(robot, door.token), robot)
+    return show_page(place, robot, page_files(setup.robot, setup.lexicon, style=planning.style), opened)
 
 
 def _check_document(file: Path, folder: Path) -> None:
