@@ -117,11 +117,20 @@ class Ping(Struct, tag="ping", tag_field="do", forbid_unknown_fields=True):
     id: str = ""
 
 
-Control = Hello | Stop | StopLineRequest | Resume | InterruptCommand | Restyle | SpokenWords | Enquiry | Ping | Question
-
-
 Torque = Arm | Disarm
-Control = Hello | Stop | StopLineRequest | Resume | InterruptCommand | Restyle | Torque | Enquiry | Ping | Question
+Control = (
+    Hello
+    | Stop
+    | StopLineRequest
+    | Resume
+    | InterruptCommand
+    | Restyle
+    | SpokenWords
+    | Torque
+    | Enquiry
+    | Ping
+    | Question
+)
 
 
 class _Verb(Struct):
