@@ -39,7 +39,7 @@ from kinesic.serve.messages import (
     RequestDone,
 )
 from kinesic.serve.priority import urgent
-from kinesic.serve.sinks import ConsentingSink, MeasuringSink, RealTimeSink, ServoSink, TimedSink, is_steady
+from kinesic.serve.sinks.real_time import ConsentingSink, MeasuringSink, RealTimeSink, ServoSink, TimedSink, is_steady
 from kinesic.serve.tracks import Effects
 
 PERIOD = 1 / RATE

@@ -15,7 +15,7 @@ from kinesic.serve.clients import ClientRegistry
 from kinesic.serve.priority import urgent
 from kinesic.serve.reception import Reception, attend_console
 from kinesic.serve.session import Session
-from kinesic.serve.sinks import RealTimeSink
+from kinesic.serve.sinks.real_time import RealTimeSink
 from kinesic.serve.stop_lines import StopLines
 from kinesic.serve.tracks import SILENT, SoundAndFace
 from kinesic.serve.wire.origin import ANYBODY_HERE, Access

@@ -9,7 +9,6 @@ from typing import Literal
 
 from kinesic.planning.setup import Setup
 from kinesic.realizer.request import Message, block_id
-from kinesic.serve.arming import Arming
 from kinesic.serve.desk.desk import Desk
 from kinesic.serve.loop import Loop
 from kinesic.serve.messages import (
@@ -25,7 +24,8 @@ from kinesic.serve.messages import (
 )
 from kinesic.serve.planner_process import Planner
 from kinesic.serve.queues import FairQueue
-from kinesic.serve.sinks import RealTimeSink
+from kinesic.serve.sinks.arming import Arming
+from kinesic.serve.sinks.real_time import RealTimeSink
 from kinesic.serve.tracks import SILENT, Effects, SoundAndFace
 from kinesic.serve.wire.quotas import Quotas, quota_feedback
 from kinesic.speech.speaker import Speaker

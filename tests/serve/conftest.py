@@ -15,7 +15,7 @@ from kinesic.client import Client
 from kinesic.controller.perform import set_up
 from kinesic.planning.setup import Setup
 from kinesic.serve.server import Address, Serving, open_serving, until_done
-from kinesic.serve.sinks import RealTimeSink, RealTwin
+from kinesic.serve.sinks.real_time import RealTimeSink, RealTwin
 from kinesic.serve.tracks import SoundAndFace
 from kinesic.serve.wire.origin import ANYBODY_HERE, Access
 from kinesic.serve.wire.pages import NO_FILES, WebFile

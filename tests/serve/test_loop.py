@@ -11,7 +11,7 @@ from kinesic.motion import spline_program
 from kinesic.realizer.feedback import Progress, ScheduledFeedback
 from kinesic.serve.loop import Loop
 from kinesic.serve.messages import Clock, Proposal
-from kinesic.serve.sinks import RealTimeSink
+from kinesic.serve.sinks.real_time import RealTimeSink
 from kinesic.serve.tracks import Effects
 
 pytestmark = pytest.mark.realtime

@@ -14,7 +14,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.command import Command
 from kinesic.controller.perform import set_up
 from kinesic.serve.server import Address, open_serving, until_done
-from kinesic.serve.sinks import RealTimeSink, RealTwin
+from kinesic.serve.sinks.real_time import RealTimeSink, RealTwin
 
 
 class GoalRecorder:

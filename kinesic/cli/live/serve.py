@@ -26,8 +26,8 @@ from kinesic.face.show.preview import Preview
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.serve.server import Address, Serving, open_serving, until_done
-from kinesic.serve.servo_sink import RealServos
-from kinesic.serve.sinks import AHEAD, RealTimeSink, RealTwin
+from kinesic.serve.sinks.real_time import AHEAD, RealTimeSink, RealTwin
+from kinesic.serve.sinks.servos import RealServos
 from kinesic.serve.tracks import SoundAndFace
 from kinesic.serve.wire.origin import Access, read_origin
 from kinesic.serve.wire.pages import NO_FILES, WebFile

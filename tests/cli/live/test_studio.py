@@ -32,7 +32,7 @@ def test_what_cannot_be_shown_is_refused(tmp_path, file, folder, listen, why):
         open_studio(
             None if file is None else tmp_path / file,
             Planning("upper22", "neutral", {}),
-            Door(listen, None, ()),
+            Door(listen, None, (), texts=False),
             Performers(frozenset({"twin"}), ()),
             None if folder is None else tmp_path / folder,
             sound=False,

@@ -29,9 +29,11 @@ def test_gestures_texts_and_settings_that_are_named_are_in_the_page(kinesic, tmp
     compared = [(trial["condition"], trial["stimulus"]) for trial in study["trials"] if trial["task"] == "comparison"]
     assert compared[0] == ("whole_body=0", "hello")
     assert compared[1][1] in recognised
-    assert compared[2:] == [("idle=0", "hello")], "a gesture alone has no pause"
+    without_idle = {stimulus for setting, stimulus in compared[2:] if setting == "idle=0"}
+    assert "hello" in without_idle
+    assert not without_idle & {"stop", "offer", "photo"}, "a short gesture alone has no pause"
     assert [said[2] for motion in study["motions"] for said in motion["words"] if said[2]] == ["Hello!"] * 3
-    assert len(study["motions"]) == 6 + 2 + 1 + 1
+    assert len(study["motions"]) == 6 + 2 + 1 + len(without_idle)
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from kinesic.body.command import Command
 from kinesic.body.dynamics import Clearance
 from kinesic.hardware.supervisor.channel import Status
 from kinesic.hardware.supervisor.state_machine import Stage
-from kinesic.serve.servo_sink import RealServos
+from kinesic.serve.sinks.servos import RealServos
 
 
 class Wall:

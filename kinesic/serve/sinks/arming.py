@@ -10,7 +10,7 @@ from typing import Protocol
 
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.serve.loop import Loop
-from kinesic.serve.sinks import ServoSink
+from kinesic.serve.sinks.real_time import ServoSink
 from kinesic.serve.wire.protocol import Arm, Disarm, json_answer
 
 LASTS = 30.0  # [s] that somebody may take to confirm

@@ -11,12 +11,12 @@ from websockets.sync.client import ClientConnection, connect
 
 from kinesic.body.command import Command
 from kinesic.hardware.protocol.wire import BusError
-from kinesic.serve import arming
 from kinesic.serve.messages import ServoHealth, ServoPlace, ServoReport, ServoState
+from kinesic.serve.sinks import arming
 from kinesic.serve.wire.origin import Access
 from kinesic.serve.wire.quotas import Quotas
 
-from .conftest import Running, running
+from ..conftest import Running, running
 
 TOKEN, NOD = "open sesame", '<bml id="{}"><head id="n" lexeme="NOD" start="0"/></bml>'
 pytestmark = pytest.mark.realtime
