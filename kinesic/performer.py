@@ -106,6 +106,7 @@ class Performer:
         twin: TwinName | Factors = "nominal",
         feedforward: Terms = "full",
         correction: bool = True,
+        believed: Factors | None = None,
     ) -> Performance:
         """Performs in the twin; then in sinks of one's own, and on the servos, if they are requested.
 
@@ -120,6 +121,8 @@ class Performer:
             twin: how far the twin is from the robot's description.
             feedforward: what of the servos' model is inverted.
             correction: whether goals are corrected by what the twin measures.
+            believed: how the servos are believed to be, by which goals lead; None: as the twin's where its factors are
+                given, as this very robot's, else as data sheets say.
 
         Raises:
             BmlError: the document is refused.
@@ -132,7 +135,9 @@ class Performer:
         if on == "servos":
             check_ports(planned.setup.robot, Manifest.of(planned.setup.robot), ports or {})
         factors = (twin,) if isinstance(twin, Factors) else TWINS[twin]
-        found, *beside = dry_runs(planned, factors, feedforward=feedforward, correction=correction)
+        if believed is None:
+            believed = twin if isinstance(twin, Factors) else NOMINAL
+        found, *beside = dry_runs(planned, factors, feedforward=feedforward, correction=correction, believed=believed)
         run = performance_of(found, beside=tuple(beside), seed=self.setup.idling.seed)
         if sinks:
             _play(planned, sinks, feedforward)

@@ -16,13 +16,14 @@ from kinesic.bench.blocks import corpus_folder, passage_text, plan_corpus
 from kinesic.bench.figure import Figure
 from kinesic.body.arrays import Floats
 from kinesic.body.choices import Terms
-from kinesic.controller.learned_gains import LearnedGains, identify
+from kinesic.controller.learned_gains import learn
 from kinesic.controller.perform import dry_run, dry_runs, plan, set_up
 from kinesic.controller.performance import Performance
 from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
 from kinesic.planning.syncs import SHIFT_TO_WARN
 from kinesic.report.checks import checks
+from kinesic.sim.log import log_of
 from kinesic.sim.servo_factors import NOMINAL, PESSIMISTIC, Factors, every
 
 BLOCKS = 50
@@ -148,12 +149,14 @@ def _figures(plans: Iterable[Plan], factors: Factors, given: Help) -> dict[str, 
 
 
 def _performed(plans: Iterable[Plan], factors: Factors, given: Help) -> Iterator[Performance]:
-    learned: LearnedGains | None = None
-    for planned in plans:
+    believed = NOMINAL
+    for number, planned in enumerate(plans):
         helped = given.correction
-        run = dry_run(planned, twin=factors, feedforward=given.terms, correction=helped, watch=helped, learned=learned)
-        if given.identifies and learned is None:
-            learned = identify(run.measured, planned.setup.robot)
+        run = dry_run(
+            planned, twin=factors, feedforward=given.terms, correction=helped, watch=helped, believed=believed
+        )
+        if given.identifies and number == 0:
+            believed = learn(log_of(run.measured), planned.setup.robot).believed
         yield run
 
 

@@ -34,6 +34,10 @@ TOKEN_HELP = "That clients must show; needed where others than this machine can 
 ORIGIN_HELP = "Whose pages may connect beside the server's own, such as http://localhost:5173; repeat it."
 TEXT_HELP = "Says messages that are neither XML nor JSON, with gestures that fit their words."
 TWIN_HELP = "nominal, pessimistic, both (checks of the nominal one, errors of both), or a TOML file of factors."
+LEARN_HELP = (
+    "FILE of what servos have told (P gain, delay): goals lead by it, and what they tell now is written to it. "
+    "'none': goals lead as data sheets say. Default: by the file of --twin."
+)
 TERMS_HELP = "What of the servos is inverted: everything, what speed needs, or nothing."
 CORRECTION_HELP = "Goals corrected by what the twin measures."
 PORT_HELP = "Port of a bus, NAME=PATH, or PATH alone if there is one bus. Repeat for more."
@@ -117,10 +121,17 @@ class Door:
 
 
 @dataclass(frozen=True)
-class TwinOptions:
+class ServoOptions:
+    """How the twin's servos are, and what is known of the robot's."""
+
+    twin: Annotated[str | None, click.option("--twin", metavar="NAME|FILE", help=TWIN_HELP)]
+    learn: Annotated[str | None, click.option("--learn", metavar="FILE", help=LEARN_HELP)]
+
+
+@dataclass(frozen=True)
+class TwinOptions(ServoOptions):
     """How the twin performs."""
 
-    twin: Annotated[str, click.option("--twin", default="nominal", show_default=True, help=TWIN_HELP)]
     feedforward: Annotated[
         Terms,
         click.option(
@@ -300,6 +311,7 @@ def output(out_help: str, force_help: str, json_help: str, *between: Decorator) 
 
 door = _together("door", Door)
 twin_options = _together("way", TwinOptions)
+servo_options = _together("servos", ServoOptions)
 expression = _together("expression", ExpressionOptions)
 face_view = _together("view", FaceView)
 picture_file = _together("picture", PictureFile)

@@ -16,10 +16,12 @@ from kinesic.cli.plain_words import printable, printable_xml
 from kinesic.cli.plan import document_name, is_motion, parse_document, parse_text, plan_motion
 from kinesic.cli.playback import follow_servos, perform_on_servos, play_whole, preview_window, write_live
 from kinesic.cli.progress import Stage, share_of, show_stages
+from kinesic.cli.servos.memory import ServoMemory
 from kinesic.cli.servos.ports import all_ports
-from kinesic.cli.summary import MOST, print_checks, print_notices, print_side_by_side
+from kinesic.cli.summary import MOST, print_checks, print_lesson, print_notices, print_side_by_side
 from kinesic.cli.terminal import console
 from kinesic.controller.documents import write_bml
+from kinesic.controller.learned_gains import Lesson, learn
 from kinesic.controller.perform import dry_runs
 from kinesic.controller.performance import Performance
 from kinesic.controller.servo_performance import ServoRun
@@ -35,9 +37,10 @@ from kinesic.report.films import film_processes
 from kinesic.report.gltf.scene import is_scene, save_performed
 from kinesic.report.output import Written, add_films, default_folder, write_report
 from kinesic.report.report import Json, report
-from kinesic.report.servo_report import live_checks
+from kinesic.report.servo_belief import with_lesson
+from kinesic.report.servo_report import live_checks, live_log
 from kinesic.report.verdict import verdict
-from kinesic.sim.servo_factors import read_twins
+from kinesic.sim.log import log_of
 
 
 def perform_file(
@@ -56,6 +59,7 @@ def perform_file(
     With a plain text that text is performed, and `file` is its name.
     """
     source = document_name(file)
+    memory = ServoMemory.of(way)
     if is_scene(output.out):
         return _perform_scene(file, planning, performers, way, output, text)
     folder = output.out or default_folder(source)
@@ -66,9 +70,14 @@ def perform_file(
         stage("reading the robot")
         known = planning.set_up()
         paths = all_ports(performers.ports, Manifest.of(known.robot).bauds) if "servos" in performers.sinks else {}
-        performance, *beside = _performed(file, known, way, stage, text)
+        performance, *beside = _performed(file, known, way, memory, stage, text)
+        lesson = None
+        if memory.path is not None and not paths:
+            stage("learning from the twin")
+            lesson = learn(log_of(performance.measured), known.robot, memory.believed)
         stage("writing the report")
         data = report(performance, source=source, seed=known.idling.seed, beside=beside)
+        data = with_lesson(data, lesson)
         written = write_report(performance, data, folder, film=film is not None, force=output.force)
         try:
             drawing = share_of(stage, printable(f"drawing films; the page is there: {written.page}"))
@@ -84,7 +93,8 @@ def perform_file(
             live = perform_on_servos(
                 performance, paths, folder, quiet=output.as_json, listener=follow_servos(planned, preview)
             )
-            data, log = write_live(live, data, written)
+            lesson = _learned(live, memory)
+            data, log = write_live(live, data, written, lesson)
         elif preview is not None:
             play_whole(planned, preview)
     if output.as_json:
@@ -94,6 +104,8 @@ def perform_file(
     if paths and live is None:
         click.echo("the servos did not move: a check of the twin failed", err=True)
     _print_paths(written, log, on_error=output.as_json)
+    if lesson is not None:
+        print_lesson(lesson, memory.keep(lesson, folder), on_error=output.as_json)
     if live is not None and live.ending == "failed":
         return FAULT
     return 0 if data["ok"] else 1
@@ -110,7 +122,7 @@ def _perform_scene(
     with show_stages() as stage:
         stage("reading the robot")
         known = planning.set_up()
-        performance, *beside = _performed(file, known, way, stage, text)
+        performance, *beside = _performed(file, known, way, ServoMemory.of(way), stage, text)
         stage("writing the scene")
         save_performed(performance, output.out, force=output.force)
         data = report(performance, source=document_name(file), seed=known.idling.seed, beside=beside)
@@ -151,7 +163,18 @@ def _print_report(performances: tuple[Performance, ...], live: ServoRun | None, 
     screen.print(printable(verdict(data)), highlight=False, markup=False, soft_wrap=True)
 
 
-def _performed(file: str, known: Setup, way: TwinOptions, stage: Stage, text: str | None) -> tuple[Performance, ...]:
+def _learned(live: ServoRun, memory: ServoMemory) -> Lesson | None:
+    """What the servos of a run have told, where anybody wants to know."""
+    if not memory.learns or len(live.times) < 2:
+        return None
+    with show_stages() as stage:
+        stage("learning from the servos")
+        return learn(live_log(live), live.performance.plan.setup.robot, memory.believed)
+
+
+def _performed(
+    file: str, known: Setup, way: TwinOptions, memory: ServoMemory, stage: Stage, text: str | None
+) -> tuple[Performance, ...]:
     """Plans a document, or a plain text, and performs it in the twins."""
     stage("planning")
     begun = perf_counter()
@@ -163,9 +186,10 @@ def _performed(file: str, known: Setup, way: TwinOptions, stage: Stage, text: st
     planned = plan_motion(file, known) if block is None else plan_block(block, known)
     return dry_runs(
         planned,
-        read_twins(way.twin),
+        memory.twins,
         feedforward=way.feedforward,
         correction=way.correction,
+        believed=memory.believed,
         parse_seconds=parsed,
         progress=share_of(stage, "performing in the twin"),
     )

@@ -14,6 +14,7 @@ from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 from kinesic.cli.ending_signals import leave_closed_terminal
 from kinesic.cli.terminal import pressed_keys
+from kinesic.controller.learned_gains import Lesson
 from kinesic.controller.performance import Performance
 from kinesic.controller.play import command_times, pace, play
 from kinesic.controller.servo_performance import Request, ServoRun, interrupted, perform_live
@@ -31,6 +32,7 @@ from kinesic.planning.face_track import commands_with_face
 from kinesic.planning.plan import Plan
 from kinesic.report.output import Written, rewrite
 from kinesic.report.report import Json
+from kinesic.report.servo_belief import with_lesson
 from kinesic.report.servo_report import live_log, with_live
 from kinesic.sim.log import write_log
 
@@ -159,9 +161,11 @@ def _requested(keys: Callable[[], str], folding: Callable[[], bool]) -> Callable
     return request
 
 
-def write_live(live: ServoRun, data: dict[str, Json], written: Written) -> tuple[dict[str, Json], Path]:
-    """Writes the report anew with what the robot did, and a log; returns the report and the path of the log."""
-    whole = with_live(data, live)
+def write_live(
+    live: ServoRun, data: dict[str, Json], written: Written, lesson: Lesson | None
+) -> tuple[dict[str, Json], Path]:
+    """Writes the report anew with what the robot did and told, and a log; returns report and path of the log."""
+    whole = with_lesson(with_live(data, live), lesson)
     rewrite(written, live.performance, whole)
     log = written.report.with_name("servos.npz")
     with new_file(log, force=True) as fresh:

@@ -13,6 +13,7 @@ from kinesic.body.config import ConfigError, locate
 from kinesic.cli.options import Output, Performers, Planning, TwinOptions
 from kinesic.cli.perform import perform_file
 from kinesic.cli.plan import document_name
+from kinesic.cli.servos.memory import check_alone
 from kinesic.face.show.files import SideFilm, save_film
 from kinesic.face.show.pictures import LazyPictures
 from kinesic.files.film_settings import FilmSettings
@@ -48,6 +49,7 @@ def perform_with_several(
     """
     robots = planning.robot.split(",")
     _check(robots, performers, output)
+    check_alone(way)
     if film is not None and film.format != "webp":
         raise ConfigError("--film-format mp4: several robots are filmed side by side as webp alone; name one robot")
     if file == "-":

@@ -11,6 +11,7 @@ from kinesic.body.command import RATE
 from kinesic.body.dynamics import Dynamics
 from kinesic.body.robot import Robot
 from kinesic.controller.learned_gains import LearnedGains
+from kinesic.sim.servo_factors import NOMINAL, Factors
 
 
 class Motion(Protocol):
@@ -42,9 +43,27 @@ class FeedForward:
     robot: Robot  # its drives and ranges
     dynamics: Dynamics
     period: float = 1 / RATE  # [s] between goals
-    delay: float = 0.0  # [s] of the bus
+    delay: float | Floats = 0.0  # [s] of the bus; or one for each time
     terms: Terms = "full"  # what is inverted; for measuring what each part is worth
     learned: LearnedGains | None = None  # of these very servos; None: they are as their data sheets say
+
+    @classmethod
+    def of(
+        cls, robot: Robot, dynamics: Dynamics, believed: Factors, *, delay: float = 0.0, terms: Terms = "full"
+    ) -> "FeedForward":
+        """Leads servos as they are believed to be.
+
+        Args:
+            robot: as its data sheets describe it.
+            dynamics: of the robot.
+            believed: how far its servos are from them; what is bounded there is bounded here.
+            delay: [s] of the bus, at least.
+            terms: what is inverted.
+        """
+        if believed == NOMINAL:
+            return cls(robot, dynamics, delay=delay, terms=terms)
+        learned = LearnedGains.of_twin(robot, believed)
+        return cls(robot, dynamics, delay=np.maximum(delay, learned.delay).item(), terms=terms, learned=learned)
 
     def lead(self, motion: Motion, times: Floats) -> FeedForwardGoals:
         """Computes the set points of a motion for goals that are sent at (m,) performance times [s]."""

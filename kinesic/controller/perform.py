@@ -18,7 +18,7 @@ from kinesic.controller.clearance_watch import slows
 from kinesic.controller.closed_loop import perform_in_twins
 from kinesic.controller.documents import read_block
 from kinesic.controller.feedforward import FeedForward
-from kinesic.controller.learned_gains import LearnedGains
+from kinesic.controller.learned_gains import soften
 from kinesic.controller.observer import Observer
 from kinesic.controller.options import PlanningOptions, check_options
 from kinesic.controller.performance import Performance, Reference
@@ -167,11 +167,11 @@ def dry_run(
     correction: bool = True,
     watch: bool = True,
     delay: float = 0.0,
-    learned: LearnedGains | None = None,
+    believed: Factors = NOMINAL,
 ) -> Performance:
     """Performs a plan in one twin: see `dry_runs`."""
     return dry_runs(
-        planned, (twin,), feedforward=feedforward, correction=correction, watch=watch, delay=delay, learned=learned
+        planned, (twin,), feedforward=feedforward, correction=correction, watch=watch, delay=delay, believed=believed
     )[0]
 
 
@@ -183,7 +183,7 @@ def dry_runs(
     correction: bool = True,
     watch: bool = True,
     delay: float = 0.0,
-    learned: LearnedGains | None = None,
+    believed: Factors = NOMINAL,
     parse_seconds: float = 0.0,
     progress: Callable[[float], None] = lambda share: None,
 ) -> tuple[Performance, ...]:
@@ -196,17 +196,17 @@ def dry_runs(
         correction: whether goals are corrected by what the twins measure.
         watch: whether a twin whose errors leave too little clearance is slowed down, and stopped before contact.
         delay: [s] of the bus, as feed-forward and correction believe it to be; the twins' own is in their factors.
-        learned: what an earlier performance told of the servos (`identify`); None: nothing.
+        believed: how servos are believed to be, by which goals lead; such as an earlier performance told (`learn`).
         parse_seconds: for the report.
         progress: gets the share of the ticks that are over, now and then.
     """
     known, trajectory, robot = planned.setup, planned.trajectory, planned.setup.robot
     began = perf_counter()
     times = command_times(planned.duration)
-    delay = max(delay, learned.delay) if learned else delay
-    leading = FeedForward(robot, known.dynamics, delay=delay, terms=feedforward, learned=learned)
+    leading = FeedForward.of(robot, known.dynamics, believed, delay=delay, terms=feedforward)
+    delay = float(leading.delay)
     setpoints = leading.lead(trajectory, times)
-    observers = partial(_observer, known, delay) if correction else None
+    observers = partial(_observer, known, believed, delay) if correction else None
     start = trajectory.at(0.0).angles
 
     def performed(*, touches: bool) -> list[Measurements]:
@@ -219,7 +219,7 @@ def dry_runs(
         measured = performed(touches=True)  # between steps they may have met
     reference, seconds = Reference(planned, times, setpoints.duties), perf_counter() - began
     runs = [
-        Performance(reference, factors, each, parse_seconds, seconds)
+        Performance(reference, factors, each, parse_seconds, seconds, believed=believed)
         for factors, each in zip(twins, measured, strict=True)
     ]
     alone = observers(1) if observers else None
@@ -233,11 +233,18 @@ def _watched(even: Performance, feedforward: FeedForward, observer: Observer | N
     run = perform_watched(plan, twin, feedforward, observer)
     seconds = even.dry_run_seconds + perf_counter() - began
     return Performance(
-        Reference(plan, run.times, run.duties), even.twin, run.measured, even.parse_seconds, seconds, run.least_pace
+        Reference(plan, run.times, run.duties),
+        even.twin,
+        run.measured,
+        even.parse_seconds,
+        seconds,
+        run.least_pace,
+        even.believed,
     )
 
 
 @lru_cache(maxsize=8)
-def _observer(known: Setup, delay: float, bodies: int) -> Observer:
-    """Remembered, as its gains depend on the robot alone."""
-    return Observer.of(known.robot, known.dynamics, period=1 / RATE, delay=delay, bodies=bodies)
+def _observer(known: Setup, believed: Factors, delay: float, bodies: int) -> Observer:
+    """Remembered, as its gains depend on the robot alone, as soft as its servos are believed to be."""
+    robot = soften(known.robot, believed)
+    return Observer.of(robot, known.dynamics, period=1 / RATE, delay=delay, bodies=bodies)

@@ -136,6 +136,7 @@ class Performance:
     parse_seconds: float
     dry_run_seconds: float  # of feed-forward and of all twins that performed together
     least_pace: float = 1.0  # seconds of the performance per second, where it was slowed down most
+    believed: Factors = NOMINAL  # how servos are believed to be, by which goals lead
 
     @cached_property
     def rooms(self) -> Floats:

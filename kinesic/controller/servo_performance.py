@@ -20,7 +20,6 @@ import numpy as np
 from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.controller.arrival import lags, part_paths
 from kinesic.controller.feedforward import FeedForward
-from kinesic.controller.learned_gains import LearnedGains
 from kinesic.controller.performance import MOVING, Performance
 from kinesic.controller.play import command_times, commands
 from kinesic.controller.servo_watch import ServoWatch
@@ -156,7 +155,9 @@ def perform_live(
     """
     plan = performance.plan
     times = command_times(plan.duration)
-    setpoints = _leading(performance).lead(plan.trajectory, times)
+    known = plan.setup
+    leading = FeedForward.of(known.robot, known.dynamics, performance.believed, delay=DELAY)
+    setpoints = leading.lead(plan.trajectory, times)
     history: list[Status] = []
     notes: list[Note] = []
     requests: list[Request] = []
@@ -206,15 +207,6 @@ def interrupted() -> Iterator[Callable[[], bool]]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
-
-
-def _leading(performance: Performance) -> FeedForward:
-    """Leads servos as their data sheets say, or, where the twin is that of this robot, as it was fitted to them."""
-    known, twin = performance.plan.setup, performance.twin
-    if performance.twin_name != "own":
-        return FeedForward(known.robot, known.dynamics, delay=DELAY)
-    learned = LearnedGains.of_twin(known.robot, twin)
-    return FeedForward(known.robot, known.dynamics, delay=max(DELAY, learned.delay), learned=learned)
 
 
 def watch_of(plan: Plan) -> ServoWatch:

@@ -28,6 +28,7 @@ from kinesic.report.checks.plan import penetrations
 from kinesic.report.checks.twin import measure_tracking, tracking_errors
 from kinesic.report.conditioning import story
 from kinesic.report.labels import label
+from kinesic.report.servo_belief import lead
 from kinesic.version import __version__
 
 Json = None | bool | int | float | str | list["Json"] | dict[str, "Json"]
@@ -76,6 +77,8 @@ def report(
         "collision": _collision(performance),
         "smoothness": _smoothness(performance),
         "power": _power(performance),
+        "lead": lead(performance.believed),
+        "learned": None,
         "twins": {each.twin_name: asdict(measure_tracking(each)) for each in (performance, *beside)},
         "warnings": [{"type": n.type.value, "id": n.id, "text": n.text} for n in plan.notices],
         "feedback": list(feedback(plan, performance.lags)),

@@ -37,6 +37,7 @@ FILES = (
     "face.webp",
     "speech.wav",
     LOG,
+    "learned.toml",
 )  # of a report
 
 

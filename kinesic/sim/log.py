@@ -29,6 +29,11 @@ class Log:
     angles: Floats  # (m, n) [rad] measured just before
 
 
+def log_of(measured: Measurements) -> Log:
+    """Takes goals and angles of what a sink measured."""
+    return Log(measured.times, measured.goals, measured.angles)
+
+
 def write_log(measured: "Measurements | Log", robot: Robot, path: Path) -> None:
     """Writes what a sink saw, in the format that `read_log` reads."""
     names = np.array(robot.skeleton.names)

@@ -1,5 +1,6 @@
 """How far the real servos may be from their data sheets: the same robot, made weaker, heavier or later."""
 
+import json
 from collections.abc import Mapping
 from dataclasses import replace
 from math import inf
@@ -78,6 +79,13 @@ class Factors(DriveFactors, frozen=True, forbid_unknown_fields=True):
         """
         return read_toml(path, cls)
 
+    def text(self) -> str:
+        """Writes what `read` reads; figures that are as in the data sheets are left out."""
+        lines = _departures(self)
+        for name, own in sorted(self.servos.items()):
+            lines += ["", f"[servos.{json.dumps(name)}]", *_departures(own)]
+        return "\n".join(lines).lstrip("\n") + "\n"
+
     def applied(self, robot: Robot) -> Robot:
         """Applies these factors to a robot's drives and masses.
 
@@ -111,6 +119,12 @@ class Factors(DriveFactors, frozen=True, forbid_unknown_fields=True):
             p_gain=servo.p_gain * own.gain,
             mass=servo.mass * self.mass,
         )
+
+
+def _departures(of: DriveFactors) -> list[str]:
+    """Lines of TOML for all figures that are not as in the data sheets, tables left out."""
+    figures = ((field, getattr(of, field.name)) for field in msgspec.structs.fields(of) if field.name != "servos")
+    return [f"{field.name} = {value!r}" for field, value in figures if value != field.default]
 
 
 def _positive(name: str, value: float) -> None:

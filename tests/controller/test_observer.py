@@ -11,13 +11,14 @@ from kinesic.body.robot import Robot
 from kinesic.body.servo import SPEED_SHARE
 from kinesic.controller import observer as observer_module
 from kinesic.controller.feedforward import FeedForwardGoals
-from kinesic.controller.learned_gains import identify
+from kinesic.controller.learned_gains import learn, soften
 from kinesic.controller.observer import LARGEST, LoadEstimate, Observer, ObserverInputs, _forecast, correct_goals
 from kinesic.controller.observer_step import FADING, RESTORING, SHARES
 from kinesic.controller.perform import _observer, dry_run, plan
 from kinesic.report.checks.twin import tracking_errors
 from kinesic.sim.dynamics import MujocoDynamics
-from kinesic.sim.servo_factors import Factors
+from kinesic.sim.log import log_of
+from kinesic.sim.servo_factors import NOMINAL, Factors
 
 from ..passage import passage_text
 
@@ -47,13 +48,15 @@ def inputs(angles: Floats = REST, load: float = 0.0, **changes: Floats) -> Obser
 INPUTS = inputs()
 
 
-def closed_loop(observer: Observer, factors: tuple[float, float, float], latency: float) -> Floats:
-    """Largest pole (n,) of observer and plant, whose stall torque, no-load speed and inertia have factors."""
+def closed_loop(
+    observer: Observer, factors: tuple[float, float, float], latency: float, *, gain: float = 1.0
+) -> Floats:
+    """Largest pole (n,) of observer and plant, whose stall torque, no-load speed, inertia and P gain have factors."""
     stall, no_load, heavier = factors
     inertia = heavier * DYNAMICS.load.inertia
     torque = stall * ROBOT.drives.stall
     back = np.array([drive.stall / drive.no_load * stall / no_load + drive.rate_gain * stall for drive in ROBOT.drives])
-    spring = torque * [drive.gain for drive in ROBOT.drives]
+    spring = gain * torque * [drive.gain for drive in ROBOT.drives]
     drag = back + [drive.damping for drive in ROBOT.drives]
     late = int(latency / PERIOD + 1e-9)
     spans = latency - late * PERIOD, PERIOD - latency + late * PERIOD
@@ -82,6 +85,22 @@ def test_the_closed_loop_is_stable_for_each_parameter_wrong_by_two_and_any_laten
     observer = Observer.of(ROBOT, DYNAMICS, period=PERIOD, delay=latency if told else 0.0)
     for factors in SINGLE:
         assert closed_loop(observer, factors, latency).max() < 1.0, factors
+
+
+@pytest.mark.parametrize("gain", [0.5, 0.7])
+@pytest.mark.parametrize("latency", [0.0, 0.02])
+def test_it_is_as_stable_where_a_lower_gain_is_known(latency, gain):
+    observer = Observer.of(soften(ROBOT, Factors(gain=gain)), DYNAMICS, period=PERIOD, delay=latency)
+    for factors in SINGLE:
+        assert closed_loop(observer, factors, latency, gain=gain).max() < 1.0, factors
+
+
+def test_a_higher_gain_is_not_designed_for_but_borne():
+    stiff = soften(ROBOT, Factors(gain=2.0))
+    np.testing.assert_array_equal([drive.gain for drive in stiff.drives], [drive.gain for drive in ROBOT.drives])
+    for latency in (0.0, 0.008):
+        observer = Observer.of(stiff, DYNAMICS, period=PERIOD, delay=latency)
+        assert closed_loop(observer, (1.0, 1.0, 1.0), latency, gain=2.0).max() < 1.0
 
 
 def test_the_observers_poles_lie_together():
@@ -249,11 +268,21 @@ def test_what_one_performance_learned_helps_the_next(known):
     """Half the P gain and 15 ms: what is known from the first motion on need not be noticed."""
     first, second = (plan(passage_text(k), known) for k in (0, 1))
     wrong = Factors(gain=0.5, latency=0.015)
-    learned = identify(dry_run(first, twin=wrong).measured, known.robot)
-    np.testing.assert_allclose([learned.load, learned.lead], 1.0, atol=0.05)
-    assert learned.delay == pytest.approx(0.015, abs=0.001)
-    new, taught = (dry_run(second, twin=wrong, learned=gains) for gains in (None, learned))
+    lesson = learn(log_of(dry_run(first, twin=wrong).measured), known.robot)
+    assert (lesson.why, lesson.bounded) == ("", False)
+    np.testing.assert_allclose([own.gain for own in lesson.believed.servos.values()], 0.5, atol=0.02)
+    assert lesson.believed.latency == pytest.approx(0.015, abs=0.001)
+    new, taught = (dry_run(second, twin=wrong, believed=believed) for believed in (NOMINAL, lesson.believed))
     assert tracking_errors(taught).rmse < 0.7 * tracking_errors(new).rmse
+
+
+def test_a_correction_that_knows_soft_servos_sends_goals_as_far_as_they_need(known):
+    """At half the gain a fast hinge takes goals further off than full duty does of servos as in their data sheets."""
+    planned, soft = plan(passage_text(0), known), Factors(gain=0.5)
+    told = dry_run(planned, twin=soft, believed=soft)
+    stiff = Observer.of(known.robot, known.dynamics, period=PERIOD)
+    assert np.abs(told.measured.goals - told.measured.angles).max() > stiff.full.min()
+    assert tracking_errors(told).rmse < 0.1
 
 
 def test_full_duty_does_not_explain_away_half_of_the_gain(monkeypatch, known):

@@ -181,11 +181,11 @@ def test_servos_that_follow_are_not_slowed_down(performance: Performance):
     assert (live.ending, "stop" in actor.done) == ("performed", False)
 
 
-def test_servos_are_led_as_their_own_twin_was_fitted_and_no_other(performance: Performance):
+def test_servos_are_led_as_they_are_believed_to_be_whatever_the_twin_is(performance: Performance):
     plain, tired, fitted = Actor(), Actor(), Actor()
     perform_live(performance, plain)
     perform_live(replace(performance, twin=PESSIMISTIC), tired)
-    perform_live(replace(performance, twin=Factors(gain=0.5, latency=0.012)), fitted)
+    perform_live(replace(performance, believed=Factors(gain=0.5, latency=0.012)), fitted)
     tilt = performance.plan.setup.robot.skeleton.names.index("skullbase_tilt")
     angles, goals, told = (
         np.array([row[tilt] for row in rows])

@@ -110,6 +110,15 @@ def test_a_file_may_name_everything(tmp_path):
     assert hash(read) == hash(Factors.read(path)) != hash(NOMINAL)
 
 
+def test_factors_are_written_as_they_are_read(tmp_path):
+    own = {"xm540_w270": DriveFactors(gain=0.5), "a b": DriveFactors()}
+    path = tmp_path / "own.toml"
+    for factors in (NOMINAL, PESSIMISTIC, Factors(mass=1.1, latency=0.01, amps=3.0, servos=own)):
+        path.write_text(factors.text(), encoding="utf-8")
+        assert Factors.read(path) == factors
+    assert "stall" not in path.read_text(encoding="utf-8")
+
+
 def test_a_servo_that_the_robot_has_not_is_refused():
     with pytest.raises(ConfigError, match="xm430_w21: upper22 has none; did you mean xm430_w210"):
         Factors(servos={"xm430_w21": DriveFactors()}).applied(ROBOT)

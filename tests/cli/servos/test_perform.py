@@ -47,6 +47,8 @@ def test_servos_perform_what_the_twin_has(kinesic, served, nod: Path, tmp_path: 
     found = json.loads(fitted.out)
     assert {e["figure"] for e in found["estimates"]} == {"latency"}
     assert found["after_deg"] <= found["before_deg"]
+    assert f"servos: {report['learned']['text']}" in ended.out
+    assert (out / "learned.toml").exists() == (report["learned"]["why"] == "")
     assert "On the robot" in (out / "report.html").read_text(encoding="utf-8")
 
 
