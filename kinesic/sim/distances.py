@@ -233,10 +233,11 @@ class CapsuleDistances:
         if not len(postures):
             return
         placed = frames.at(postures)
-        parts = [
-            _placed(placed, self._plain_owners, *self._plain_sides),
-            *(hand.ends(angles[postures], placed) for hand in self._fingers),
-        ]
+        asked = {body for row in np.flatnonzero(near.any(axis=1)) for body in (self._first[row], self._second[row])}
+        parts = [_placed(placed, self._plain_owners, *self._plain_sides)]
+        for body, hand in enumerate(self._fingers, start=len(self._plain_owners)):
+            nowhere = np.zeros((len(hand.capsules), 3, len(postures)))
+            parts.append(hand.ends(angles[postures], placed) if body in asked else (nowhere, nowhere))
         starts, ends = (np.concatenate(side).transpose(0, 2, 1) for side in zip(*parts, strict=True))
         for rows, within in self._within:
             cells, here = np.nonzero(near[rows[:, None], postures])

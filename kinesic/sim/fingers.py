@@ -9,6 +9,7 @@ from kinesic.body.robot import Robot, Side
 from kinesic.body.skeleton import Capsule, Skeleton
 from kinesic.sim.kinematics import MotionFrames, motion_frames
 
+REMEMBERED = 32  # ways in which fingers are bent whose places are kept
 ALIKE = 1e-5  # [rad] fingers that are bent by so much differently are where they were, but for a micrometre
 
 
@@ -29,7 +30,7 @@ class FingerPlaces:
         self._sides = [
             np.array([getattr(c, side) for _, c in self.capsules]).reshape(-1, 3) for side in ("start", "end")
         ]
-        self._known: tuple[bytes, tuple[Floats, Floats]] = b"", (np.zeros(0), np.zeros(0))
+        self._known: dict[bytes, tuple[Floats, Floats]] = {}
 
     def ends(self, angles: Floats, frames: MotionFrames) -> tuple[Floats, Floats]:
         """Finds where the axes of all capsules begin and end, (c, 3, m) [m] in the world.
@@ -52,14 +53,18 @@ class FingerPlaces:
         return first, last
 
     def _in_hand(self, bent: Floats) -> tuple[Floats, Floats]:
-        """(c, 3, m) [m] the same in the hand, for (m, f) [rad]; what was asked last is remembered."""
+        """(c, 3, m) [m] the same in the hand, for (m, f) [rad]; what was asked lately is remembered."""
         asked = bent.tobytes()
-        if self._known[0] != asked:
+        found = self._known.pop(asked, None)
+        if found is None:
             frames = motion_frames(self._skeleton, bent)
             rotations, origins = frames.rotations[self._owners], frames.origins[self._owners]
             first, last = (origins + np.einsum("ck,cikm->cim", side, rotations) for side in self._sides)
-            self._known = asked, (first, last)
-        return self._known[1]
+            found = first, last
+            if len(self._known) >= REMEMBERED:
+                self._known.pop(next(iter(self._known)), None)  # the one that was asked longest ago
+        self._known[asked] = found
+        return found
 
 
 def finger_capsules(robot: Robot, side: Side) -> list[tuple[int, Capsule]]:

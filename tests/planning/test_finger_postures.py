@@ -64,3 +64,10 @@ def test_left_mirrors_right(known, counted):
     a, b = (each.trajectory.sample(times)[0] for each in (left, counted))
     here, there = (list(finger_joints(ROBOT, side)) for side in "lr")
     np.testing.assert_allclose(a[:, here], b[:, there], atol=1e-6)
+
+
+@pytest.mark.parametrize("robot", ["upper36", "human"])
+def test_hands_that_wring_one_another_keep_clear(robot: str) -> None:
+    """Each way has room, so that nothing is left out; fingers of one hand pass over those of the other."""
+    planned = plan('<bml id="b"><gesture id="g" lexeme="nervous_wring"/></bml>', set_up(robot, voice="durations"))
+    assert not planned.notices
