@@ -40,7 +40,7 @@ def occlusion(sizes: Sequence[int]) -> dict[str, float]:
         "face.occlusion.samples_21_exact": float(samples(replace(LARGEST, exact=True))),
         "face.occlusion.samples_21_separable": float(samples(LARGEST)),
     }
-    with Portrait(preset=replace(NORMAL, subdivided=True), size=TABLE_SIZE) as portrait:
+    with Portrait(preset=replace(NORMAL, subdivided=True, hair=False), size=TABLE_SIZE) as portrait:
         geometry = portrait.pipeline.geometry
         with geometry.context as context:
             geometry.draw(UNITS, FRONT)

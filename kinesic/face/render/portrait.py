@@ -6,7 +6,7 @@ them, so that their cost depends on the number of pixels alone.
 
 from collections.abc import Mapping
 from contextlib import ExitStack, nullcontext
-from functools import lru_cache
+from functools import cache, lru_cache
 from types import TracebackType
 from typing import TYPE_CHECKING
 
@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesic.body.choices import Variant
+from kinesic.face.assets.hair import STYLES, Locks, grow
 from kinesic.face.assets.mesh import Mesh, load_head
 from kinesic.face.assets.paint import COMPLEXIONS
 from kinesic.face.display import DisplayError, offscreen
@@ -68,7 +69,12 @@ class Portrait:
             own = opened.enter_context(offscreen()) if context is None else context
             from kinesic.face.render.pipeline import DrawnHead, Pipeline  # noqa: PLC0415 - needs the optional library, which is there now
 
-            head = DrawnHead(HeadShape(self.mesh), _mesh(CHART, preset.subdivided), COMPLEXIONS[variant])
+            head = DrawnHead(
+                HeadShape(self.mesh),
+                _mesh(CHART, preset.subdivided),
+                COMPLEXIONS[variant],
+                _locks(variant) if preset.hair else None,
+            )
             self.pipeline = Pipeline(own, head, preset=preset, size=size, lights=lights)
             self._current = own if context is None else nullcontext()  # another portrait may have its own
             self._opened = opened.pop_all()
@@ -100,6 +106,11 @@ class Portrait:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+
+@cache
+def _locks(variant: Variant) -> Locks:
+    return grow(load_head(variant), STYLES[variant])
 
 
 @lru_cache(maxsize=4)

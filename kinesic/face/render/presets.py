@@ -64,6 +64,7 @@ class Preset:
     name: str
     subdivided: bool = False  # four times the faces
     wrinkles: bool = True
+    hair: bool = True  # in locks; else it is painted on the scalp alone
     occlusion: Occlusion | None = None
     scattering: Scattering | None = None  # steered by occlusion, if there is any
     shadow: Shadow | None = None

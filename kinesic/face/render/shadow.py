@@ -29,6 +29,8 @@ class ShadowPass:
         layers = [geometry.drawn(solid, "skin")]
         if geometry.dressed:
             layers.append(geometry.drawn(program(context, "geometry", "cut"), "cloth"))
+        if geometry.haired:
+            layers.append(geometry.drawn(solid, "hair"))
         self._solid = _Map(context, shadow.side, [], layers)
         self._thin: _Map | None = None
         if shadow.coloured:

@@ -19,7 +19,7 @@ def test_each_pixel_lies_on_the_part_that_it_names(portrait: Portrait, yaw: floa
     with geometry.context:
         geometry.draw(UNITS, camera)
         parts, positions = geometry.parts(), geometry.positions()
-    assert set(np.unique(parts)) <= set(range(len(PARTS)))
+    assert set(np.unique(parts)) <= {*range(len(PARTS)), len(PARTS) + 1}  # the last are locks of hair
     view, mesh = camera.view(), portrait.mesh
     corners = deform(mesh, UNITS)[mesh.triangles]
     surface = np.einsum("bk,tkc->tbc", np.random.default_rng(1).dirichlet((1.0, 1.0, 1.0), 24), corners)
@@ -45,3 +45,16 @@ def test_unpacking_takes_the_pixel_in_the_middle(portrait: Portrait, pixels: int
     head = parts[rows, columns] > 0
     np.testing.assert_allclose(seen[head, :3], positions[rows, columns][head], atol=1e-6)
     np.testing.assert_array_equal(normal[head, :3], whole[rows, columns][head, :3])
+
+
+def test_hair_is_drawn_over_the_scalp_and_not_over_the_face(portrait: Portrait):
+    geometry = portrait.pipeline.geometry
+    with geometry.context:
+        geometry.draw({}, Camera())
+        front = geometry.parts() == len(PARTS) + 1
+        geometry.draw({}, Camera(yaw_deg=180.0))
+        back = geometry.parts()
+    side = portrait.size[0]
+    assert front[: side // 6].any()
+    assert not front[side // 4 : 3 * side // 4, 2 * side // 5 : 3 * side // 5].any()
+    assert (back == len(PARTS) + 1).sum() > 0.6 * (back[: side // 2] > 0).sum()

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from kinesic.body.arrays import Floats
+from kinesic.face.assets.mesh import PARTS
 from kinesic.face.display import offscreen
 from kinesic.face.render.camera import FRONT
 from kinesic.face.render.geometry import PositionBuffer, PositionPass
@@ -55,14 +56,15 @@ def heap() -> tuple[Floats, Floats]:
 
 
 def of_face(portrait: Portrait, occlusion: Occlusion) -> tuple[Floats, Floats]:
-    """(height, width) openness of a face and where it is."""
+    """(height, width) openness of a face and where its skin, eyes and mouth are."""
     geometry = portrait.pipeline.geometry
     with geometry.context as context:
         geometry.draw({"26": 0.6, "12": 0.5}, FRONT)
         marched = OcclusionPass(context, PositionPass(context, geometry).draw(), occlusion)
         scale = portrait.size[1] / (2 * FRONT.distance * np.tan(np.radians(FRONT.field_deg) / 2))
         found = marched.draw(scale).read()[..., 0]
-        return found, geometry.parts() > 0
+        parts = geometry.parts()
+        return found, (parts > 0) & (parts <= len(PARTS))
 
 
 def test_separable_costs_four_times_less_at_21():

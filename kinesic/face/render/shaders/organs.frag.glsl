@@ -14,7 +14,7 @@ const float BULGE = 0.05;
 const float SUNKEN = 0.12; // how far the iris lies behind it, as it is refracted
 const float DAMP = 0.2;    // how much the white of the eye shines beside the cornea
 const vec3 GUMS = vec3(0.42, 0.12, 0.11), IVORY = vec3(0.80, 0.74, 0.64), TONGUE_RED = vec3(0.50, 0.135, 0.125);
-const vec3 THROAT = vec3(0.016, 0.004, 0.004);  // what is far back is as dark as the skin there
+const vec3 THROAT = vec3(0.032, 0.008, 0.007);  // what is far back is as dark as the skin there
 const int TEETH_ON_A_SIDE = 7;
 const float UPPER[TEETH_ON_A_SIDE] = float[](8.6, 6.6, 7.6, 7.0, 7.0, 10.0, 10.0);  // [mm] along the row
 const float LOWER[TEETH_ON_A_SIDE] = float[](5.4, 5.9, 6.8, 7.0, 7.0, 11.0, 11.0);

@@ -1,0 +1,179 @@
+"""Grows hair: locks that are combed over the skull, as ribbons whose strands a shader draws.
+
+A lock starts at its root and goes where a comb would take it, over a skull that is told as a radius in each direction
+from a point inside the head. What it is combed from and to depends on the style.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.choices import Variant
+from kinesic.face.assets.chart import hair
+from kinesic.face.assets.mesh import Mesh
+
+INSIDE = np.array([-1.15, 0.0, 0.30])  # distances between the eyes: a point from which the whole skull is seen
+NEAREST = 10  # vertices of the skin that say how far it is in a direction
+BENT = 0.35  # how far the normals at the edges of a lock lean outward
+SEED = 11
+GOLDEN = np.pi * (3.0 - np.sqrt(5.0))
+FREE = 0.35  # height under which locks are seen from inside, too
+POINTED, TIP = 0.6, 0.15  # of the way, from where a lock becomes narrower, and how wide it ends
+LAYERS = (0.7, 1.0)  # of how far locks stand off
+LET_GO = (-0.7, -0.1)  # height at which hair hangs free, and over which it lies on the skull
+TURNING = 0.55  # share of the comb's direction in that of a step
+
+
+@dataclass(frozen=True)
+class Style:
+    """How hair is worn; lengths are distances between the eyes."""
+
+    roots: int  # directions of the sphere in which roots are looked for
+    lowest: float  # height over the hairline of a root at least
+    steps: int  # of a lock
+    length: tuple[float, float]  # of a lock over the temple, and on top
+    width: float  # half of a lock
+    off: float  # from the skull, in the middle of a lock
+    part: float | None  # to the left, where it is parted; else it is combed back
+    falls: float  # how much it hangs
+
+
+STYLES: Mapping[Variant, Style] = MappingProxyType(
+    {
+        "female": Style(560, 0.02, 8, (1.5, 2.7), 0.16, 0.16, 0.2, 0.9),
+        "male": Style(900, 0.03, 4, (0.45, 1.3), 0.13, 0.10, None, 0.10),
+    }
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Locks:
+    """Ribbons of hair in the head's frame."""
+
+    positions: Floats  # (n, 3) [m]
+    normals: Floats  # (n, 3) unit, outward
+    places: Floats  # (n, 4) across -1..1, along 0..1, number of the lock 0..1, how bright it is
+    triangles: NDArray[np.int32]  # (t, 3), anticlockwise from outside
+
+
+def grow(mesh: Mesh, style: Style) -> Locks:
+    """Grows the hair of a head at rest."""
+    random = np.random.default_rng(SEED)
+    unit = float(mesh.eyes[0, 1] - mesh.eyes[1, 1])
+    skin = mesh.positions[mesh.vertices("skin")] / unit
+    skull = _Skull(skin)
+    roots = _roots(skull, style)
+    lines = _combed(skull, roots, style, random)
+    return _ribbons(lines, style, random, unit)
+
+
+class _Skull:
+    """How far the skin is in each direction."""
+
+    def __init__(self, skin: Floats) -> None:
+        spokes = skin[skin[:, 2] > -1.6] - INSIDE
+        self._away = np.linalg.norm(spokes, axis=1)
+        self._near = scipy.spatial.cKDTree(spokes / self._away[:, None])
+
+    def radius(self, directions: Floats) -> Floats:
+        """(n,) in (n, 3) unit directions; of several skins the outermost."""
+        _, which = self._near.query(directions, NEAREST)
+        return np.asarray(self._away[which].max(axis=1))
+
+    def on(self, points: Floats, off: Floats, held: Floats) -> Floats:
+        """(n, 3) points (n,) off the skin: those that are nearer, and those further away by a share that is held."""
+        spokes = points - INSIDE
+        away = np.linalg.norm(spokes, axis=1)
+        least = self.radius(spokes / away[:, None]) + off
+        right = np.where(away < least, least, away + held * (least - away))
+        return np.asarray(INSIDE + spokes * (right / away)[:, None])
+
+
+def _roots(skull: _Skull, style: Style) -> Floats:
+    """(r, 3) evenly over the skin that has hair."""
+    number = np.arange(style.roots) + 0.5
+    up = 1.0 - 2.0 * number / style.roots
+    aside = np.sqrt(1.0 - up * up)
+    directions = np.stack([aside * np.cos(GOLDEN * number), aside * np.sin(GOLDEN * number), up], axis=1)
+    points = INSIDE + directions * skull.radius(directions)[:, None]
+    return np.asarray(points[(hair(points) > style.lowest) & (points[:, 2] > -0.55)])
+
+
+def _combed(skull: _Skull, roots: Floats, style: Style, random: np.random.Generator) -> Floats:
+    """(r, s + 1, 3) the middle lines of locks."""
+    count = len(roots)
+    high = np.clip((roots[:, 2] + 0.1) / 1.2, 0.0, 1.0)
+    lengths = (style.length[0] + (style.length[1] - style.length[0]) * high) * random.uniform(0.85, 1.1, count)
+    points, lines = roots.copy(), [roots]
+    way = _comb(roots, style)
+    layer = np.sort(random.uniform(*LAYERS, count))[::-1]  # those on top first, for the depth test
+    wave = random.uniform(-0.15, 0.15, (count, 3))
+    for step in range(style.steps):
+        share = (step + 1) / style.steps
+        way = (1.0 - TURNING) * way + TURNING * (_comb(points, style) + wave)
+        outward = points - INSIDE
+        outward /= np.linalg.norm(outward, axis=1, keepdims=True)
+        leaving = (way * outward).sum(axis=1, keepdims=True)
+        held = np.clip((points[:, 2:] - LET_GO[0]) / (LET_GO[1] - LET_GO[0]), 0.0, 1.0)
+        way -= np.where(leaving < 0.0, 1.0, held) * leaving * outward
+        way /= np.linalg.norm(way, axis=1, keepdims=True)
+        points = points + way * (lengths / style.steps)[:, None]
+        points = skull.on(points, style.off * layer * np.sin(np.pi * min(0.75, 0.15 + share)), held[:, 0])
+        lines.append(points)
+    return np.stack(lines, axis=1)
+
+
+def _comb(points: Floats, style: Style) -> Floats:
+    """(n, 3) where hair at (n, 3) points is combed to."""
+    forward, left, up = points.T
+    side = np.ones(len(points)) if style.part is None else np.tanh((left - style.part) / 0.12)
+    top = np.clip(up / 1.2, 0.0, 1.0)
+    front = np.clip((forward + 0.9) / 0.8, 0.0, 1.0)
+    if style.part is None:
+        ways = [-0.9 + 0.3 * front, np.full(len(points), 0.3) * top, -0.05 - 0.8 * (1.0 - top)]
+    else:
+        ways = [-0.75 * front - 0.05, 1.2 * side * top**1.5, -0.35 - style.falls * (1.0 - top)]
+    found = np.stack([np.broadcast_to(each, left.shape) for each in ways], axis=1)
+    return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))
+
+
+def _ribbons(lines: Floats, style: Style, random: np.random.Generator, unit: float) -> Locks:
+    """Ribbons of two vertices across, along lines."""
+    count, rows = lines.shape[:2]
+    along = np.linspace(0.0, 1.0, rows)
+    way = np.gradient(lines, axis=1)
+    way /= np.linalg.norm(way, axis=2, keepdims=True)
+    out = lines - INSIDE
+    out -= (out * way).sum(axis=2, keepdims=True) * way
+    out /= np.linalg.norm(out, axis=2, keepdims=True)
+    aside = np.cross(out, way)
+    wide = (
+        style.width
+        * (0.55 + 0.45 * np.sin(np.pi * along**0.7))
+        * np.where(along > POINTED, 1.0 - (1.0 - TIP) * ((along - POINTED) / (1.0 - POINTED)) ** 2, 1.0)
+    )
+    wide = wide[None, :, None] * random.uniform(0.75, 1.25, (count, 1, 1))
+    across = np.array([-1.0, 1.0])
+    points = lines[:, :, None] + across[:, None] * (wide * aside)[:, :, None]
+    normals = out[:, :, None] + BENT * across[:, None] * aside[:, :, None]
+    normals /= np.linalg.norm(normals, axis=3, keepdims=True)
+    lock = random.uniform(0.0, 1.0, (2, count, 1, 1))
+    places = np.stack(
+        np.broadcast_arrays(across[None, None], along[None, :, None], lock[0], 0.75 + 0.5 * lock[1]), axis=-1
+    )
+    corner = np.arange(count * rows * 2).reshape(count, rows, 2)
+    a, b, c, d = corner[:, :-1, :-1], corner[:, :-1, 1:], corner[:, 1:, 1:], corner[:, 1:, :-1]
+    triangles = np.stack([a, c, b, a, d, c], axis=-1).reshape(-1, 3).astype(np.int32)
+    hangs = points.reshape(-1, 3)[triangles, 2].min(axis=1) < FREE
+    triangles = np.concatenate([triangles, triangles[hangs][:, ::-1]])  # seen from inside, too
+    return Locks(
+        positions=sealed(points.reshape(-1, 3) * unit),
+        normals=sealed(normals.reshape(-1, 3)),
+        places=sealed(places.reshape(-1, 4)),
+        triangles=triangles,
+    )

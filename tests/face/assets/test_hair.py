@@ -1,0 +1,61 @@
+"""Hair grows out of the skull, stays outside it, and leaves the face free."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from kinesic.body.choices import Variant
+from kinesic.face.assets.hair import INSIDE, STYLES, Locks, grow
+from kinesic.face.assets.mesh import VARIANTS, load_head
+
+
+@cache
+def locks(variant: Variant) -> tuple[Locks, np.ndarray]:
+    """Hair, and where it is in distances between the eyes."""
+    mesh = load_head(variant)
+    found = grow(mesh, STYLES[variant])
+    return found, found.positions / (mesh.eyes[0, 1] - mesh.eyes[1, 1])
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_hair_covers_the_skull_and_not_the_face(variant: Variant):
+    found, (forward, left, up) = locks(variant)[0], locks(variant)[1].T
+    assert np.isfinite(found.positions).all()
+    np.testing.assert_allclose(np.linalg.norm(found.normals, axis=1), 1.0)
+    assert not ((forward > 0.0) & (np.abs(left) < 0.9) & (up > -2.0) & (up < 0.8)).any()
+    for place in ((-0.6, 0.8, 0.9), (-1.2, -0.9, 0.8), (-2.9, 0.0, 0.4), (-1.1, 0.2, 1.7)):
+        assert np.linalg.norm(locks(variant)[1] - place, axis=1).min() < 0.5, place
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_hair_is_outside_the_head(variant: Variant):
+    mesh = load_head(variant)
+    skin = mesh.positions[mesh.vertices("skin")] / (mesh.eyes[0, 1] - mesh.eyes[1, 1]) - INSIDE
+    far = np.linalg.norm(skin, axis=1)
+    spokes = locks(variant)[1] - INSIDE
+    away = np.linalg.norm(spokes, axis=1)
+    nearest = (spokes / away[:, None] @ (skin / far[:, None]).T).argmax(axis=1)
+    high = locks(variant)[1][:, 2] > 0.0
+    assert np.mean(away[high] > far[nearest][high] - 0.03) > 0.97
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_locks_are_seen_from_outside(variant: Variant):
+    found, _ = locks(variant)
+    a, b, c = found.positions[found.triangles].transpose(1, 0, 2)
+    facing = np.einsum("ti,ti->t", np.cross(b - a, c - a), found.normals[found.triangles[:, 0]]) > 0.0
+    assert 0.5 < facing.mean() < 0.98  # those that hang are seen from inside, too
+    assert found.places[:, 0].min() == -1.0
+    assert found.places[:, 0].max() == 1.0
+
+
+def test_the_two_styles_differ_in_length():
+    woman, man = (locks(variant)[1] for variant in VARIANTS)
+    assert woman[:, 2].min() < -1.3
+    assert man[:, 2].min() > -0.9
+
+
+def test_hair_is_the_same_every_time():
+    mesh = load_head("male")
+    np.testing.assert_array_equal(grow(mesh, STYLES["male"]).positions, locks("male")[0].positions)
