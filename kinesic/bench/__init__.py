@@ -9,6 +9,7 @@ PARTS: Mapping[str, tuple[str, ...]] = {
     "naturalness": ("naturalness",),
     "plan": ("plan.first_command", "plan"),
     "twin": ("twin",),
+    "speed": ("speed",),
     "bus": ("bus", "bus.faults"),
     "bml": ("bml", "bml.speech", "bml.merging", "bml.server", "bml.emergency_stop"),
     "face": ("face",),

@@ -1,11 +1,14 @@
 """One tick of the observer as a graph that CasADi runs: see `controller.observer` for its meaning."""
 
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
-import casadi
 import numpy as np
 
 from kinesic.body.arrays import sealed
+
+if TYPE_CHECKING:
+    import casadi
 
 RESTORING = sealed([0.4, 0.012, 0.4])  # of deviation, its speed [s] and push, by each tick's goal
 SHARES = (-0.5, 1.0)  # what a load may turn out to be: half, or twice as heavy
@@ -13,7 +16,7 @@ FADING = 0.95  # of the push that is left after each tick in which a servo did n
 
 
 @lru_cache(maxsize=8)
-def compile_tick(hinges: int, late: int) -> casadi.Function:
+def compile_tick(hinges: int, late: int) -> "casadi.Function":
     """Compiles one observer tick for some hinges with CasADi: two microseconds, where NumPy takes twenty.
 
     Args:
@@ -24,6 +27,8 @@ def compile_tick(hinges: int, late: int) -> casadi.Function:
         From belief (n, 7 + late), deviation (n,), inputs (n, 10), gains (n, 14) and arrival (late,) to the belief of
         this tick; CasADi's columns are NumPy's rows.
     """
+    import casadi  # noqa: PLC0415 - dry runs have a kernel of their own
+
     names = {"belief": 7 + late, "measured": 1, "inputs": 10, "gains": 14}
     given = [casadi.MX.sym(name, hinges, columns) for name, columns in names.items()]
     arrival = casadi.MX.sym("arrival", late)
@@ -55,5 +60,7 @@ def compile_tick(hinges: int, late: int) -> casadi.Function:
     return casadi.Function("tick", [*given, arrival], [belief])
 
 
-def _between(values: casadi.MX, lower: casadi.MX | float, upper: casadi.MX | float) -> casadi.MX:
+def _between(values: "casadi.MX", lower: "casadi.MX | float", upper: "casadi.MX | float") -> "casadi.MX":
+    import casadi  # noqa: PLC0415 - as above
+
     return casadi.fmin(casadi.fmax(values, lower), upper)

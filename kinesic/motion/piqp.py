@@ -1,14 +1,17 @@
 """Solves linear programs of any shape by CasADi's PIQP, and those of segments where nothing is compiled."""
 
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
-import casadi
 import numpy as np
 import scipy
 
 from kinesic.body.arrays import Floats
 from kinesic.body.limits import Limits
 from kinesic.motion.segments import SplineSegment
+
+if TYPE_CHECKING:
+    import casadi
 
 ITERATIONS = 40  # feasible programs take half as many
 MANY = 64  # rows of what is fixed, from which on a sparse system is solved sooner than a dense one
@@ -45,6 +48,8 @@ def nearest_within_limits(segment: SplineSegment, pull: Floats, limits: Limits, 
     rows = grid.rows(limits, segment.hinge)
     form, every = numbers(grid.closeness), numbers(_stacked(fixed.matrix, rows))
     program = {"h": form.sparsity(), "a": every.sparsity()}
+    import casadi  # noqa: PLC0415 - only where nothing is compiled, and for linear programs
+
     solver = casadi.conic("nearest", "piqp", program, {"error_on_fail": False, "piqp": {"max_iter": ITERATIONS}})
     solution = solver(
         h=form,
@@ -114,6 +119,8 @@ def solve_linear(
     """
     quadratic, linear = numbers(scipy.sparse.csc_array((len(goal), len(goal)))), numbers(matrix)
     program = {"h": quadratic.sparsity(), "a": linear.sparsity()}
+    import casadi  # noqa: PLC0415 - as above
+
     solver = casadi.conic(
         "linear",
         "piqp",
@@ -134,19 +141,25 @@ def _stacked(top: "scipy.sparse.csr_array", bottom: "scipy.sparse.csr_array") ->
     return scipy.sparse.csr_array((data, indices, starts), shape=(top.shape[0] + bottom.shape[0], top.shape[1])).tocsc()
 
 
-def numbers(matrix: "scipy.sparse.csc_array") -> casadi.DM:
+def numbers(matrix: "scipy.sparse.csc_array") -> "casadi.DM":
     """Converts a sparse matrix for CasADi."""
     shape = (int(matrix.shape[0]), int(matrix.shape[1]))
+    import casadi  # noqa: PLC0415 - as above
+
     pattern = _pattern(shape, matrix.indptr.astype(np.int64).tobytes(), matrix.indices.astype(np.int64).tobytes())
     return casadi.DM(pattern, matrix.data.tolist())
 
 
-def column(values: Floats) -> casadi.DM:
+def column(values: Floats) -> "casadi.DM":
     """Converts (k,) to (k, 1) for CasADi, which reads lists sooner than arrays."""
+    import casadi  # noqa: PLC0415 - as above
+
     return casadi.DM(values.tolist())
 
 
 @lru_cache(maxsize=256)
-def _pattern(shape: tuple[int, int], starts: bytes, indices: bytes) -> casadi.Sparsity:
+def _pattern(shape: tuple[int, int], starts: bytes, indices: bytes) -> "casadi.Sparsity":
     """Remembered, as most segments are looked at more than once."""
+    import casadi  # noqa: PLC0415 - as above
+
     return casadi.Sparsity(*shape, *(np.frombuffer(each, dtype=np.int64).tolist() for each in (starts, indices)))

@@ -5,6 +5,7 @@ from contextlib import nullcontext
 from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,12 +20,13 @@ from kinesic.files.output_folder import MARKER, check_folder
 from kinesic.planning.motion_files import replace_motion
 from kinesic.planning.syncs import Syncs, SyncTime
 from kinesic.report.checks import Check, checks, grade
-from kinesic.report.films import film_processes
-from kinesic.report.output import Written, add_films, write_report
 from kinesic.report.report import Json, report
 from kinesic.report.servo_report import live_checks, live_log, with_live
 from kinesic.report.verdict import verdict
 from kinesic.sim.log import write_log
+
+if TYPE_CHECKING:
+    from kinesic.report.output import Written
 
 LOG = "servos.npz"
 FILES = (
@@ -117,7 +119,7 @@ class Performance(DryRun):
         """
         return replace_motion(self.motion, self.plan.setup.robot, Path(path), force=force)
 
-    def report(self, folder: str | Path, *, film: bool = True) -> Written:
+    def report(self, folder: str | Path, *, film: bool = True) -> "Written":
         """Writes report.html, report.json and what belongs to them; an earlier report in the folder is replaced.
 
         Args:
@@ -129,6 +131,9 @@ class Performance(DryRun):
         """
         place = Path(folder)
         _check_free(place)
+        from kinesic.report.films import film_processes  # noqa: PLC0415 - slow to import, and not every run is reported
+        from kinesic.report.output import add_films, write_report  # noqa: PLC0415 - as above
+
         with film_processes() if film else nullcontext() as processes:
             written = write_report(self, dict(self.data), place, film=film, force=True)
             if processes is not None:

@@ -13,7 +13,7 @@ from itertools import count, pairwise
 
 import msgspec
 import numpy as np
-from scipy.optimize import least_squares
+import scipy
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import Command
@@ -113,7 +113,7 @@ def _solved(errors: Callable[[Floats], Floats], asked: Sequence[Unknown], chosen
         values[chosen] = part
         return values
 
-    solved = least_squares(
+    solved = scipy.optimize.least_squares(
         lambda part: np.concatenate([errors(whole(part)), part / SHEET]),
         np.zeros(len(chosen)),
         jac=lambda part: np.concatenate([_slopes(errors, whole(part), chosen), np.eye(len(chosen)) / SHEET]),

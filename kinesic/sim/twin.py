@@ -116,6 +116,11 @@ class Twin:
         """Drops all measurements so far, for performances without end; the robot moves on."""
         self._log.forget()
 
+    @property
+    def physics(self) -> tuple[mujoco.MjModel, mujoco.MjData]:
+        """Its model and data, for whoever steps them otherwise."""
+        return self._model, self._data
+
     def parts(self) -> TwinParts | None:
         """Hands its physics to a compiled loop, before the first command; None where only Python can step it."""
         step, timestep = function_address("mj_step"), timestep_address(self._model)
