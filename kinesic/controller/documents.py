@@ -32,8 +32,15 @@ def write_fml(text: str | bytes, known: Setup, *, source: str = "<text>") -> tup
 
 def write_bml(text: str, known: Setup) -> str:
     """Writes BML that says a text and performs what it means, with the seed and in the style of a setup."""
-    seed = known.idling.seed
-    return author(text, known.lexicon, known.style, language=known.language, sets=intention_sets(known), seed=seed)
+    return author(
+        text,
+        known.lexicon,
+        known.style,
+        language=known.language,
+        grammar=known.grammar,
+        sets=intention_sets(known),
+        seed=known.idling.seed,
+    )
 
 
 def intention_sets(known: Setup) -> BehaviourSets:

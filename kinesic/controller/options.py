@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, TypedDict, get_args
 
 from kinesic.bml.block import RANGES, Dialect
-from kinesic.body.choices import Gathering, VoiceName
+from kinesic.body.choices import Gathering, GrammarName, VoiceName
 from kinesic.body.config import ConfigError, suggestion
 
 if TYPE_CHECKING:
@@ -22,6 +22,7 @@ VOICE_HELP = "Who speaks: espeak is heard, durations is silent; auto takes espea
 CHARACTER_HELP = "Which of several characters the robot is; without it, the one that a block is for, or the first."
 IDLE_HELP = "How much breath, sway, drift of held hands, glances and blinks: 0 none, 1 a little, 2 twice as much."
 VARIATION_HELP = "How far gestures differ from one another: 0 not at all, 1 as a person's, 2 twice as far."
+GRAMMAR_HELP = "Who finds phrases and clauses of English text: spacy parses it, and needs the extra text."
 PAUSE_HELP = "Longest pause before a word for which the body would be late, unless documents say otherwise."
 
 
@@ -61,6 +62,7 @@ class PlanningOptions(TypedDict, total=False):
     ]
     character: Annotated[str | None, Offer(CHARACTER_HELP, metavar="NAME")]
     language: Annotated[str, Offer("Of plain text: en, de, es, fr, ja.", "en", show_default=True)]
+    grammar: Annotated[GrammarName, Offer(GRAMMAR_HELP, "rules")]
     intentions: Annotated[str | Path | None, Offer("Greta's lexicon of intentions (XML), for FML and text.", kind=Path)]
     baseline: Annotated[str | Path | None, Offer("Greta's baseline (XML): how the agent moves in FML.", kind=Path)]
     qualifiers: Annotated[str | Path | None, Offer("Greta's qualifiers (XML): how intentions change it.", kind=Path)]
@@ -72,6 +74,7 @@ CHOICES: Mapping[str, tuple[str, ...]] = {
     "dialect": ("auto", *get_args(Dialect)),
     "gather": get_args(Gathering),
     "voice": get_args(VoiceName),
+    "grammar": get_args(GrammarName),
 }
 
 

@@ -75,6 +75,7 @@ def set_up(
         pause=options.get("pause", 0.0),
         character=options.get("character"),
         language=options.get("language", "en"),
+        grammar=options.get("grammar", "rules"),
         intentions=IntentionFiles(
             _path(options.get("intentions")), _path(options.get("baseline")), _path(options.get("qualifiers"))
         ),

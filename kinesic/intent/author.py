@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+from kinesic.body.choices import GrammarName
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.style import Style
 from kinesic.intent.behaviour_sets import BehaviourSets, own_sets
@@ -22,6 +23,7 @@ def author(
     style: Style,
     *,
     language: str = "en",
+    grammar: GrammarName = "rules",
     sets: BehaviourSets | None = None,
     seed: int = 0,
     block: str = "said",
@@ -33,14 +35,15 @@ def author(
         lexicon: gestures that may picture its words.
         style: in which it is performed: a lively one has more gestures. Neutral leaves the manner to what is felt.
         language: its tag.
+        grammar: who finds its phrases and clauses.
         sets: behaviours by intent; None: those that come with kinesic.
         seed: of what is drawn among alternatives.
         block: id of the block.
 
     Raises:
-        ConfigError: there are no rules for the language.
+        ConfigError: there are no rules for the language, or what shall parse it is missing.
     """
-    passage, selection = plan_behaviours(text, lexicon, style, language=language, sets=sets, seed=seed)
+    passage, selection = plan_behaviours(text, lexicon, style, language=language, grammar=grammar, sets=sets, seed=seed)
     return write_text(passage, selection.behaviours, block=block)
 
 
@@ -50,13 +53,14 @@ def plan_behaviours(
     style: Style,
     *,
     language: str = "en",
+    grammar: GrammarName = "rules",
     sets: BehaviourSets | None = None,
     seed: int = 0,
 ) -> tuple[Passage, Selection]:
     """Chooses the behaviours of a text; see `author`."""
     rules = load_language(language)
     passage = read_text(text, rules)
-    intents = find_intents(passage, rules, lexicon)
+    intents = find_intents(passage, rules, lexicon, grammar=grammar)
     if style.name != PLAIN:
         intents = tuple(replace(each, style="") for each in intents)
     budget = budget_of(len(passage.words), style)

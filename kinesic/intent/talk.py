@@ -4,6 +4,7 @@ import re
 from collections.abc import Collection
 from dataclasses import dataclass, replace
 
+from kinesic.body.choices import GrammarName
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.style import Style
 from kinesic.intent.author import PLAIN
@@ -88,6 +89,7 @@ def next_part(
     language: Language,
     sets: BehaviourSets,
     *,
+    grammar: GrammarName = "rules",
     quiet: float = 0.0,
     free: Collection[str] = (),
     seed: int = 0,
@@ -100,6 +102,7 @@ def next_part(
         style: in which it is performed.
         language: its rules.
         sets: behaviours by intent.
+        grammar: who finds its phrases and clauses.
         quiet: [s] since words came last.
         free: ids of what shows the last part and has not begun: it may give way to what is more certain.
         seed: of what is drawn among alternatives.
@@ -112,7 +115,7 @@ def next_part(
     begins, ends = talk.parts == 0, talk.is_over and words.stop == len(passage.words) and len(talk.text) < WINDOW
     intents = [
         _within(each, passage, words)
-        for each in find_intents(passage, language, lexicon, begins=begins, ends=ends)
+        for each in find_intents(passage, language, lexicon, grammar=grammar, begins=begins, ends=ends)
         if each.stroke.seconds < passage.starts[words.stop]
     ]
     if style.name != PLAIN:

@@ -8,7 +8,7 @@ from typing import Literal
 
 from kinesic.bml.block import Dialect
 from kinesic.body.arrays import Floats
-from kinesic.body.choices import Gathering
+from kinesic.body.choices import Gathering, GrammarName
 from kinesic.body.dynamics import Distances, Dynamics, Load
 from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
@@ -48,6 +48,7 @@ class Setup:
     pause: float = 0.0  # [s] longest pause before a word that waits for the body, where documents do not say
     character: str | None = None  # which of several characters the robot is; None: the one that a block is for
     language: str = "en"  # of plain text
+    grammar: GrammarName = "rules"  # who finds its phrases and clauses
     intentions: IntentionFiles = IntentionFiles()  # how they are shown
 
     @cached_property

@@ -142,6 +142,7 @@ def _next_part(own: _Listening, scene: Scene, now: float) -> Part | None:
         known.style,
         load_language(known.language),
         intention_sets(known),
+        grammar=known.grammar,
         quiet=now - own.heard,
         free=free,
         seed=known.idling.seed,

@@ -49,7 +49,23 @@ def stressed_near(passage: Passage, index: int) -> int:
     return min(content[max(at - 1, 0) : at + 1], key=lambda k: abs(k - index))
 
 
-def find_phrases(passage: Passage, language: Language) -> Iterator[Part]:
+@dataclass(frozen=True)
+class Grammar:
+    """How the words of a passage belong together, by their indices."""
+
+    things: tuple[tuple[int, int], ...]  # first and last word of each noun phrase
+    verbs: tuple[int, ...]  # the first verb of each sentence that has one
+    clauses: tuple[int, ...]  # for each word the last one of its clause
+
+
+def read_grammar(passage: Passage, language: Language) -> Grammar:
+    """Finds how words belong together, by closed classes of words and punctuation."""
+    things = [each for sentence in passage.sentences for each in _noun_phrases(passage, language, sentence)]
+    verbs = [each for sentence in passage.sentences for each in _first_verb(passage, language, sentence)]
+    return Grammar(tuple(things), tuple(verbs), tuple(clause_ends(passage, language)))
+
+
+def find_phrases(passage: Passage, language: Language, grammar: Grammar) -> Iterator[Part]:
     """Yields accents, noun phrases, first verb phrases and lists, and what is stressed."""
     for number, indices in enumerate(passage.phrases):
         k = accent_of(passage, number)
@@ -57,9 +73,15 @@ def find_phrases(passage: Passage, language: Language) -> Iterator[Part]:
     for k, word in enumerate(passage.words):
         if word.emphatic:
             yield Part("emphasis-strong", k, k, "is stressed by the writer", 0.85)
+    named = set[int]()  # sentences that have named something
+    for first, last in grammar.things:
+        is_first = passage.words[first].sentence not in named
+        named.add(passage.words[first].sentence)
+        name = "first-noun-phrase" if is_first else "noun-phrase"
+        yield Part(name, first, last, "names the first thing of its sentence" if is_first else "names a thing", 0.15)
+    for k in grammar.verbs:
+        yield Part("first-verb-phrase", k, k, "says what is done", 0.15)
     for sentence in passage.sentences:
-        yield from _noun_phrases(passage, language, sentence)
-        yield from _verb_phrase(passage, language, sentence)
         yield from _list(passage, language, sentence)
 
 
@@ -75,9 +97,8 @@ def clause_ends(passage: Passage, language: Language) -> list[int]:
     return ends
 
 
-def _noun_phrases(passage: Passage, language: Language, sentence: Sequence[int]) -> Iterator[Part]:
+def _noun_phrases(passage: Passage, language: Language, sentence: Sequence[int]) -> Iterator[tuple[int, int]]:
     """Each determiner with its noun: the first content word behind it that is no adjective, as far as one can tell."""
-    count = 0
     for k in sentence:
         if not language.has("determiner", passage.words[k].plain):
             continue
@@ -89,20 +110,17 @@ def _noun_phrases(passage: Passage, language: Language, sentence: Sequence[int])
             noun = j if word.is_content else noun
             if word.is_content and not language.has("adjective", word.plain):
                 break
-        if noun == k:
-            continue
-        name = "noun-phrase" if count else "first-noun-phrase"
-        count += 1
-        yield Part(name, k, noun, "names the first thing of its sentence" if count == 1 else "names a thing", 0.15)
+        if noun != k:
+            yield k, noun
 
 
-def _verb_phrase(passage: Passage, language: Language, sentence: Sequence[int]) -> Iterator[Part]:
+def _first_verb(passage: Passage, language: Language, sentence: Sequence[int]) -> Iterator[int]:
     """The first verb: an auxiliary, or what follows the subject."""
     for k in sentence:
         is_verb = language.has("auxiliary", passage.words[k].plain)
         after = k > sentence[0] and language.has("subject", passage.words[k - 1].plain)
         if is_verb or (after and passage.words[k].is_content):
-            yield Part("first-verb-phrase", k, k, "says what is done", 0.15)
+            yield k
             return
 
 

@@ -3,12 +3,14 @@
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
 
+from kinesic.body.choices import GrammarName
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.intent.intents import Intent, Moment
 from kinesic.intent.reading.language import ENGLISH, Language, Rule
 from kinesic.intent.reading.matching import Finding, find_rules
 from kinesic.intent.reading.passage import SPEECH, Passage
-from kinesic.intent.reading.phrasing import Part, clause_ends, find_phrases, stressed_near
+from kinesic.intent.reading.phrasing import Part, find_phrases, read_grammar, stressed_near
+from kinesic.intent.reading.spacy_parser import parse_grammar
 
 PICTURED = {"iconic": 0.45, "metaphoric": 0.38}  # categories of gestures that a word may show, and how surely it does
 LEAST_LETTERS = 3  # of a word that a gesture pictures
@@ -20,7 +22,13 @@ REMEMBERED = 8192  # words
 
 
 def find_intents(
-    passage: Passage, language: Language, lexicon: Lexicon, *, begins: bool = True, ends: bool = True
+    passage: Passage,
+    language: Language,
+    lexicon: Lexicon,
+    *,
+    grammar: GrammarName = "rules",
+    begins: bool = True,
+    ends: bool = True,
 ) -> tuple[Intent, ...]:
     """Finds all that a text means, in the order in which it is said; the same text has the same intents.
 
@@ -28,15 +36,21 @@ def find_intents(
         passage: the text.
         language: its rules.
         lexicon: gestures that may picture its words.
+        grammar: who finds how its words belong together; spaCy does so for English.
         begins: whether a turn begins with it.
         ends: whether a turn ends with it.
+
+    Raises:
+        ConfigError: spaCy or its model is missing.
     """
     if not passage.words:
         return ()
-    clauses = clause_ends(passage, language)
+    is_parsed = grammar == "spacy" and passage.language == ENGLISH
+    found_grammar = parse_grammar(passage) if is_parsed else read_grammar(passage, language)
+    clauses = found_grammar.clauses
     found = [
         *(_of_rule(passage, clauses, each) for each in find_rules(passage, language)),
-        *(_of_part(passage, each) for each in find_phrases(passage, language)),
+        *(_of_part(passage, each) for each in find_phrases(passage, language, found_grammar)),
         *_pictures(passage, lexicon),
         *_feelings(passage),
         *_turns(passage, begins=begins, ends=ends),

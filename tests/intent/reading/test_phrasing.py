@@ -1,7 +1,7 @@
 import pytest
 
 from kinesic.intent.reading.language import load_language
-from kinesic.intent.reading.phrasing import clause_ends, find_phrases, stressed_near
+from kinesic.intent.reading.phrasing import clause_ends, find_phrases, read_grammar, stressed_near
 from kinesic.intent.reading.words import read_text
 
 
@@ -9,7 +9,11 @@ def parts(text, kind):
     """The words of all parts whose intent begins so, in their order."""
     language = load_language()
     passage = read_text(text, language)
-    found = [each for each in find_phrases(passage, language) if each.intent.startswith(kind)]
+    found = [
+        each
+        for each in find_phrases(passage, language, read_grammar(passage, language))
+        if each.intent.startswith(kind)
+    ]
     return [(each.intent, " ".join(word.plain for word in passage.words[each.first : each.last + 1])) for each in found]
 
 
