@@ -10,6 +10,7 @@ from kinesic.bench.figure import Figure
 from kinesic.bench.meaning import streaming
 from kinesic.bench.meaning.sentences import deictic_sentences, prose
 from kinesic.bml.parse import parse
+from kinesic.body.choices import GrammarName
 from kinesic.controller.perform import set_up
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.style import Style
@@ -17,6 +18,7 @@ from kinesic.intent.author import author, plan_behaviours
 from kinesic.intent.choosing import DENIALS, NODS, ChosenBehaviour
 from kinesic.intent.reading.language import load_language
 from kinesic.intent.reading.passage import Passage
+from kinesic.intent.reading.spacy_parser import parser_fault
 from kinesic.intent.reading.text import find_intents
 from kinesic.intent.reading.words import read_text
 from kinesic.planning.plan import plan_block
@@ -59,14 +61,29 @@ def bench() -> Iterable[Figure]:
     yield Figure("meaning.deixis", 100 * _deixis(lexicon), "%", 98.0, "higher")
     slow = float(np.percentile([each.seconds for each in written], 95))
     yield Figure("meaning.write_p95", 1000 * slow, "ms", 20.0, "lower")
+    yield _parsed(texts, lexicon, style)
     yield Figure("meaning.dropped", sum(_dropped(texts[:PLANNED])), "behaviours", 0.0, "lower")
     yield from streaming.bench()
 
 
-def _write(text: str, lexicon: Lexicon, style: Style) -> Written:
+def _parsed(texts: Iterable[str], lexicon: Lexicon, style: Style) -> Figure:
+    """How long texts take that spaCy parses."""
+    why, slow = parser_fault(), None
+    if not why:
+        author("Hello", lexicon, style, grammar="spacy")  # the model is loaded
+        slow = 1000 * float(np.percentile([_seconds(text, lexicon, style, "spacy") for text in texts], 95))
+    return Figure("meaning.write_spacy_p95", slow, "ms", 150.0, "lower", why=why)
+
+
+def _seconds(text: str, lexicon: Lexicon, style: Style, grammar: GrammarName) -> float:
+    """CPU time that writing the BML of a text takes [s]."""
     began = process_time()
-    author(text, lexicon, style)
-    seconds = process_time() - began
+    author(text, lexicon, style, grammar=grammar)
+    return process_time() - began
+
+
+def _write(text: str, lexicon: Lexicon, style: Style) -> Written:
+    seconds = _seconds(text, lexicon, style, "rules")
     passage, selection = plan_behaviours(text, lexicon, style)
     return Written(passage, selection.behaviours, seconds)
 
