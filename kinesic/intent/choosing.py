@@ -12,6 +12,8 @@ from kinesic.intent.kept_intents import KeptIntents
 from kinesic.intent.sequences import draw_sequence
 
 RECENT = 3  # gestures within which none is repeated
+WIDER = 2.5  # times their least distance, at which gestures are chosen first, so that they are spread over a text
+SURE = 0.5  # certainty that these have at least
 NEED = 0.05  # certainty that a core signal has more
 NODS = "NOD"
 DENIALS = frozenset({"negation", "negative"})  # intents in whose reach the head does not nod
@@ -168,16 +170,38 @@ def _spaced(
     budget: Budget,
     omitted: list[Omission],
 ) -> list[_Candidate]:
-    """Keeps the most certain ones that are far enough apart and within the budget, in their order in time."""
-    kept, room = list[_Candidate](), len(taken) + budget.gestures
-    for each in sorted(candidates, key=lambda each: -each.weight):
-        why = _hindrance(each, channel, taken, denied, replace(budget, gestures=room))
+    """Keeps the most certain ones that are far enough apart and within the budget, in their order in time.
+
+    Of gestures those that are sure and far apart are kept first, so that they are spread over a text.
+    """
+    budget = replace(budget, gestures=len(taken) + budget.gestures)
+    ranked = sorted(candidates, key=lambda each: -each.weight)
+    kept = list[_Candidate]()
+    if channel == "gesture":
+        spread = replace(budget, gaps={**budget.gaps, channel: WIDER * budget.gaps[channel]})
+        kept = _keep([each for each in ranked if each.weight >= SURE], channel, denied, taken, spread, [])
+    kept += _keep([each for each in ranked if each not in kept], channel, denied, taken, budget, omitted)
+    return sorted(kept, key=lambda each: each.intent.stroke.seconds)
+
+
+def _keep(
+    ranked: Sequence[_Candidate],
+    channel: Channel,
+    denied: KeptIntents,
+    taken: KeptIntents,
+    budget: Budget,
+    omitted: list[Omission],
+) -> list[_Candidate]:
+    """Keeps the candidates, one after the other, against which nothing stands."""
+    kept = list[_Candidate]()
+    for each in ranked:
+        why = _hindrance(each, channel, taken, denied, budget)
         if why:
             omitted.append(Omission(each.intent, channel, why))
         else:
             kept.append(each)
             taken.add(each.intent)
-    return sorted(kept, key=lambda each: each.intent.stroke.seconds)
+    return kept
 
 
 def _hindrance(candidate: _Candidate, channel: Channel, kept: KeptIntents, denied: KeptIntents, budget: Budget) -> str:

@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 from kinesic.body.choices import GrammarName
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.style import Style
-from kinesic.intent.author import PLAIN
+from kinesic.intent.author import PLAIN, hurry
 from kinesic.intent.behaviour_sets import BehaviourSets
 from kinesic.intent.budget import budget_of
 from kinesic.intent.choosing import ChosenBehaviour, Earlier, choose_behaviours
 from kinesic.intent.intents import Intent, Moment
 from kinesic.intent.reading.language import Language
-from kinesic.intent.reading.passage import SPEECH, Passage, duration
+from kinesic.intent.reading.passage import Passage, duration
 from kinesic.intent.reading.text import find_intents
 from kinesic.intent.reading.words import read_text
 from kinesic.intent.writing import name_behaviours, write_text
@@ -24,9 +24,6 @@ WINDOW = 1500  # letters that are looked at
 LONGEST = 16  # words of a phrase that waits for its end
 SHORT = 3  # words below which a phrase that is no sentence waits for what follows at once
 MOST = 24  # words that are said together
-EARLY = 2.5  # [s] from the first word of a part, until which a hand may have to hurry
-SET_OUT = 0.4  # [s] by which it sets out before that word at the earliest, so that the voice waits no longer
-REACHED = 0.55  # [s] behind that word its stroke is at the earliest
 CONTEXT = 60  # words of a sentence that are remembered after they were said
 _STOPS = ".!?\u2026\u3002\uff01\uff1f"
 
@@ -128,7 +125,7 @@ def next_part(
     budget = replace(budget, gestures=max(budget.gestures - spent, 0))
     since = passage.starts[words.start]
     found = choose_behaviours(intents, sets, budget, seed=seed + talk.parts, since=since, earlier=earlier)
-    behaviours = tuple(_hurried(each, since) for each in found.behaviours)
+    behaviours = tuple(hurry(each, since) for each in found.behaviours)
     replaced = frozenset(id for id, each in talk.shown if each in found.replaced)
     gestures = sum(each.channel == "gesture" for each in found.behaviours)
     gestures -= sum(each.channel == "gesture" for each in found.replaced)
@@ -149,15 +146,6 @@ def is_all_said(talk: Talk, language: Language) -> bool:
         return False
     rest, passage, _ = _forget_sentences(talk, language, SILENT)
     return len(passage.words) <= rest.said
-
-
-def _hurried(each: ChosenBehaviour, since: float) -> ChosenBehaviour:
-    """The first gesture of a part does not hold the voice up: its hand sets out late, and its stroke may come later."""
-    stroke = each.intent.stroke
-    if each.channel != "gesture" or stroke.seconds > since + EARLY:
-        return each
-    later = stroke.later(max(since + REACHED - stroke.seconds, 0.0))
-    return replace(each, begin=f"{SPEECH}:start-{SET_OUT:.2f}", intent=replace(each.intent, stroke=later))
 
 
 def _read(talk: Talk, language: Language, quiet: float) -> Passage:

@@ -1,11 +1,12 @@
 import re
+from dataclasses import replace
 
 import pytest
 
 from kinesic.bml.parse import parse
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.style import Style
-from kinesic.intent.author import author, plan_behaviours
+from kinesic.intent.author import EARLY, REACHED, SET_OUT, author, hurry, plan_behaviours
 from kinesic.intent.behaviour_sets import own_sets
 from kinesic.intent.budget import GAPS, Budget
 from kinesic.intent.choosing import ChosenBehaviour, choose_behaviours
@@ -32,7 +33,7 @@ def test_a_text_becomes_bml_that_gives_a_reason_for_each_behaviour(lexicon):
     assert block.notices == ()
     acts = [each for each in block.behaviours if each.type != "speech"]
     assert all(each.reason for each in acts)
-    assert "large" in {each.action.lexeme for each in acts if each.type == "gesture"}
+    assert {"large", "tick_small"} & {each.action.lexeme for each in acts if each.type == "gesture"}
 
 
 def test_the_same_text_has_the_same_bml(lexicon):
@@ -126,3 +127,19 @@ def test_what_is_meant_for_a_moment_is_shown_long_enough_to_be_seen(channel, lex
         (written,) = write_behaviours([ChosenBehaviour(channel, lexeme, meant("emotion-joy", 2.0, end))])
         times = {name: float(time) for name, time in re.findall(r' (start|end)="([\d.]+)"', written)}
         assert times == {"start": 1.9, "end": pytest.approx(1.9 + shown)}
+
+
+def test_the_voice_hardly_waits_for_the_first_gesture(lexicon):
+    gesture = next(each for each in chosen("Hello, my dear friend!", lexicon) if each.channel == "gesture")
+    assert gesture.begin == f"s:start-{SET_OUT:.2f}"
+    assert gesture.intent.stroke.seconds == pytest.approx(REACHED)
+    late = replace(gesture, begin="", intent=replace(gesture.intent, stroke=Moment("s:w9", EARLY + 1.0)))
+    assert hurry(late) == late
+
+
+def test_gestures_are_spread_over_a_text_where_its_end_is_as_sure_as_its_beginning(lexicon):
+    denials = (
+        "No, I never said that, and never did it, nor did I want it. " + "The captain walked along the river. " * 2
+    )
+    gestures = [each for each in chosen(f"{denials} Look over there!", lexicon) if each.channel == "gesture"]
+    assert gestures[-1].intent.name == "world-place-there"
