@@ -8,6 +8,7 @@ from kinesic.expressivity.style.style import Style
 from kinesic.intent.behaviour_sets import BehaviourSets, own_sets
 from kinesic.intent.budget import budget_of
 from kinesic.intent.choosing import ChosenBehaviour, Selection, choose_behaviours
+from kinesic.intent.intents import Intent
 from kinesic.intent.reading.language import load_language
 from kinesic.intent.reading.passage import SPEECH, Passage
 from kinesic.intent.reading.text import find_intents
@@ -16,7 +17,8 @@ from kinesic.intent.writing import write_text
 
 EARLY = 2.5  # [s] from the first word, until which a hand may have to hurry
 SET_OUT = 0.4  # [s] by which it sets out before that word at the earliest, so that the voice waits no longer
-REACHED = 0.55  # [s] behind that word its stroke is at the earliest
+REACHED, GREETED = 0.55, 1.4  # [s] behind that word its stroke is at the earliest, and that of a wave, after its turns
+GREETING = "performative-greet"  # that waves show
 PLAIN = "neutral"  # the one style in which feelings may choose the manner of their sentences
 
 
@@ -67,19 +69,23 @@ def plan_behaviours(
     if style.name != PLAIN:
         intents = tuple(replace(each, style="") for each in intents)
     budget = budget_of(len(passage.words), style)
-    found = choose_behaviours(intents, sets or own_sets(), budget, seed=seed)
+    found = choose_behaviours(intents, sets or own_sets(), budget, seed=seed, reachable=reachable)
     return passage, replace(found, behaviours=tuple(map(hurry, found.behaviours)))
 
 
-def hurry(each: ChosenBehaviour, since: float = 0.0) -> ChosenBehaviour:
-    """Has the first gesture not hold the voice up: its hand sets out late, and its stroke may come later.
+def reachable(intent: Intent, since: float = 0.0) -> Intent:
+    """Has the stroke of a gesture come no sooner than its hand gets there, if it sets out just before the first word.
 
     Args:
-        each: a behaviour.
+        intent: that a gesture shows.
         since: [s] when the first word is said.
     """
-    stroke = each.intent.stroke
-    if each.channel != "gesture" or stroke.seconds > since + EARLY:
+    least = since + (GREETED if intent.name == GREETING else REACHED)
+    return replace(intent, stroke=intent.stroke.later(max(least - intent.stroke.seconds, 0.0)))
+
+
+def hurry(each: ChosenBehaviour, since: float = 0.0) -> ChosenBehaviour:
+    """Has the first gesture not hold the voice up: its hand sets out just before the first word."""
+    if each.channel != "gesture" or each.intent.stroke.seconds > since + EARLY:
         return each
-    later = stroke.later(max(since + REACHED - stroke.seconds, 0.0))
-    return replace(each, begin=f"{SPEECH}:start-{SET_OUT:.2f}", intent=replace(each.intent, stroke=later))
+    return replace(each, begin=f"{SPEECH}:start-{SET_OUT:.2f}")

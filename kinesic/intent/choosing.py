@@ -1,7 +1,7 @@
 """Chooses what shows each intent: behaviours from its set, within a budget, none in another's way."""
 
 import random
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from kinesic.intent.behaviour_sets import NONE, BehaviourSet, BehaviourSets, Channel, Choice, Signal
@@ -81,6 +81,7 @@ def choose_behaviours(
     agent: Agent | None = None,
     since: float = 0.0,
     earlier: Earlier = NOTHING_BEFORE,
+    reachable: Callable[[Intent], Intent] = lambda intent: intent,
 ) -> Selection:
     """Chooses behaviours for all intents; the same intents, sets, budget and seed have the same behaviours.
 
@@ -95,6 +96,7 @@ def choose_behaviours(
         agent: whose preferences and expressivity count; None: nobody's.
         since: [s] intents with earlier strokes are shown already; where they deny something no head nods all the same.
         earlier: what shows them. The budget is for these that may still give way and for what is chosen.
+        reachable: moves the stroke of an intent that a gesture shows to where a hand can be.
     """
     agent = agent or Agent()
     chance = random.Random(seed)
@@ -107,7 +109,8 @@ def choose_behaviours(
             continue
         candidates = list(_candidates(intent, found, agent, chance))
         for each in candidates:
-            wanted[each.signal.channel].append(each)
+            is_gesture = each.signal.channel == "gesture"
+            wanted[each.signal.channel].append(replace(each, intent=reachable(each.intent)) if is_gesture else each)
         if not candidates:
             omitted.append(Omission(intent, None, f"the set of {intent.name} is empty"))
     chosen, replaced = list[ChosenBehaviour](), list[ChosenBehaviour]()

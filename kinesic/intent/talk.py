@@ -3,11 +3,12 @@
 import re
 from collections.abc import Collection
 from dataclasses import dataclass, replace
+from functools import partial
 
 from kinesic.body.choices import GrammarName
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.style import Style
-from kinesic.intent.author import PLAIN, hurry
+from kinesic.intent.author import PLAIN, hurry, reachable
 from kinesic.intent.behaviour_sets import BehaviourSets
 from kinesic.intent.budget import budget_of
 from kinesic.intent.choosing import ChosenBehaviour, Earlier, choose_behaviours
@@ -124,7 +125,8 @@ def next_part(
     budget = budget_of(talk.words + len(words), style)
     budget = replace(budget, gestures=max(budget.gestures - spent, 0))
     since = passage.starts[words.start]
-    found = choose_behaviours(intents, sets, budget, seed=seed + talk.parts, since=since, earlier=earlier)
+    seed, soonest = seed + talk.parts, partial(reachable, since=since)
+    found = choose_behaviours(intents, sets, budget, seed=seed, since=since, earlier=earlier, reachable=soonest)
     behaviours = tuple(hurry(each, since) for each in found.behaviours)
     replaced = frozenset(id for id, each in talk.shown if each in found.replaced)
     gestures = sum(each.channel == "gesture" for each in found.behaviours)

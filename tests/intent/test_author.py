@@ -6,7 +6,7 @@ import pytest
 from kinesic.bml.parse import parse
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.style import Style
-from kinesic.intent.author import EARLY, REACHED, SET_OUT, author, hurry, plan_behaviours
+from kinesic.intent.author import EARLY, GREETED, REACHED, SET_OUT, author, hurry, plan_behaviours
 from kinesic.intent.behaviour_sets import own_sets
 from kinesic.intent.budget import GAPS, Budget
 from kinesic.intent.choosing import ChosenBehaviour, choose_behaviours
@@ -132,7 +132,9 @@ def test_what_is_meant_for_a_moment_is_shown_long_enough_to_be_seen(channel, lex
 def test_the_voice_hardly_waits_for_the_first_gesture(lexicon):
     gesture = next(each for each in chosen("Hello, my dear friend!", lexicon) if each.channel == "gesture")
     assert gesture.begin == f"s:start-{SET_OUT:.2f}"
-    assert gesture.intent.stroke.seconds == pytest.approx(REACHED)
+    assert gesture.intent.stroke.seconds == pytest.approx(GREETED)
+    denial = next(each for each in chosen("No, I did not say it!", lexicon) if each.channel == "gesture")
+    assert denial.intent.stroke.seconds >= REACHED - 0.01
     late = replace(gesture, begin="", intent=replace(gesture.intent, stroke=Moment("s:w9", EARLY + 1.0)))
     assert hurry(late) == late
 
