@@ -6,7 +6,7 @@ from pathlib import Path
 import msgspec
 
 from kinesic.body.config import names_of
-from kinesic.body.robot import Robot
+from kinesic.body.robot import SIDES, Robot
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.lexicon.space import SECTORS
 from kinesic.report.report import Json
@@ -51,7 +51,7 @@ def page_files(
 
 def body_data(robot: Robot) -> dict[str, Json]:
     """Gathers what the page knows of the robot: its shapes, its hinges and their ranges, its hands and their space."""
-    skeleton = robot.skeleton
+    skeleton, neck = robot.skeleton, robot.chains.get("neck")
     return {
         **scene_data(robot),
         "name": robot.name,
@@ -60,11 +60,22 @@ def body_data(robot: Robot) -> dict[str, Json]:
         "rest": [round(float(angle), 4) for angle in skeleton.rest],
         "lower": [round(float(angle), 4) for angle in skeleton.lower],
         "upper": [round(float(angle), 4) for angle in skeleton.upper],
-        "hands": {side: robot.arm(side).wrist for side in ("l", "r")},
+        "hands": {side: robot.arm(side).wrist for side in SIDES},
+        "elbows": {side: robot.arm(side).elbow for side in SIDES},
+        "neck": skeleton.segment(neck[0]) if neck and robot.joints("torso") else None,
+        "eyes": _eyes(robot) if neck else None,
         "arm_length": round(robot.arm_length, 4),
         "sectors": {axis: dict(centres) for axis, centres in SECTORS.items()},
         "gesture_origin": [round(float(value), 4) for value in robot.gesture_origin],
     }
+
+
+def _eyes(robot: Robot) -> Json:
+    """The segment of the eyes, where they are in it, and where they look when they look ahead."""
+    eyes = robot.sites["eyes"]
+    place: list[Json] = [round(float(value), 4) for value in eyes.position]
+    facing: list[Json] = [round(float(value), 4) for value in eyes.facing]
+    return {"segment": robot.skeleton.segment(eyes.segment), "at": place, "facing": facing}
 
 
 def _gestures(lexicon: Lexicon) -> list[Json]:

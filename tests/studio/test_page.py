@@ -167,6 +167,34 @@ def test_a_hand_that_is_dragged_says_what_stops_it(studio: Studio):
     assert len(studio.state("latencies")) >= 2
 
 
+@pytest.mark.parametrize(
+    ("part", "way", "far", "free", "stops"),
+    [
+        ("trunk", (8, 4), (500, 40), "the trunk leans there", "vl5"),
+        ("gaze", (25, 20), (10, 300), "the eyes look there", "skullbase"),
+        ("elbow", (0, 0), (0, 1), "the elbow swings there", ""),
+    ],
+)
+def test_elbow_trunk_and_gaze_are_dragged_too_and_what_stops_them_is_named(
+    studio: Studio, part: str, way: tuple[float, float], far: tuple[float, float], free: str, stops: str
+):
+    studio.write(WORDS)
+    studio.page.click("#mode-plan")
+    studio.page.click("#view-front")
+    studio.until(f"s.{part} !== null && document.querySelector('#stops').textContent === ''")
+    handle, said = studio.state(part), "document.querySelector('#stops').textContent"
+    x, y = handle["x"], handle["y"]
+    studio.page.drag((x, y), (x + way[0] / 2, y + way[1] / 2), (x + way[0], y + way[1]))
+    studio.until(f"{said} === {free!r}")
+    handle = studio.state(part)
+    studio.page.drag((handle["x"], handle["y"]), (x + far[0] / 2, y + far[1] / 2), (x + far[0], y + far[1]))
+    if stops:
+        studio.until(f"s.reach !== null && !s.reach.reached && {said}.includes('short')")
+        assert any(name.startswith(stops) for name in studio.state("reach")["limits"])
+    studio.page.click("#mode-plan")
+    studio.page.click("#view-free")
+
+
 def test_escape_stops_the_robot_and_resume_goes_on(studio: Studio):
     studio.write(WORDS)
     studio.page.click("#perform")

@@ -7,9 +7,9 @@ from pathlib import Path
 from kinesic.planning.setup import Setup
 from kinesic.serve.desk.asker import Asker
 from kinesic.serve.desk.drafter import ClientQuestion, DraftQuestion, answer_draft, unanswered_draft
+from kinesic.serve.desk.dragging import answer_reach, unanswered_reach
 from kinesic.serve.desk.helper import Helper, Unanswered
 from kinesic.serve.desk.keeper import DocumentKeeper
-from kinesic.serve.desk.reach import answer_reach, unanswered_reach
 from kinesic.serve.desk.watches import Watches
 from kinesic.serve.loop import Loop
 from kinesic.serve.wire.protocol import json_answer

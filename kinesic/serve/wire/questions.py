@@ -14,10 +14,11 @@ LONG_VERBS = frozenset(
 
 
 class ReachQuestion(Struct, tag="reach", tag_field="do", forbid_unknown_fields=True):
-    """Asks for the posture that brings a hand to a place."""
+    """Asks for the posture that brings a hand, or another part of the body, to a place."""
 
-    side: Literal["left", "right"]
     target: Place
+    side: Literal["left", "right"] = "right"
+    part: Literal["hand", "elbow", "trunk", "gaze"] = "hand"
     posture: tuple[Angle, ...] | None = None  # [rad] from which it starts, in joint order; None: rest
     id: int = 0  # of the question, in its answer
 

@@ -45,10 +45,16 @@ class App {
   private performances = 0; // of gestures alone
 
   constructor(private readonly about: About) {
-    this.stage = new Stage(byId<HTMLCanvasElement>("canvas"), byId<SVGSVGElement>("sectors"), about.robot, {
-      drag: (drag) => this.reaching.drag(drag),
-      drop: (drag) => this.drop(drag),
-    });
+    this.stage = new Stage(
+      byId<HTMLCanvasElement>("canvas"),
+      byId<SVGSVGElement>("sectors"),
+      byId<SVGSVGElement>("handles"),
+      about.robot,
+      {
+        drag: (drag) => this.reaching.drag(drag),
+        drop: (drag) => this.drop(drag),
+      },
+    );
     this.text = new TextPane((text) => this.edit(text, true));
     this.timeline = new Timeline(byId("rows"), {
       moved: (moved) => this.move(moved),
@@ -240,7 +246,7 @@ class App {
 
   private drop(drag: Drag): void {
     this.reaching.drop();
-    if (this.isGesture) this.editing.drop(drag);
+    if (this.isGesture && drag.part === "hand") this.editing.drop(drag);
   }
 
   private become(mode: "plan" | "robot"): void {
@@ -330,8 +336,11 @@ class App {
       heard: this.playback.voice.time,
       mode: this.mode,
       stopped: this.robot.stopped,
-      left: this.stage.handAt("left"),
-      right: this.stage.handAt("right"),
+      left: this.stage.handleAt("hand", "left"),
+      right: this.stage.handleAt("hand", "right"),
+      elbow: this.stage.handleAt("elbow", "left"),
+      trunk: this.stage.handleAt("trunk"),
+      gaze: this.stage.handleAt("gaze"),
       reach: this.reaching.found,
       latencies: this.reaching.latencies,
       draft: this.draft && { ...this.draft, angles: this.draft.angles.length },

@@ -1,4 +1,6 @@
-// A hand that is dragged: asks the server for each posture, one question at a time, and says what stops the hand.
+// A part of the body that is dragged: asks the server for each posture, one question at a time, and says what stops it.
+
+import type { Part } from "./handles.ts";
 import { sectorOf } from "./sectors.ts";
 import type { Drag } from "./stage.ts";
 import type { Body, Reached, Side } from "./types.ts";
@@ -6,6 +8,7 @@ import type { Wire } from "./wire.ts";
 
 const KEPT = 500; // latencies
 const PERIOD = 22; // [ms] between two questions: more often, the server lets a client wait
+const FREE = { elbow: "the elbow swings there", trunk: "the trunk leans there", gaze: "the eyes look there" };
 const plain = (name: string) => name.replace(/^l_/, "left ").replace(/^r_/, "right ").replaceAll("_", " ");
 
 export class Reaching {
@@ -17,6 +20,7 @@ export class Reaching {
   private cancelled = 0; // drags; an answer to one of them comes too late
   private posture: number[] | null = null;
   private side: Side = "left";
+  private part: Part = "hand";
   private target: readonly number[] = [0, 0, 0];
 
   constructor(
@@ -31,11 +35,11 @@ export class Reaching {
     return this.posture;
   }
 
-  /** Segments that stop the hand. */
+  /** Segments that stop what is dragged. */
   get lit(): ReadonlySet<number> {
     const found = this.found;
     if (!found || found.reached) return new Set();
-    if (!found.contact && !found.limits.length) return this.arm(this.side);
+    if (!found.contact && !found.limits.length) return this.part === "hand" ? this.arm(this.side) : new Set<number>();
     const hinges = new Set(found.limits.map((name) => this.body.hinges.indexOf(name)));
     const limited = this.body.segments.flatMap((segment, k) =>
       segment.hinges.some(({ hinge }) => hinges.has(hinge)) ? [k] : [],
@@ -45,6 +49,7 @@ export class Reaching {
 
   drag(drag: Drag): void {
     this.side = drag.side;
+    this.part = drag.part;
     this.target = drag.target;
     this.next = { drag, at: performance.now() };
     if (!this.busy) void this.ask();
@@ -63,9 +68,10 @@ export class Reaching {
     this.changed(null);
   }
 
-  /** What stops the hand, in words. */
+  /** What stops it, in words. */
   words(found: Reached | null): string {
     if (!found) return "";
+    if (found.reached && this.part !== "hand") return FREE[this.part];
     if (found.reached) {
       const { x, y, z } = sectorOf(this.body, this.side, this.target);
       return `within reach: ${x} ${y} ${z}`;
@@ -73,7 +79,7 @@ export class Reaching {
     const far = `${(100 * found.residual).toFixed(1)} cm short`;
     if (found.contact) return `${found.contact.map(plain).join(" meets ")}: ${far}`;
     if (found.limits.length) return `at its limit: ${found.limits.map(plain).join(", ")}; ${far}`;
-    return `the arm is straight: ${far}`;
+    return this.part === "hand" ? `the arm is straight: ${far}` : far;
   }
 
   private arm(side: Side): ReadonlySet<number> {
@@ -89,7 +95,7 @@ export class Reaching {
       const posture = this.posture ?? this.startPosture();
       const asked = performance.now();
       const cancelled = this.cancelled;
-      const answer = await this.wire.ask("reach", { side: drag.side, target: drag.target, posture });
+      const answer = await this.wire.ask("reach", { part: drag.part, side: drag.side, target: drag.target, posture });
       if (answer?.told !== "reach" || cancelled !== this.cancelled) continue;
       this.found = answer as unknown as Reached;
       this.posture = this.found.angles;

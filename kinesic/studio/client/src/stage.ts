@@ -1,15 +1,15 @@
-// The stage: the robot from any side, and hands that can be dragged.
+// The stage: the robot from any side, and parts of its body that can be dragged.
 import { type Look, type Scene, sceneOf } from "kinesic:scene";
+import { type Handle, Handles, type Part, type Point, placeOf } from "./handles.ts";
 import { SectorGrid } from "./sectors.ts";
 import type { Body, Side } from "./types.ts";
-import { project, unproject, type Vector } from "./vectors.ts";
+import { unproject, type Vector } from "./vectors.ts";
 
-const GRIP = 30; // [CSS pixels] around a hand, in which it is taken
 export const VIEWS = ["front", "left", "top", "free"] as const;
 export type View = (typeof VIEWS)[number];
 
-export interface Drag {
-  side: Side;
+export interface Drag extends Handle {
+  /** [m] in the world. */
   target: Vector;
 }
 
@@ -29,18 +29,21 @@ export class Stage {
   private readonly scene: Scene | null;
   private shown: Shown;
   private due = false;
-  private dragged: { side: Side; grip: Vector } | null = null;
-  private last: Drag | null = null; // of the hand that is dragged
-  private over: Side | null = null;
+  private readonly handles: Handles;
+  private dragged: (Handle & { grip: Vector }) | null = null;
+  private last: Drag | null = null; // of the part that is dragged
+  private over: Handle | null = null;
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
     grid: SVGSVGElement,
+    dots: SVGSVGElement,
     private readonly body: Body,
     private readonly listener: { drag(drag: Drag): void; drop(drag: Drag): void },
   ) {
     this.scene = sceneOf(canvas, body);
     this.sectors = new SectorGrid(grid, body);
+    this.handles = new Handles(dots, body);
     this.flat = this.scene === null;
     this.look = this.lookOf("free");
     this.shown = { angles: body.rest, ghost: undefined, lit: new Set() };
@@ -65,13 +68,18 @@ export class Stage {
     requestAnimationFrame(() => this.draw());
   }
 
-  /** Where a hand is on the canvas [CSS pixels]. */
-  handAt(side: Side): { x: number; y: number } | null {
-    const place = this.hand(side);
-    if (!this.scene || !place) return null;
-    const seen = project(this.scene.camera(this.look).view, place);
+  /** Where a part can be taken, on the page [CSS pixels]. */
+  handleAt(part: Part, side: Side = "right"): Point | null {
     const area = this.canvas.getBoundingClientRect();
-    return { x: area.left + ((seen.x + 1) / 2) * area.width, y: area.top + ((1 - seen.y) / 2) * area.height };
+    const k = this.handles.all.findIndex((each) => each.part === part && each.side === side);
+    const at = this.points()[k];
+    return at ? { x: area.left + at.x, y: area.top + at.y } : null;
+  }
+
+  private points(): Point[] {
+    if (!this.scene) return [];
+    const area = this.canvas.getBoundingClientRect();
+    return this.handles.points(this.scene.camera(this.look).view, this.scene.frames(this.shown.angles), area);
   }
 
   private lookOf(view: View): Look {
@@ -84,11 +92,6 @@ export class Stage {
       top: { turn: 0, rise: 1.5, zoom: 1 },
     };
     return sides[view];
-  }
-
-  private hand(side: Side): Vector | null {
-    const frame = this.scene?.frames(this.shown.angles)[this.body.hands[side === "left" ? "l" : "r"]];
-    return frame ? [frame[12]!, frame[13]!, frame[14]!] : null;
   }
 
   private draw(): void {
@@ -106,8 +109,10 @@ export class Stage {
       lit: this.shown.lit,
     });
     if (this.scene) {
-      const { side, target } = this.last ?? { side: "right", target: null };
+      const hand = this.last?.part === "hand" ? this.last : null;
+      const { side, target } = hand ?? { side: "right", target: null };
       this.sectors.draw(this.scene.camera(this.look).view, this.scene.up, side, target);
+      this.handles.draw(this.points(), this.dragged ?? this.over);
     }
     this.drawn += 1;
   }
@@ -120,13 +125,9 @@ export class Stage {
     };
   }
 
-  private handUnder(event: PointerEvent): Side | null {
-    const far = (side: Side) => {
-      const at = this.handAt(side);
-      return at ? Math.hypot(at.x - event.clientX, at.y - event.clientY) : Number.POSITIVE_INFINITY;
-    };
-    const nearest: Side = far("left") < far("right") ? "left" : "right";
-    return far(nearest) <= GRIP ? nearest : null;
+  private under(event: PointerEvent): Handle | null {
+    const area = this.canvas.getBoundingClientRect();
+    return this.handles.under(this.points(), { x: event.clientX - area.left, y: event.clientY - area.top });
   }
 
   private listen(): void {
@@ -135,14 +136,14 @@ export class Stage {
     canvas.addEventListener("webglcontextrestored", () => this.redraw());
     canvas.addEventListener("pointerdown", (event) => {
       canvas.setPointerCapture(event.pointerId);
-      const side = this.handUnder(event);
-      const place = side && this.hand(side);
-      this.dragged = side && place ? { side, grip: place } : null;
+      const handle = this.under(event);
+      const frames = this.scene?.frames(this.shown.angles);
+      this.dragged = handle && frames ? { ...handle, grip: placeOf(this.body, handle, frames) } : null;
     });
     canvas.addEventListener("pointermove", (event) => {
       if (this.dragged) this.dragTo(event, this.dragged);
       else if (event.buttons & 1 && canvas.hasPointerCapture(event.pointerId)) this.orbit(event);
-      else this.hover(this.handUnder(event));
+      else this.hover(this.under(event));
     });
     for (const kind of ["pointerup", "pointercancel"] as const)
       canvas.addEventListener(kind, () => {
@@ -155,14 +156,14 @@ export class Stage {
     canvas.addEventListener("keydown", (event) => this.turnByKey(event));
   }
 
-  private dragTo(event: PointerEvent, { side, grip }: { side: Side; grip: Vector }): void {
+  private dragTo(event: PointerEvent, { part, side, grip }: Handle & { grip: Vector }): void {
     if (!this.scene) return;
     const { eye, view } = this.scene.camera(this.look);
     const { x, y } = this.point(event);
     const [ex, ey, ez] = eye as [number, number, number];
     const place = unproject(view, [ex, ey, ez], x, y, grip);
     const [ux, uy, uz] = this.scene.up as [number, number, number];
-    this.last = { side, target: [place[0] - ux, place[1] - uy, place[2] - uz] };
+    this.last = { part, side, target: [place[0] - ux, place[1] - uy, place[2] - uz] };
     this.listener.drag(this.last);
   }
 
@@ -175,10 +176,12 @@ export class Stage {
     this.redraw();
   }
 
-  private hover(side: Side | null): void {
-    if (side === this.over) return;
-    this.over = side;
-    this.canvas.style.cursor = side ? "grab" : "";
+  private hover(handle: Handle | null): void {
+    if (handle === this.over) return;
+    this.over = handle;
+    this.canvas.style.cursor = handle ? "grab" : "";
+    this.canvas.title = handle ? `Drag: ${handle.part === "gaze" ? "where it looks" : handle.part}` : "";
+    this.redraw();
   }
 
   private zoom(event: WheelEvent): void {

@@ -14,6 +14,10 @@ export interface Body {
   lower: number[];
   upper: number[];
   hands: { l: number; r: number };
+  elbows: { l: number; r: number };
+  /** The segment that the neck begins with, and where the eyes are; null where there is no neck. */
+  neck: number | null;
+  eyes: { segment: number; at: number[]; facing: number[] } | null;
   arm_length: number;
   gesture_origin: number[];
   /** Centres of McNeill's sectors in arm lengths: outward, up, forward. */

@@ -1,0 +1,81 @@
+"""Postures for a dragged elbow, trunk or gaze: inside the ranges, clear of the body, or with what stops them named."""
+
+import numpy as np
+import pytest
+
+from kinesic.serve.desk.drag import drag_part
+
+PARTS = {"elbow": "l_arm", "trunk": "torso", "gaze": "neck"}
+
+
+def raised(robot):
+    """Both forearms before the body, so that elbows can swing."""
+    posture = np.array(robot.skeleton.rest)
+    for side in "lr":
+        posture[robot.skeleton.names.index(f"{side}_elbow_flexion")] = 1.4
+        posture[robot.skeleton.names.index(f"{side}_shoulder_flexion")] = 0.5
+    return robot.skeleton.clamp(posture)
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_whatever_is_pulled_keeps_to_the_ranges_and_clear_and_the_rest_stays(upper22_setup, part):
+    robot, distances = upper22_setup.robot, upper22_setup.distances
+    skeleton, rng, stopped = robot.skeleton, np.random.default_rng(3), set()
+    start, joints = raised(robot), robot.joints(PARTS[part])
+    hand = skeleton.frames(start).origins[robot.arm("l").wrist]
+    for _ in range(40):
+        target = robot.gesture_origin + [0.1, 0.0, 0.3] + robot.arm_length * rng.uniform(-1.5, 1.5, 3)
+        found = drag_part(robot, distances, part, "l", target, start)
+        assert ((found.angles >= skeleton.lower - 1e-9) & (found.angles <= skeleton.upper + 1e-9)).all()
+        assert distances.clearance(found.angles[None]).distances[0] > robot.least_clearance - 1e-3
+        others = [k for k in range(len(start)) if k not in joints]
+        assert np.array_equal(found.angles[others], start[others])
+        if part == "elbow":
+            moved = skeleton.frames(found.angles).origins[robot.arm("l").wrist]
+            assert np.linalg.norm(moved - hand) < 0.01 * (1 if found.reached else 3)
+        if found.reached:
+            assert (found.limits, found.contact) == ((), None)
+        else:
+            assert found.limits or found.contact
+            assert {skeleton.names.index(name) for name in found.limits} <= set(joints)
+            stopped |= {"contact"} if found.contact else {"limits"}
+    assert "limits" in stopped
+
+
+def test_an_elbow_goes_to_where_it_was_on_another_posture_with_the_same_hand(upper22_setup):
+    robot, start = upper22_setup.robot, raised(upper22_setup.robot)
+    arm, frames = robot.arm("l"), robot.skeleton.frames(raised(robot))
+    shoulder, elbow, hand = (frames.origins[k] for k in (arm.shoulder, arm.elbow, arm.wrist))
+    axis = (hand - shoulder) / np.linalg.norm(hand - shoulder)
+    for turn in np.radians((-8.0, 8.0, 15.0)):
+        out = elbow - shoulder - axis * (axis @ (elbow - shoulder))
+        place = elbow - out + out * np.cos(turn) + np.cross(axis, out) * np.sin(turn)
+        found = drag_part(robot, upper22_setup.distances, "elbow", "l", place, start)
+        assert found.reached
+        assert np.linalg.norm(robot.skeleton.frames(found.angles).origins[arm.elbow] - place) < 0.003
+
+
+def test_eyes_look_at_the_place_unless_the_neck_ends(upper22_setup):
+    robot, start = upper22_setup.robot, upper22_setup.robot.skeleton.rest
+    head, eyes = robot.skeleton.segment("skullbase"), robot.sites["eyes"]
+    for target in ([1.0, 0.3, 1.4], [0.8, -0.4, 1.2], [0.5, 0.0, 1.0]):
+        found = drag_part(robot, upper22_setup.distances, "gaze", "r", np.array(target), start)
+        assert found.reached, target
+        frames = robot.skeleton.frames(found.angles)
+        way = target - frames.origins[head] - frames.rotations[head] @ eyes.position
+        assert np.cross(way / np.linalg.norm(way), frames.rotations[head] @ eyes.facing) == pytest.approx(0, abs=3e-3)
+    behind = drag_part(robot, upper22_setup.distances, "gaze", "r", np.array([-1.0, 0.3, 1.4]), start)
+    assert "skullbase_torsion" in behind.limits
+    assert behind.residual > 0.5
+
+
+def test_the_trunk_leans_to_where_its_neck_is_pulled(upper22_setup):
+    robot, start = upper22_setup.robot, upper22_setup.robot.skeleton.rest
+    neck = robot.skeleton.segment("skullbase")
+    place = robot.skeleton.frames(start).origins[neck] + [0.03, 0.04, 0.0]
+    found = drag_part(robot, upper22_setup.distances, "trunk", "r", place, start)
+    assert found.reached
+    assert np.linalg.norm(robot.skeleton.frames(found.angles).origins[neck] - place) < 0.01
+    far = drag_part(robot, upper22_setup.distances, "trunk", "r", place + np.array([0.6, 0.0, -0.1]), start)
+    assert not far.reached
+    assert "vl5_tilt" in far.limits
