@@ -12,6 +12,7 @@ from pathlib import Path
 
 from kinesic.planning.setup import Setup
 from kinesic.serve.clients import ClientRegistry
+from kinesic.serve.desk.export import NO_WRITERS, Writers
 from kinesic.serve.priority import urgent
 from kinesic.serve.reception import Reception, attend_console
 from kinesic.serve.session import Session
@@ -60,6 +61,7 @@ async def open_serving(
     accompaniment: SoundAndFace = SILENT,
     files: Mapping[str, WebFile] = NO_FILES,
     folder: Path | None = None,
+    writers: Writers = NO_WRITERS,
 ) -> AsyncIterator[Serving]:
     """Opens a server once its planner is warm, and folds the robot to rest at the end.
 
@@ -72,6 +74,7 @@ async def open_serving(
         accompaniment: whether one of the sinks shows the face, and whether speech is heard.
         files: that browsers may have, by their path.
         folder: where clients keep documents; None: nowhere.
+        writers: of files that clients may ask for beside those that are known here; picklable.
 
     Raises:
         ConfigError: the address cannot be had.
@@ -79,7 +82,9 @@ async def open_serving(
     clients = ClientRegistry(
         rules,
         access,
-        lambda own: Session(make_setup, sinks, rules, own.tell, accompaniment=accompaniment, folder=folder),
+        lambda own: Session(
+            make_setup, sinks, rules, own.tell, accompaniment=accompaniment, folder=folder, writers=writers
+        ),
     )
     stop_lines = StopLines(clients.session.halt, rules)
     reception = Reception(clients, stop_lines, files)

@@ -10,6 +10,7 @@ from typing import Literal
 from kinesic.planning.setup import Setup
 from kinesic.realizer.request import Message, block_id
 from kinesic.serve.desk.desk import Desk
+from kinesic.serve.desk.export import NO_WRITERS, Writers
 from kinesic.serve.loop import Loop
 from kinesic.serve.messages import (
     ClientRequest,
@@ -46,6 +47,7 @@ class Session:
         *,
         accompaniment: SoundAndFace = SILENT,
         folder: Path | None = None,
+        writers: Writers = NO_WRITERS,
     ) -> None:
         """Makes loop and planner; nothing moves yet.
 
@@ -56,6 +58,7 @@ class Session:
             tell: is given a message and the number of its receiver, in the asyncio loop.
             accompaniment: whether a sink shows the face, and whether speech is heard.
             folder: where clients keep documents; None: nowhere.
+            writers: of files that the desk does not know how to write; picklable.
         """
         self._asyncio: AbstractEventLoop = get_running_loop()
         self._tell, self._rules = tell, rules
@@ -69,7 +72,7 @@ class Session:
         setup = make_setup()
         self.loop = Loop(setup, sinks, self.clock, effects=effects, tell=self._pass_on, news=self._pass_news)
         self.planner = Planner(make_setup, self.loop, rules=rules, idle=self._feed, lost=self._refuse_lost)
-        self.desk = Desk(make_setup, self.loop, rules, folder=folder, on_gestures_saved=self._renew)
+        self.desk = Desk(make_setup, self.loop, rules, folder=folder, on_gestures_saved=self._renew, writers=writers)
         self.arming = Arming(self.loop, self)
 
     async def start(self) -> None:

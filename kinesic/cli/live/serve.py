@@ -25,6 +25,8 @@ from kinesic.controller.servo_performance import DELAY, ENDING
 from kinesic.face.show.preview import Preview
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.manifest import Manifest
+from kinesic.planning.plan import Plan
+from kinesic.serve.desk.export import Writers
 from kinesic.serve.server import Address, Serving, open_serving, until_done
 from kinesic.serve.sinks.real_time import AHEAD, RealTimeSink, RealTwin
 from kinesic.serve.sinks.servos import RealServos
@@ -92,8 +94,18 @@ def open_and_serve(
         accompaniment=SoundAndFace(face="face" in performers.sinks, sound=not why),
         files=files,
         folder=folder,
+        writers=WRITERS,
     )
     return asyncio.run(_serve(server, sinks, opened, console))
+
+
+def _write_scene(planned: Plan, path: Path) -> None:
+    from kinesic.report.gltf.scene import save_scene  # noqa: PLC0415 - the server itself draws nothing
+
+    save_scene(planned, path, force=True)
+
+
+WRITERS: Writers = {"glb": _write_scene}
 
 
 def read_address(text: str, token: str | None) -> Address | None:

@@ -8,6 +8,7 @@ from kinesic.planning.setup import Setup
 from kinesic.serve.desk.asker import Asker
 from kinesic.serve.desk.drafter import ClientQuestion, DraftQuestion, answer_draft, unanswered_draft
 from kinesic.serve.desk.dragging import answer_reach, unanswered_reach
+from kinesic.serve.desk.export import NO_WRITERS, Writers
 from kinesic.serve.desk.helper import Helper, Unanswered
 from kinesic.serve.desk.keeper import DocumentKeeper
 from kinesic.serve.desk.watches import Watches
@@ -42,6 +43,7 @@ class Desk:
         *,
         folder: Path | None = None,
         on_gestures_saved: Callable[[], Awaitable[None]] = _know_already,
+        writers: Writers = NO_WRITERS,
     ) -> None:
         """Opens; nothing is begun before the first question.
 
@@ -51,10 +53,12 @@ class Desk:
             rules: for documents that are planned.
             folder: where documents are kept; None: nowhere.
             on_gestures_saved: returns when saved gestures will be known to whatever comes next.
+            writers: of files that the desk does not know how to write; picklable.
         """
         self._rules, self._loop = rules, loop
         self._watches = Watches(loop.body)
-        self.drafter = Helper[DraftQuestion](make_setup, answer_draft, rules, name="drafter")
+        drafts = partial(answer_draft, writers=writers)
+        self.drafter = Helper[DraftQuestion](make_setup, drafts, rules, name="drafter")
         self._reacher = Helper[ReachQuestion](make_setup, answer_reach, rules, name="reacher")
         self._keeper = DocumentKeeper(folder, self.drafter, rules, on_gestures_saved)
 

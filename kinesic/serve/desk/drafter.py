@@ -8,7 +8,7 @@ from kinesic.bml.block import BmlError, Bounds
 from kinesic.body.config import ConfigError
 from kinesic.planning.setup import Setup
 from kinesic.serve.desk.draft import Json, draft, place_error, plan_draft
-from kinesic.serve.desk.export import export
+from kinesic.serve.desk.export import NO_WRITERS, Writers, export
 from kinesic.serve.desk.gesture import draft_gesture, gesture_text
 from kinesic.serve.desk.gesture_file import find_fault
 from kinesic.serve.desk.helper import Unanswered
@@ -34,12 +34,12 @@ DraftQuestion = ClientQuestion | FileQuestion
 TELLS: Mapping[type[ClientQuestion], str] = {PlanQuestion: "plan", ExportQuestion: "export", GestureQuestion: "gesture"}
 
 
-def answer_draft(question: DraftQuestion, setup: Setup, rules: Quotas) -> str:
+def answer_draft(question: DraftQuestion, setup: Setup, rules: Quotas, *, writers: Writers = NO_WRITERS) -> str:
     """Answers a question; a defect that shows in planning costs its answer alone."""
     try:
         if isinstance(question, FileQuestion):
             return find_fault(question.text, question.present, setup)
-        return _written(question, _draft(question, setup, rules))
+        return _written(question, _draft(question, setup, rules, writers))
     except DEFECTS as error:
         traceback.print_exception(error)
         why = f"planning failed ({type(error).__name__}); please report the document"
@@ -58,7 +58,7 @@ def took_too_long(rules: Quotas) -> str:
     return f"planning failed, or took longer than {rules.planning:g} s; send something simpler"
 
 
-def _draft(question: ClientQuestion, setup: Setup, rules: Quotas) -> dict[str, Json]:
+def _draft(question: ClientQuestion, setup: Setup, rules: Quotas, writers: Writers) -> dict[str, Json]:
     bounds = Bounds(rules.message, rules.depth)
     match question:
         case PlanQuestion(bml, changes):
@@ -66,7 +66,7 @@ def _draft(question: ClientQuestion, setup: Setup, rules: Quotas) -> dict[str, J
         case ExportQuestion(bml, format_, changes):
             try:
                 planned = plan_draft(bml, changes, setup, bounds=bounds, longest=rules.duration)
-                return {"name": f"{planned.timeline.block.id}.{format_}", "data": export(planned, format_)}
+                return {"name": f"{planned.timeline.block.id}.{format_}", "data": export(planned, format_, writers)}
             except (BmlError, ConfigError) as error:
                 return {"error": place_error(str(error))}
         case GestureQuestion(str(toml), None, changes):

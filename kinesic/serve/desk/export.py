@@ -4,6 +4,7 @@ from base64 import b64encode
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from types import MappingProxyType
 
 from kinesic.body.config import ConfigError
 from kinesic.controller.soundtrack import sound, write_wav
@@ -14,15 +15,28 @@ from kinesic.serve.wire.questions import Format
 MOST_BYTES = 5_000_000  # of a file; in base64 it stays below what may wait for a client
 
 
-def export(planned: Plan, format_: Format) -> str:
+PlanWriter = Callable[[Plan, Path], None]
+Writers = Mapping[Format, PlanWriter]
+NO_WRITERS: Writers = MappingProxyType({})
+
+
+def export(planned: Plan, format_: Format, more: Writers = NO_WRITERS) -> str:
     """Writes a plan as a file, in base64.
 
+    Args:
+        planned: the plan.
+        format_: of the file.
+        more: writers of formats that this room does not know.
+
     Raises:
-        ConfigError: there is nothing to write, or it would be too large.
+        ConfigError: there is nothing to write, it would be too large, or nobody here writes such files.
     """
+    writer = {**_WRITERS, **more}.get(format_)
+    if writer is None:
+        raise ConfigError(f"this server writes no .{format_}; `kinesic plan --out scene.{format_}` does")
     with TemporaryDirectory() as folder:
         path = Path(folder) / f"{planned.timeline.block.id}.{format_}"
-        _WRITERS[format_](planned, path)
+        writer(planned, path)
         if (size := path.stat().st_size) > MOST_BYTES:
             raise ConfigError(
                 f".{format_} of {planned.duration:.0f} s takes {size} bytes, at most {MOST_BYTES}: ask for parts"
@@ -41,7 +55,7 @@ def _write_voice(planned: Plan, path: Path) -> None:
     write_wav(heard, path)
 
 
-_WRITERS: Mapping[Format, Callable[[Plan, Path], None]] = {
+_WRITERS: Writers = {
     "npz": _write_motion,
     "csv": _write_motion,
     "bap": _write_motion,

@@ -7,7 +7,7 @@ from msgspec import Meta, Struct
 Length = Annotated[float, Meta(ge=-10.0, le=10.0)]  # [m]
 Angle = Annotated[float, Meta(ge=-10.0, le=10.0)]  # [rad]
 Place = tuple[Length, Length, Length]  # in the world
-Format = Literal["npz", "csv", "bap", "wav"]  # of a file: motion, voice
+Format = Literal["npz", "csv", "bap", "wav", "glb"]  # of a file: motion, voice, a scene
 LONG_VERBS = frozenset(
     {"plan", "export", "gesture", "save", "words"}
 )  # whose messages carry documents or texts, and may be as long as one

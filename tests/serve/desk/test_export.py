@@ -9,6 +9,7 @@ import pytest
 
 from kinesic.bml.block import BOUNDS
 from kinesic.body.config import ConfigError
+from kinesic.cli.live.serve import WRITERS
 from kinesic.serve.desk import export as exporting
 from kinesic.serve.desk.draft import plan_draft
 from kinesic.serve.desk.export import export
@@ -50,3 +51,11 @@ def test_a_file_that_is_too_large_is_refused_with_its_size(planned, monkeypatch)
     monkeypatch.setattr(exporting, "MOST_BYTES", 1000)
     with pytest.raises(ConfigError, match="at most 1000"):
         export(planned, "npz")
+
+
+def test_a_scene_is_written_by_whoever_knows_how_and_else_it_is_said_who_does(planned):
+    scene = b64decode(export(planned, "glb", WRITERS))
+    assert scene.startswith(b"glTF")
+    assert b'"animations"' in scene
+    with pytest.raises(ConfigError, match=r"kinesic plan --out scene\.glb"):
+        export(planned, "glb")
