@@ -1,32 +1,20 @@
-"""The lexicon: each gesture alone in the twin, in the neutral style and in every other, and told from the others.
-
-Two gestures are two where their hands go different ways, or are turned or shaped differently.
-"""
+"""The lexicon: each gesture alone in the twin, in the neutral style and in every other, and told from the others."""
 
 import os
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from math import radians
 
 import numpy as np
 
 from kinesic.bench.figure import Figure
 from kinesic.bench.plan import count_wrong_warnings, violations
-from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import names_of
-from kinesic.body.robot import SIDES, Side
 from kinesic.controller.perform import dry_run, set_up
 from kinesic.controller.performance import Performance
-from kinesic.expressivity.durations import stroke_spans
-from kinesic.expressivity.hands.keys import hand_at
-from kinesic.expressivity.hands.poses import poses, resting_hands
-from kinesic.expressivity.hands.strokes import Stroke, do_stroke, stroke_keys
-from kinesic.expressivity.lexicon.form import GestureForm
+from kinesic.expressivity.hands.appearance import look, twins
 from kinesic.expressivity.lexicon.lexicon import Lexicon
-from kinesic.expressivity.style.effort import Effort
-from kinesic.expressivity.style.pace import Pace
-from kinesic.expressivity.style.style import NEUTRAL, Style
+from kinesic.expressivity.style.style import Style
 from kinesic.planning.setup import Setup
 from kinesic.planning.syncs import SHIFT_TO_WARN
 from kinesic.report.checks.plan import penetrations
@@ -39,10 +27,6 @@ MOST_MISS = 30.0  # [mm] that a wrist may stay from where the gesture wants it
 NEUTRAL_STYLE = "neutral"
 
 Task = tuple[str, str]  # a gesture's id, a style's name
-LEAST_WAY = 0.05  # [m] RMS over both hands by which ways differ
-LEAST_TURN = radians(30)  # RMS over both hands by which palms, or pointing, differ
-
-_SAMPLES = 50
 
 
 @dataclass(frozen=True)
@@ -168,77 +152,3 @@ def _figures(part: str, results: Sequence[GestureResult], *, neutral: bool) -> l
 
 def _sum(values: Iterable[float]) -> float:
     return float(sum(values))
-
-
-@dataclass(frozen=True, eq=False)
-class StrokeAppearance:
-    """What is seen of a stroke, in neutral manner and normalised time; a hand that takes no part hangs."""
-
-    ways: Floats  # (2, m, 3) [m] of left and right wrist
-    palms: Floats  # (2, m, 3) unit: where they face
-    pointing: Floats  # (2, m, 3) unit: wrist to fingers
-    shapes: tuple[tuple[str, ...], ...]  # of left and right hand, one after another
-
-
-def look(form: GestureForm, pace: Pace) -> StrokeAppearance:
-    """Measures what is seen of the stroke of a form.
-
-    Args:
-        form: of the gesture.
-        pace: of the robot that plays it.
-    """
-    work = poses(form, pace.robot, NEUTRAL)
-    natural = stroke_spans(work, Effort(pace, work.nature))
-    whole = natural["stroke"] + natural["strokeEnd"]
-    times = {"ready": 0.0, "strokeStart": 0.0, "stroke": natural["stroke"], "strokeEnd": whole}
-    done, rest = do_stroke(Stroke(form.id, times, (work,)), work, pace), resting_hands(pace.robot)
-    seen = np.empty((3, len(SIDES), _SAMPLES, 3))
-    for s, side in enumerate(SIDES):
-        keys = stroke_keys(done, side, pace) if side in work.hands else []
-        for k, time in enumerate(np.linspace(0.0, whole, _SAMPLES)):
-            reach = hand_at(keys, float(time), rest[side]).reach or rest[side]
-            palm = rest[side].palm if reach.palm is None else reach.palm
-            pointing = rest[side].pointing if reach.pointing is None else reach.pointing
-            seen[:, s, k] = reach.position, palm, pointing
-    ways, palms, directions = map(sealed, seen)
-    return StrokeAppearance(ways, palms, directions, tuple(_shapes(form, side) for side in SIDES))
-
-
-def way_between(a: StrokeAppearance, b: StrokeAppearance) -> float:
-    """Measures how far apart the hands of two gestures are [m], RMS over time and both hands."""
-    return float(np.sqrt(((a.ways - b.ways) ** 2).sum(axis=-1).mean()))
-
-
-def turn_between(a: StrokeAppearance, b: StrokeAppearance) -> float:
-    """Measures how differently the hands are turned [rad]: palms or pointing, RMS over time and both hands."""
-    pairs = ((a.palms, b.palms), (a.pointing, b.pointing))
-    return max(float(np.sqrt((_angles(one, other) ** 2).mean())) for one, other in pairs)
-
-
-def distinct(a: StrokeAppearance, b: StrokeAppearance) -> bool:
-    """Whether two gestures count as two."""
-    return way_between(a, b) >= LEAST_WAY or turn_between(a, b) >= LEAST_TURN or a.shapes != b.shapes
-
-
-def twins(looks: Iterable[tuple[str, StrokeAppearance]]) -> list[tuple[str, str]]:
-    """Lists gestures that look like an earlier one and so do not count, as (gesture, earlier one)."""
-    counted: list[tuple[str, StrokeAppearance]] = []
-    found = []
-    for name, seen in looks:
-        same = next((earlier for earlier, other in counted if not distinct(seen, other)), None)
-        if same is None:
-            counted.append((name, seen))
-        else:
-            found.append((name, same))
-    return found
-
-
-def _angles(a: Floats, b: Floats) -> Floats:
-    """(...) [rad] between (..., 3) unit vectors."""
-    return np.asarray(np.arccos(np.clip((a * b).sum(axis=-1), -1.0, 1.0)))
-
-
-def _shapes(form: GestureForm, side: Side) -> tuple[str, ...]:
-    """Shapes of one hand in their order, each once while it lasts."""
-    every = [pose.shape or "" for key in form.keys if (pose := key.hands.get(side)) is not None]
-    return tuple(shape for k, shape in enumerate(every) if k == 0 or shape != every[k - 1])

@@ -4,6 +4,7 @@ import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from xml.sax.saxutils import quoteattr
@@ -14,9 +15,11 @@ from kinesic.bml.block import BmlError
 from kinesic.bml.parse import parse
 from kinesic.body.config import CONFIGS, ConfigError
 from kinesic.body.robot import SIDE_NAMES
+from kinesic.expressivity.hands.appearance import StrokeAppearance, distinct, look, nearest
 from kinesic.expressivity.lexicon.form import GestureForm
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.lexicon.space import to_world
+from kinesic.expressivity.style.pace import Pace
 from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.setup import Setup
 from kinesic.serve.desk.draft import Json, draft_of
@@ -127,8 +130,27 @@ def _checks(planned: Plan, form: GestureForm) -> list[Mapping[str, Json]]:
         checks.append({"name": "reach", "ok": True, "text": "every key is within reach"})
     text = f"the body keeps {1000 * least:.0f} mm clear of itself"
     checks.append({"name": "clearance", "ok": least >= robot.least_clearance, "text": text})
+    checks.append(_check_distinct(planned.setup, form))
     checks.append({"name": "duration", "ok": True, "text": f"{planned.duration:.1f} s from rest to rest"})
     return checks
+
+
+def _check_distinct(setup: Setup, form: GestureForm) -> Mapping[str, Json]:
+    """Whether others see another gesture than those that are known already."""
+    seen = look(form, setup.pace)
+    others = {name: other for name, other in _known_looks(setup.pace).items() if name != form.id}
+    alike = next((name for name, other in others.items() if not distinct(seen, other)), None)
+    if alike is not None:
+        text = f"looks like {alike}: hands go the same way, turned and shaped alike"
+        return {"name": "distinct", "ok": False, "text": text}
+    name, way = nearest(seen, others)
+    return {"name": "distinct", "ok": True, "text": f"like no other; the nearest is {name}, {100 * way:.0f} cm away"}
+
+
+@lru_cache(maxsize=1)
+def _known_looks(pace: Pace) -> Mapping[str, StrokeAppearance]:
+    """What is seen of every gesture of our own; it takes a second, once."""
+    return {form.id: look(form, pace) for form in Lexicon.load().forms}
 
 
 def _error(text: str, toml: str) -> dict[str, Json]:

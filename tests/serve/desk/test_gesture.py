@@ -25,13 +25,19 @@ def test_a_gesture_is_planned_alone_with_its_keys_and_checks(upper22_setup):
     assert [(each["name"], each["ok"]) for each in found["checks"]] == [
         ("reach", True),
         ("clearance", True),
+        ("distinct", False),
         ("duration", True),
     ]
+    assert found["checks"][2]["text"].startswith("looks like conduit")
     slow = draft_gesture(text, ("temporal=-1",), upper22_setup)
     assert slow["duration"] > 1.2 * found["duration"]
     far = draft_gesture(text.replace("[0.42, 0.24, 0.70]", "[1.9, 0.24, 0.70]"), (), upper22_setup)
     assert ["key 2: the left hand" in each["text"] for each in far["checks"]][:2] == [True, False]
     assert not far["checks"][0]["ok"]
+    other = next(each for each in far["checks"] if each["name"] == "distinct")
+    assert (other["ok"], other["text"][:30]) == (True, "like no other; the nearest is ")
+    own = draft_gesture(gesture_text("conduit", upper22_setup.lexicon), (), upper22_setup)
+    assert own["checks"][2]["ok"], "a gesture is not like itself"
 
 
 @pytest.mark.parametrize(
