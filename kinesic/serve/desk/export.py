@@ -4,7 +4,6 @@ from base64 import b64encode
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from types import MappingProxyType
 
 from kinesic.body.config import ConfigError
 from kinesic.controller.soundtrack import sound, write_wav
@@ -17,7 +16,7 @@ MOST_BYTES = 5_000_000  # of a file; in base64 it stays below what may wait for 
 
 PlanWriter = Callable[[Plan, Path], None]
 Writers = Mapping[Format, PlanWriter]
-NO_WRITERS: Writers = MappingProxyType({})
+NO_WRITERS: Writers = {}  # no proxy: it goes to another process
 
 
 def export(planned: Plan, format_: Format, more: Writers = NO_WRITERS) -> str:

@@ -98,6 +98,7 @@ class App {
       insert: (id) => this.insert(id),
       seek: (time) => this.playback.player.seek(time),
       say: (text) => this.robot.live.say(text),
+      hand: (side) => this.stage.placeOfHand(side),
     });
     this.documents = new Documents(this.robot.wire, {
       opened: (name, text) => this.open(name, text),

@@ -3,9 +3,11 @@ import { byId } from "./dom.ts";
 import { GestureList } from "./gestures.ts";
 import { KeysPanel } from "./keys.ts";
 import type { Drag } from "./stage.ts";
-import { copyKey, type Hand, mirror, placeText, removeKey, rename, setHand } from "./toml.ts";
-import type { About, Fault, GestureDraft } from "./types.ts";
+import { copyKey, type Hand, mirror, type Place, placeText, removeKey, rename, setHand } from "./toml.ts";
+import type { About, Fault, GestureDraft, Side } from "./types.ts";
 import type { Wire } from "./wire.ts";
+
+const SIDES: readonly Side[] = ["left", "right"];
 
 /** What the editing of gestures needs of the page. */
 export interface Desk {
@@ -15,6 +17,8 @@ export interface Desk {
   insert(lexeme: string): void;
   seek(time: number): void;
   say(text: string): void;
+  /** Where the stage shows a hand [m]. */
+  hand(side: Side): readonly number[] | null;
 }
 
 export class GestureEditing {
@@ -34,6 +38,7 @@ export class GestureEditing {
       set: (key, hand, name, value) => desk.edit(setHand(desk.text(), key, hand as Hand, name, value)),
       copy: (key) => desk.edit(copyKey(desk.text(), key)),
       remove: (key) => desk.edit(removeKey(desk.text(), key)),
+      capture: () => this.capture(),
       mirror: () => desk.edit(mirror(desk.text())),
     });
     this.list = new GestureList(about.gestures, { insert: (id) => desk.insert(id), edit: (id) => void this.copy(id) });
@@ -63,11 +68,37 @@ export class GestureEditing {
   drop({ side, target }: Drag): void {
     const key = this.draft?.keys[this.keys.chosen];
     if (!key) return;
-    const { gesture_origin: origin, arm_length: size } = this.about.robot;
-    const [x, y, z] = target.map((value, k) => (value - origin[k]!) / size) as [number, number, number];
     const hand = "both" in key ? "both" : side;
-    const place = placeText([side === "left" ? y : -y, z, x]);
-    this.desk.edit(setHand(this.desk.text(), this.keys.chosen, hand, "at", place));
+    this.desk.edit(this.placed(this.desk.text(), hand, this.inArms(side, target)));
+  }
+
+  /** The hands of the key are where the stage shows them; of a key for both, in the middle between the two. */
+  private capture(): void {
+    const key = this.draft?.keys[this.keys.chosen];
+    const seen = SIDES.map((side) => this.desk.hand(side));
+    if (!key || !seen[0] || !seen[1]) return;
+    const places = SIDES.map((side, k) => this.inArms(side, seen[k]!)) as [Place, Place];
+    let text = this.desk.text();
+    if ("both" in key) {
+      const [out, up, forward] = places[0].map((value, k) => (value + places[1][k]!) / 2) as [number, number, number];
+      text = this.placed(text, "both", [out, up, forward]);
+    } else
+      SIDES.forEach((side, k) => {
+        if (side in key) text = this.placed(text, side, places[k]!);
+      });
+    this.desk.edit(text);
+    this.desk.say(`key ${this.keys.chosen + 1} has the hands of the stage`);
+  }
+
+  /** A place [m] in arm lengths: outward, up, forward. */
+  private inArms(side: Side, place: readonly number[]): Place {
+    const { gesture_origin: origin, arm_length: size } = this.about.robot;
+    const [x, y, z] = place.map((value, k) => (value - origin[k]!) / size) as [number, number, number];
+    return [side === "left" ? y : -y, z, x];
+  }
+
+  private placed(text: string, hand: Hand, place: Place): string {
+    return setHand(text, this.keys.chosen, hand, "at", placeText(place));
   }
 
   private choose(key: number): void {

@@ -3,6 +3,9 @@ import { byId, make } from "./dom.ts";
 import type { GestureDraft, HandKey } from "./types.ts";
 
 const FIELDS = ["palm", "pointing", "shape", "touch"] as const;
+const TITLES: Record<string, string> = {
+  "Capture pose": "The hands are where the stage shows them: the robot as it was moved by hand, or a dragged posture",
+};
 const AXES = ["out", "up", "forward"] as const;
 
 export interface KeysListener {
@@ -11,6 +14,7 @@ export interface KeysListener {
   copy(key: number): void;
   remove(key: number): void;
   mirror(): void;
+  capture(): void;
 }
 
 export class KeysPanel {
@@ -31,6 +35,7 @@ export class KeysPanel {
       ["Copy key", () => this.listener.copy(this.chosen)],
       ["Remove key", () => this.listener.remove(this.chosen)],
       ["Mirror", () => this.listener.mirror()],
+      ["Capture pose", () => this.listener.capture()],
     ];
     this.place.replaceChildren(
       make("div", { class: "group", role: "group", "aria-label": "Keys" }, ...tabs),
@@ -41,7 +46,7 @@ export class KeysPanel {
   }
 
   private button(words: string, act: () => void): HTMLElement {
-    const made = make("button", { type: "button" }, words);
+    const made = make("button", { type: "button", title: TITLES[words] ?? "" }, words);
     made.addEventListener("click", act);
     return made;
   }

@@ -76,6 +76,14 @@ export class Stage {
     return at ? { x: area.left + at.x, y: area.top + at.y } : null;
   }
 
+  /** Where a hand is [m] in the world, in the posture that is shown; null where nothing is drawn. */
+  placeOfHand(side: Side): Vector | null {
+    if (!this.scene) return null;
+    const [x, y, z] = placeOf(this.body, { part: "hand", side }, this.scene.frames(this.shown.angles));
+    const [ux, uy, uz] = this.scene.up as [number, number, number];
+    return [x - ux, y - uy, z - uz];
+  }
+
   private points(): Point[] {
     if (!this.scene) return [];
     const area = this.canvas.getBoundingClientRect();

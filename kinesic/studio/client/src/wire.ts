@@ -10,6 +10,7 @@ const LONGEST_WAIT = 4000; // [ms]
 class Line {
   private socket: WebSocket | null = null;
   private wait = FIRST_WAIT;
+  private again = 0; // the timer of the next attempt; 0: none is due
 
   constructor(
     private readonly opened: () => void,
@@ -25,7 +26,15 @@ class Line {
     return true;
   }
 
+  /** Connects now, where it would wait for its next attempt. */
+  hurry(): void {
+    if (!this.again) return;
+    clearTimeout(this.again);
+    this.connect();
+  }
+
   private connect(): void {
+    this.again = 0;
     const socket = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/`);
     this.socket = socket;
     socket.addEventListener("open", () => {
@@ -35,7 +44,7 @@ class Line {
     socket.addEventListener("message", (event) => this.heard(String(event.data)));
     socket.addEventListener("close", () => {
       this.closed();
-      setTimeout(() => this.connect(), this.wait);
+      this.again = setTimeout(() => this.connect(), this.wait);
       this.wait = Math.min(2 * this.wait, LONGEST_WAIT);
     });
   }
@@ -104,12 +113,14 @@ export class Wire {
   unlock(token: string): void {
     this.token = token;
     this.greet();
+    this.line.hurry();
+    this.stopLine.hurry();
   }
 
+  /** Says who is there; the answer tells whether that will do. */
   private greet(): void {
-    if (this.token === null) this.become("open");
-    else this.line.send(JSON.stringify({ do: "hello", token: this.token }));
     if (this.token === null) this.tell("status");
+    else this.tell("hello", { token: this.token });
   }
 
   private hear(text: string): void {
@@ -118,7 +129,7 @@ export class Wire {
       return;
     }
     const answer = JSON.parse(text) as Answer;
-    if (answer.told === "welcome") this.become("open");
+    if (answer.told === "welcome" || (answer.told === "status" && this.state !== "open")) this.become("open");
     if (answer.told === "refused" && String(answer.why).includes("token")) this.become("locked");
     const asked = answer.id === undefined ? undefined : this.waiting.get(answer.id);
     if (answer.id !== undefined && asked) {
