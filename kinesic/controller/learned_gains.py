@@ -24,6 +24,7 @@ MOVING = 0.05  # share of its no-load speed above which a goal moves
 REST = 0.2  # [s] before the first motion that belong to it
 ENOUGH = 8.0  # [s] from the first motion on that are looked at
 LEAST = 0.4  # [s] of motion without which nothing is told
+SAME = 0.02  # share by which two gains do not differ
 UNEXPLAINED = np.radians(1.5)  # [rad] RMS of what gain and delay leave over, above which something else is wrong
 
 
@@ -152,7 +153,7 @@ def _lesson(found: Fit, robot: Robot, believed: Factors) -> Lesson:
         own = believed.servos.get(name, believed)
         gain = own.gain * found.factors.servos.get(name, NOMINAL).gain
         kept = float(np.clip(gain, *GAINS))
-        bounded = bounded or kept != gain
+        bounded = bounded or abs(kept - gain) > SAME * gain
         figures = {figure: getattr(own, figure) for figure in DriveFactors.__struct_fields__}
         servos[name] = DriveFactors(**{**figures, "gain": kept})
     latency = believed.latency if late.why else min(found.factors.latency, MOST_LATENCY)

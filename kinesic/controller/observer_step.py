@@ -10,7 +10,7 @@ from kinesic.body.arrays import sealed
 if TYPE_CHECKING:
     import casadi
 
-RESTORING = sealed([0.4, 0.012, 0.4])  # of deviation, its speed [s] and push, by each tick's goal
+RESTORING = sealed([0.2, 0.02, 0.2])  # of deviation, its speed [s] and push, by each tick's goal
 SHARES = (-0.5, 1.0)  # what a load may turn out to be: half, or twice as heavy
 FADING = 0.95  # of the push that is left after each tick in which a servo did not answer
 

@@ -22,6 +22,7 @@ from kinesic.controller.arrival import lags, part_paths
 from kinesic.controller.feedforward import FeedForward
 from kinesic.controller.performance import MOVING, Performance
 from kinesic.controller.play import command_times, commands
+from kinesic.controller.servo_log import angles_at, usable
 from kinesic.controller.servo_watch import ServoWatch
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.servos import Servos
@@ -52,13 +53,7 @@ class ServoRun:
     @cached_property
     def _rows(self) -> tuple[Status, ...]:
         """Those in which time went on and every servo had been read."""
-        found: list[Status] = []
-        for status in self.history:
-            if (not found or status.time > found[-1].time) and np.isfinite(
-                [*status.angles, *status.goals, *status.taken]
-            ).all():
-                found.append(status)
-        return tuple(found)
+        return usable(self.history)
 
     @cached_property
     def clocks(self) -> Floats:
@@ -85,8 +80,7 @@ class ServoRun:
         """(k, n) [rad] measured, as it was at the clock of each row."""
         if not self._rows:
             return self.angles
-        joints = [np.interp(self.clocks, taken, seen) for taken, seen in zip(self.taken.T, self.angles.T, strict=True)]
-        return sealed(np.transpose(joints).reshape(self.angles.shape))
+        return angles_at(self.clocks, self.taken, self.angles)
 
     @cached_property
     def goals(self) -> Floats:

@@ -61,7 +61,7 @@ class Session:
             writers: of files that the desk does not know how to write; picklable.
         """
         self._asyncio: AbstractEventLoop = get_running_loop()
-        self._tell, self._rules = tell, rules
+        self._tell, self._rules, self._sinks = tell, rules, sinks
         self._documents, self._requests = FairQueue(rules.waiting), deque[ClientRequest]()
         self._halted = False
         self._warm = Event()
@@ -145,6 +145,7 @@ class Session:
             "planner": "warm" if self.planner.warm else "starting",
             "late": self.loop.late,
             "deaths": self.planner.deaths,
+            "learned": [str(each.lesson) for each in self._sinks if each.lesson is not None],
         }
 
     @property

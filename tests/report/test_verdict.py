@@ -4,9 +4,11 @@ import re
 
 import pytest
 
+from kinesic.controller.perform import dry_run, plan
 from kinesic.controller.performance import Performance
 from kinesic.report.report import Json, report
 from kinesic.report.verdict import verdict
+from kinesic.sim.servo_factors import NOMINAL, Factors
 
 
 @pytest.fixture(scope="module")
@@ -34,3 +36,25 @@ def test_of_many_that_are_dropped_the_verdict_names_three(data: dict[str, Json])
     assert "5 of 5 dropped: x0, x1, x2 and 2 more" in verdict(data | {"checks": [], "behaviours": rows})
     assert verdict(data | {"checks": [], "behaviours": few}).startswith("ok: ")
     assert "1 of 10 dropped: x0" in verdict(data | {"checks": [], "behaviours": few})
+
+
+OFFER = '<gesture id="g" lexeme="offer" mode="BOTH_HANDS" stroke="1.0" end="2"/>'
+NODS = '<head id="h" lexeme="NOD" amount="1" repetition="6" start="0.5" end="1.2"/>'
+UNKNOWN = '<gesture id="x" lexeme="xyzzy" stroke="1"/>'
+
+
+@pytest.mark.parametrize(
+    ("document", "servos", "correction", "named"),
+    [
+        (NODS, NOMINAL, True, "timing.shift"),
+        (OFFER + UNKNOWN, NOMINAL, True, "1 of 2 dropped: xyzzy"),
+        (OFFER, Factors(latency=0.2), False, "tracking.lateness"),
+        (OFFER, Factors(gain=3.0, latency=0.03), True, "smoothness.hands"),
+    ],
+    ids=["shifted", "dropped", "late", "trembling"],
+)
+def test_documents_that_an_audience_would_not_bear_are_poor_by_name(known, document, servos, correction, named):
+    planned = plan(f'<bml id="b">{document}</bml>', known)
+    line = verdict(report(dry_run(planned, twin=servos, correction=correction), source="b.bml"))
+    assert line.startswith("poor: ")
+    assert named in line

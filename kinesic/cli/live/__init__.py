@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from kinesic.cli.options import done_by, door, performers, planning
+from kinesic.cli.options import done_by, door, performers, planning, servo_options
 from kinesic.serve.wire.quotas import USUAL, Quotas
 
 RULE_HELP = (
@@ -19,6 +19,7 @@ FOLDER_HELP = "Where documents are opened and saved (default: that of FILE, or t
 @planning
 @door
 @performers("Who performs.")
+@servo_options
 @click.option("--sound/--no-sound", default=None, help="Speech is heard (default: where that works).")
 @click.option("--rule", "rules", multiple=True, metavar="NAME=VALUE", help=RULE_HELP)
 @done_by("live.serve:serve_blocks")

@@ -3,7 +3,7 @@
 import asyncio
 import signal
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractAsyncContextManager, AsyncExitStack
 from dataclasses import fields, replace
 from functools import partial
@@ -12,15 +12,17 @@ from pathlib import Path
 
 import click
 
-from kinesic.body.command import Sink
 from kinesic.body.config import ConfigError, suggestion
 from kinesic.cli.ending_signals import leave_closed_terminal
 from kinesic.cli.live.frozen import FrozenPlanning
-from kinesic.cli.options import FAULT, Door, Performers, Planning
+from kinesic.cli.options import FAULT, Door, Performers, Planning, ServoOptions
 from kinesic.cli.playback import warn_of_lost_events
 from kinesic.cli.progress import show_stages
+from kinesic.cli.servos.memory import UNKNOWN, ServoMemory
 from kinesic.cli.servos.ports import all_ports
+from kinesic.cli.summary import print_lesson
 from kinesic.client import PORT
+from kinesic.controller.learned_gains import Lesson
 from kinesic.controller.servo_performance import DELAY, ENDING
 from kinesic.face.show.preview import Preview
 from kinesic.hardware.servos import Servos
@@ -28,6 +30,7 @@ from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.planning.plan import Plan
 from kinesic.serve.desk.export import Writers
 from kinesic.serve.server import Address, Serving, open_serving, until_done
+from kinesic.serve.sinks.learner import ServoLearner
 from kinesic.serve.sinks.real_time import AHEAD, RealTimeSink, RealTwin
 from kinesic.serve.sinks.servos import RealServos
 from kinesic.serve.tracks import SoundAndFace
@@ -45,11 +48,13 @@ def serve_blocks(
     planning: Planning,
     door: Door,
     performers: Performers,
+    servos: ServoOptions,
     sound: bool | None,
     rules: tuple[str, ...],
 ) -> int:
     """Performs blocks as they come by TCP, WebSocket and standard input, until somebody ends it."""
-    return open_and_serve(FrozenPlanning.of(planning), door, performers, sound, rules)
+    memory = ServoMemory.of(servos)
+    return open_and_serve(FrozenPlanning.of(planning), door, performers, sound, rules, memory=memory)
 
 
 def open_and_serve(
@@ -59,6 +64,7 @@ def open_and_serve(
     sound: bool | None,
     rules: tuple[str, ...],
     *,
+    memory: ServoMemory = UNKNOWN,
     files: Mapping[str, WebFile] = NO_FILES,
     folder: Path | None = None,
     armed: bool = True,
@@ -73,6 +79,7 @@ def open_and_serve(
         performers: who performs.
         sound: whether speech is heard; None: where that works.
         rules: changes of limits, NAME=VALUE.
+        memory: how servos are believed to be, and where what they tell is kept.
         files: that browsers may have.
         folder: where clients keep documents.
         armed: whether servos have torque from the beginning; else a client arms them.
@@ -84,7 +91,7 @@ def open_and_serve(
         raise ConfigError(f"--sound: {why}")
     address, limits = read_address(door.listen, door.token), read_rules(rules)
     access = Access(door.token or None, frozenset(map(read_origin, door.origins)), texts=door.texts)
-    sinks = _open_sinks(planning, performers, armed=armed)
+    sinks = _open_sinks(planning, performers, memory, armed=armed)
     server = open_serving(
         planning.set_up,
         sinks,
@@ -96,7 +103,7 @@ def open_and_serve(
         folder=folder,
         writers=WRITERS,
     )
-    return asyncio.run(_serve(server, sinks, opened, console))
+    return asyncio.run(_serve(server, sinks, memory, opened, console))
 
 
 def _write_scene(planned: Plan, path: Path) -> None:
@@ -150,14 +157,22 @@ def _is_here(host: str) -> bool:
         return host == "localhost"
 
 
-def _open_sinks(planning: FrozenPlanning, performers: Performers, *, armed: bool) -> list[RealTimeSink]:
-    robot, sinks = planning.robot, performers.sinks
-    opened = [RealTimeSink(RealTwin(robot))] if "twin" in sinks else []
+def _open_sinks(
+    planning: FrozenPlanning, performers: Performers, memory: ServoMemory, *, armed: bool
+) -> list[RealTimeSink]:
+    robot, sinks, believed = planning.robot, performers.sinks, memory.believed
+    believed.applied(robot)  # before anything is opened: refuses servos that it has not
+    factors = memory.twins[0]
+    opened: list[RealTimeSink] = []
+    if "twin" in sinks:  # one that is as it is believed to be tells nothing
+        learner = ServoLearner(robot, believed) if memory.learns and factors != believed else None
+        opened.append(RealTimeSink(RealTwin(robot, factors=factors), believed=believed, learner=learner))
     if "servos" in sinks:
         ports = all_ports(performers.ports, Manifest.of(robot).bauds)
         opens = partial(Servos, robot, ports, log=Path("events.jsonl"))
         watched = RealServos(opens, distances=CapsuleDistances(robot), least=robot.least_clearance, armed=armed)
-        opened.append(RealTimeSink(watched, ahead=AHEAD, delay=DELAY))
+        learner = ServoLearner(robot, believed) if memory.learns else None
+        opened.append(RealTimeSink(watched, ahead=AHEAD, delay=DELAY, believed=believed, learner=learner))
     if "face" in sinks:
         opened.append(RealTimeSink(Preview(robot)))
     return opened
@@ -166,6 +181,7 @@ def _open_sinks(planning: FrozenPlanning, performers: Performers, *, armed: bool
 async def _serve(
     server: AbstractAsyncContextManager[Serving],
     sinks: Sequence[RealTimeSink],
+    memory: ServoMemory,
     opened: Callable[[Address], None],
     console: Callable[[Quotas], Console] | None,
 ) -> int:
@@ -185,7 +201,7 @@ async def _serve(
         click.echo(f"{where}; Ctrl-C folds to rest and ends", err=True)
         if open_.address is not None:
             opened(open_.address)
-        telling = asyncio.create_task(_tell_of_lost_events([each.sink for each in sinks]))
+        telling = asyncio.create_task(_tell_of_servos(sinks, memory))
         is_read = console is not None or not sys.stdin.isatty()
         await until_done(open_, enough, console=is_read, make_console=console or Console)
         telling.cancel()
@@ -195,9 +211,17 @@ async def _serve(
     return FAULT if session.loop.failed or session.planner.failed else 0
 
 
-async def _tell_of_lost_events(sinks: Iterable[Sink]) -> None:
-    servos = [each for each in sinks if isinstance(each, RealServos)]
+async def _tell_of_servos(sinks: Sequence[RealTimeSink], memory: ServoMemory) -> None:
+    """Tells of lost events, and of what servos have told, which is kept for the next time."""
+    servos = [each.sink for each in sinks if isinstance(each.sink, RealServos)]
+    told: list[Lesson] = []
     while True:
         for each in servos:
             warn_of_lost_events(each.servos.events())
+        for lesson in (each.lesson for each in sinks if each.lesson is not None and each.lesson not in told):
+            told.append(lesson)
+            try:
+                print_lesson(lesson, memory.keep(lesson), on_error=True)
+            except ConfigError as error:  # the disk is full, or the folder has gone; the robot goes on
+                click.echo(f"kinesic: {error}", err=True)
         await asyncio.sleep(LOOK)

@@ -57,6 +57,9 @@ class ServoMemory:
         return path
 
 
+UNKNOWN = ServoMemory((NOMINAL,), NOMINAL, None)
+
+
 def check_alone(options: ServoOptions) -> None:
     """Refuses one file for several robots.
 

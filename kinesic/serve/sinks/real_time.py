@@ -1,6 +1,7 @@
 """Drives sinks in real time: each gets its commands when it wants them."""
 
-from collections.abc import Callable, Mapping
+from collections import deque
+from collections.abc import Callable, Iterable, Mapping
 from math import ceil, floor
 from typing import Protocol, runtime_checkable
 
@@ -10,11 +11,16 @@ from msgspec.structs import replace
 from kinesic.body.arrays import Floats
 from kinesic.body.command import RATE, Command, Sink
 from kinesic.body.robot import Robot
-from kinesic.controller.feedforward import FeedForward
+from kinesic.controller.learned_gains import Lesson
 from kinesic.controller.play import commands
+from kinesic.hardware.supervisor.channel import Status
+from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.setup import Setup
 from kinesic.serve.messages import ServoHealth, ServoPlace, ServoState
+from kinesic.serve.sinks.leading import Leading
+from kinesic.serve.sinks.learner import ServoLearner
+from kinesic.sim.servo_factors import NOMINAL, Factors
 from kinesic.sim.twin import Twin
 
 SAME = 1e-6  # ticks
@@ -52,6 +58,14 @@ class ConsentingSink(Protocol):
 
 
 @runtime_checkable
+class TeachingSink(Protocol):
+    """A sink whose cycles tell how its servos are."""
+
+    def cycles(self) -> Iterable[Status]:
+        """Goals and angles of the cycles since the last call."""
+
+
+@runtime_checkable
 class ServoSink(Protocol):
     """A sink of servos, whose torque somebody may give and take."""
 
@@ -83,9 +97,10 @@ class ServoSink(Protocol):
 class RealTwin:
     """A twin for a server: it forgets what it measured, and so lives without end."""
 
-    def __init__(self, robot: Robot) -> None:
-        """Begins at rest."""
-        self._twin, self._count, self._time = Twin(robot), 0, 0.0
+    def __init__(self, robot: Robot, *, factors: Factors = NOMINAL) -> None:
+        """Begins at rest; the twin's servos are so far from the robot's description."""
+        self._twin, self._count, self._time = Twin(robot, factors=factors), 0, 0.0
+        self._cycles: deque[Status] = deque(maxlen=KEPT)
 
     def write(self, command: Command, /) -> None:
         """Follows one command."""
@@ -93,6 +108,15 @@ class RealTwin:
         self._count, self._time = self._count + 1, command.time
         if self._count % KEPT == 0:
             self._twin.forget()
+        angles, time = self._twin.positions(), command.time
+        taken = np.full_like(angles, time)
+        self._cycles.append(Status(Stage.ACTIVE, time, time, 1.0, angles=angles, goals=command.goals, taken=taken))
+
+    def cycles(self) -> tuple[Status, ...]:
+        """Goals and angles of the commands since the last call."""
+        found = tuple(self._cycles)
+        self._cycles.clear()
+        return found
 
     def seen(self) -> tuple[float, Floats]:
         """The time of the last command, and where the joints were then."""
@@ -106,15 +130,27 @@ class RealTwin:
 class RealTimeSink:
     """Hands commands to a sink in time, and knows which is next."""
 
-    def __init__(self, sink: Sink, *, ahead: float = 0.0, delay: float = 0.0) -> None:
+    def __init__(
+        self,
+        sink: Sink,
+        *,
+        ahead: float = 0.0,
+        delay: float = 0.0,
+        believed: Factors = NOMINAL,
+        learner: ServoLearner | None = None,
+    ) -> None:
         """Begins at the clock's zero.
 
         Args:
-            sink: closed at the end by whoever drives this.
+            sink: closed with this.
             ahead: [s] by which it wants commands before their time.
             delay: [s] from a command's time until its goals arrive.
+            believed: how its servos are believed to be, by which goals lead.
+            learner: finds how they are from their first motion, which later goals lead by; None: nobody does.
         """
-        self.sink, self.ahead, self.delay = sink, ahead, delay
+        self.sink, self.ahead = sink, ahead
+        self.lesson: Lesson | None = None  # the last one
+        self._leading, self._learner = Leading(believed, delay=delay), learner
         self._next = 0  # tick
 
     def follow(self, motion: Trajectory, now: float, setup: Setup, face: Face) -> None:
@@ -122,11 +158,29 @@ class RealTimeSink:
         last = floor((now + self.ahead) * RATE + SAME)
         if last < self._next:
             return
+        self._learn()
         times = np.arange(self._next, last + 1) / RATE
-        setpoints = FeedForward(setup.robot, setup.dynamics, delay=self.delay).lead(motion, times)
+        setpoints = self._leading.feedforward(setup, times).lead(motion, times)
         for command in commands(motion, times, setpoints):
             self.sink.write(replace(command, face=face(command.time)))
         self._next = last + 1
+
+    def close(self) -> None:
+        """Closes the sink, and learns no more."""
+        if self._learner is not None:
+            self._learner.close()
+        self.sink.close()
+
+    def _learn(self) -> None:
+        """Looks at what the servos did, and leads what comes by what that has told."""
+        if self._learner is None or not isinstance(self.sink, TeachingSink):
+            return
+        self._learner.see(self.sink.cycles())
+        lesson = self._learner.lesson()
+        if lesson is not None:
+            self.lesson = lesson
+            if not lesson.why:
+                self._leading.change(lesson.believed, self._next / RATE)
 
     def repeat_from(self, cut: float) -> None:
         """Resends commands from a time [s] on when the motion has changed; they replace those already sent."""

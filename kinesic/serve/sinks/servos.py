@@ -1,5 +1,6 @@
 """Servos as a sink of the server: their supervisor owns the time, and somebody may take and give their torque."""
 
+from collections import deque
 from collections.abc import Callable
 from math import isnan
 from threading import Lock
@@ -10,8 +11,10 @@ from kinesic.body.dynamics import Distances
 from kinesic.controller.servo_watch import ServoWatch, WrittenPostures
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.servos import Servos
+from kinesic.hardware.supervisor.channel import Status
 from kinesic.hardware.supervisor.state_machine import POWERED
 from kinesic.serve.messages import ServoHealth, ServoPlace, ServoReport, ServoState
+from kinesic.serve.sinks.real_time import KEPT
 
 DIGITS = 3  # of loads and voltages
 
@@ -36,6 +39,7 @@ class RealServos:
         self._open_servos, self._distances, self._least = open_servos, distances, least
         self.servos, self.armed = open_servos(), armed
         self._opening = Lock()  # held while they are given back and opened anew
+        self._cycles: deque[Status] = deque(maxlen=KEPT)
         self._begin_watch()
 
     def _begin_watch(self) -> None:
@@ -117,12 +121,20 @@ class RealServos:
 
     def time(self, clock: float, /) -> float | None:
         """Time [s] of the performance by the supervisor, wherever it stands; None before there is one."""
-        if self._watch.see(self.servos.history()):
+        history = self.servos.history()
+        self._cycles.extend(history)
+        if self._watch.see(history):
             self.servos.slow_to(self._watch.pace)
             if self._watch.over:
                 self.servos.stop()
         status = self.servos.state()
         return None if isnan(status.time) else status.time_at(clock)
+
+    def cycles(self) -> tuple[Status, ...]:
+        """Goals and angles of the supervisor's cycles since the last call."""
+        found = tuple(self._cycles)
+        self._cycles.clear()
+        return found
 
     def waits(self) -> bool:
         """Whether the servos hold until somebody consents, as they were out of hand for more than a second."""
