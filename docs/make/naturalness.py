@@ -100,10 +100,17 @@ what became of it:
 - **A stroke ran over the next word**: the joyful `fire` rose twice, and hands that should fold at `waited` did not.
 - **The head stayed on a hand that waited**, for up to 5 s. Now it turns back to the listener until the next gesture.
 - **Two hands were exact mirror images.** Where they do not meet, the left one is now up to 17 mm beside that.
+- **Everything arrived at once**: in the two-handed strokes of the neutral style the left hand came within 15 ms of the
+  right one; now it is 30 to 55 ms sooner or later in `house`, `open`, `fire`, `more` and `full`. Shoulders lead on the
+  ways there and back, and wrists follow. The joyful style keeps less of it, as its shoulders turn at their limits.
+- **Ways home were all of one form**, and hands came to rest in one place. Now hands bow aside on their way, by 1 to
+  5 cm, and between gestures they hang 2 to 18 mm beside their rest.
+- **The head went straight from key to key.** Now it dips and leans on its way, and eyes leave no later than it does.
 
-What still looks mechanical: all hinges of an arm arrive at one time, and both hands with them; the head goes straight
-from key to key, and follows the hands through a long stroke (`fire`, 3.5 s) to its end; ways home are all of one form;
-the left hand stays folded, alone, while the right one counts.
+What still looks mechanical: in the calm style both arms drop between `full` and `i`, as the left hand folds where the
+right one passes, and one of eight seeds loses `i`, another one `open`; the head follows the hands through a long stroke
+(`fire`, 3.5 s) to its end, and gives up its look at the hands where the document nods (`full`) or looks elsewhere
+(`far`, `mountain`); the left hand stays folded, alone, while the right one counts.
 
 The head is off the listener for half of the time: it looks at what hands draw and point at. `still` is less
 than 0.1 deg/s of the trunk, 0.5 deg/s of the head or of everything; a hold is 0.4 s or longer, frozen below 2 mm.
