@@ -22,7 +22,8 @@ NEAREST = 10  # vertices of the skin that say how far it is in a direction
 BENT = 0.35  # how far the normals at the edges of a lock lean outward
 SEED = 11
 GOLDEN = np.pi * (3.0 - np.sqrt(5.0))
-FREE = 0.35  # height under which locks are seen from inside, too
+FREE = 0.1  # height under which locks are seen from inside, too
+EACH = 2  # of so many of them one
 POINTED, TIP = 0.6, 0.15  # of the way, from where a lock becomes narrower, and how wide it ends
 LAYERS = (0.7, 1.0)  # of how far locks stand off
 LET_GO = (-0.7, -0.1)  # height at which hair hangs free, and over which it lies on the skull
@@ -45,7 +46,7 @@ class Style:
 
 STYLES: Mapping[Variant, Style] = MappingProxyType(
     {
-        "female": Style(560, 0.02, 8, (1.5, 2.7), 0.16, 0.16, 0.2, 0.9),
+        "female": Style(540, 0.02, 7, (1.5, 2.7), 0.16, 0.16, 0.2, 0.9),
         "male": Style(900, 0.03, 4, (0.45, 1.3), 0.13, 0.10, None, 0.10),
     }
 )
@@ -59,6 +60,7 @@ class Locks:
     normals: Floats  # (n, 3) unit, outward
     places: Floats  # (n, 4) across -1..1, along 0..1, number of the lock 0..1, how bright it is
     triangles: NDArray[np.int32]  # (t, 3), anticlockwise from outside
+    inside: NDArray[np.int32]  # (u, 3), of those that hang the other side
 
 
 def grow(mesh: Mesh, style: Style) -> Locks:
@@ -169,11 +171,12 @@ def _ribbons(lines: Floats, style: Style, random: np.random.Generator, unit: flo
     corner = np.arange(count * rows * 2).reshape(count, rows, 2)
     a, b, c, d = corner[:, :-1, :-1], corner[:, :-1, 1:], corner[:, 1:, 1:], corner[:, 1:, :-1]
     triangles = np.stack([a, c, b, a, d, c], axis=-1).reshape(-1, 3).astype(np.int32)
-    hangs = points.reshape(-1, 3)[triangles, 2].min(axis=1) < FREE
-    triangles = np.concatenate([triangles, triangles[hangs][:, ::-1]])  # seen from inside, too
+    number = triangles[:, 0] // (2 * rows)
+    hangs = (points.reshape(-1, 3)[triangles, 2].min(axis=1) < FREE) & (number % EACH == 0)
     return Locks(
         positions=sealed(points.reshape(-1, 3) * unit),
         normals=sealed(normals.reshape(-1, 3)),
         places=sealed(places.reshape(-1, 4)),
         triangles=triangles,
+        inside=triangles[hangs][:, ::-1],
     )

@@ -2,10 +2,11 @@
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
-from kinesic.body.arrays import Floats
+from kinesic.body.arrays import Floats, sealed
 from kinesic.body.rotation import about
 from kinesic.face.display import DisplayError
 
@@ -35,14 +36,7 @@ class Camera:
 
     def view(self) -> Floats:
         """(4, 4) from the head's frame to the camera's: x to the right of the picture, y up, z towards the viewer."""
-        yaw = math.radians(self.yaw_deg)
-        towards = np.array([math.cos(yaw), math.sin(yaw), 0.0])
-        up = np.array([0.0, 0.0, 1.0])
-        rotation = np.array([np.cross(up, towards), up, towards]) @ head_rotation(*self.turn)
-        found = np.eye(4)
-        found[:3, :3] = rotation
-        found[:3, 3] = rotation @ -np.array(self.pivot) - np.array([0.0, 0.0, self.distance])
-        return found
+        return _view(self)
 
     def lens(self, aspect: float) -> tuple[float, float]:
         """Half of what is seen at a distance of 1, across and up."""
@@ -58,6 +52,19 @@ class Camera:
         found[2, 3] = 2 * FAR * NEAR / (NEAR - FAR)
         found[3, 2] = -1.0
         return found
+
+
+@lru_cache(maxsize=8)
+def _view(camera: Camera) -> Floats:
+    """What `Camera.view` gives: several passes of a picture ask for it."""
+    yaw = math.radians(camera.yaw_deg)
+    towards = np.array([math.cos(yaw), math.sin(yaw), 0.0])
+    up = np.array([0.0, 0.0, 1.0])
+    rotation = np.array([np.cross(up, towards), up, towards]) @ head_rotation(*camera.turn)
+    found = np.eye(4)
+    found[:3, :3] = rotation
+    found[:3, 3] = rotation @ -np.array(camera.pivot) - np.array([0.0, 0.0, camera.distance])
+    return sealed(found)
 
 
 def head_rotation(left: float, up: float, over: float) -> Floats:

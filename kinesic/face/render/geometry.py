@@ -18,7 +18,7 @@ from kinesic.face.render.camera import Camera
 from kinesic.face.render.passes import Marks, Rectangle, Size, Target, Where, program, set_uniforms
 from kinesic.face.render.shape import Shape
 
-Layer = Literal["skin", "organs", "lashes", "cloth", "film", "hair"]
+Layer = Literal["skin", "organs", "lashes", "cloth", "film", "hair", "hair inside"]
 
 MARGIN = 3  # [pixels] round a rectangle
 FILM = (0.30, 0.95, 0.45)  # what an eyeshade lets through, linear
@@ -72,7 +72,7 @@ class Geometry:
         first = mesh.triangles[:, 0]
         thin, cloth = (mesh.parts[first] == PARTS.index(part) for part in ("lashes", "cloth"))
         still = self._buffer(fixed)
-        self._layers = {
+        self._layers: dict[Layer, tuple[moderngl.Buffer, moderngl.Buffer, moderngl.Buffer]] = {
             "skin": (self._moving, still, self._buffer(triangles[skin[first]], "i4")),
             "organs": (self._moving, still, self._buffer(triangles[~skin[first] & ~thin & ~cloth], "i4")),
             "lashes": (self._moving, still, self._buffer(triangles[thin], "i4")),
@@ -84,15 +84,17 @@ class Geometry:
             self._layers["film"] = self._film(mesh)
         self.haired, self._hair_at = locks is not None, np.zeros((0, 3))
         if locks is not None:
-            self._layers["hair"], self._hair_at = self._locks(locks), locks.positions
+            self._hair_at = locks.positions
+            self._layers |= self._locks(locks)
         skins, organs = (program(context, "geometry", "form", fragment) for fragment in ("skin", "organs"))
         film = program(context, "geometry", "form", "door", "film")
         cloths = program(context, "geometry", "form", "cloth")
         strands = program(context, "geometry", "form", "hair")
         set_uniforms(strands, {"colour": hair})
         self._shaders = (skins, organs, film, cloths, strands)
-        self._solid = [self.drawn(strands, "hair")] if self.haired else []  # before the scalp, most of which it hides
-        self._solid += [self.drawn(skins, "skin"), self.drawn(organs, "organs")]
+        self._solid = [self.drawn(skins, "skin"), self.drawn(organs, "organs")]
+        if self.haired:  # what is drawn first hides most of the rest: hair the scalp, and the head the inside of hair
+            self._solid = [self.drawn(strands, "hair"), *self._solid, self.drawn(strands, "hair inside")]
         self.thin: tuple[Layer, ...] = ("lashes", "film") if shaded else ("lashes",)
         self._open = [self.drawn(film, "film")] if shaded else []
         if self.dressed:
@@ -174,13 +176,14 @@ class Geometry:
             self._buffer(sheet.triangles, "i4"),
         )
 
-    def _locks(self, locks: Locks) -> tuple[moderngl.Buffer, moderngl.Buffer, moderngl.Buffer]:
+    def _locks(self, locks: Locks) -> dict[Layer, tuple[moderngl.Buffer, moderngl.Buffer, moderngl.Buffer]]:
         matter = np.tile((len(PARTS), 0.0), (len(locks.positions), 1))
-        return (
-            self._buffer(np.concatenate([locks.positions, locks.normals], axis=1)),
-            self._buffer(np.concatenate([locks.places, matter], axis=1)),
-            self._buffer(locks.triangles, "i4"),
-        )
+        moving = self._buffer(np.concatenate([locks.positions, locks.normals], axis=1))
+        still = self._buffer(np.concatenate([locks.places, matter], axis=1))
+        return {
+            "hair": (moving, still, self._buffer(locks.triangles, "i4")),
+            "hair inside": (moving, still, self._buffer(locks.inside, "i4")),
+        }
 
     def _buffer(self, values: Floats | NDArray[np.int32], kind: str = "f4") -> moderngl.Buffer:
         return self.context.buffer(values.astype(kind).tobytes())

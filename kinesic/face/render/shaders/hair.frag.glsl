@@ -20,7 +20,7 @@ void main() {
     vec2 aside = vec2(dFdx(placed.x), dFdy(placed.x));
     float length_of = max(length(aside), 1e-6), inside = fract(across) - 0.5;
     vec3 n = normalize(gl_FrontFacing ? facing : -facing) + vec3(aside / length_of, 0.0) * fine * (0.9 * inside + 0.7 * (strand - 0.5));
-    float bright = placed.w * (0.65 + 0.7 * uneven) * mix(0.6, 1.1, smoothstep(0.0, 0.35, placed.y)) * (gl_FrontFacing ? 1.0 : 0.6);
+    float bright = placed.w * (0.78 + 0.44 * uneven) * mix(0.6, 1.1, smoothstep(0.0, 0.35, placed.y)) * (gl_FrontFacing ? 1.0 : 0.6);
     form = vec4(normalize(n), -1.0 / gl_FragCoord.w - APART * kind);
     place = vec4(sqrt(colour * bright), 0.55);
 }
