@@ -155,8 +155,9 @@ def _losses(
     before = _cut(desired.times, desired.paths[part], core[0].asked, core[1].asked)
     after = _cut(reference.times, reference.paths[part], zero + core[0].planned, zero + core[1].planned)
     unit, scale = ("m", 1.0) if part in HANDS else ("deg", float(np.degrees(1.0)))
-    for quantity, per, measure in (("speed", "/s", _fastest), ("path", "", _length)):
-        loss = Loss(part, quantity, unit + per, scale * measure(*before), scale * measure(*after))
+    asked, planned = _measure(*before), _measure(*after)
+    for k, (quantity, per) in enumerate((("speed", "/s"), ("path", ""))):
+        loss = Loss(part, quantity, unit + per, scale * asked[k], scale * planned[k])
         if loss.share > LOSS_TO_TELL and loss.asked > LEAST[loss.unit]:
             yield loss
 
@@ -180,11 +181,9 @@ def _between(times: Floats, path: Floats, moment: float) -> Floats:
     return place[None]
 
 
-def _fastest(times: Floats, path: Floats) -> float:
-    steps = np.diff(times)
-    distances = np.linalg.norm(np.diff(path, axis=0), axis=1)
-    return float(np.divide(distances, steps, out=np.zeros_like(steps), where=steps > 1e-3).max(initial=0.0))
-
-
-def _length(_: Floats, path: Floats) -> float:
-    return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
+def _measure(times: Floats, path: Floats) -> tuple[float, float]:
+    """Measures the largest speed on a path, and its length."""
+    steps, ways = np.diff(times), np.diff(path, axis=0)
+    distances = np.sqrt(np.vecdot(ways, ways))
+    speeds = np.divide(distances, steps, out=np.zeros_like(steps), where=steps > 1e-3)
+    return float(speeds.max(initial=0.0)), float(distances.sum())

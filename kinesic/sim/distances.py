@@ -101,13 +101,24 @@ class CapsuleDistances:
         gaps = np.full((self._counted, len(angles)), np.inf)
         if self._names:
             frames = body_frames(self._robot, angles)
-            starts, ends = (side.transpose(0, 2, 1) for side in self._axes(frames))
-            first, second = self._first, self._second
-            axes = (side.reshape(-1, 3) for side in (starts[first], ends[first], starts[second], ends[second]))
-            found = segment_distances(*axes).reshape(len(first), -1) - self._radii[:, None]
+            found = np.empty((len(self._names), len(angles)))
+            if KERNEL == "compiled":
+                _compiled(self).gaps(
+                    np.ascontiguousarray(frames.rotations), np.ascontiguousarray(frames.origins), found
+                )
+            else:
+                found[:] = self._gaps(frames)
             self._measure_fingers(found, (found < SIGHT) & self._hulled[:, None], frames, angles)
             np.minimum.at(gaps, self._of, found)
         return sealed(gaps.T)
+
+    def _gaps(self, frames: MotionFrames) -> Floats:
+        """(p, m) [m] of all pairs of capsules."""
+        starts, ends = (side.transpose(0, 2, 1) for side in self._axes(frames))
+        first, second = self._first, self._second
+        axes = (side.reshape(-1, 3) for side in (starts[first], ends[first], starts[second], ends[second]))
+        found: Floats = segment_distances(*axes).reshape(len(first), -1) - self._radii[:, None]
+        return found
 
     def approach(self, angles: Floats, ends: Indices, *, near: float, frames: MotionFrames | None = None) -> Clearance:
         """Finds the closest approach in each stretch of a motion, and measures only postures that may count.

@@ -48,6 +48,8 @@ def test_distances_are_the_same(robot, in_python):
     fast, slow = measure.clearance(postures), in_python(lambda: measure.clearance(postures))
     np.testing.assert_allclose(fast.distances, slow.distances, rtol=0, atol=1e-12)
     assert fast.pairs == slow.pairs
+    gaps = measure.gaps(postures)
+    np.testing.assert_allclose(gaps, in_python(lambda: measure.gaps(postures)), rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("near", [0.03, 0.1])

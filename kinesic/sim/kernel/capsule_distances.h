@@ -68,6 +68,14 @@ struct CapsulePairs {
         }
     }
 
+    // Distance [m] of each pair in at most STRIP postures, (p, stride).
+    void gaps(const Frames& frames, int count, double* found, size_t stride) {
+        axes.resize(6 * STRIP * size_t(capsules));
+        for (int c = 0; c < capsules; ++c) place(c, frames, count);
+        for (int p = 0; p < pairs; ++p)
+            for (int m = 0; m < count; ++m) found[p * stride + m] = exact(p, m) - radii[p];
+    }
+
 private:
     std::vector<double> axes;  // (c, 2, 3, STRIP) [m] one end of each capsule's axis, and the way to the other
 

@@ -81,15 +81,27 @@ CapsulePairs make_pairs(const Places& owners, const Numbers& starts, const Numbe
     return made;
 }
 
+using Measure = void (CapsulePairs::*)(const Frames&, int, double*, size_t);
+
 // (p, m) distances of m postures whose frames are known.
-void closest(CapsulePairs& self, const Numbers& rotations, const Numbers& origins, Result& lowest) {
-    const size_t count = self.pairs ? lowest.size() / self.pairs : 0, segments = count ? origins.size() / 3 / count : 0;
-    require(lowest.size() == self.pairs * count && origins.size() == 3 * segments * count);
+void measure(CapsulePairs& self, Measure way, const Numbers& rotations, const Numbers& origins, Result& found) {
+    const size_t count = self.pairs ? found.size() / self.pairs : 0, segments = count ? origins.size() / 3 / count : 0;
+    require(found.size() == self.pairs * count && origins.size() == 3 * segments * count);
     require(rotations.size() == 9 * segments * count);
     for (int owner : self.owners) require(!count || size_t(owner) < segments);
     for (size_t k = 0; k < count; k += STRIP)
-        self.closest({rotations.data() + k, origins.data() + k, count}, int(std::min<size_t>(STRIP, count - k)),
-                     lowest.data() + k, count);
+        (self.*way)({rotations.data() + k, origins.data() + k, count}, int(std::min<size_t>(STRIP, count - k)),
+                    found.data() + k, count);
+}
+
+// The same where a pair may be the closest; elsewhere a lower bound.
+void closest(CapsulePairs& self, const Numbers& rotations, const Numbers& origins, Result& lowest) {
+    measure(self, &CapsulePairs::closest, rotations, origins, lowest);
+}
+
+// All of them.
+void gaps(CapsulePairs& self, const Numbers& rotations, const Numbers& origins, Result& found) {
+    measure(self, &CapsulePairs::gaps, rotations, origins, found);
 }
 
 // (m,) distance and index of the closest pair in m postures, from sines and cosines (n, m) of all turns.
@@ -168,7 +180,10 @@ NB_MODULE(_kernel, module) {
         .def(nb::init<>())
         .def("add_link", &add_link)
         .def("solve", &solve);
-    nb::class_<CapsulePairs>(module, "CapsulePairs").def("closest", &closest).def("nearest", &nearest);
+    nb::class_<CapsulePairs>(module, "CapsulePairs")
+        .def("closest", &closest)
+        .def("gaps", &gaps)
+        .def("nearest", &nearest);
     module.def("suspect", &suspect);
     module.def("make_pairs", &make_pairs);
     module.def("inverse", &inverse);

@@ -1,17 +1,17 @@
 import pytest
 
 from kinesic.bench import speed
-from kinesic.bench.speed import dry_runs, planning, starting
+from kinesic.bench.speed import dry_runs, plans, starting
 from kinesic.controller.closed_loop import KERNEL
 
 
 @pytest.fixture(scope="module")
 def figures():
     with pytest.MonkeyPatch.context() as patch:
-        for module, count in ((dry_runs, 3), (planning, 1), (starting, 1)):
+        for module, count in ((dry_runs, 3), (plans, 1), (starting, 1)):
             patch.setattr(module, "REPETITIONS", count)
         patch.setattr(dry_runs, "BLOCKS", 1)
-        patch.setattr(planning, "WORST_CROWD", 3)
+        patch.setattr(plans, "WORST_CROWD", 3)
         return {figure.name: figure for figure in speed.bench()}
 
 
