@@ -81,6 +81,7 @@ def test_a_limp_robot_elsewhere_is_seen_captured_and_armed_by_a_person_alone(att
         "(s => { s.value = 'idea bowl'; s.dispatchEvent(new Event('input')) })(document.querySelector('#search'))"
     )
     page.click("[aria-label='Edit a copy of conduit']")
+    page.until("document.querySelector('#file').textContent === 'my_conduit.toml'")
     attached.until("s.draft?.gesture === 'my_conduit'")
     page.click("#mode-robot")
     attached.until("s.mode === 'robot'")

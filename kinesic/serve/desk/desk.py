@@ -67,6 +67,8 @@ class Desk:
         match question:
             case ReachQuestion():
                 self._reacher.ask(asker.number, question, partial(self._tell_reach, asker, question))
+            case GestureQuestion(toml=None):  # for a file, which no plan makes outdated
+                self.drafter.ask(asker.number, question, partial(self._tell_draft, asker, question), kind="file")
             case PlanQuestion() | GestureQuestion():
                 self.drafter.ask(asker.number, question, partial(self._tell_draft, asker, question))
                 self._reacher.warm_up()  # whoever writes may drag a hand soon
