@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from math import ceil
 from pathlib import Path
 
 import pytest
@@ -15,6 +16,7 @@ from kinesic.studio.page import page_files
 from ..chromium import Page, binary, opened
 from ..serve.conftest import Running, running
 
+STEP = 10.0  # [s] that the browser may be silent
 # WebGL without a graphics card
 SOFTWARE = (
     "--use-gl=angle",
@@ -40,6 +42,16 @@ class Studio:
     def until(self, condition: str) -> None:
         """Waits until something is so; `s` is what the page knows."""
         self.page.until(f"(s => {condition})(kinesicStudio.state())")
+
+    def rest(self, seconds: float) -> None:
+        """Lets the page do what it does for a while."""
+        for _ in range(ceil(seconds / STEP)):
+            self.page.value(f"new Promise(done => setTimeout(done, {1000 * min(STEP, seconds)}))")
+
+    def heap(self) -> float:
+        """Memory [bytes] that the page's script holds, without what nobody needs any more."""
+        self.page.call("HeapProfiler.collectGarbage")
+        return self.page.value("new Promise(done => setTimeout(() => done(performance.memory.usedJSHeapSize), 500))")
 
     def write(self, text: str) -> None:
         """Replaces the document, as if it were typed, and waits for its plan or its error."""

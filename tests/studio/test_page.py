@@ -265,3 +265,15 @@ def test_a_document_is_saved_byte_for_byte_and_found_again(studio: Studio):
     studio.page.until("document.querySelector('#file').textContent === 'mine.bml'")
     assert (studio.folder / "mine.bml").read_text() == WORDS
     studio.page.until("[...document.querySelectorAll('#saved option')].some(each => each.value === 'file:mine.bml')")
+
+
+def test_play_leaves_no_memory_behind(studio: Studio):
+    """A moment of what a soak test does for half an hour."""
+    studio.write(WORDS)
+    studio.page.click("#loop")
+    studio.page.click("#play")
+    before = studio.heap()
+    studio.rest(3.0)
+    assert studio.heap() - before < 4e6
+    studio.page.click("#play")
+    studio.page.click("#loop")
