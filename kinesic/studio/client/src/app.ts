@@ -11,50 +11,35 @@ import { Inspector } from "./inspector.ts";
 import { Motion } from "./motion.ts";
 import { fillMenus, showClock, showNotices } from "./panels.ts";
 import { Playback } from "./playback.ts";
-import { Reaching } from "./reaching.ts";
 import { Robot } from "./robot.ts";
-import { type Drag, Stage } from "./stage.ts";
-import { type Measure, strainOf } from "./telemetry.ts";
 import { TextPane } from "./text.ts";
 import { anchorOf, type Moved, Timeline } from "./timeline.ts";
-import type { About, BodyReport, Draft, GestureDraft, Reached } from "./types.ts";
+import type { About, Draft, GestureDraft } from "./types.ts";
+import { StageView } from "./view.ts";
 import type { Answer } from "./wire.ts";
 import { BLOCK } from "./xml.ts";
 
 const ALONE = "g"; // the behaviour that plays a gesture which is being written
 
 class App {
-  private readonly stage: Stage;
+  private readonly view: StageView;
   private readonly robot: Robot;
   private readonly text: TextPane;
   private readonly timeline: Timeline;
   private readonly playback: Playback;
   private readonly drafting: Drafting;
-  private readonly reaching: Reaching;
   private readonly inspector: Inspector;
   private readonly editing: GestureEditing;
   private readonly documents: Documents;
   private history: History<string> = begin("");
   private draft: Draft | null = null;
-  private motion: Motion | null = null;
   private chosen: string | null = null;
   private planned = 0; // drafts that were shown
-  private mode: "plan" | "robot" = "plan";
   private name = "untitled.bml";
   private saved = ""; // the document as it was saved last
   private performances = 0; // of gestures alone
 
   constructor(private readonly about: About) {
-    this.stage = new Stage(
-      byId<HTMLCanvasElement>("canvas"),
-      byId<SVGSVGElement>("sectors"),
-      byId<SVGSVGElement>("handles"),
-      about.robot,
-      {
-        drag: (drag) => this.reaching.drag(drag),
-        drop: (drag) => this.drop(drag),
-      },
-    );
     this.text = new TextPane((text) => this.edit(text, true));
     this.timeline = new Timeline(byId("rows"), {
       moved: (moved) => this.move(moved),
@@ -64,7 +49,7 @@ class App {
     this.robot = new Robot(about.robot, {
       opened: () => this.connected(),
       changed: () => this.enable(),
-      moved: () => this.mode === "robot" && this.redraw(),
+      moved: () => this.view.follow(),
     });
     const exports = new Exports(this.robot.wire, (text) => this.robot.live.say(text));
     exports.listen(() => this.document);
@@ -80,11 +65,11 @@ class App {
         showNotices([{ type: "", id: `line ${fault.line}, column ${fault.column}`, text: fault.text }]);
       },
     });
-    this.reaching = new Reaching(
-      about.robot,
-      this.robot.wire,
-      (found) => this.reached(found),
-      () => this.posture(),
+    this.view = new StageView(
+      about,
+      this.robot,
+      () => this.playback.player.time,
+      (drag) => this.isGesture && drag.part === "hand" && this.editing.drop(drag),
     );
     this.inspector = new Inspector({
       attribute: (name, value) => this.chosen && this.edit(setAttribute(this.document, this.chosen, name, value)),
@@ -98,7 +83,7 @@ class App {
       insert: (id) => this.insert(id),
       seek: (time) => this.playback.player.seek(time),
       say: (text) => this.robot.live.say(text),
-      hand: (side) => this.stage.placeOfHand(side),
+      hand: (side) => this.view.stage.placeOfHand(side),
     });
     this.documents = new Documents(this.robot.wire, {
       opened: (name, text) => this.open(name, text),
@@ -130,7 +115,7 @@ class App {
     this.history = begin(text);
     this.editing.begin(this.isGesture);
     this.text.show(text);
-    this.become("plan");
+    this.view.become("plan");
     this.playback.player.seek(0);
     void this.drafting.now();
   }
@@ -158,7 +143,7 @@ class App {
   private show(draft: Draft): void {
     this.text.mark(null);
     this.draft = draft;
-    this.motion = new Motion(draft, this.about.robot.hinges.length);
+    this.view.motion = new Motion(draft, this.about.robot.hinges.length);
     this.playback.player.duration = draft.duration;
     this.planned += 1;
     this.timeline.show(draft, this.chosen);
@@ -203,58 +188,18 @@ class App {
     void this.drafting.now();
   }
 
+  private showAt(time: number): void {
+    showClock(time, this.playback.player.duration, this.playback.player.playing);
+    this.timeline.at(time);
+    this.view.move();
+  }
+
   private inspect(): void {
     const whole = this.chosen === BLOCK && this.draft ? { id: BLOCK, type: "block" } : null;
     const about = this.draft?.behaviours.find((each) => each.id === this.chosen) ?? whole;
     const read = (name: string) =>
       this.isGesture ? this.editing.manner.get(name)?.toString() : this.text.attribute(about?.id ?? "", name);
     this.inspector.show(about ? { id: about.id, type: about.type, read, alone: this.isGesture } : null);
-  }
-
-  // ---- the stage ----------------------------------------------------------------------------------------------
-
-  private showAt(time: number): void {
-    showClock(time, this.playback.player.duration, this.playback.player.playing);
-    this.timeline.at(time);
-    this.reaching.forget();
-    this.redraw();
-  }
-
-  private redraw(): void {
-    const report = this.mode === "robot" ? this.robot.report : null;
-    const angles = this.reaching.shown ?? report?.angles ?? this.posture();
-    const { lit, shown } = this.reaching;
-    if (report && !shown) this.stage.show({ angles, ghost: report.planned, lit, strain: this.strain(report) });
-    else this.stage.show({ angles, ghost: undefined, lit });
-  }
-
-  private strain(report: BodyReport): number[] {
-    const measure = byId<HTMLSelectElement>("measure").value as Measure;
-    return strainOf(this.about.robot, report, this.robot.places, measure);
-  }
-
-  /** The posture [rad] that is shown where no hand is dragged. */
-  private posture(): readonly number[] {
-    const report = this.mode === "robot" ? this.robot.report : null;
-    return report?.angles ?? this.motion?.at(this.playback.player.time) ?? this.about.robot.rest;
-  }
-
-  private reached(found: Reached | null): void {
-    byId("stops").textContent = this.reaching.words(found);
-    byId("stops").classList.toggle("warning", found !== null && !found.reached);
-    this.redraw();
-  }
-
-  private drop(drag: Drag): void {
-    this.reaching.drop();
-    if (this.isGesture && drag.part === "hand") this.editing.drop(drag);
-  }
-
-  private become(mode: "plan" | "robot"): void {
-    this.mode = mode;
-    this.reaching.forget();
-    for (const name of ["plan", "robot"]) byId(`mode-${name}`).setAttribute("aria-pressed", String(name === mode));
-    this.redraw();
   }
 
   // ---- the server ---------------------------------------------------------------------------------------------
@@ -274,7 +219,7 @@ class App {
   private perform(): void {
     this.playback.player.play(false);
     if (this.isGesture && this.saved !== this.document) this.robot.live.say("save it first: then the robot knows it");
-    else if (this.robot.ready && this.robot.wire.perform(this.performed)) this.become("robot");
+    else if (this.robot.ready && this.robot.wire.perform(this.performed)) this.view.become("robot");
   }
 
   private opened(name: string): void {
@@ -301,13 +246,10 @@ class App {
       redo: () => this.step(redo(this.history)),
       save: () => void this.documents.save(this.name, this.document),
       remove: () => this.chosen && this.edit(remove(this.document, this.chosen)),
-      show: (mode) => this.become(mode),
-      view: (view) => this.stage.view(view),
+      show: (mode) => this.view.become(mode),
+      view: (view) => this.view.stage.view(view),
       chooseBlock: () => this.choose(BLOCK),
-      sectors: (on) => {
-        this.stage.sectors.shown = on;
-        this.redraw();
-      },
+      sectors: (on) => this.view.showSectors(on),
       seek: (time) => this.playback.player.seek(time),
       style: (style) => this.robot.wire.tell("style", { style }),
       loop: (on) => {
@@ -327,23 +269,14 @@ class App {
   /** What tests and curious people may read. */
   state(): Record<string, unknown> {
     return {
+      ...this.view.state(),
       connection: this.robot.wire.state,
       text: this.document,
       past: this.history.past.length,
       planned: this.planned,
-      drawn: this.stage.drawn,
-      flat: this.stage.flat,
       time: this.playback.player.time,
       heard: this.playback.voice.time,
-      mode: this.mode,
       stopped: this.robot.stopped,
-      left: this.stage.handleAt("hand", "left"),
-      right: this.stage.handleAt("hand", "right"),
-      elbow: this.stage.handleAt("elbow", "left"),
-      trunk: this.stage.handleAt("trunk"),
-      gaze: this.stage.handleAt("gaze"),
-      reach: this.reaching.found,
-      latencies: this.reaching.latencies,
       draft: this.draft && { ...this.draft, angles: this.draft.angles.length },
       report: this.robot.report,
     };
