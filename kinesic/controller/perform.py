@@ -14,7 +14,6 @@ from kinesic.body.choices import Terms
 from kinesic.body.command import RATE, Measurements
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
-from kinesic.controller.clearance_watch import slows
 from kinesic.controller.closed_loop import perform_in_twins
 from kinesic.controller.documents import read_block
 from kinesic.controller.feedforward import FeedForward
@@ -23,7 +22,8 @@ from kinesic.controller.observer import Observer
 from kinesic.controller.options import PlanningOptions, check_options
 from kinesic.controller.performance import Performance, Reference
 from kinesic.controller.play import command_times
-from kinesic.controller.watched_run import perform_watched
+from kinesic.controller.watch.clearance import slows
+from kinesic.controller.watch.watched_run import perform_watched
 from kinesic.expressivity.context import read_targets
 from kinesic.expressivity.idle import Idling
 from kinesic.expressivity.lexicon.lexicon import Lexicon
@@ -207,7 +207,7 @@ def dry_runs(
     leading = FeedForward.of(robot, known.dynamics, believed, delay=delay, terms=feedforward)
     delay = float(leading.delay)
     setpoints = leading.lead(trajectory, times)
-    observers = partial(_observer, known, believed, delay) if correction else None
+    observers = partial(make_observer, known, believed, delay) if correction else None
     start = trajectory.at(0.0).angles
 
     def performed(*, touches: bool) -> list[Measurements]:
@@ -245,7 +245,7 @@ def _watched(even: Performance, feedforward: FeedForward, observer: Observer | N
 
 
 @lru_cache(maxsize=8)
-def _observer(known: Setup, believed: Factors, delay: float, bodies: int) -> Observer:
+def make_observer(known: Setup, believed: Factors, delay: float, bodies: int) -> Observer:
     """Remembered, as its gains depend on the robot alone, as soft as its servos are believed to be."""
     robot = soften(known.robot, believed)
     return Observer.of(robot, known.dynamics, period=1 / RATE, delay=delay, bodies=bodies)

@@ -13,11 +13,11 @@ from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.command import RATE, Measurements
 from kinesic.body.robot import SIDES, PartName, Robot
 from kinesic.controller.arrival import Arrival, arrivals, lags, part_paths
-from kinesic.controller.clearance_watch import LOOK, foresee
 from kinesic.controller.play import command_times
 from kinesic.controller.smoothness import dimensionless_jerk
 from kinesic.controller.synchrony import StrokeLag, measure_lags
 from kinesic.controller.tracking_delay import tracking_delay
+from kinesic.controller.watch.clearance import LOOK, foresee
 from kinesic.motion.limit_check import Peaks, check_limits
 from kinesic.planning.plan import Plan
 from kinesic.planning.syncs import SyncTime

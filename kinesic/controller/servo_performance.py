@@ -23,7 +23,7 @@ from kinesic.controller.feedforward import FeedForward
 from kinesic.controller.performance import MOVING, Performance
 from kinesic.controller.play import command_times, commands
 from kinesic.controller.servo_log import angles_at, usable
-from kinesic.controller.servo_watch import ServoWatch
+from kinesic.controller.watch.servos import ServoWatch
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.channel import Note, Status

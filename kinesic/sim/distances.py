@@ -22,8 +22,7 @@ if KERNEL == "compiled":
     from kinesic.sim import _kernel
 
 BLOCK = 512  # postures whose kinematics are computed at once
-STRIP = 128  # of them at once for all pairs, so that arrays stay in the cache and products on one core
-PRODUCT = 300_000  # multiplications of a matrix product that stays on one core
+STRIP, PRODUCT = 128, 300_000  # of them for all pairs, so that arrays stay in the cache; products that stay on one core
 SAME = 1e-5  # [rad] postures that differ by less are one: no capsule is farther off than 0.01 mm for each hinge
 SHORTEST = 1e-9  # [m] of a reach that is not none
 NEAR = 0.03  # [m] the ball about fingers comes to something, from which on they are measured in a motion

@@ -14,7 +14,7 @@ from kinesic.controller.feedforward import FeedForwardGoals
 from kinesic.controller.learned_gains import learn, soften
 from kinesic.controller.observer import LARGEST, LoadEstimate, Observer, ObserverInputs, _forecast, correct_goals
 from kinesic.controller.observer_step import FADING, RESTORING, SHARES
-from kinesic.controller.perform import _observer, dry_run, plan
+from kinesic.controller.perform import dry_run, make_observer, plan
 from kinesic.report.checks.twin import tracking_errors
 from kinesic.sim.dynamics import MujocoDynamics
 from kinesic.sim.log import log_of
@@ -290,11 +290,11 @@ def test_full_duty_does_not_explain_away_half_of_the_gain(monkeypatch, known):
     planned = plan(passage_text(0), known)
 
     def rmse() -> float:
-        _observer.cache_clear()
+        make_observer.cache_clear()
         return tracking_errors(dry_run(planned, twin=Factors(gain=0.5))).rmse
 
     doubted = rmse()
     monkeypatch.setattr(observer_module, "DOUBT", 1.0)
     believed = rmse()
-    _observer.cache_clear()
+    make_observer.cache_clear()
     assert doubted < 0.8 * believed < 0.8

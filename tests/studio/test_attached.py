@@ -18,7 +18,7 @@ from kinesic.studio.relay import open_relay
 
 from ..chromium import binary, opened
 from ..serve.conftest import running
-from ..serve.test_arming import TOKEN, Limp
+from ..serve.sinks.test_arming import TOKEN, Limp
 from .conftest import SOFTWARE, Studio
 
 pytestmark = pytest.mark.realtime

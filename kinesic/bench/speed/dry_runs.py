@@ -18,7 +18,7 @@ from kinesic.bench.figure import Figure
 from kinesic.body.command import RATE
 from kinesic.controller.closed_loop import KERNEL, perform_in_twins
 from kinesic.controller.feedforward import FeedForward
-from kinesic.controller.perform import _observer, dry_runs, plan, set_up
+from kinesic.controller.perform import dry_runs, make_observer, plan, set_up
 from kinesic.controller.performance import Performance, Reference
 from kinesic.controller.play import command_times
 from kinesic.planning.plan import Plan
@@ -117,7 +117,7 @@ def _stages(planned: Plan) -> tuple[dict[str, float], dict[str, float]]:
     known, trajectory = planned.setup, planned.trajectory
     times = command_times(planned.duration)
     leading = FeedForward(known.robot, known.dynamics)
-    observer = _observer(known, 0.0, 1)
+    observer = make_observer(known, NOMINAL, 0.0, 1)
     spent: dict[str, float] = {}
     spent["feed_forward"], setpoints = timed(lambda: leading.lead(trajectory, times))
     start = trajectory.at(0.0).angles

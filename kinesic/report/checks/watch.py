@@ -1,7 +1,7 @@
 """Checks what the twin's errors left of the clearance, and what it cost to keep it."""
 
-from kinesic.controller.clearance_watch import EASY
 from kinesic.controller.performance import EVERY, Performance
+from kinesic.controller.watch.clearance import EASY
 from kinesic.report.checks.check import Check, format_time
 
 WHOLE = 0.999  # share of a plan that is all of it

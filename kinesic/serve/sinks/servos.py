@@ -8,7 +8,7 @@ from threading import Lock
 from kinesic.body.arrays import Floats
 from kinesic.body.command import Command
 from kinesic.body.dynamics import Distances
-from kinesic.controller.servo_watch import ServoWatch, WrittenPostures
+from kinesic.controller.watch.servos import ServoWatch, WrittenPostures
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.channel import Status

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from kinesic.body.arrays import sealed
-from kinesic.controller.clearance_watch import EASY
 from kinesic.controller.performance import Performance
+from kinesic.controller.watch.clearance import EASY
 from kinesic.report.checks.watch import watch_checks
 
 

@@ -9,12 +9,12 @@ import pytest
 
 from kinesic.body.arrays import Floats
 from kinesic.body.servo import follow_lags
-from kinesic.controller.clearance_watch import RESERVE
 from kinesic.controller.feedforward import FeedForward
 from kinesic.controller.perform import plan
 from kinesic.controller.play import command_times, commands
 from kinesic.controller.servo_performance import watch_of
 from kinesic.controller.virtual_robot import TwinPhysics
+from kinesic.controller.watch.clearance import RESERVE
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
@@ -23,10 +23,10 @@ from kinesic.hardware.virtual.wiring import build_bus, cables
 from kinesic.planning.plan import Plan
 from kinesic.sim.servo_factors import Factors
 
-from ..hardware.manual.adapter import build_manual
-from ..hardware.supervisor.conftest import Desk
-from ..manual_servo.motion import Pid
-from ..performances import BLOCK
+from ...hardware.manual.adapter import build_manual
+from ...hardware.supervisor.conftest import Desk
+from ...manual_servo.motion import Pid
+from ...performances import BLOCK
 
 LEFT = RESERVE - 0.05  # of the clearance that a robot asks for: what stays after all
 BRIEF = SupervisorSettings(patience=1.0, pace=1.5)

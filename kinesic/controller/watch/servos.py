@@ -14,7 +14,7 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import Command
 from kinesic.body.dynamics import Distances
-from kinesic.controller.clearance_watch import LOOK, ClearanceWatch, coming_times, look
+from kinesic.controller.watch.clearance import LOOK, ClearanceWatch, coming_times, look
 from kinesic.hardware.supervisor.channel import Status
 
 KEPT = 100  # cycles whose time is remembered: a second, longer than any position is believed

@@ -5,16 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kinesic.controller.clearance_watch import PATIENCE, RESERVE
 from kinesic.controller.feedforward import FeedForward
-from kinesic.controller.perform import _observer, dry_run, plan
-from kinesic.controller.watched_run import PERIOD, SLOWING, Slowed, perform_watched
+from kinesic.controller.perform import dry_run, make_observer, plan
+from kinesic.controller.watch.clearance import PATIENCE, RESERVE
+from kinesic.controller.watch.watched_run import PERIOD, SLOWING, Slowed, perform_watched
 from kinesic.hardware.protocol.registers import TICK
 from kinesic.planning.plan import Plan
 from kinesic.sim.servo_factors import NOMINAL, Factors
 from kinesic.sim.twin import Twin
 
-from ..performances import BLOCK
+from ...performances import BLOCK
 
 SOFT_AND_LATE = Factors(gain=0.4, latency=0.02)
 
@@ -42,7 +42,7 @@ def test_nothing_to_slow_down_for_gives_the_same_motion(known, calm):
     """Tick by tick, with inputs that are found on the way, it is the performance that was computed beforehand."""
     trajectory, robot = calm.plan.trajectory, known.robot
     twin = Twin(robot, start=trajectory.at(0.0).angles)
-    observer = _observer(known, NOMINAL, 0.0, 1)
+    observer = make_observer(known, NOMINAL, 0.0, 1)
     run = perform_watched(calm.plan, twin, FeedForward(robot, known.dynamics), observer)
     assert run.least_pace == 1.0
     count = len(calm.measured.times)

@@ -7,11 +7,11 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import RATE, Command, Measurements
-from kinesic.controller.clearance_watch import LOOK, ClearanceWatch, coming_times, look
 from kinesic.controller.feedforward import FeedForward
 from kinesic.controller.observer import Observer
 from kinesic.controller.observer_stream import InputStream
 from kinesic.controller.play import command_times
+from kinesic.controller.watch.clearance import LOOK, ClearanceWatch, coming_times, look
 from kinesic.hardware.supervisor.player import DONE, TimeScale, advance_time
 from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.plan import Plan

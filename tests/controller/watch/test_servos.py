@@ -7,8 +7,8 @@ import pytest
 
 from kinesic.body.command import Command
 from kinesic.body.dynamics import Clearance
-from kinesic.controller.clearance_watch import CREEP, LOOK, PATIENCE
-from kinesic.controller.servo_watch import FRESH, ServoWatch, WrittenPostures
+from kinesic.controller.watch.clearance import CREEP, LOOK, PATIENCE
+from kinesic.controller.watch.servos import FRESH, ServoWatch, WrittenPostures
 from kinesic.hardware.supervisor.channel import Status
 from kinesic.hardware.supervisor.state_machine import Stage
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from kinesic.body.dynamics import Clearance
-from kinesic.controller.clearance_watch import (
+from kinesic.controller.watch.clearance import (
     AHEAD,
     CREEP,
     EASY,
