@@ -30,9 +30,7 @@ def motion_view(robot: Robot, postures: Floats, *, aspect: float) -> View:
         postures: (m, n) [rad].
         aspect: width to height of the picture.
     """
-    names = [segment for side in SIDES for segment in (robot.arm(side).segments[-1], *robot.fingers(side))]
-    names += list(robot.chains.get("neck", ())[-1:])
-    places, radii = moving_balls(robot, postures, names)
+    places, radii = moving_balls(robot, postures, watched_segments(robot))
     if not len(radii):
         return view_of(robot)
     turned = (places @ axes().T).reshape(-1, 3)
@@ -46,6 +44,12 @@ def motion_view(robot: Robot, postures: Floats, *, aspect: float) -> View:
         centre[k], away = (high - low) / 2, max(away, (high + low) / (2 * slope))
     height = 2 * FRAME * half * (away - towards)
     return View(view_of(robot).floor, sealed(np.array([*centre, towards]) @ axes()), float(height))
+
+
+def watched_segments(robot: Robot) -> list[str]:
+    """Names what a film has to show: hands, fingers and head."""
+    names = [segment for side in SIDES for segment in (robot.arm(side).segments[-1], *robot.fingers(side))]
+    return names + list(robot.chains.get("neck", ())[-1:])
 
 
 def moving_balls(robot: Robot, postures: Floats, names: Sequence[str]) -> tuple[Floats, Floats]:
