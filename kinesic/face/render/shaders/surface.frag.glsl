@@ -7,7 +7,7 @@ uniform float level;     // of detail of the painting, whose pixels are about as
 
 const vec3 CHEEKS = vec3(0.20, 0.055, 0.048);  // the inside of the lips
 const vec3 THROAT = vec3(0.032, 0.008, 0.007);  // deep in the mouth
-const float DEEP = 5.0;  // in the chart's measure of it
+const float DEEP = 14.0;  // in the chart's measure of it
 const float LOCK = 3.0;  // strands
 const vec2 STRANDS = vec2(150.0, 9.0);  // per unit of the chart
 
