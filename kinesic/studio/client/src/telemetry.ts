@@ -55,7 +55,7 @@ interface Strip {
   texts: HTMLElement[];
 }
 
-const COLUMNS = ["", "tracking", "load", "°C", "V"];
+const COLUMNS = ["", "away", "load", "°C", "V"];
 
 /** A strip for each servo; for each hinge where there are none. */
 export class Strips {
@@ -72,7 +72,7 @@ export class Strips {
       ? places.map((place) => ({ name: place.hinge, title: `${place.model} ${place.id} at ${place.bus}` }))
       : this.body.hinges.map((name) => ({ name, title: name }));
     this.strips = names.map(({ name, title }) => this.strip(name, title));
-    const heads = places.length ? COLUMNS : ["", "tracking", "", "angle"];
+    const heads = places.length ? COLUMNS : ["", "away", "", "angle"];
     const head = make(
       "div",
       { class: "strip head", "aria-hidden": "true" },
