@@ -15,7 +15,20 @@ ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = ROOT / "kinesic"
 ROOMS = (
     *("body", "files", "bml", "motion", "expressivity", "ik", "planning", "sim", "hardware", "face", "speech"),
-    *("intent", "controller", "realizer", "serve", "report", "studies", "studio", "mcp", "bench", "cli", "configs"),
+    *(
+        "intent",
+        "controller",
+        "realizer",
+        "serve",
+        "report",
+        "studies",
+        "studio",
+        "mcp",
+        "tasks",
+        "bench",
+        "cli",
+        "configs",
+    ),
 )
 LINKS = ("controller", "ik", "expressivity", "sim", "hardware", "configs")
 MOST_LINES = 320

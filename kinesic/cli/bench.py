@@ -13,6 +13,7 @@ from rich.table import Table
 from kinesic.bench import PARTS
 from kinesic.bench.figure import Figure
 from kinesic.body.config import names_of
+from kinesic.cli.many.workers import Workers
 from kinesic.cli.progress import Stage, show_stages, untold
 from kinesic.cli.terminal import console
 from kinesic.files.held_folder import name_failures
@@ -38,8 +39,9 @@ def print_figures(
     as_json: bool,
     plots: Path | None,
     force: bool,
+    workers: Workers,
 ) -> int:
-    """Measures a part, or all, and prints or draws the figures."""
+    """Measures a part, or all, and prints or draws the figures; workers measure gestures of the lexicon."""
     if matrix:
         return _print_matrix(as_json=as_json)
     if (styles or capture) and part != "naturalness":
@@ -48,7 +50,7 @@ def print_figures(
         with name_failures(plots):
             plots.mkdir(parents=True, exist_ok=True)
     names = list(PARTS) if part == "all" else [part]
-    with show_stages(rate=RATE) as stage:
+    with workers.engine(), show_stages(rate=RATE) as stage:
         if styles or capture:
             stage("measuring naturalness")
             figures = _measure_naturalness(styles, capture)

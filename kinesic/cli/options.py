@@ -260,7 +260,7 @@ def _planning_option(name: str, offer: Offer) -> Decorator:
     )
 
 
-def _together(name: str, kind: "type[DataclassInstance]", *options: Decorator) -> Decorator:
+def together(name: str, kind: "type[DataclassInstance]", *options: Decorator) -> Decorator:
     """Adds options to a verb, which gets their values as one; without any, those that stand beside its fields."""
     options = options or tuple(get_args(field.type)[-1] for field in fields(kind))
 
@@ -284,7 +284,7 @@ def _decorated(verb: Verb, *options: Decorator) -> Verb:
 
 def performers(on_help: str) -> Decorator:
     """Adds --on and --port."""
-    return _together(
+    return together(
         "performers",
         Performers,
         click.option("--on", "sinks", type=SinkNames(), default="twin", show_default=True, help=on_help),
@@ -299,7 +299,7 @@ def robot_and_ports(verb: Verb) -> Verb:
 
 def output(out_help: str, force_help: str, json_help: str, *between: Decorator) -> Decorator:
     """Adds --out, --force and --json, and other options before the last."""
-    return _together(
+    return together(
         "output",
         Output,
         click.option("--out", type=click.Path(path_type=Path), help=out_help),
@@ -309,9 +309,9 @@ def output(out_help: str, force_help: str, json_help: str, *between: Decorator) 
     )
 
 
-door = _together("door", Door)
-twin_options = _together("way", TwinOptions)
-servo_options = _together("servos", ServoOptions)
-expression = _together("expression", ExpressionOptions)
-face_view = _together("view", FaceView)
-picture_file = _together("picture", PictureFile)
+door = together("door", Door)
+twin_options = together("way", TwinOptions)
+servo_options = together("servos", ServoOptions)
+expression = together("expression", ExpressionOptions)
+face_view = together("view", FaceView)
+picture_file = together("picture", PictureFile)

@@ -9,6 +9,7 @@ import click
 from rich.table import Table
 
 from kinesic.body.config import ConfigError
+from kinesic.cli.many.workers import Workers
 from kinesic.cli.options import Output, Planning
 from kinesic.cli.progress import show_stages
 from kinesic.cli.terminal import console
@@ -17,13 +18,29 @@ from kinesic.files.output_folder import check_folder, new_folder
 from kinesic.report.output import default_folder
 from kinesic.report.report import Json
 from kinesic.studies.sweep.measures import SHOWN, Measures
-from kinesic.studies.sweep.series import LATE, MEASURE_OF, STROKE, Played, Series, draw_series, presets, sweep_parameter
+from kinesic.studies.sweep.series import (
+    LATE,
+    MEASURE_OF,
+    STROKE,
+    Played,
+    Series,
+    draw_series,
+    play_all,
+    preset_tasks,
+    tasks_of,
+)
 
 COLUMNS = ("stroke_error", "peak_speed", "path_length", "swept_volume", "jerk", "overshoot", "torso_travel")
 
 
 def sweep_gesture(
-    gesture: str, planning: Planning, parameter: str | None, values: str | None, every: bool, output: Output
+    gesture: str,
+    planning: Planning,
+    parameter: str | None,
+    values: str | None,
+    every: bool,
+    workers: Workers,
+    output: Output,
 ) -> int:
     """Plays a gesture over the range of a parameter in the twin, measures and draws it."""
     if every == (parameter is not None):
@@ -32,13 +49,15 @@ def sweep_gesture(
     check_folder(folder, force=output.force)
     known = planning.set_up()
     parameters = list(MEASURE_OF) if parameter is None else [parameter]
-    with show_stages() as stage:
+    tasks = {name: tasks_of(gesture, name, known, _numbers(values)) for name in parameters}
+    named = preset_tasks(gesture, known) if every else {}
+    with workers.engine(), show_stages() as stage:
         found = []
-        for k, name in enumerate(parameters):
+        for k, (name, asked) in enumerate(tasks.items()):
             stage(f"sweeping {name}", k / len(parameters) if every else None)
-            found.append(sweep_parameter(gesture, name, known, values=_numbers(values)))
+            found.append(Series(gesture, name, tuple(play_all(asked, planning.set_up))))
         stage("measuring the presets of style" if every else "drawing")
-        styles = presets(gesture, known) if every else {}
+        styles = dict(zip(named, play_all(list(named.values()), planning.set_up), strict=True))
         data = _data(gesture, planning.style, found, styles)
         with new_folder(folder, force=output.force) as fresh:
             names = _write(found, fresh, data)

@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import os
 from collections.abc import Generator, Iterable, Iterator
 from contextlib import closing
 from pathlib import Path
@@ -14,9 +13,10 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from kinesic.body.calibration import calibration_path
 from kinesic.body.config import ConfigError, locate
 from kinesic.cli.ending_signals import STOPPED
+from kinesic.cli.many.table import summarise
+from kinesic.cli.many.workers import Workers
 from kinesic.cli.options import Output, Planning
 from kinesic.cli.terminal import console
-from kinesic.cli.validate_table import summarise
 from kinesic.files.output_file import write_text
 from kinesic.files.output_folder import check_folder, is_made, new_folder
 from kinesic.report.batch import JOURNAL, DocumentVerdict, documents, validate_documents
@@ -24,14 +24,14 @@ from kinesic.report.batch_totals import totals
 from kinesic.report.checks import Check, Status
 from kinesic.report.report import Json
 from kinesic.sim.servo_factors import read_twins
+from kinesic.tasks.program import program_files
 
-PACKAGE = Path(__file__).resolve().parents[1]
 PARTS = (".py", ".toml", ".so", ".pyd")  # endings of the program's files
 SUMMARY = "validate.json"
 LISTED: dict[str, Status] = {"failed": "fail", "poor": "poor"}  # checks that are listed, by key
 
 
-def validate_paths(paths: tuple[Path, ...], planning: Planning, twin: str, jobs: int | None, output: Output) -> int:
+def validate_paths(paths: tuple[Path, ...], planning: Planning, twin: str, workers: Workers, output: Output) -> int:
     """Performs every document of files and folders in the twin; an interrupted run goes on in its folder."""
     goes_on = output.out is not None and _check_folder(output.out, force=output.force)
     twins = read_twins(twin)
@@ -41,15 +41,10 @@ def validate_paths(paths: tuple[Path, ...], planning: Planning, twin: str, jobs:
     if folder is not None and not goes_on:
         with new_folder(folder, force=output.force):
             pass
-    found = validate_documents(
-        files,
-        planning.set_up,
-        jobs=jobs or os.cpu_count() or 1,
-        twins=twins,
-        folder=folder,
-        settings=fingerprint(planning, twin) if folder else "",
-    )
-    verdicts, finished = _gathered(found, len(files))
+    settings = fingerprint(planning, twin) if folder else ""
+    with workers.engine() as engine:
+        found = validate_documents(files, planning.set_up, engine=engine, twins=twins, folder=folder, settings=settings)
+        verdicts, finished = _gathered(found, len(files))
     order = {str(file): number for number, file in enumerate(files)}
     verdicts.sort(key=lambda verdict: order[verdict.file])
     data: dict[str, Json] = {
@@ -98,13 +93,9 @@ def fingerprint(planning: Planning, *others: str) -> str:
     calibration = calibration_path(locate("robot", planning.robot))
     files = (planning.options.get("lexicon"), planning.options.get("targets"))
     named = (planning.robot, calibration, planning.style, *files, *others)
-    for file in (*_program(), *_named(option for option in named if isinstance(option, str | Path))):
+    for file in (*program_files(PARTS), *_named(option for option in named if isinstance(option, str | Path))):
         digest.update(hashlib.sha256(file.read_bytes()).digest())
     return digest.hexdigest()
-
-
-def _program() -> Iterator[Path]:
-    return (file for file in sorted(PACKAGE.rglob("*")) if file.suffix in PARTS)
 
 
 def _named(options: Iterable[str | Path]) -> Iterator[Path]:

@@ -8,6 +8,7 @@ from kinesic.bench import PARTS
 from kinesic.bml.block import RANGES
 from kinesic.body.config import names_of
 from kinesic.cli.film_options import film_options
+from kinesic.cli.many.workers import workers
 from kinesic.cli.options import (
     TWIN_HELP,
     done_by,
@@ -74,6 +75,7 @@ def kinesic() -> None:
 @click.option("--json", "as_json", is_flag=True, help="Prints a list of figures as JSON.")
 @click.option("--plots", type=click.Path(file_okay=False, path_type=Path), help="Draws into this folder, too.")
 @click.option("--force", is_flag=True, help="Replaces pictures that are there.")
+@workers
 @done_by("bench:print_figures")
 def _bench() -> None:
     """Measures PART; timings are medians in a warm process."""
@@ -259,6 +261,7 @@ def _analyse_study() -> None:
 @click.option("--parameter", metavar="NAME", help=f"One of {', '.join(RANGES)}.")
 @click.option("--values", metavar="A,B,...", help="Values to play (default: five over the whole range).")
 @click.option("--all", "every", is_flag=True, help="Every parameter, and every preset of style.")
+@workers
 @output("Folder of figures (default: out/sweep-NAME-TIME).", FORCE_HELP, "Prints the measures as JSON.")
 @done_by("sweep:sweep_gesture")
 def _sweep() -> None:
@@ -290,7 +293,7 @@ def _fit_twin() -> None:
 @click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path))
 @planning
 @click.option("--twin", default="nominal", show_default=True, help=TWIN_HELP)
-@click.option("--jobs", type=click.IntRange(min=1), help="Processes (default: one for each core).")
+@workers
 @output(
     "Folder of the reports; an interrupted run goes on there.",
     "Begins anew in a folder that kinesic has made.",

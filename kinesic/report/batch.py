@@ -1,86 +1,31 @@
-"""Dry-runs many documents in processes of their own, and goes on where an interrupted run stopped.
-
-What is done of a long run is noted in a journal, one line of JSON each.
-"""
+"""Dry-runs many documents by an engine of tasks, and goes on where an interrupted run stopped."""
 
 import hashlib
 import json
-from collections.abc import Callable, Generator, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Generic, Literal, TypeVar
-
-import msgspec
+from typing import Literal
 
 from kinesic.bml.block import BmlError
 from kinesic.bml.reading.document import begins_as_bml
 from kinesic.controller.perform import performances
 from kinesic.controller.performance import Performance
-from kinesic.files.output_file import new_file, open_to_add, write_text
+from kinesic.files.output_file import write_text
 from kinesic.planning.setup import Setup
 from kinesic.report.checks import Check, checks
 from kinesic.report.report import Json, report
-from kinesic.report.worker_pool import WorkerCrash, run_pool
 from kinesic.sim.servo_factors import NOMINAL, Factors
+from kinesic.tasks.engine import Engine
+from kinesic.tasks.journal import Journal, run_once
+from kinesic.tasks.processes import WorkerCrash
 
 Outcome = Literal["performed", "refused", "crashed"]
 
-Entry = TypeVar("Entry")
 SUFFIXES = (".xml", ".bml")
 HEAD = 4096  # [bytes] of a file of another ending that tell what it is
 JOURNAL = "finished.jsonl"
-
-
-class BatchLine(msgspec.Struct, Generic[Entry], frozen=True):
-    """One finished piece of work."""
-
-    key: str  # everything that its result depends on
-    entry: Entry
-
-
-class BatchJournal(Generic[Entry]):
-    """A file of finished work. A line counts when it is whole; what a killed process began to write does not."""
-
-    def __init__(self, path: Path, kind: type[Entry]) -> None:
-        """Names the file; nothing is read or written yet.
-
-        Args:
-            path: of the file; it need not exist.
-            kind: of the entries, any type that msgspec can read.
-        """
-        self._path = path
-        self._decoder = msgspec.json.Decoder(BatchLine[kind])  # type: ignore[valid-type]  # a type that is known at run time
-
-    def read(self) -> dict[str, Entry]:
-        """Reads every whole line: key -> entry."""
-        return dict(self._entries())
-
-    def rewrite(self, entries: dict[str, Entry]) -> None:
-        """Replaces the file by these entries, at once."""
-        with new_file(self._path, force=True) as fresh:
-            fresh.write_bytes(b"".join(_line(key, entry) for key, entry in entries.items()))
-
-    def append(self, key: str, entry: Entry) -> None:
-        """Adds one finished piece of work."""
-        with open_to_add(self._path) as file:
-            file.write(_line(key, entry))
-
-    def _entries(self) -> Iterator[tuple[str, Entry]]:
-        if not self._path.exists():
-            return
-        for text in self._path.read_bytes().splitlines(keepends=True):
-            if not text.endswith(b"\n"):
-                return
-            try:
-                line = self._decoder.decode(text)
-            except msgspec.DecodeError:
-                continue
-            yield line.key, line.entry
-
-
-def _line(key: str, entry: object) -> bytes:
-    return msgspec.json.encode(BatchLine(key, entry)) + b"\n"
 
 
 @dataclass(frozen=True)
@@ -135,7 +80,7 @@ def validate_documents(
     files: Iterable[Path],
     make_setup: Callable[[], Setup],
     *,
-    jobs: int,
+    engine: Engine,
     twins: tuple[Factors, ...] = (NOMINAL,),
     folder: Path | None = None,
     settings: str = "",
@@ -149,83 +94,95 @@ def validate_documents(
     Args:
         files: to be performed in the twin.
         make_setup: called once in each process; picklable.
-        jobs: number of processes.
+        engine: does it.
         twins: who performs; the checks are of the first.
         folder: of the reports.
         settings: everything beside a document that its verdict depends on; another text makes a fresh start.
     """
-    tasks = {file: _key(file, settings) for file in files}
-    journal = BatchJournal(folder / JOURNAL, DocumentVerdict) if folder else None
-    known = _resumed(journal, tasks) if journal else {}
-    yield from known.values()
-    left = [file for file in tasks if file not in known]
-    prepare = partial(_prepare, make_setup, twins, folder, tasks)
-    for file, result in run_pool(left, prepare, jobs=jobs, preload=__name__):
-        verdict = _crashed(file, result, folder, tasks[file]) if isinstance(result, WorkerCrash) else result
-        if journal:
-            journal.append(tasks[file], verdict)
-        yield verdict
+    tasks = [DocumentTask.of(file, settings) for file in dict.fromkeys(files)]
+    journal = Journal(folder / JOURNAL, DocumentVerdict) if folder else None
+    found = run_once(
+        {task: task.key for task in tasks},
+        partial(_prepare, make_setup, twins, reports=folder is not None),
+        engine,
+        journal,
+        keep=partial(_keep, folder),
+        holds=lambda verdict: verdict.report is None or Path(verdict.report).exists(),
+        preload=__name__,
+    )
+    for task, verdict in found:
+        yield _crashed(task, verdict, folder) if isinstance(verdict, WorkerCrash) else verdict
 
 
-def _key(file: Path, settings: str) -> str:
-    try:
-        content = file.read_bytes()
-    except OSError:
-        content = b""
-    return hashlib.sha256(b"\0".join([settings.encode(), str(file).encode(), content])).hexdigest()
+@dataclass(frozen=True)
+class DocumentTask:
+    """A document that is to be judged, as workers get it: they need not see the folder that it lies in."""
+
+    file: str
+    content: bytes | None  # None: it cannot be read here, and whoever tries says why
+    key: str  # of the document and the settings
+
+    @classmethod
+    def of(cls, file: Path, settings: str) -> "DocumentTask":
+        """Reads a document."""
+        try:
+            content = file.read_bytes()
+        except OSError:
+            content = None
+        parts = [settings.encode(), str(file).encode(), content or b""]
+        return cls(str(file), content, hashlib.sha256(b"\0".join(parts)).hexdigest())
+
+    @property
+    def name(self) -> str:
+        """Of its report: two documents of one name in two folders have two."""
+        return f"{Path(self.file).stem}-{self.key[:8]}"
 
 
-def _resumed(journal: BatchJournal[DocumentVerdict], tasks: dict[Path, str]) -> dict[Path, DocumentVerdict]:
-    """Verdicts that still hold; a crash is tried again."""
-    noted = journal.read()
-    known = {
-        file: noted[key]
-        for file, key in tasks.items()
-        if key in noted
-        and noted[key].outcome != "crashed"
-        and ((path := noted[key].report) is None or Path(path).exists())
-    }
-    journal.rewrite({tasks[file]: verdict for file, verdict in known.items()})
-    return known
-
-
-def _crashed(file: Path, crash: WorkerCrash, folder: Path | None, key: str) -> DocumentVerdict:
+def _crashed(task: DocumentTask, crash: WorkerCrash, folder: Path | None) -> DocumentVerdict:
     if folder:
-        write_text(folder / f"{_name(file, key)}.crash.txt", crash.trace, force=True)
-    return DocumentVerdict(str(file), "crashed", 1, error=f"{file}: {crash.reason}")
+        write_text(folder / f"{task.name}.crash.txt", crash.trace, force=True)
+    return DocumentVerdict(task.file, "crashed", 1, error=f"{task.file}: {crash.reason}")
+
+
+def _keep(folder: Path | None, task: DocumentTask, found: tuple[DocumentVerdict, str]) -> DocumentVerdict:
+    verdict, text = found
+    if not folder or not text:
+        return verdict
+    path = folder / f"{task.name}.json"
+    write_text(path, text, force=True)
+    return replace(verdict, report=str(path))
 
 
 def _prepare(
-    make_setup: Callable[[], Setup], twins: tuple[Factors, ...], folder: Path | None, tasks: dict[Path, str]
-) -> Callable[[Path], DocumentVerdict]:
+    make_setup: Callable[[], Setup], twins: tuple[Factors, ...], *, reports: bool
+) -> Callable[[DocumentTask], tuple[DocumentVerdict, str]]:
     known = make_setup()
 
-    def do(file: Path) -> DocumentVerdict:
-        verdict, data = judge(file, known, twins=twins)
-        if not folder or not data:
-            return verdict
-        path = folder / f"{_name(file, tasks[file])}.json"
-        write_text(path, json.dumps(data, indent=1), force=True)
-        return replace(verdict, report=str(path))
+    def do(task: DocumentTask) -> tuple[DocumentVerdict, str]:
+        verdict, data = judge(Path(task.file), known, twins=twins, content=task.content)
+        return verdict, json.dumps(data, indent=1) if reports and data else ""
 
     return do
 
 
-def _name(file: Path, key: str) -> str:
-    """Of a report: two documents of one name in two folders have two."""
-    return f"{file.stem}-{key[:8]}"
-
-
 def judge(
-    file: Path, known: Setup, *, twins: tuple[Factors, ...] = (NOMINAL,)
+    file: Path, known: Setup, *, twins: tuple[Factors, ...] = (NOMINAL,), content: bytes | None = None
 ) -> tuple[DocumentVerdict, dict[str, Json]]:
     """Performs one document in the twin.
+
+    Args:
+        file: its path.
+        known: who performs it.
+        twins: who performs; the checks are of the first.
+        content: of the file; None: it is read.
 
     Returns:
         The verdict, and the report; empty for a document that is refused before anything is planned.
     """
     try:
-        performance, *beside = performances(file.read_bytes(), twins, known, source=str(file))
+        performance, *beside = performances(
+            file.read_bytes() if content is None else content, twins, known, source=str(file)
+        )
     except BmlError as error:
         return DocumentVerdict(str(file), "refused", 0, error=str(error)), {}
     except OSError as error:

@@ -2,8 +2,9 @@ import os
 
 import pytest
 
-from kinesic.report.batch import BatchJournal, DocumentVerdict, documents
+from kinesic.report.batch import DocumentVerdict, documents
 from kinesic.report.checks import Check
+from kinesic.tasks.journal import Journal
 
 CHECK = Check("limits.speed", "pass", 0.5, 1.0, "ratio", "l_elbow_flexion at 1.00 s")
 VERDICTS = {
@@ -14,7 +15,7 @@ VERDICTS = {
 
 @pytest.fixture
 def journal(tmp_path):
-    return BatchJournal(tmp_path / "finished.jsonl", DocumentVerdict)
+    return Journal(tmp_path / "finished.jsonl", DocumentVerdict)
 
 
 def test_what_is_noted_is_read_again(journal):

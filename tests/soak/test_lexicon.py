@@ -1,7 +1,5 @@
 """Every gesture in every style, and every gesture beside its mirror image (`make soak`)."""
 
-import os
-
 import numpy as np
 import pytest
 
@@ -14,7 +12,7 @@ pytestmark = pytest.mark.soak
 
 
 def test_all_gestures_in_all_styles_keep_limits_and_distances_and_tell_what_moves():
-    results = list(play_gestures(every(names_of("style")), jobs=os.cpu_count() or 1))
+    results = list(play_gestures(every(names_of("style"))))
     assert [result for result in results if result.penetrations or result.violations] == []
     assert [result for result in results if result.dropped or not result.reported] == []
     assert [result for result in results if result.style == "neutral" and not result.on_time] == []

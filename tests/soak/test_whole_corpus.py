@@ -7,6 +7,7 @@ import pytest
 
 from kinesic.controller.perform import set_up
 from kinesic.report.batch import documents, validate_documents
+from kinesic.tasks.engine import engine_in_use
 
 CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))
 
@@ -21,7 +22,7 @@ pytestmark = [
 )
 def test_performed_or_refused_with_a_place(folder):
     files = documents((CORPUS / folder,))
-    verdicts = list(validate_documents(files, set_up, jobs=os.cpu_count() or 1))
+    verdicts = list(validate_documents(files, set_up, engine=engine_in_use()))
     assert len(verdicts) == len(files)
     assert [verdict.file for verdict in verdicts if verdict.exit] == []
     for verdict in verdicts:
@@ -29,7 +30,7 @@ def test_performed_or_refused_with_a_place(folder):
 
 
 def test_gestures_heads_and_gazes_of_greta_are_performed():
-    verdicts = validate_documents(documents((CORPUS / "greta" / "bml",)), set_up, jobs=os.cpu_count() or 1)
+    verdicts = validate_documents(documents((CORPUS / "greta" / "bml",)), set_up, engine=engine_in_use())
     outcomes = [
         o for verdict in verdicts for kind, o in verdict.behaviours if kind in ("gesture", "head", "gaze", "gazeShift")
     ]

@@ -1,6 +1,5 @@
 """The lexicon: each gesture alone in the twin, in the neutral style and in every other, and told from the others."""
 
-import os
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -18,8 +17,9 @@ from kinesic.expressivity.style.style import Style
 from kinesic.planning.setup import Setup
 from kinesic.planning.syncs import SHIFT_TO_WARN
 from kinesic.report.checks.plan import penetrations
-from kinesic.report.worker_pool import WorkerCrash, run_pool
 from kinesic.studies.gestures.isolated import plan_gesture
+from kinesic.tasks.engine import engine_in_use
+from kinesic.tasks.processes import WorkerCrash
 
 LEAST_GESTURES = 150.0
 MOST_MISS = 30.0  # [mm] that a wrist may stay from where the gesture wants it
@@ -47,7 +47,7 @@ class GestureResult:
 
 def bench() -> list[Figure]:
     """Counts the lexicon, and plays each gesture once in every style."""
-    return lexicon_figures(list(play_gestures(every(names_of("style")), jobs=os.cpu_count() or 1)))
+    return lexicon_figures(list(play_gestures(every(names_of("style")))))
 
 
 def lexicon_figures(results: Sequence[GestureResult]) -> list[Figure]:
@@ -72,13 +72,13 @@ def sample(tasks: Sequence[Task], *, share: float, seed: int) -> list[Task]:
     return [tasks[k] for k in sorted(chosen)]
 
 
-def play_gestures(tasks: Sequence[Task], *, jobs: int) -> Iterable[GestureResult]:
-    """Plays gestures in processes of their own; results come as they are ready.
+def play_gestures(tasks: Sequence[Task]) -> Iterable[GestureResult]:
+    """Plays gestures by the engine in use; results come as they are ready.
 
     Raises:
         RuntimeError: a process died.
     """
-    for task, result in run_pool(tasks, partial(_prepare, set_up), jobs=jobs, preload=__name__):
+    for task, result in engine_in_use().run(tasks, partial(_prepare, set_up), preload=__name__):
         if isinstance(result, WorkerCrash):
             raise RuntimeError(f"{task[0]} in style {task[1]}: {result.reason}")
         yield result

@@ -1,6 +1,5 @@
 """The lexicon, each gesture planned alone from rest to rest, and how the hand that goes farther moves in it."""
 
-import os
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -23,8 +22,9 @@ from kinesic.expressivity.variation import Variation
 from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
 from kinesic.planning.syncs import SHIFT_TO_WARN
-from kinesic.report.worker_pool import WorkerCrash, run_pool
 from kinesic.studies.gestures.isolated import BEHAVIOUR, plan_gesture, stroke_error
+from kinesic.tasks.engine import engine_in_use
+from kinesic.tasks.processes import WorkerCrash
 
 STROKE = 8.0  # [s] time enough for whatever comes before the slowest stroke, so that all times are natural
 PERIOD = 0.01  # [s] between samples
@@ -60,7 +60,7 @@ class MeasuredGesture:
 
 
 def measure_lexicon(tasks: Sequence[Task]) -> list[MeasuredGesture]:
-    """Measures gestures, in processes of their own.
+    """Measures gestures, by the engine in use.
 
     Raises:
         RuntimeError: a process died.
@@ -69,7 +69,7 @@ def measure_lexicon(tasks: Sequence[Task]) -> list[MeasuredGesture]:
 
 
 def measure_varied(seed: int) -> list[MeasuredGesture]:
-    """Measures all gestures in the neutral style as they vary by default, in processes of their own.
+    """Measures all gestures in the neutral style as they vary by default, by the engine in use.
 
     Args:
         seed: of the variation.
@@ -108,9 +108,7 @@ def measure_gesture(form: GestureForm, known: Setup) -> MeasuredGesture:
 
 def _measure(tasks: Sequence[Task], make_setup: Callable[[], Setup]) -> list[MeasuredGesture]:
     found = []
-    for (gesture, style), result in run_pool(
-        tasks, partial(_prepare, make_setup), jobs=os.cpu_count() or 1, preload=__name__
-    ):
+    for (gesture, style), result in engine_in_use().run(tasks, partial(_prepare, make_setup), preload=__name__):
         if isinstance(result, WorkerCrash):
             raise RuntimeError(f"{gesture} in style {style}: {result.reason}")
         found.append(result)

@@ -1,7 +1,8 @@
 """A gesture played at several values of one parameter of expressivity, and its pictures."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,8 @@ from kinesic.controller.perform import perform
 from kinesic.expressivity.style.style import RANGES, Style
 from kinesic.planning.setup import Setup
 from kinesic.studies.sweep.measures import SHOWN, Measures, measures
+from kinesic.tasks.engine import engine_in_use
+from kinesic.tasks.processes import WorkerCrash
 
 STROKE = 6.0  # [s] block time at which the stroke is asked for: time for the slowest preparation
 COUNT = 5  # values over a range, ends included
@@ -110,6 +113,16 @@ class Series:
         return all(one.in_time for one in self.played)
 
 
+@dataclass(frozen=True)
+class SweepTask:
+    """A gesture to be played at one value of one parameter, or in a preset of style where there is no parameter."""
+
+    gesture: str
+    style: Style
+    where: str  # for the message when it cannot be performed
+    value: float
+
+
 def sweep_parameter(gesture: str, parameter: str, setup: Setup, *, values: Sequence[float] = ()) -> Series:
     """Plays a gesture at several values of a parameter, all else as in the style, and measures each in the twin.
 
@@ -122,27 +135,71 @@ def sweep_parameter(gesture: str, parameter: str, setup: Setup, *, values: Seque
     Raises:
         ConfigError: no such gesture or parameter, or a value out of range.
     """
+    return Series(gesture, parameter, tuple(play(task, setup) for task in tasks_of(gesture, parameter, setup, values)))
+
+
+def tasks_of(gesture: str, parameter: str, setup: Setup, values: Sequence[float] = ()) -> list[SweepTask]:
+    """Lists what is to be played for `sweep_parameter`, which raises the same."""
     if parameter not in RANGES:
         raise ConfigError(f"a style has no {parameter}{suggestion(parameter, list(RANGES))}")
     _check(gesture, setup)
     chosen = sorted(set(values)) or np.linspace(*RANGES[parameter], COUNT).tolist()
     styles = [setup.style.changed([f"{parameter}={value!r}"]) for value in chosen]
-    rows = [
-        _played(gesture, replace(setup, style=style), f"{parameter} {value:g}", value)
-        for style, value in zip(styles, chosen, strict=True)
+    return [
+        SweepTask(gesture, style, f"{parameter} {value:g}", value) for style, value in zip(styles, chosen, strict=True)
     ]
-    return Series(gesture, parameter, tuple(rows))
 
 
-def presets(gesture: str, setup: Setup) -> Mapping[str, Played]:
-    """Plays a gesture in every preset of `configs/styles/`, by name; the value of each is 0.
+def play_all(tasks: Sequence[SweepTask], make_setup: Callable[[], Setup]) -> list[Played]:
+    """Plays gestures by the engine in use; what was played comes in the order of the tasks.
+
+    Args:
+        tasks: what is to be played.
+        make_setup: called once in each worker; picklable.
+
+    Raises:
+        ConfigError: one cannot be performed, or kills its process.
+    """
+    found: dict[str, Played] = {}
+    for task, result in engine_in_use().run(tasks, partial(_prepare, make_setup), preload=__name__):
+        if isinstance(result, WorkerCrash):
+            raise ConfigError(f"{task.gesture} at {task.where}: {result.reason}")
+        if isinstance(result, str):
+            raise ConfigError(result)
+        found[task.where] = result
+    return [found[task.where] for task in tasks]
+
+
+def _prepare(make_setup: Callable[[], Setup]) -> Callable[[SweepTask], Played | str]:
+    known = make_setup()
+
+    def do(task: SweepTask) -> Played | str:
+        try:
+            return play(task, known)
+        except ConfigError as error:
+            return str(error)
+
+    return do
+
+
+def preset_tasks(gesture: str, setup: Setup) -> Mapping[str, SweepTask]:
+    """Lists what is to be played to compare every preset of `configs/styles/`, by name; the value of each is 0.
 
     Raises:
         ConfigError: no such gesture.
     """
     _check(gesture, setup)
     names = sorted(path.stem for path in (CONFIGS / "styles").glob("*.toml"))
-    return {name: _played(gesture, replace(setup, style=Style.load(name)), name, 0.0) for name in names}
+    return {name: SweepTask(gesture, Style.load(name), name, 0.0) for name in names}
+
+
+def play(task: SweepTask, setup: Setup) -> Played:
+    """Plays one gesture in the twin and measures it.
+
+    Raises:
+        ConfigError: it cannot be performed.
+    """
+    return _played(task.gesture, replace(setup, style=task.style), task.where, task.value)
 
 
 def draw_series(series: Series, path: Path) -> Path:

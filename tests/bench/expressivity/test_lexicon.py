@@ -12,6 +12,7 @@ from kinesic.bench.expressivity.lexicon import (
     sample,
 )
 from kinesic.body.config import names_of
+from kinesic.tasks.engine import Processes, using_engine
 
 SHARE = 0.01
 TASKS = every(names_of("style"))
@@ -59,6 +60,7 @@ def test_figures_tell_what_is_wrong():
 
 
 def test_a_crew_plays_them_too():
-    results = list(play_gestures([("beat", NEUTRAL_STYLE), ("offer", "calm")], jobs=2))
+    with using_engine(Processes(2)):
+        results = list(play_gestures([("beat", NEUTRAL_STYLE), ("offer", "calm")]))
     assert {(result.gesture, result.style) for result in results} == {("beat", NEUTRAL_STYLE), ("offer", "calm")}
     assert all(result.reported for result in results)

@@ -6,7 +6,16 @@ from PIL import Image
 from kinesic.body.config import ConfigError
 from kinesic.expressivity.style.style import RANGES
 from kinesic.studies.sweep.measures import Measures
-from kinesic.studies.sweep.series import LATE, MEASURE_OF, Played, Series, draw_series, presets, sweep_parameter
+from kinesic.studies.sweep.series import (
+    LATE,
+    MEASURE_OF,
+    Played,
+    Series,
+    draw_series,
+    play,
+    preset_tasks,
+    sweep_parameter,
+)
 
 PLAIN = Measures(
     peak_speed=1.0,
@@ -92,7 +101,7 @@ def test_presets_are_played_by_name(known, monkeypatch, tmp_path):
     (tmp_path / "styles").mkdir()
     (tmp_path / "styles" / "sad.toml").touch()
     monkeypatch.setattr("kinesic.studies.sweep.series.CONFIGS", tmp_path)
-    found = presets("beat", known)
+    found = {name: play(task, known) for name, task in preset_tasks("beat", known).items()}
     assert list(found) == ["sad"]
     assert found["sad"].measures.stroke_error is not None
 

@@ -3,7 +3,7 @@ from functools import partial
 
 import pytest
 
-from kinesic.report.worker_pool import WorkerCrash, run_pool
+from kinesic.tasks.processes import WorkerCrash, run_pool
 
 EVALUATE = partial(partial, eval)  # tasks are Python expressions
 DIES = {

@@ -1,4 +1,7 @@
-"""Works through a list of tasks in several processes; one that dies takes only its own task with it."""
+"""Works through a list of tasks in several processes; one that dies takes only its own task with it.
+
+A process that is killed from outside is no fault of its task, which another process begins anew.
+"""
 
 import faulthandler
 import os
@@ -6,6 +9,7 @@ import signal
 from collections import deque
 from collections.abc import Callable, Generator, Iterable
 from dataclasses import dataclass
+from itertools import count
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -17,6 +21,8 @@ Task = TypeVar("Task")
 Result = TypeVar("Result")
 
 FATAL = "Fatal Python error"
+OUTSIDE = (signal.SIGKILL, signal.SIGTERM)  # who dies of these was killed by somebody, or for want of memory
+TRIES = 4  # of a task whose processes are killed
 
 
 @dataclass(frozen=True)
@@ -25,6 +31,7 @@ class WorkerCrash:
 
     reason: str  # one line
     trace: str  # what it wrote to standard error
+    is_killed: bool = False  # from outside, and not by its own fault
 
 
 @dataclass
@@ -33,6 +40,7 @@ class _Worker(Generic[Task, Result]):
     line: Connection
     errors: Path  # its standard error
     task: Task
+    tries: int  # how often the task was begun
 
     def result(self) -> Result | WorkerCrash:
         """Receives the result of its task, or why it crashed."""
@@ -42,6 +50,15 @@ class _Worker(Generic[Task, Result]):
             self.line.close()
             return _crash(self.child.wait() or 0, self.errors.read_text(errors="replace"))
         return result
+
+    def go_on(self, task: Task, tries: int) -> bool:
+        """Gives it another task; says no where it was killed meanwhile."""
+        try:
+            self.line.send(task)
+        except (BrokenPipeError, ConnectionError):
+            return False
+        self.task, self.tries = task, tries
+        return True
 
     def dismiss(self) -> None:
         self.line.close()
@@ -65,16 +82,17 @@ def run_pool(
         Tasks with their results, in the order in which they are ready.
     """
     context = child_context(*((preload,) if preload else ()))
-    left = deque(tasks)
+    left = deque((task, 1) for task in tasks)
+    began = count()
     working: dict[Connection, _Worker[Task, Result]] = {}
     with TemporaryDirectory() as folder:
 
         def hire() -> None:
-            errors = Path(folder) / f"{len(left)}.txt"
+            errors = Path(folder) / f"{next(began)}.txt"
             ours, theirs = context.Pipe()
-            task = left.popleft()
+            task, tries = left.popleft()
             child = Child(context, _work, theirs, prepare, task, errors)
-            working[ours] = _Worker(child, ours, errors, task)
+            working[ours] = _Worker(child, ours, errors, task, tries)
 
         try:
             while left and len(working) < jobs:
@@ -83,15 +101,18 @@ def run_pool(
                 for line in wait(list(working)):
                     worker = working[line]  # type: ignore[index]  # wait gives back what it was given
                     task, result = worker.task, worker.result()
-                    if isinstance(result, WorkerCrash) or not left:
+                    again = isinstance(result, WorkerCrash) and result.is_killed and worker.tries < TRIES
+                    if again:
+                        left.append((task, worker.tries + 1))
+                    if isinstance(result, WorkerCrash) or not left or not worker.go_on(*left[0]):
                         worker.dismiss()
                         del working[worker.line]
                         if left:
                             hire()
                     else:
-                        worker.task = left.popleft()
-                        worker.line.send(worker.task)
-                    yield task, result
+                        left.popleft()
+                    if not again:
+                        yield task, result
         finally:
             for worker in working.values():
                 worker.dismiss()
@@ -117,4 +138,4 @@ def _crash(code: int, trace: str) -> WorkerCrash:
     fatal = [line for line in lines if line.startswith(FATAL)]
     said = (fatal or lines[-1:] or ["it wrote nothing"])[0]
     how = f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
-    return WorkerCrash(f"its process ended with {how}: {said}", trace)
+    return WorkerCrash(f"its process ended with {how}: {said}", trace, -code in OUTSIDE)

@@ -1,0 +1,177 @@
+"""Does tasks on a cluster of dask.distributed: a scheduler that is there, or some workers on this machine."""
+
+import hashlib
+import logging
+import pickle
+from collections.abc import Callable, Generator, Iterable, Iterator
+from contextlib import ExitStack, contextmanager
+from threading import Lock
+from typing import TYPE_CHECKING, TypeVar
+
+from kinesic.body.config import ConfigError
+from kinesic.tasks.processes import WorkerCrash
+from kinesic.tasks.program import program_version
+
+if TYPE_CHECKING:
+    from distributed import Client, Future
+
+Task = TypeVar("Task")
+Result = TypeVar("Result")
+
+LOCAL = "local:"
+FORMS = "ADDRESS of a dask scheduler, such as tcp://10.0.0.2:8786, or local:N for N workers on this machine"
+PATIENCE = 10  # [s] for a scheduler to answer, and for its first worker
+AHEAD = 8  # tasks for each worker that the scheduler has: it never waits for us, and its memory stays small
+DEATHS = 9  # workers that may die of a task before it is to blame; strangers kill workers, too
+
+
+class Cluster:
+    """An engine whose workers are processes of dask, here or elsewhere."""
+
+    def __init__(self, client: "Client") -> None:
+        """Takes a client that is connected.
+
+        Raises:
+            ConfigError: there is no worker, or one runs another program.
+        """
+        self._client = client
+        _check_workers(client)
+
+    @property
+    def place(self) -> str:
+        """How many workers there are, and where the dashboard is."""
+        return f"{self._workers()} workers, dashboard {self._client.dashboard_link}"
+
+    def run(
+        self, tasks: Iterable[Task], prepare: Callable[[], Callable[[Task], Result]], *, preload: str = ""
+    ) -> Generator[tuple[Task, Result | WorkerCrash], None, None]:
+        """Yields tasks with their results, in the order in which they are ready; see `Engine`."""
+        from distributed import as_completed  # noqa: PLC0415 - slow to import, and only clusters need it
+
+        code, left = pickle.dumps(prepare), iter(tasks)
+        begun: dict[str, tuple[Task, Future]] = {}
+        ready = as_completed()
+        try:
+            for future in self._more(code, left, begun):
+                ready.add(future)
+            for future in ready:
+                task, _ = begun.pop(future.key)
+                crash = _crash(future)
+                result: Result | WorkerCrash = future.result() if crash is None else crash
+                future.release()
+                for more in self._more(code, left, begun):
+                    ready.add(more)
+                yield task, result
+        finally:
+            self._client.cancel([future for _, future in begun.values()], force=True)
+
+    def _more(self, code: bytes, left: Iterator[Task], begun: "dict[str, tuple[Task, Future]]") -> "Iterator[Future]":
+        """Sends as many of the tasks that are left as the workers want."""
+        while len(begun) < AHEAD * max(1, self._workers()):
+            task = next(left, None)
+            if task is None:
+                return
+            key = f"kinesic-{hashlib.blake2b(code + pickle.dumps(task), digest_size=16).hexdigest()}"
+            future = self._client.submit(_do, code, task, program_version(), key=key, pure=False)
+            begun[key] = (task, future)
+            yield future
+
+    def _workers(self) -> int:
+        return len(self._client.scheduler_info(n_workers=-1)["workers"])
+
+
+@contextmanager
+def cluster(address: str) -> Iterator[Cluster]:
+    """Opens a cluster, and closes what was begun for it.
+
+    Args:
+        address: of a scheduler, or local:N.
+
+    Raises:
+        ConfigError: dask is not installed, nobody answers, or a worker runs another program.
+    """
+    try:
+        import dask  # noqa: PLC0415 - an extra
+        import distributed  # noqa: PLC0415 - an extra
+    except ModuleNotFoundError as error:
+        raise ConfigError(f"--cluster needs {error.name}: pip install 'kinesic[cluster]'") from None
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what it says of workers that die is said by results
+    with ExitStack() as stack:
+        stack.enter_context(dask.config.set({"distributed.scheduler.allowed-failures": DEATHS}))
+        where: object = address
+        if address.startswith(LOCAL):
+            where = stack.enter_context(
+                distributed.LocalCluster(
+                    n_workers=_count(address),
+                    threads_per_worker=1,
+                    dashboard_address="127.0.0.1:0",
+                    silence_logs=logging.CRITICAL,
+                )
+            )
+        try:
+            client = stack.enter_context(distributed.Client(where, timeout=PATIENCE))
+        except (OSError, ValueError) as error:
+            raise ConfigError(f"--cluster {address}: no scheduler answers ({error}); it takes {FORMS}") from None
+        yield Cluster(client)
+
+
+def _count(address: str) -> int:
+    text = address.removeprefix(LOCAL)
+    if not text.isdecimal() or int(text) < 1:
+        raise ConfigError(f"--cluster {address}: {text or 'nothing'} is no number of workers; it takes {FORMS}")
+    return int(text)
+
+
+def _check_workers(client: "Client") -> None:
+    """Refuses a cluster without workers, or with workers whose results would be others than ours."""
+    try:
+        client.wait_for_workers(1, timeout=PATIENCE)
+    except TimeoutError:
+        raise ConfigError(f"the cluster has no workers; start some: dask worker {client.scheduler.addr}") from None
+    for worker, found in client.run(_own_version).items():
+        if found != program_version():
+            raise ConfigError(_mismatch(worker, found, program_version()))
+
+
+def _own_version() -> str:
+    return program_version()  # of the process that calls it
+
+
+def _mismatch(worker: str, theirs: str, ours: str) -> str:
+    return f"worker {worker} runs another kinesic, install this one there\n  there: {theirs}\n  here:  {ours}"
+
+
+def _crash(future: "Future") -> WorkerCrash | None:
+    """Says why there is no result; None where there is one.
+
+    Raises:
+        ConfigError: the worker, which came later than the others, runs another program.
+    """
+    error = future.exception()  # waits where the worker died that had the result, and another one does the task again
+    if error is None:
+        return None
+    if isinstance(error, WrongProgramError):
+        raise ConfigError(str(error))
+    words = str(error).strip().splitlines() or ["no reason is known"]
+    return WorkerCrash(f"it failed on the cluster with {type(error).__name__}: {words[0]}", str(error))
+
+
+class WrongProgramError(Exception):
+    """A worker runs another program than who sent it the task."""
+
+
+_ONE_AT_A_TIME = Lock()  # a robot's model is for one thread
+_PREPARED: dict[bytes, Callable[[object], object]] = {}
+
+
+def _do(code: bytes, task: object, version: str) -> object:
+    """Does a task in a worker, which prepares for tasks of its kind when it gets the first of them."""
+    from distributed import get_worker  # noqa: PLC0415 - slow to import, and only clusters need it
+
+    if program_version() != version:
+        raise WrongProgramError(_mismatch(get_worker().address, program_version(), version))
+    with _ONE_AT_A_TIME:
+        if code not in _PREPARED:
+            _PREPARED.clear()  # one robot at a time is enough memory
+            _PREPARED[code] = pickle.loads(code)()
+        return _PREPARED[code](task)

@@ -1,0 +1,93 @@
+import os
+import signal
+import time
+from functools import partial
+from pathlib import Path
+
+import pytest
+
+from kinesic.body.config import ConfigError
+from kinesic.tasks import cluster as module
+from kinesic.tasks.cluster import Cluster, cluster
+from kinesic.tasks.engine import Processes
+from kinesic.tasks.journal import Journal, run_once
+from kinesic.tasks.processes import WorkerCrash
+
+pytest.importorskip("distributed", reason="the extra cluster is not installed")
+pytestmark = [
+    pytest.mark.realtime,
+    pytest.mark.filterwarnings("ignore::ResourceWarning", "ignore::pytest.PytestUnraisableExceptionWarning"),
+]
+EVALUATE = partial(partial, eval)  # tasks are Python expressions
+COUNT = 24
+
+
+@pytest.fixture(scope="module")
+def two():
+    with cluster("local:2") as found:
+        yield found
+
+
+def note_and_square(folder: Path, number: int) -> int:
+    """Leaves a note of who did it, in time to be killed."""
+    (folder / f"{number}-{os.getpid()}").touch()
+    time.sleep(0.03)
+    return number**2
+
+
+def square_in(folder: Path):
+    return partial(note_and_square, folder)
+
+
+def victims(folder: Path) -> set[int]:
+    return {int(path.name.split("-")[1]) for path in folder.iterdir()}
+
+
+def test_every_task_is_done_once_and_what_fails_is_named(two):
+    tasks = [f"{k} ** 2" for k in range(20)] + ["1 / 0"]
+    found = list(two.run(tasks, EVALUATE))
+    assert sorted(task for task, _ in found) == sorted(tasks)
+    results = dict(found)
+    assert all(results[f"{k} ** 2"] == k**2 for k in range(20))
+    assert isinstance(results["1 / 0"], WorkerCrash)
+    assert "ZeroDivisionError: division by zero" in results["1 / 0"].reason
+
+
+def test_its_place_names_workers_and_dashboard(two):
+    assert two.place.startswith("2 workers, dashboard http://127.0.0.1:")
+
+
+@pytest.mark.parametrize("kind", ["processes", "cluster"])
+def test_a_worker_that_is_killed_loses_and_doubles_nothing(kind, two, tmp_path):
+    engine = Processes(2) if kind == "processes" else two
+    (tmp_path / "notes").mkdir()
+    journal = Journal(tmp_path / "finished.jsonl", int)
+    tasks = {number: str(number) for number in range(COUNT)}
+    killed, found = set(), []
+    run = run_once(tasks, partial(square_in, tmp_path / "notes"), engine, journal, keep=lambda task, result: result)
+    for task, result in run:
+        found.append((task, result))
+        alive = victims(tmp_path / "notes") - killed
+        if len(killed) < 2 and len(found) >= 4 * (len(killed) + 1) and alive:
+            killed.add(max(alive))
+            os.kill(max(alive), signal.SIGKILL)
+    assert len(killed) == 2
+    assert sorted(found) == [(number, number**2) for number in range(COUNT)]
+    assert journal.read() == {str(number): number**2 for number in range(COUNT)}
+    lines = (tmp_path / "finished.jsonl").read_bytes().splitlines()
+    assert len(lines) == COUNT
+
+
+def test_a_worker_of_another_program_is_refused(two, monkeypatch):
+    monkeypatch.setattr(module, "program_version", lambda: "sources of tomorrow")
+    with pytest.raises(ConfigError, match=r"runs another kinesic.*\n.*there: sources [0-9a-f]{12}"):
+        Cluster(two._client)
+    with pytest.raises(ConfigError, match=r"here:  sources of tomorrow"):  # one that came after that check
+        list(two.run(["1 + 2"], EVALUATE))
+
+
+@pytest.mark.parametrize("address", ["local:", "local:0", "local:two", "tcp://127.0.0.1:1", "nowhere:"])
+def test_an_address_that_is_none_says_what_would_be_one(address, monkeypatch):
+    monkeypatch.setattr(module, "PATIENCE", 1)
+    with pytest.raises(ConfigError, match=r"local:N for N workers"), cluster(address):
+        pass
