@@ -167,6 +167,15 @@ def _plan() -> None:
     """
 
 
+@kinesic.command("results")
+@click.argument("query")
+@click.argument("folder", type=click.Path(path_type=Path))
+@click.option("--json", "as_json", is_flag=True, help="Prints the rows as JSON.")
+@done_by("many.results:ask_results")
+def _results() -> None:
+    """Asks QUERY (SQL, or summary) of the results that a run of `kinesic validate --out FOLDER` left."""
+
+
 @kinesic.group()
 def robots() -> None:
     """Lists, shows, checks and imports robots."""

@@ -1,0 +1,25 @@
+import json
+
+import pytest
+
+pytest.importorskip("duckdb", reason="the extra store is not installed")
+CHECK = {"name": "limits.speed", "status": "fail", "value": 1.5, "limit": 1.0, "unit": "ratio", "where": ""}
+
+
+@pytest.fixture
+def folder(tmp_path):
+    entry = {"file": "[a].bml", "outcome": "performed", "exit": 1, "behaviours": [], "checks": [CHECK], "error": ""}
+    (tmp_path / "finished.jsonl").write_text(json.dumps({"key": "1", "entry": entry}) + "\n")
+    return tmp_path
+
+
+def test_results_are_summed_up_and_asked(kinesic, folder):
+    assert json.loads(kinesic("results", "summary", folder, "--json").out)[0]["failed"] == 1
+    assert "[a].bml" in kinesic("results", "SELECT file FROM documents", folder).out
+
+
+def test_a_wrong_query_is_one_line(kinesic, folder):
+    ended = kinesic("results", "SELECT nothing FROM documents", folder)
+    assert ended.code == 2
+    assert "the query is wrong" in ended.err
+    assert ended.err.count("\n") == 1
