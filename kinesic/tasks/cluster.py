@@ -6,6 +6,7 @@ import pickle
 from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from threading import Lock
+from time import monotonic
 from typing import TYPE_CHECKING, TypeVar
 
 from kinesic.body.config import ConfigError
@@ -22,6 +23,7 @@ LOCAL = "local:"
 FORMS = "ADDRESS of a dask scheduler, such as tcp://10.0.0.2:8786, or local:N for N workers on this machine"
 PATIENCE = 10  # [s] for a scheduler to answer, and for its first worker
 AHEAD = 8  # tasks for each worker that the scheduler has: it never waits for us, and its memory stays small
+ASK_AGAIN = 2.0  # [s] how many workers there are
 DEATHS = 9  # workers that may die of a task before it is to blame; strangers kill workers, too
 
 
@@ -48,26 +50,28 @@ class Cluster:
         """Yields tasks with their results, in the order in which they are ready; see `Engine`."""
         from distributed import as_completed  # noqa: PLC0415 - slow to import, and only clusters need it
 
-        code, left = pickle.dumps(prepare), iter(tasks)
+        code, left, workers = pickle.dumps(prepare), iter(tasks), _Count(self._workers)
         begun: dict[str, tuple[Task, Future]] = {}
         ready = as_completed()
         try:
-            for future in self._more(code, left, begun):
+            for future in self._more(code, left, begun, workers.now()):
                 ready.add(future)
             for future in ready:
                 task, _ = begun.pop(future.key)
                 crash = _crash(future)
                 result: Result | WorkerCrash = future.result() if crash is None else crash
                 future.release()
-                for more in self._more(code, left, begun):
+                for more in self._more(code, left, begun, workers.now()):
                     ready.add(more)
                 yield task, result
         finally:
             self._client.cancel([future for _, future in begun.values()], force=True)
 
-    def _more(self, code: bytes, left: Iterator[Task], begun: "dict[str, tuple[Task, Future]]") -> "Iterator[Future]":
+    def _more(
+        self, code: bytes, left: Iterator[Task], begun: "dict[str, tuple[Task, Future]]", workers: int
+    ) -> "Iterator[Future]":
         """Sends as many of the tasks that are left as the workers want."""
-        while len(begun) < AHEAD * max(1, self._workers()):
+        while len(begun) < AHEAD * max(1, workers):
             task = next(left, None)
             if task is None:
                 return
@@ -78,6 +82,19 @@ class Cluster:
 
     def _workers(self) -> int:
         return len(self._client.scheduler_info(n_workers=-1)["workers"])
+
+
+class _Count:
+    """How many workers there are, asked once in a while: asking takes longer than sending a task."""
+
+    def __init__(self, ask: Callable[[], int]) -> None:
+        self._ask = ask
+        self._count, self._asked = ask(), monotonic()
+
+    def now(self) -> int:
+        if monotonic() - self._asked > ASK_AGAIN:
+            self._count, self._asked = self._ask(), monotonic()
+        return self._count
 
 
 @contextmanager
