@@ -44,7 +44,7 @@ def starts(messages):
     return {
         match[1]: float(match[2])
         for each in messages
-        if (match := re.search(r'<syncPointProgress[^>]* id="([^"]*:s:(?:start|end))" globalTime="([^"]*)"', each))
+        if (match := re.search(r'<syncPointProgress[^>]* id="([^"]*:s:(?:start|end))" [^>]*?globalTime="([^"]*)"', each))
     }
 
 
@@ -52,6 +52,7 @@ def test_phrases_are_said_as_they_come_without_a_gap_or_an_overlap(server):
     with server.client() as client:
         for word in re.findall(r"\S+ ?", "Hello, my friend! I did not see the large boxes, because it was dark. "):
             client.do("words", text=word)
+            sleep(0.1)  # as fast as a language model speaks: with all words at once one phrase would say them
         client.do("words", ends=True)
         messages = told(client, '"all_said"')
         end = f'id="{answers(messages, "all_said")[0]["block"]}:end"'
