@@ -1,19 +1,22 @@
 """How the time of some work grows with what it is given."""
 
 from collections.abc import Callable
+from math import sqrt
 from time import process_time
 from typing import TypeVar
 
 T = TypeVar("T")
 
-ENOUGH = 0.03  # [s] of processor time that can be compared
-MOST = 2**21  # of a size
+ENOUGH = 0.02  # [s] of processor time that can be compared
+MOST = 2**19  # of a size
 ROUNDS = 3
 STRAIGHT = 3.0  # times as long for twice as much: a straight line has 2, a square 4
 
 
 def growth(work: Callable[[T], object], make: Callable[[int], T], *, size: int = 256, most: int = MOST) -> float:
     """How many times longer the work takes for twice as much, the quickest of some rounds.
+
+    Measured over two doublings: what no longer fits a cache makes one of them look like a square.
 
     Args:
         work: that is measured.
@@ -23,10 +26,10 @@ def growth(work: Callable[[T], object], make: Callable[[int], T], *, size: int =
     """
     while _seconds(work, make(size)) < ENOUGH and size < most:
         size *= 2
-    small, large = make(size), make(2 * size)
+    small, large = make(size), make(4 * size)
     times = 1 + int(ENOUGH / max(_seconds(work, small), ENOUGH / 100))
     pairs = [(_seconds(work, small, times), _seconds(work, large, times)) for _ in range(ROUNDS)]
-    return min(large for _, large in pairs) / min(small for small, _ in pairs)
+    return sqrt(min(large for _, large in pairs) / min(small for small, _ in pairs))
 
 
 def _seconds(work: Callable[[T], object], given: T, times: int = 1) -> float:

@@ -51,4 +51,4 @@ def test_an_intention_of_a_long_name() -> None:
     def document(size: int) -> str:
         return f'<fml-apml><bml id="b"/><fml><emotion type="{size * "a-"}" start="0"/></fml></fml-apml>'
 
-    assert growth(author_fml, document, most=2**19) < STRAIGHT
+    assert growth(author_fml, document, most=2**17) < STRAIGHT
