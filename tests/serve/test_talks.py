@@ -44,7 +44,7 @@ def starts(messages):
     return {
         match[1]: float(match[2])
         for each in messages
-        if (match := re.search(r'<syncPointProgress[^>]* id="([^"]*:s:(?:start|end))" [^>]*?globalTime="([^"]*)"', each))
+        if (match := re.search(r'<syncPoint[^>]* id="([^"]*:s:(?:start|end))" [^>]*?globalTime="([^"]*)"', each))
     }
 
 
