@@ -14,8 +14,8 @@ from kinesic.cli.progress import show_stages
 from kinesic.cli.terminal import console, quote_text
 from kinesic.files.output_file import check_file, write_text
 from kinesic.hardware.protocol.servo_map import load_robot
-from kinesic.sim.fit import Estimate, Fit, fit_factors
-from kinesic.sim.fit_parameters import Figure
+from kinesic.sim.fitting.fit import Estimate, Fit, fit_factors
+from kinesic.sim.fitting.parameters import Figure
 from kinesic.sim.log import read_log
 
 

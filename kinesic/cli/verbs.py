@@ -23,7 +23,7 @@ from kinesic.cli.options import (
     twin_options,
 )
 from kinesic.face.render.presets import PRESETS
-from kinesic.sim.fit_parameters import DEFAULT, FIGURES
+from kinesic.sim.fitting.parameters import DEFAULT, FIGURES
 from kinesic.sim.log import FORMAT
 from kinesic.version import __version__
 

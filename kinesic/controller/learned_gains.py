@@ -13,8 +13,8 @@ from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.robot import Robot
 from kinesic.body.servo import follow_lags
 from kinesic.controller.observer_step import SHARES
-from kinesic.sim.fit import Fit, fit_factors
-from kinesic.sim.fit_parameters import MOST_LATENCY, Figure
+from kinesic.sim.fitting.fit import Fit, fit_factors
+from kinesic.sim.fitting.parameters import MOST_LATENCY, Figure
 from kinesic.sim.log import Log
 from kinesic.sim.servo_factors import NOMINAL, DriveFactors, Factors
 

@@ -26,6 +26,17 @@ def make_pairs(
     halves: Floats,
     hulled: Flags,
 ) -> CapsulePairs: ...
+def measure_bodies(
+    begins: Indices,
+    radii: Floats,
+    first: Indices,
+    second: Indices,
+    starts: Floats,
+    ends: Floats,
+    postures: Indices,
+    near: Flags,
+    gaps: Floats,
+) -> None: ...
 def suspect(
     between: Floats, after: Indices, known: Floats, lowest: Floats, reaches: Floats, limit: float, near: Flags
 ) -> None: ...

@@ -13,9 +13,10 @@ import numpy as np
 from kinesic.body.arrays import Flags, Floats, Indices, distinct_rows, sealed
 from kinesic.body.dynamics import Clearance
 from kinesic.body.robot import SIDES, Robot, Side
-from kinesic.body.skeleton import Capsule, Segment, Skeleton
+from kinesic.body.skeleton import Capsule
 from kinesic.sim.fingers import FingerPlaces, finger_hull
 from kinesic.sim.kinematics import KERNEL, MotionFrames, body_frames, compiled_frames
+from kinesic.sim.reaches import capsule_reach, reaches_of_pairs
 from kinesic.sim.segment_distances import segment_distances
 
 if KERNEL == "compiled":
@@ -24,7 +25,6 @@ if KERNEL == "compiled":
 BLOCK = 512  # postures whose kinematics are computed at once
 STRIP, PRODUCT = 128, 300_000  # of them for all pairs, so that arrays stay in the cache; products that stay on one core
 SAME = 1e-5  # [rad] postures that differ by less are one: no capsule is farther off than 0.01 mm for each hinge
-SHORTEST = 1e-9  # [m] of a reach that is not none
 NEAR = 0.03  # [m] the ball about fingers comes to something, from which on they are measured in a motion
 SIGHT = 0.13  # [m] likewise where gaps are asked for: those that are wider are no less than they are said to be
 
@@ -65,14 +65,15 @@ class CapsuleDistances:
             self._members += hand.capsules
         self._plain_owners, self._plain_sides = [k for k, _ in plain], _sides(plain)
         self._member_radii = np.array([capsule.radius for _, capsule in self._members])
+        self._begins = np.cumsum([0, *map(len, members)])  # (b + 1,) of each body's own among all members
         self._hulled = np.array([max(pair) >= len(plain) for pair in pairs], dtype=np.bool_)  # (p,)
         within = [np.array(list(product(members[i], members[j])), dtype=np.intp).T for i, j in pairs]
         self._within = _by_size(
             within, self._hulled
         )  # rows of pairs with as many pairs of capsules within, and these (2, r, k)
-        reach = [_reach(robot.skeleton, k, capsule) for k, capsule in self._members]
+        reach = [capsule_reach(robot.skeleton, k, capsule) for k, capsule in self._members]
         reaches = np.array([np.max([reach[k] for k in row], axis=0) for row in members])
-        self._reaches = _reaches(reaches.reshape(-1, len(robot.skeleton.hinges)), pairs)  # (p, n) [m]
+        self._reaches = reaches_of_pairs(reaches.reshape(-1, len(robot.skeleton.hinges)), pairs)  # (p, n) [m]
 
     def clearance(self, angles: Floats) -> Clearance:
         """Finds the smallest distance between the capsules of counted pairs; a posture that lasts is measured once.
@@ -248,7 +249,12 @@ class CapsuleDistances:
         for body, hand in enumerate(self._fingers, start=len(self._plain_owners)):
             nowhere = np.zeros((len(hand.capsules), 3, len(postures)))
             parts.append(hand.ends(angles[postures], placed) if body in asked else (nowhere, nowhere))
-        starts, ends = (np.concatenate(side).transpose(0, 2, 1) for side in zip(*parts, strict=True))
+        starts, ends = (np.concatenate(side) for side in zip(*parts, strict=True))
+        if KERNEL == "compiled":
+            first, second, reaches = self._first, self._second, self._member_radii
+            _kernel.measure_bodies(self._begins, reaches, first, second, starts, ends, postures, near, gaps)
+            return
+        starts, ends = starts.transpose(0, 2, 1), ends.transpose(0, 2, 1)
         for rows, within in self._within:
             cells, here = np.nonzero(near[rows[:, None], postures])
             if not len(cells):
@@ -294,27 +300,3 @@ def _placed(frames: MotionFrames, owners: list[int], starts: Floats, ends: Float
     origins, rotations = frames.origins[owners], frames.rotations[owners]
     here, there = (origins + (side[:, None, None, :] @ rotations)[:, :, 0, :] for side in (starts, ends))
     return here, there
-
-
-def _reaches(turned: Floats, pairs: Sequence[tuple[int, int]]) -> Floats:
-    """(p, n) [m] how far from each hinge the axis of a pair's capsule can be that it turns against the other one."""
-    first, second = np.array(pairs, dtype=np.intp).reshape(-1, 2).T
-    moved = turned > 0.0
-    apart: Floats = np.where(moved[first] & moved[second], 0.0, turned[first] + turned[second])
-    return apart
-
-
-def _reach(skeleton: Skeleton, owner: int, capsule: Capsule) -> Floats:
-    """(n,) [m] how far a capsule's axis moves at most per angle of each hinge, 0 for hinges that do not move it."""
-    reach = np.zeros(len(skeleton.hinges))
-    segment: Segment | None = skeleton.segments[owner]
-    far = max(float(np.linalg.norm(end)) for end in (capsule.start, capsule.end))
-    while segment is not None:
-        joints = list(skeleton.joints_of((segment.name,)))
-        far += 2 * sum(float(np.linalg.norm(skeleton.hinges[joint].at)) for joint in joints)  # they may miss its origin
-        reach[joints] += max(far, SHORTEST)
-        for coupling in (each for each in skeleton.couplings if each.segment == segment.name):
-            reach[coupling.driver] += abs(coupling.ratio) * far
-        far += float(np.linalg.norm(segment.origin_in_parent))
-        segment = None if segment.parent is None else skeleton.segments[skeleton.segment(segment.parent)]
-    return reach

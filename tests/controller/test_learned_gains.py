@@ -7,7 +7,7 @@ from kinesic.body.command import Command
 from kinesic.body.robot import Robot
 from kinesic.controller.learned_gains import GAINS, LearnedGains, learn
 from kinesic.controller.observer_step import SHARES
-from kinesic.sim.fit_parameters import MOST_LATENCY
+from kinesic.sim.fitting.parameters import MOST_LATENCY
 from kinesic.sim.log import Log, log_of
 from kinesic.sim.servo_factors import NOMINAL, DriveFactors, Factors
 from kinesic.sim.twin import Twin

@@ -8,9 +8,10 @@ from scipy.interpolate import make_interp_spline
 from kinesic.body.arrays import sealed
 from kinesic.body.description import Exclusion
 from kinesic.body.robot import Robot
-from kinesic.sim.distances import BLOCK, CapsuleDistances, _reach
+from kinesic.sim.distances import BLOCK, CapsuleDistances
 from kinesic.sim.kinematics import motion_frames
 from kinesic.sim.model import build_model, capsule_name
+from kinesic.sim.reaches import capsule_reach
 from kinesic.sim.segment_distances import segment_distances
 from kinesic.sim.worst_postures import random_postures
 
@@ -165,7 +166,7 @@ def test_a_hinge_reaches_no_further_than_the_links_it_moves():
     names = [segment.name for segment in ROBOT.skeleton.segments]
     owner = names.index("l_wrist")
     capsule = ROBOT.skeleton.segments[owner].capsules[0]
-    reach = dict(zip(ROBOT.skeleton.names, _reach(ROBOT.skeleton, owner, capsule), strict=True))
+    reach = dict(zip(ROBOT.skeleton.names, capsule_reach(ROBOT.skeleton, owner, capsule), strict=True))
     hand = max(np.linalg.norm(capsule.start), np.linalg.norm(capsule.end))
     assert reach["l_wrist_pivot"] == pytest.approx(hand)
     assert reach["l_shoulder_flexion"] == pytest.approx(0.42 + hand)

@@ -120,6 +120,39 @@ private:
     }
 };
 
+// Bodies of one capsule or, as fingers, of several.
+struct Bodies {
+    std::vector<int> begins;    // (b + 1,) which capsules each one has
+    std::vector<double> radii;  // (c,) [m]
+    // Ends of all capsules' axes, (c, 3, count) [m] in some postures.
+    const double *starts, *ends;
+    size_t count;
+
+    // Distance [m] of two bodies in a posture.
+    double apart(int first, int second, size_t posture) const {
+        double nearest = std::numeric_limits<double>::infinity();
+        for (int i = begins[first]; i < begins[first + 1]; ++i) {
+            double a[3], along_a[3];
+            place(i, posture, a, along_a);
+            for (int j = begins[second]; j < begins[second + 1]; ++j) {
+                double b[3], along_b[3];
+                place(j, posture, b, along_b);
+                nearest = std::min(nearest, segment_distance(a, along_a, b, along_b) - (radii[i] + radii[j]));
+            }
+        }
+        return nearest;
+    }
+
+private:
+    void place(int capsule, size_t posture, double* from, double* along) const {
+        for (int k = 0; k < 3; ++k) {
+            const size_t at = (3 * size_t(capsule) + k) * count + posture;
+            from[k] = starts[at];
+            along[k] = ends[at] - starts[at];
+        }
+    }
+};
+
 // A posture whose distances (p,) [m] are known.
 struct Neighbour {
     const double *angles, *lowest;  // (n,) [rad], (p,) [m]

@@ -17,6 +17,7 @@ namespace {
 using Numbers = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
 using Places = nb::ndarray<const int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Result = nb::ndarray<double, nb::c_contig, nb::device::cpu>;
+using Marks = nb::ndarray<const bool, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using Flags = nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
 void require(bool good) {
@@ -129,6 +130,21 @@ void nearest(CapsulePairs& self, const MotionFrames& frames, const Flags& chosen
     }
 }
 
+// Puts the distances of bodies (b,) of several capsules, whose ends are known in k of m postures, where pairs are near.
+void measure_bodies(const Places& begins, const Numbers& radii, const Places& first, const Places& second,
+                    const Numbers& starts, const Numbers& ends, const Places& postures, const Marks& near, Result& gaps) {
+    const size_t count = postures.size(), pairs = first.size(), all = pairs ? gaps.size() / pairs : 0;
+    require(begins.size() > 0 && second.size() == pairs && near.size() == gaps.size() && gaps.size() == pairs * all);
+    const Bodies bodies{copy(begins, int64_t(radii.size()) + 1), copy(radii), starts.data(), ends.data(), count};
+    require(starts.size() == 3 * radii.size() * count && ends.size() == starts.size());
+    require(std::is_sorted(bodies.begins.begin(), bodies.begins.end()));
+    const int64_t known = int64_t(begins.size()) - 1;
+    const std::vector<int> from = copy(first, known), to = copy(second, known), where = copy(postures, int64_t(all));
+    for (size_t p = 0; p < pairs; ++p)
+        for (size_t k = 0; k < count; ++k)
+            if (near.data()[p * all + where[k]]) gaps.data()[p * all + where[k]] = bodies.apart(from[p], to[p], k);
+}
+
 // Marks (b,) postures between known ones, (k, n) with distances (k, p), that may be nearer than a limit [m] to contact.
 void suspect(const Numbers& between, const Places& after, const Numbers& known, const Numbers& lowest,
              const Numbers& reaches, double limit, nb::ndarray<bool, nb::ndim<1>, nb::c_contig>& near) {
@@ -184,6 +200,7 @@ NB_MODULE(_kernel, module) {
         .def("closest", &closest)
         .def("gaps", &gaps)
         .def("nearest", &nearest);
+    module.def("measure_bodies", &measure_bodies);
     module.def("suspect", &suspect);
     module.def("make_pairs", &make_pairs);
     module.def("inverse", &inverse);

@@ -18,8 +18,8 @@ import scipy
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import Command
 from kinesic.body.robot import Robot
-from kinesic.sim.fit_parameters import DEFAULT, Figure, Unknown, bounds, factors_of, unknowns
-from kinesic.sim.identifiability import SHEET, Identifiability, assumptions, identifiable
+from kinesic.sim.fitting.identifiability import SHEET, Identifiability, assumptions, identifiable
+from kinesic.sim.fitting.parameters import DEFAULT, Figure, Unknown, bounds, factors_of, unknowns
 from kinesic.sim.log import Log
 from kinesic.sim.servo_factors import Factors
 from kinesic.sim.twin import Twin

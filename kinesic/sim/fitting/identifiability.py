@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinesic.body.arrays import Flags, Floats, sealed
-from kinesic.sim.fit_parameters import Unknown
+from kinesic.sim.fitting.parameters import Unknown
 
 SHEET = 0.5  # standard deviation of a value about the data sheet's, before any log
 KNOWN = 0.02  # standard deviation up to which a value is known

@@ -4,8 +4,8 @@ import pytest
 from kinesic.body.arrays import sealed
 from kinesic.body.command import Command
 from kinesic.body.robot import Robot
-from kinesic.sim.fit import REPLAY_STEP, _sums, fit_factors, replay_log
-from kinesic.sim.fit_parameters import DEFAULT
+from kinesic.sim.fitting.fit import REPLAY_STEP, _sums, fit_factors, replay_log
+from kinesic.sim.fitting.parameters import DEFAULT
 from kinesic.sim.log import Log
 from kinesic.sim.servo_factors import NOMINAL, DriveFactors, Factors
 from kinesic.sim.twin import STEP, Twin
