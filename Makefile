@@ -16,7 +16,7 @@ SCREENS := xvfb chromium
 .PHONY: demo test test-rounding check soak mutants bench system-deps test-deps lock studio clean
 
 demo: .venv/.stamp-demo
-	@$(BIN)/kinesic perform kinesic/configs/bml/welcome.bml --out out/demo --force $(SMALL)
+	@$(BIN)/kinesic perform kinesic/configs/bml/welcome.bml --robot upper36 --out out/demo --force $(SMALL)
 
 # Tests start many processes: compiled modules are kept for them, whatever the caller's environment says. Files in an
 # order of their own, the longest first (tests/scheduling.py): sorted by their number of tests, they would come last.

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -32,6 +33,13 @@ SPOKEN = (
 SMALL = FilmSettings(size=(320, 180), rate=10.0)
 
 
+class Drawn(NamedTuple):
+    film: Path
+    portrait: Path
+    whys: dict[Path, str]
+    shares: list[float]
+
+
 def face(units: dict[str, float], seconds: float = 0.25) -> FaceFilm:
     times = np.arange(round(seconds * FACE_RATE) + 1) / FACE_RATE
     return FaceFilm.of(ROBOT, (Command(time, REST, NONE, NONE, REST, units) for time in times.tolist()))
@@ -53,11 +61,22 @@ def drawing() -> None:
         pytest.skip(why)
 
 
-@pytest.mark.usefixtures("drawing")
-def test_both_are_drawn_and_the_share_that_is_done_grows_to_all(tmp_path: Path, processes: FilmProcesses):
-    shares: list[float] = []
-    film, portrait = tmp_path / "film.webp", tmp_path / "face.webp"
-    whys = draw_films({film: twin(), portrait: face({"12": 0.5})}, processes, shares.append)
+@pytest.fixture(scope="module")
+def drawn(drawing: None, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Drawn]:
+    """The robot's film, which waits for that of its face: once with it, and once where the face cannot be drawn."""
+    films = {}
+    for name, units in (("with", {"12": 0.5, "26": 0.9}), ("without", {"99": 0.5})):
+        folder, shares = tmp_path_factory.mktemp(name), list[float]()
+        film, portrait = folder / "film.webp", folder / "face.webp"
+        job = replace(twin(), units=({},) * 6, after=portrait)
+        with film_processes() as begun:
+            whys = draw_films({film: job, portrait: face(units)}, begun, shares.append)
+        films[name] = Drawn(film, portrait, whys, shares)
+    return films
+
+
+def test_both_are_drawn_and_the_share_that_is_done_grows_to_all(drawn: dict[str, Drawn]):
+    film, portrait, whys, shares = drawn["with"]
     assert whys == {film: "", portrait: ""}
     with Image.open(film) as seen:
         assert (seen.size, seen.n_frames) == (SMALL.size, 6)
@@ -68,10 +87,8 @@ def test_both_are_drawn_and_the_share_that_is_done_grows_to_all(tmp_path: Path, 
     assert len(shares) > 6
 
 
-@pytest.mark.usefixtures("drawing")
-def test_what_cannot_be_drawn_says_why_and_takes_nothing_along(tmp_path: Path, processes: FilmProcesses):
-    film, portrait = tmp_path / "film.webp", tmp_path / "face.webp"
-    whys = draw_films({film: twin(0.1), portrait: face({"99": 0.5})}, processes)
+def test_what_cannot_be_drawn_says_why_and_takes_nothing_along(drawn: dict[str, Drawn]):
+    film, portrait, whys, _ = drawn["without"]
     assert whys[film] == ""
     assert "99" in whys[portrait]
     assert not portrait.exists()
@@ -100,19 +117,11 @@ def test_processes_without_a_job_end_when_they_are_left():
     assert all(process.poll() for process in begun.values())
 
 
-@pytest.mark.usefixtures("drawing")
-def test_the_rendered_face_is_on_the_head_and_a_plain_one_where_it_is_missing(
-    tmp_path: Path, processes: FilmProcesses
-) -> None:
-    """The film of the robot waits for that of its face; both differ from one another around the head alone."""
+def test_the_rendered_face_is_on_the_head_and_a_plain_one_where_it_is_missing(drawn: dict[str, Drawn]):
+    """Both films differ from one another around the head alone."""
     heads = {}
-    for name, units in (("with", {"26": 0.9}), ("without", {"99": 0.5})):
-        film, portrait = tmp_path / f"{name}.webp", tmp_path / f"{name}-face.webp"
-        job = replace(twin(0.1), angles=np.array([REST, REST]), units=({},) * 2, after=portrait)
-        with film_processes() as begun:
-            whys = draw_films({film: job, portrait: face(units)}, begun)
-        assert (whys[film], bool(whys[portrait])) == ("", name == "without")
-        with Image.open(film) as seen:
+    for name, film in drawn.items():
+        with Image.open(film.film) as seen:
             heads[name] = np.asarray(seen.convert("RGB")).astype(int)
     differs = np.argwhere(np.abs(heads["with"] - heads["without"]).max(axis=2) > 40)
     assert len(differs) > 40

@@ -9,6 +9,7 @@ from PIL import Image
 
 from kinesic import cli
 from kinesic.bench import naturalness
+from kinesic.bench.naturalness import story, synchrony
 from kinesic.bench.naturalness.lexicon import measure_gesture
 from kinesic.bench.naturalness.plots import draw
 
@@ -25,8 +26,10 @@ def few(known):
 
 @pytest.fixture(autouse=True)
 def varied(few, monkeypatch):
-    """Spares the benches the whole lexicon as it varies."""
+    """Spares the benches the whole lexicon as it varies, and stories that other tests plan."""
     monkeypatch.setattr(naturalness, "varied", lambda: {7: few[:2]})
+    monkeypatch.setattr(synchrony, "STORY_STYLES", {})
+    monkeypatch.setattr(story, "STYLES", story.STYLES[:1])
 
 
 @pytest.fixture

@@ -14,6 +14,8 @@ SMILE = (
     b'<faceLexeme id="f" lexeme="smile"/><face id="g" type="FACS" au="99" start="0" end="1"/></bml>'
 )
 
+SMALL = ("--film-size", "160x90", "--film-rate", "5")  # of the twin's film
+
 
 @pytest.fixture
 def smile(tmp_path):
@@ -25,7 +27,7 @@ def smile(tmp_path):
 def test_the_face_is_filmed_and_shown_beside_the_twin(kinesic, smile, tmp_path):
     if available() is not None:
         pytest.skip(str(available()))
-    ended = kinesic("perform", smile, "--out", "there", "--voice", "durations")
+    ended = kinesic("perform", smile, "--out", "there", "--voice", "durations", *SMALL)
     assert ended.code == 0, ended.err
     assert "face: there/face.webp" in ended.out
     with Image.open(tmp_path / "there" / "face.webp") as film:
@@ -42,7 +44,7 @@ def test_without_opengl_the_page_says_why_there_is_no_face(kinesic, smile, tmp_p
     (tmp_path / "empty").mkdir()  # of the process that draws
     (tmp_path / "empty" / "moderngl.py").write_text("raise ModuleNotFoundError(name='moderngl')")
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(tmp_path / "empty"), os.environ.get("PYTHONPATH", "")]))
-    ended = kinesic("perform", smile, "--out", "there", "--voice", "durations")
+    ended = kinesic("perform", smile, "--out", "there", "--voice", "durations", *SMALL)
     assert ended.code == 0, ended.err
     why = "moderngl is not installed; pip install 'kinesic[face]'"
     assert f"face: none ({why})" in ended.out

@@ -9,6 +9,7 @@ from kinesic.intent.fml.author import author_fml
 
 from ...growth import STRAIGHT, growth
 
+SIZE = 160  # of pieces or intentions, to begin with
 TEXTS = (
     "no ",
     "no, ",
@@ -33,7 +34,7 @@ def lexicon() -> Lexicon:
 @pytest.mark.parametrize("piece", TEXTS)
 def test_a_text_of_whatever_words(piece: str, lexicon: Lexicon) -> None:
     style = Style.load("neutral")
-    assert growth(lambda text: author(text, lexicon, style), lambda size: size * piece, size=512) < STRAIGHT
+    assert growth(lambda text: author(text, lexicon, style), lambda size: size * piece, size=SIZE) < STRAIGHT
 
 
 @pytest.mark.parametrize("time", ["s:m{k}", "{k}", "s:start", "nowhere"])
@@ -44,7 +45,7 @@ def test_intentions_wherever_they_are(kind: str, time: str) -> None:
         intentions = "".join(f'<{kind} start="{time.format(k=k)}" end="s:end"/>' for k in range(count))
         return f'<fml-apml><bml id="b"><speech id="s">{inside}</speech></bml><fml>{intentions}</fml></fml-apml>'
 
-    assert growth(author_fml, document, size=512) < STRAIGHT
+    assert growth(author_fml, document, size=SIZE) < STRAIGHT
 
 
 def test_an_intention_of_a_long_name() -> None:
