@@ -14,7 +14,7 @@ SMILE = (
     b'<faceLexeme id="f" lexeme="smile"/><face id="g" type="FACS" au="99" start="0" end="1"/></bml>'
 )
 
-SMALL = ("--film-size", "160x90", "--film-rate", "5")  # of the twin's film
+SMALL = ("--film-size", "160x90", "--film-rate", "10")  # of the twin's film
 
 
 @pytest.fixture
