@@ -1,4 +1,4 @@
-"""Draws docs/welcome.png, three strokes of welcome.bml in the twin, and docs/report.png, its report in Chromium."""
+"""Draws docs/welcome.png, three strokes of welcome.bml in the twin of upper36, and docs/report.png, its report in Chromium."""
 
 import shutil
 import subprocess
@@ -21,7 +21,7 @@ DRAWN = ("--headless", "--no-sandbox", "--hide-scrollbars", "--use-angle=swiftsh
 
 
 if __name__ == "__main__":
-    performer = Performer("upper22", voice="auto")
+    performer = Performer("upper36", voice="auto")
     document = CONFIGS / "bml" / "welcome.bml"
     run = performer.perform(performer.plan(document, source="welcome.bml"))
     browser = next(filter(None, map(shutil.which, BROWSERS)))
