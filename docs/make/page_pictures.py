@@ -1,4 +1,4 @@
-"""Draws docs/welcome.png, three strokes of welcome.bml in the twin of upper36, and docs/report.png, its report in Chromium."""
+"""Draws docs/welcome.png, three strokes of welcome.bml in the twin, and docs/report.png, its report in Chromium."""
 
 import shutil
 import subprocess
