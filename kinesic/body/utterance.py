@@ -1,5 +1,6 @@
 """Speech as facts: the text that is asked for, what it sounds like, and when its marks and phonemes fall."""
 
+import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -10,6 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 
 Samples = NDArray[np.float32]
 Stress = Literal["prosody", "emphasis", "say-as", "voice"]
+
+VOWELS = frozenset("aeiouyäöüæɐɑɒɔəɚɛɜɝɪɨʊʉʌøœɵɤɯʏᵻ")  # noqa: RUF001 - letters of the phonetic alphabet
+STRESSES = ("\u02c8", "\u02cc")  # before a sound whose syllable is stressed, the stronger first
 
 
 @dataclass(frozen=True)
@@ -78,6 +82,25 @@ class Phoneme:
     symbol: str
     start: float  # [s] from the start of the utterance
     duration: float  # [s]
+    onset: float | None = None  # [s] likewise, when the mouth has come to it; None: at its start
+    release: float | None = None  # [s] likewise, when the mouth lets go, as at a burst; None: at its end
+
+    @property
+    def letters(self) -> str:
+        """Letters of its symbol, without stress, length, tone and diacritics."""
+        plain = unicodedata.normalize("NFD", self.symbol.casefold())
+        return "".join(letter for letter in plain if unicodedata.category(letter) in ("Ll", "Lo"))
+
+    @property
+    def end(self) -> float:
+        """[s] from the start of the utterance."""
+        return self.start + self.duration
+
+    @property
+    def made(self) -> tuple[float, float]:
+        """[s] from the start of the utterance, between which the mouth has its shape."""
+        onset = self.start if self.onset is None else self.onset
+        return onset, self.end if self.release is None else self.release
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from kinesic.body.utterance import Mark, Pause, Phoneme, Script, Sound, Utterance
+from kinesic.speech.articulation import articulate
 from kinesic.speech.durations import DurationModel
 from kinesic.speech.espeak_pool import EngineReply, SpeechError, engine, espeak_fault, synthesise
 from kinesic.speech.ssml import ssml
@@ -113,7 +114,8 @@ def _said(script: Script, rate: float, pitch: float) -> Utterance:
     except SpeechError as error:
         return DurationModel(f"nothing is heard: {error}").say(script, rate=rate)
     utterance = _timed(script, reply)
-    return replace(utterance, remarks=tuple(filter(None, (remark, *utterance.remarks))))
+    made = articulate(utterance.phonemes, rate=words / WORDS_PER_MINUTE)
+    return replace(utterance, phonemes=made, remarks=tuple(filter(None, (remark, *utterance.remarks))))
 
 
 def _shown(letters: str) -> str:

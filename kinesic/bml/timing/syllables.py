@@ -5,11 +5,10 @@ from itertools import takewhile
 
 from kinesic.bml.block import Block
 from kinesic.bml.timing.words import tied_words
-from kinesic.body.utterance import Phoneme, Utterance
+from kinesic.body.utterance import STRESSES, VOWELS, Phoneme, Utterance
 
 WORD = 0.7  # [s] behind the place of a mark, in which the accented syllable of its word begins
-VOWELS = frozenset("aeiouyäöüæɐɑɒɔəɚɛɜɝɪɨʊʉʌøœɵɤɯʏ")  # noqa: RUF001
-STRESSES = ("\u02c8", "\u02cc", "")  # of vowels, the strongest first
+ACCENTS = (*STRESSES, "")  # of vowels, the strongest first
 ROUNDING = 1e-6  # [s]
 
 
@@ -42,11 +41,11 @@ def syllable_end(phonemes: Sequence[Phoneme], begins: float) -> float | None:
     """
     near = [each for each in phonemes if -ROUNDING <= each.start - begins <= WORD]
     vowels = [k for k, each in enumerate(near) if _is_vowel(each)]
-    for stress in STRESSES:
+    for stress in ACCENTS:
         accented = next((k for k in vowels if near[k].symbol.startswith(stress)), None)
         if accented is not None:
             *_, last = takewhile(_is_vowel, near[accented:])
-            return last.start + last.duration
+            return last.end
     return None
 
 

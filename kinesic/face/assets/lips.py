@@ -22,7 +22,7 @@ MIDDLE = 0.2  # distances between the eyes from the middle, within which the low
 COLUMNS = 25
 SOFTER = 0.75  # share of what both give way that is the lower lip's
 TOUCHING = 0.0004  # [m] that closed lips overlap, so that no slit is left between them
-STICKY = 0.0006  # [m] that lips must be drawn apart before they open
+STICKY = 0.001  # [m] of a gap, over which lips hold on to each other ever less
 CORNERS = 0.002  # [m] and at the corners of the mouth, where a column is wider than what it must close
 SAMPLES = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [4, 1, 1], [1, 4, 1], [1, 1, 4], [1, 1, 0], [0, 1, 1], [1, 0, 1]])
 
@@ -54,7 +54,8 @@ class Lips:
             seal: 0..1 how much of what is open between them is shut.
         """
         gap = self.touching - self.overlap(positions)
-        stuck = np.clip(2.0 * STICKY - gap, 0.0, gap)
+        opened = np.maximum(gap, 0.0)
+        stuck = opened * np.exp(-opened / STICKY)
         change = -np.where(gap < 0.0, gap, seal * gap + (1.0 - seal) * stuck)
         for lip, share in ((self.upper, 1.0 - SOFTER), (self.lower, SOFTER)):
             amount = share * np.interp(positions[lip.skin, 1], self.middles, change, left=0.0, right=0.0)
