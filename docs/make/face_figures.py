@@ -39,6 +39,7 @@ for size in (5, 11, 21):
         ("separable", f"{size} x 2, separable"),
         ("ratio", "times faster"),
         ("rmse", "error, RMS"),
+        ("rmse_occluded", "where occluded"),
     ):
         cells = [told(f"face.occlusion.{estimator}_{size}_{kind}") for estimator in ESTIMATORS]
         rows.append(f"| {size} | {head} | " + " | ".join(cells) + " |")

@@ -11,6 +11,7 @@ import numpy as np
 from kinesic.bml.block import Face
 from kinesic.body.command import Command
 from kinesic.body.config import ConfigError
+from kinesic.cli.effects import EffectOptions
 from kinesic.cli.options import CELL, SIDE, STRIP, ExpressionOptions, FaceView, PictureFile, Planning, read_input
 from kinesic.cli.playback import play_whole
 from kinesic.cli.progress import share_of, show_stages
@@ -21,8 +22,9 @@ from kinesic.expressivity.face.expressions import entries, expression
 from kinesic.face.assets.action_units import intensities
 from kinesic.face.display import DisplayError
 from kinesic.face.render.camera import CLOSE, FRONT, Camera
+from kinesic.face.render.effects import Effects
 from kinesic.face.render.portrait import Pixels, Portrait
-from kinesic.face.render.presets import PRESETS
+from kinesic.face.render.presets import PRESETS, Preset
 from kinesic.face.show.controls import HELP as KEYS
 from kinesic.face.show.files import check_ending, check_film, save, save_film
 from kinesic.face.show.preview import Preview
@@ -45,6 +47,16 @@ class ViewSettings:
 
     view: FaceView
     camera: Camera
+    effects: Effects
+
+    @property
+    def preset(self) -> Preset:
+        """What is drawn.
+
+        Raises:
+            DisplayError: an effect cannot be drawn so.
+        """
+        return self.effects.applied(PRESETS[self.view.preset])
 
     def side(self, usual: int) -> int:
         """Says how many pixels are drawn along a side: those requested, or else the usual ones."""
@@ -53,13 +65,15 @@ class ViewSettings:
     def portrait(self, usual: int) -> Portrait:
         """Opens a portrait of the requested size, or else of the usual one [pixels]."""
         side = self.side(usual)
-        return Portrait(self.view.variant, preset=PRESETS[self.view.preset], size=(side, side))
+        return Portrait(self.view.variant, preset=self.preset, size=(side, side))
 
     @property
     def look(self) -> PreviewSettings:
         """The settings of a preview window in this view."""
         view = self.view
-        return PreviewSettings(view.variant, view.preset, self.side(SIDE), gain=view.gain, yaw_deg=view.yaw)
+        return PreviewSettings(
+            view.variant, view.preset, self.side(SIDE), gain=view.gain, yaw_deg=view.yaw, effects=self.effects
+        )
 
 
 def draw_face(
@@ -68,6 +82,7 @@ def draw_face(
     bml: str | None,
     picture: PictureFile,
     view: FaceView,
+    effects: EffectOptions,
     sheet: bool,
 ) -> int:
     """Draws an expression, the face of a document, or a sheet of all action units, to a file or a window."""
@@ -76,7 +91,7 @@ def draw_face(
     out = picture.out
     try:
         units = read_units(expression.units) | read_emotion(expression.emotion, expression.amount)
-        settings = ViewSettings(view, replace(CLOSE if sheet or bml else FRONT, yaw_deg=view.yaw))
+        settings = ViewSettings(view, replace(CLOSE if sheet or bml else FRONT, yaw_deg=view.yaw), effects.effects)
         if out is None and (sheet or not has_display()):
             raise DisplayError("no display for a window; --out X.png, X.webp or X.mp4 writes a file")
         if out is not None:
@@ -195,6 +210,6 @@ def _film_whole(planned: Plan, settings: ViewSettings, out: Path, progress: Call
         is_strip, view = out.suffix.lower() == ".png", settings.view
         side, rate = (STRIP, FILM_RATE / 2) if is_strip else (SIDE, FILM_RATE)
         pixels = settings.side(side)
-        look = PortraitSettings(view.variant, PRESETS[view.preset], (pixels, pixels), settings.camera, view.gain)
+        look = PortraitSettings(view.variant, settings.preset, (pixels, pixels), settings.camera, view.gain)
         recording = FaceRecording(out, robot, look=look, rate=rate, sound=wav, progress=progress)
         play(commands_with_face(planned, times), recording)

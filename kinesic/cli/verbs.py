@@ -7,6 +7,7 @@ import click
 from kinesic.bench import PARTS
 from kinesic.bml.block import RANGES
 from kinesic.body.config import names_of
+from kinesic.cli.effects import effects
 from kinesic.cli.film_options import film_options
 from kinesic.cli.many.workers import workers
 from kinesic.cli.options import (
@@ -92,6 +93,7 @@ def _doctor() -> None:
 @click.option("--bml", metavar="FILE", help="A document whose face is performed; - for standard input.")
 @picture_file
 @face_view
+@effects
 @click.option("--sheet", is_flag=True, help="Every action unit low and high, with and without wrinkles.")
 @planning
 @done_by("face:draw_face")

@@ -95,6 +95,8 @@ def test_one_thing_is_drawn_at_a_time(monkeypatch: pytest.MonkeyPatch, capsys: p
         (["--au", "frown"], "such as 12=0.8"),
         (["--size", "0"], "0 x 0 pixels"),
         (["--yaw", "inf"], "yaw inf is no angle"),
+        (["--focus", "nose"], "focus 'nose': write eyes, a distance such as 0.8"),
+        (["--focus", "20"], "focus at 20 m; it may be 0.1 to 7 m"),
     ],
 )
 def test_bad_input_is_one_line(
@@ -124,3 +126,22 @@ def test_a_machine_without_opengl_is_told_what_to_install(
     monkeypatch.setitem(sys.modules, "moderngl", None)
     assert typed(monkeypatch, "--out", str(tmp_path / "x.png")) == 2
     assert "pip install 'kinesic[face]'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["--occlusion", "one-axis", "--occlusion-size", "41", "--falloff", "gaussian", "--estimator", "horizon"],
+        ["--pattern", "noise", "--pattern-size", "7"],
+        ["--scattering", "levels", "--focus", "0.7:0.8"],
+        ["--shadow", "coloured", "--eyeshade"],
+    ],
+)
+def test_effects_are_switched_one_by_one(
+    drawable: None, words: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    plain, other = tmp_path / "a.png", tmp_path / "b.png"
+    assert typed(monkeypatch, "--size", "64", "--out", str(plain)) == 0
+    assert typed(monkeypatch, "--size", "64", "--out", str(other), *words) == 0
+    one, two = (np.asarray(Image.open(each)).astype(int) for each in (plain, other))
+    assert np.abs(one - two).max() >= 2

@@ -7,7 +7,7 @@ from typing import Literal, get_args
 
 from kinesic.bench.figure import Figure
 from kinesic.face.display import available
-from kinesic.face.render.presets import PRESETS, Estimator, Pattern
+from kinesic.face.render.presets import PRESETS, TILES, Estimator, Pattern
 
 Better = Literal["lower", "higher"]
 
@@ -56,18 +56,26 @@ def expected_figures() -> Iterator[tuple[str, str, float | None, Better]]:
                 yield f"face.occlusion.{estimator}_{size}_{kind}", "ms", None, "lower"
             yield f"face.occlusion.{estimator}_{size}_ratio", "x", 4.0 if size == SIZES[-1] else None, "higher"
             yield f"face.occlusion.{estimator}_{size}_rmse", "", 0.02 if size == SIZES[-1] else None, "lower"
+            yield f"face.occlusion.{estimator}_{size}_rmse_occluded", "", None, "lower"
     yield "face.occlusion.samples_21_exact", "count", None, "lower"
     yield "face.occlusion.samples_21_separable", "count", None, "lower"
     yield "face.occlusion.boxes_rmse", "", None, "lower"
+    yield "face.occlusion.boxes_rmse_occluded", "", None, "lower"
     yield "face.occlusion.boxes_correlation", "", None, "higher"
     for pattern in get_args(Pattern):
         yield f"face.occlusion.boxes_{pattern}_rmse", "", None, "lower"
+    for tile in TILES:
+        yield f"face.occlusion.boxes_tile_{tile}_rmse", "", None, "lower"
+    for name in ("one_axis", "one_axis_same_cost"):
+        yield f"face.occlusion.boxes_{name}_rmse", "", None, "lower"
     yield "face.occlusion.lab_mean", "dE", None, "lower"
     yield "face.occlusion.lab_p95", "dE", None, "lower"
     yield "face.scattering.ratio", "x", None, "higher"
     yield "face.scattering.filtered", "%", None, "lower"
     yield "face.scattering.kept", "%", None, "higher"
     yield "face.scattering.kept_visible", "%", None, "higher"
+    yield "face.scattering.levels_ratio", "x", None, "higher"
+    yield "face.scattering.levels_kept", "%", None, "higher"
     yield "face.wrinkle.zero", "count", 0.0, "lower"
     yield "face.wrinkle.linear", "", 0.01, "lower"
     yield "face.wrinkle.outside", "", 1e-4, "lower"

@@ -18,24 +18,31 @@ REPETITIONS = 9
 VISIBLE = 1.0  # of a difference in Lab
 ADAPTIVE = Scattering()  # as in preset normal
 EVERYWHERE = Scattering(threshold=1.0)
+WHOLE = Scattering(threshold=1.0, steps=5)  # as in preset full
+LEVELS = replace(WHOLE, levels=3)
 
 
 def scattering() -> dict[str, float]:
     """Time of the whole filter over that of the adaptive one; shares of skin filtered and of the effect that is kept.
 
     The effect is the difference in Lab between no scattering and scattering everywhere; what is kept of it is what the
-    adaptive picture's own difference to everywhere leaves, on all skin and where the effect is visible.
+    adaptive picture's own difference to everywhere leaves, on all skin and where the effect is visible. In levels, all
+    skin is filtered, by more samples the more it is occluded (Figures 5.2 and 5.3).
     """
     none = _drawn(None)[0]
     full, shared, _ = _drawn(EVERYWHERE)
     adaptive, filtered, skin = _drawn(ADAPTIVE)
     effect, missed = difference(none, full)[skin], difference(adaptive, full)[skin]
     seen = effect > VISIBLE
+    whole, levels = _drawn(WHOLE)[0], _drawn(LEVELS)[0]
+    whole_effect, in_levels = difference(none, whole)[skin], difference(levels, whole)[skin]
     return {
-        "face.scattering.ratio": _ratio(),
+        "face.scattering.ratio": _ratio(EVERYWHERE, ADAPTIVE),
         "face.scattering.filtered": 100.0 * filtered / shared,
         "face.scattering.kept": 100.0 * (1.0 - float(missed.sum() / effect.sum())),
         "face.scattering.kept_visible": 100.0 * (1.0 - float(missed[seen].sum() / effect[seen].sum())),
+        "face.scattering.levels_ratio": _ratio(WHOLE, LEVELS),
+        "face.scattering.levels_kept": 100.0 * (1.0 - float(in_levels.sum() / whole_effect.sum())),
     }
 
 
@@ -48,9 +55,9 @@ def _drawn(settings: Scattering | None) -> tuple[Pixels, float, Flags]:
             return pixels, pipeline.scatter.marked() if pipeline.scatter else 0.0, skin
 
 
-def _ratio() -> float:
-    """Time of the filter over all skin by that of the adaptive one, marks and all, by turns."""
-    with Portrait(preset=_preset(EVERYWHERE)) as full, Portrait(preset=_preset(ADAPTIVE)) as adaptive:
+def _ratio(whole: Scattering, part: Scattering) -> float:
+    """Time of the filter over all skin by that of one that does less, marks and all, by turns."""
+    with Portrait(preset=_preset(whole)) as full, Portrait(preset=_preset(part)) as adaptive:
         scale = pixels_per_metre(FRONT, full.size[1])
         times: tuple[list[float], list[float]] = ([], [])
         for _ in range(REPETITIONS):

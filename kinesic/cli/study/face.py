@@ -3,6 +3,7 @@
 import json
 from math import isnan
 from pathlib import Path
+from statistics import median
 
 import click
 from rich.console import Console
@@ -17,13 +18,16 @@ from kinesic.files.output_folder import check_folder, new_folder
 from kinesic.report.output import default_folder
 from kinesic.report.report import Json
 from kinesic.studies.perception.answers import (
+    ALL,
     LABELS,
     MEASURES,
     Choices,
     ComparedMeans,
     Comparison,
+    People,
     compare_sides,
     first_choices,
+    participants,
     read_answers,
 )
 from kinesic.studies.perception.design import stimuli
@@ -35,6 +39,7 @@ EFFECTS = {
     "presentation": ("presentation", ("animation", "image")),
     "wrinkles": ("wrinkles", ("with", "without")),
 }
+LEAST_P = 0.001  # that is told as a number
 
 
 def make_study(out: Path | None, force: bool, size: int, preset: str, post_to: str) -> int:
@@ -62,21 +67,32 @@ def analyse_faces(files: tuple[Path, ...], as_json: bool) -> int:
     """Prints how the conditions compare in the answers of all participants."""
     answers = read_answers(files)
     effects = {name: compare_sides(answers, *sides) for name, sides in EFFECTS.items()}
-    choices = first_choices(answers)
+    choices, people = first_choices(answers), participants(answers)
     if as_json:
         tables: dict[str, Json] = {name: _rows(effect) for name, effect in effects.items()}
         shares: list[Json] = [
             {"action": action, "wrinkles": side, "share": _number(share), "answers": choices.counts[action, side]}
             for (action, side), share in choices.shares.items()
         ]
-        click.echo(json.dumps({"answers": len(answers), **tables, "first_choice": shares}, indent=1))
+        who: dict[str, Json] = {"answers": len(answers), "participants": people.count, "ages": list(people.ages)}
+        click.echo(json.dumps({**who, **tables, "first_choice": shares}, indent=1))
         return 0
     screen = console()
-    screen.print(f"{len(answers)} answers; bold: different, p < 0.05 (Mann-Whitney)")
+    screen.print(f"{len(answers)} answers of {_people(people)}; bold: different, p < 0.05 (Mann-Whitney)")
     for name, effect in effects.items():
         screen.print(_table(name, effect))
     screen.print(_choices(choices))
     return 0
+
+
+def _people(people: People) -> str:
+    """How many, and how old they are."""
+    number = f"{people.count} participant{'' if people.count == 1 else 's'}"
+    if not people.ages:
+        return number
+    told = "" if len(people.ages) == people.count else f", told by {len(people.ages)}"
+    span = f"{people.ages[0]}" if people.ages[0] == people.ages[-1] else f"{people.ages[0]}-{people.ages[-1]}"
+    return f"{number} (age {span}, median {median(people.ages):g}{told})"
 
 
 def _table(name: str, effect: Comparison) -> Table:
@@ -85,7 +101,7 @@ def _table(name: str, effect: Comparison) -> Table:
     table = Table("AU", title=f"effect of {name}", title_justify="left", box=None)
     for head in (*heads, *(f"p\n{measure}" for measure in MEASURES)):
         table.add_column(head, justify="right")
-    for action in LABELS:
+    for action in (*LABELS, ALL):
         cells = [effect.cells[action, measure] for measure in MEASURES]
         table.add_row(action, *(_mean(cell, side) for side in (0, 1) for cell in cells), *(_p(cell) for cell in cells))
     return table
@@ -97,7 +113,9 @@ def _mean(cell: ComparedMeans, side: int) -> str:
 
 
 def _p(cell: ComparedMeans) -> str:
-    return "-" if isnan(cell.p) else f"{cell.p:.3f}"
+    if isnan(cell.p):
+        return "-"
+    return f"{cell.p:.3f}" if cell.p >= LEAST_P else f"< {LEAST_P:g}"
 
 
 def _choices(choices: Choices) -> Table:

@@ -4,7 +4,9 @@ Separable occlusion marches along two directions instead of all. They turn from 
 blur that respects the geometry joins what neighbours saw: O(k) samples instead of O(k^2).
 """
 
+from collections.abc import Callable, Mapping
 from math import cos, pi, sin
+from types import MappingProxyType
 from typing import get_args
 
 import moderngl
@@ -12,11 +14,11 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.face.render.geometry import PositionBuffer
-from kinesic.face.render.passes import ScreenPass, Target, Value, texture
-from kinesic.face.render.presets import Estimator, Occlusion, Pattern
+from kinesic.face.render.passes import ScreenPass, Size, Target, Value, texture
+from kinesic.face.render.presets import Estimator, Falloff, Occlusion
 
-SIDE = 4  # pixels of the pattern along an axis
 SEED = 3
+SPREAD = 0.27  # of a Gaussian, as a share of the radius: at half its height as wide as Wendland's
 OPEN = (1.0, 0.0, 0.0, 0.0)  # the backdrop
 
 
@@ -31,10 +33,12 @@ class OcclusionPass:
             target = Target(context, seen.position.size, ("4f4",), seen.depth)
             return ScreenPass(context, target, fragment, where=seen.where, defines=defines)
 
-        steps, marched = occlusion.size // 2, occlusion.size if occlusion.exact else 2
-        self.march = over_head("occlusion", ESTIMATOR=estimator, SIDE=SIDE, DIRECTIONS=marched, STEPS=steps)
-        self.blurs = () if occlusion.exact else (over_head("blur", SIDE=SIDE), over_head("blur", SIDE=SIDE))
-        angles = np.zeros((SIDE, SIDE)) if occlusion.exact else directions(occlusion.pattern)
+        falloff = get_args(Falloff).index(occlusion.falloff)
+        angles = np.zeros((1, 1)) if occlusion.exact else directions(occlusion, seen.position.size)
+        wide, tall = angles.shape[1], angles.shape[0]
+        defines = {"ESTIMATOR": estimator, "FALLOFF": falloff, "WIDE": wide, "TALL": tall}
+        self.march = over_head("occlusion", **defines, DIRECTIONS=occlusion.directions, STEPS=occlusion.size // 2)
+        self.blurs = () if occlusion.exact else tuple(over_head("blur", SIDE=occlusion.tile) for _ in range(2))
         self._pattern = texture(context, np.stack([np.cos(angles), np.sin(angles)], axis=-1), "f4")
 
     def draw(self, scale: float) -> Target:
@@ -46,19 +50,19 @@ class OcclusionPass:
             scale: [pixels/m] at the middle of the head.
         """
         occlusion, seen = self.occlusion, self._seen
-        steps, marched = occlusion.size // 2, occlusion.size if occlusion.exact else 2
-        turn = pi / marched
+        steps, turn = occlusion.size // 2, pi / occlusion.directions
         rings = np.arange(1, steps + 1)
         across, up = (1.0 / side for side in seen.position.size)
         values: dict[str, Value] = {
             "pixel": (across, up),
-            "turn": (cos(turn), sin(turn)),
             "stride": occlusion.radius * scale / (steps + 1),
             "radius": occlusion.radius,
             "strength": occlusion.strength,
         }
+        if occlusion.directions > 1:
+            values["turn"] = cos(turn), sin(turn)
         if occlusion.estimator != "horizon":
-            values["all"] = float((rings * wendland(rings / (steps + 1))).sum())
+            values["all"] = float((rings * FALLOFFS[occlusion.falloff](rings / (steps + 1))).sum())
         inputs = {"position": seen.position, "normal": seen.normal, "pattern": self._pattern}
         self.march.clear(*OPEN)
         found = self.march.draw(inputs, values)
@@ -70,7 +74,7 @@ class OcclusionPass:
 
 def samples(occlusion: Occlusion) -> int:
     """Counts the pixels that are looked at for one."""
-    return 2 * (occlusion.size // 2) * (occlusion.size if occlusion.exact else 2)
+    return 2 * (occlusion.size // 2) * occlusion.directions
 
 
 def wendland(t: Floats) -> Floats:
@@ -78,10 +82,24 @@ def wendland(t: Floats) -> Floats:
     return np.asarray(np.maximum(1.0 - t, 0.0) ** 4 * (4.0 * t + 1.0))
 
 
-def directions(pattern: Pattern) -> Floats:
-    """(4, 4) [rad] the first direction at each pixel, of a quarter turn: the second stands at right angles to it."""
-    count = SIDE * SIDE
+def gaussian(t: Floats) -> Floats:
+    """Computes a Gaussian weight as wide as Wendland's, cut off at 1, where a thousandth of it is left (thesis 3.3)."""
+    return np.asarray(np.where(t < 1.0, np.exp(-0.5 * (t / SPREAD) ** 2), 0.0))
+
+
+FALLOFFS: Mapping[Falloff, Callable[[Floats], Floats]] = MappingProxyType({"wendland": wendland, "gaussian": gaussian})
+
+
+def directions(occlusion: Occlusion, screen: Size) -> Floats:
+    """(n, n) [rad] the first direction at each pixel of a tile; of noise the tile is as large as the screen.
+
+    They are of a half turn where there is one axis, and of a quarter where a second stands at right angles to it.
+    """
+    pattern, side = occlusion.pattern, occlusion.tile
+    count = side * side
     random = np.random.default_rng(SEED)
+    if pattern == "noise":
+        return np.asarray(pi / occlusion.axes * random.uniform(size=screen[::-1]))
     if pattern == "random":
         shares = random.uniform(size=count)
     elif pattern == "regular":
@@ -92,7 +110,7 @@ def directions(pattern: Pattern) -> Floats:
         shares = np.array([radical_inverse(k + 1, 3) for k in range(count)])
     else:
         shares = np.array([radical_inverse(k, 2) for k in range(count)])
-    return np.asarray(pi / 2 * shares.reshape(SIDE, SIDE))
+    return np.asarray(pi / occlusion.axes * shares.reshape(side, side))
 
 
 def radical_inverse(number: int, base: int) -> float:

@@ -72,7 +72,9 @@ class Pipeline:
         self.shadow = ShadowPass(context, geometry, seen, preset.shadow) if preset.shadow else None
         kept = ("4f4", "4f1") if preset.scattering else ()
         lit = Target(context, drawn, ("4f1", *kept), geometry.depth)
-        self._light = ScreenPass(context, lit, "form", "surface", "compose", "light", defines={"KEPT": len(kept)})
+        levels = preset.scattering.levels if preset.scattering else 1
+        defines = {"KEPT": len(kept), "LEVELS": levels}
+        self._light = ScreenPass(context, lit, "form", "surface", "compose", "light", defines=defines)
         self.scatter = ScatterPass(context, geometry, lit, preset.scattering) if preset.scattering else None
         self._lashes = LashPass(context, geometry, lit.textures[0])
         self._backdrop = Target(context, drawn, ("4f1",), None)
@@ -105,7 +107,7 @@ class Pipeline:
         picture.copy(self._backdrop)
         if self.scatter:
             self.scatter.clear()
-            values["threshold"] = self.scatter.scattering.threshold
+            values |= self.scatter.asked
         self._light.draw(inputs, values)
         if self.scatter:
             self.scatter.draw(bent, scale)

@@ -6,9 +6,10 @@ fine for occlusion to tell; what they make uneven is filtered, too.
 
 import moderngl
 
+from kinesic.body.arrays import Floats
 from kinesic.face.render.camera import Camera
 from kinesic.face.render.geometry import Geometry
-from kinesic.face.render.passes import Marks, Rectangle, ScreenPass, Size, Target, Value
+from kinesic.face.render.passes import Marks, Rectangle, ScreenPass, Size, Target, Value, Values
 from kinesic.face.render.presets import Focus, Preset, Scattering
 
 
@@ -22,15 +23,23 @@ class ScatterPass:
         picture, diffuse, colour = lit.textures
         self._diffuse, self._colour = (Target.of(context, [each], None) for each in (diffuse, colour))
         half = Target(context, geometry.size, ("4f4",), self._marks.depth)
+        defines = {"STEPS": scattering.steps, "LEVELS": scattering.levels}
         mended = Target.of(context, [picture], self._marks.depth)
         self._across, self._up = (
-            ScreenPass(context, onto, *fragments, where="marked", defines={"STEPS": scattering.steps, "LAST": last})
+            ScreenPass(context, onto, *fragments, where="marked", defines={**defines, "LAST": last})
             for fragments, onto, last in ((("scatter",), half, 0), (("compose", "scatter"), mended, 1))
         )
 
     def clear(self) -> None:
         """Marks nothing as uneven, before light is drawn."""
         self._colour.frame.clear()
+
+    @property
+    def asked(self) -> Values:
+        """What the light must know to say where it spreads, and by how many levels."""
+        scattering = self.scattering
+        deep = {"deep": scattering.deep} if scattering.levels > 1 else {}
+        return {"threshold": scattering.threshold} | deep
 
     def draw(self, bent: moderngl.Texture, scale: float) -> None:
         """Lets the light spread.
@@ -46,9 +55,15 @@ class ScatterPass:
         across, up = (scattering.width / scattering.steps * scale * side for side in self._pixel)
         half = self._across.target
         half.copy(self._diffuse)
-        self._across.draw({"bent": bent, "diffuse": self._diffuse.textures[0]}, values | {"axis": (across, 0.0)})
+        levels = {"colour": colour} if scattering.levels > 1 else {}
+        inputs = {"bent": bent, "diffuse": self._diffuse.textures[0]} | levels
+        self._across.draw(inputs, values | {"axis": (across, 0.0)})
         inputs = {"bent": bent, "diffuse": half.textures[0], "colour": colour}
         self._up.draw(inputs, values | {"axis": (0.0, up)})
+
+    def levels(self) -> Floats:
+        """(height, width) by how much of all samples light spread at each pixel, 0..255; first row on top."""
+        return self._colour.read()[..., 3]
 
     def marked(self) -> float:
         """Tells which share of the picture was filtered last."""
@@ -56,7 +71,7 @@ class ScatterPass:
 
 
 class FocusPass:
-    """Blurs what is nearer or farther than the nearer eye (thesis 12.1)."""
+    """Blurs what is nearer or farther than the nearer eye, or than a plane (thesis 12.1)."""
 
     def __init__(self, context: moderngl.Context, geometry: Geometry, focus: Focus) -> None:
         self.focus, self._geometry = focus, geometry
@@ -71,7 +86,7 @@ class FocusPass:
         eyes = self._geometry.mesh.eyes @ view[:3, :3].T + view[:3, 3]
         values: dict[str, Value] = {
             "lens": (focus.circle * height / width, focus.circle),
-            "sharp": float(-eyes[:, 2].max()),
+            "sharp": float(-eyes[:, 2].max()) if focus.plane is None else focus.plane,
             "within": focus.within,
         }
         found, form = picture.textures[0], self._geometry.target.textures[0]

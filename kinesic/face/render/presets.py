@@ -9,7 +9,12 @@ from kinesic.body.config import suggestion
 from kinesic.face.display import DisplayError
 
 Estimator = Literal["angular", "crytek", "obscurance", "horizon"]
-Pattern = Literal["random", "regular", "jittered", "halton", "hammersley"]
+Pattern = Literal["random", "regular", "jittered", "halton", "hammersley", "noise"]  # noise: never the same tile again
+Falloff = Literal["wendland", "gaussian"]
+Axes = Literal[1, 2]
+
+TILES = range(2, 9)  # pixels along a side of a pattern that there may be
+LARGEST_SIZE = 63  # samples across
 
 
 @dataclass(frozen=True)
@@ -17,11 +22,25 @@ class Occlusion:
     """Ambient occlusion (thesis chapter 3)."""
 
     size: int = 11  # samples across, k: k x k of them if exact, else 2 k
-    exact: bool = False  # else separable
+    exact: bool = False  # else along a few axes
+    axes: Axes = 2  # at right angles to each other: 2 is separable; 1 sees too little (Figure 3.9)
     estimator: Estimator = "angular"
     pattern: Pattern = "hammersley"  # in which directions turn from pixel to pixel
+    tile: int = 4  # pixels along a side of it, and of the blur that takes it out (listing 11.1)
+    falloff: Falloff = "wendland"  # of what is further away (3.3)
     radius: float = 0.024  # [m] within which surfaces occlude
     strength: float = 1.7
+
+    def __post_init__(self) -> None:
+        if self.tile not in TILES:
+            raise DisplayError(f"a pattern of {self.tile} x {self.tile} pixels; there are {TILES[0]} to {TILES[-1]}")
+        if not 2 <= self.size <= LARGEST_SIZE:
+            raise DisplayError(f"occlusion with {self.size} samples across; there may be 2 to {LARGEST_SIZE}")
+
+    @property
+    def directions(self) -> int:
+        """How many directions are marched along, each both ways."""
+        return self.size if self.exact else self.axes
 
 
 @dataclass(frozen=True)
@@ -31,6 +50,18 @@ class Scattering:
     width: float = 0.0035  # [m] that red light spreads
     threshold: float = 0.93  # of openness: pixels more open than this and even are left as they are; 1 filters all
     steps: int = 3  # samples on each side
+    levels: int = 1  # of detail: the more occluded, the more of the samples are taken (Figure 5.2); at most `steps`
+    deep: float = 0.6  # openness at which all of them are
+
+    def __post_init__(self) -> None:
+        if self.levels > 1 and not self.deep < self.threshold:
+            raise DisplayError(
+                f"all levels at openness {self.deep:g}; it must be below the threshold {self.threshold:g}"
+            )
+        if not 1 <= self.levels <= self.steps:
+            raise DisplayError(
+                f"light spreads in {self.levels} levels; with {self.steps} samples there are 1 to {self.steps}"
+            )
 
 
 @dataclass(frozen=True)
@@ -53,7 +84,8 @@ class Focus:
     """Depth of field (thesis 12.1)."""
 
     circle: float = 0.03  # radius of confusion at its widest, as a share of the picture's height
-    within: float = 0.03  # [m] from the nearer eye that is sharp, too
+    plane: float | None = None  # [m] of depth from the camera that is sharp; None: that of the nearer eye
+    within: float = 0.03  # [m] before and behind it that is sharp, too
     taps: int = 24
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from kinesic.body.choices import Variant
 from kinesic.face.display import DisplayError, offscreen
 from kinesic.face.render.camera import CLOSE
+from kinesic.face.render.effects import Effects
 from kinesic.face.render.portrait import Pixels, Portrait
 from kinesic.face.render.presets import PRESETS
 from kinesic.face.show.controls import Controls
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 
 PAUSE = 0.004  # [s] between two looks at the shared command
 FASTEST = 1 / 60  # [s] between two pictures
+UNCHANGED = Effects()
 
 
 class Screen(Protocol):
@@ -65,6 +67,7 @@ class PreviewSettings:
     gain: float = 1.0  # of the wrinkles
     yaw_deg: float = 0.0
     beside: Path | None = None  # a film of the body on the clock of the performance
+    effects: Effects = UNCHANGED  # over the preset, whichever it is
 
 
 class ChildAnswer(Protocol):
@@ -88,7 +91,7 @@ def show_face(shared: SharedCommand, answer: ChildAnswer, look: PreviewSettings)
                 context = framed.context
             else:
                 context = opened.enter_context(offscreen())
-            draw = painter(context, size, body)
+            draw = painter(context, size, body, look.effects)
             draw(shared.read(), begun)  # whatever cannot be drawn is told before the performance begins
             answer.send("")
             follow(shared, screen, draw, begun)
@@ -97,7 +100,7 @@ def show_face(shared: SharedCommand, answer: ChildAnswer, look: PreviewSettings)
 
 
 def painter(
-    context: "moderngl.Context", size: tuple[int, int], body: SideFilm | None = None
+    context: "moderngl.Context", size: tuple[int, int], body: SideFilm | None = None, effects: Effects = UNCHANGED
 ) -> Callable[[ShownFace, Controls], Pixels]:
     """Makes a function that draws; it keeps a portrait for each preset and variant."""
     portraits: dict[tuple[str, Variant], Portrait] = {}
@@ -105,7 +108,8 @@ def painter(
     def draw(shown: ShownFace, controls: Controls) -> Pixels:
         kind = (controls.preset, controls.variant)
         if kind not in portraits:
-            portraits[kind] = Portrait(controls.variant, preset=PRESETS[controls.preset], size=size, context=context)
+            preset = effects.applied(PRESETS[controls.preset])
+            portraits[kind] = Portrait(controls.variant, preset=preset, size=size, context=context)
         camera = replace(CLOSE, yaw_deg=controls.yaw_deg, turn=shown.turn)
         face = portraits[kind].draw(controls.over(shown.units), camera, gain=controls.gain)
         return face if body is None else np.concatenate([face, body.at(shown.time)], axis=1)

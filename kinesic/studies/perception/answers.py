@@ -27,9 +27,12 @@ COLUMNS = (
     *LABELS,
     *OPINIONS,
     "seconds",
+    "age",
 )
 SIGNIFICANT = 0.05  # share of chance below which two conditions differ
-NEEDED = ("action", *CONDITIONS, *LABELS, *OPINIONS)
+NEEDED = ("participant", "action", *CONDITIONS, *LABELS, *OPINIONS)
+AGES = range(10, 120)  # [years] that are believed
+ALL = "all"  # the row of all actions together
 
 
 @dataclass(frozen=True)
@@ -40,6 +43,8 @@ class Rating:
     conditions: Mapping[str, str]  # strength, wrinkles, presentation
     labels: Mapping[str, int]  # action asked for -> 1..5
     opinions: Mapping[str, int]  # naturalness, realism -> 1..5
+    participant: str = ""
+    age: int | None = None  # [years] of the participant, who need not tell it
 
     @property
     def first_choice(self) -> bool:
@@ -84,7 +89,7 @@ class ComparedMeans:
 
 @dataclass(frozen=True)
 class Comparison:
-    """The effect of one condition (Table 4.3: strength; 4.4: presentation)."""
+    """The effect of one condition (Table 4.3: strength; 4.4: presentation), for each action and for `ALL` together."""
 
     condition: str
     sides: tuple[str, str]
@@ -100,21 +105,34 @@ class Choices:
 
 
 def compare_sides(answers: Sequence[Rating], condition: str, sides: tuple[str, str]) -> Comparison:
-    """Compares two sides of a condition, for each action and measure.
+    """Compares two sides of a condition, for each action and measure, and for all actions together (thesis 4.5).
 
     Args:
         answers: of all participants.
         condition: strength, wrinkles or presentation.
         sides: its two values.
     """
+    groups = {action: [a for a in answers if a.action == action] for action in LABELS} | {ALL: answers}
     cells = {
-        (action, name): _cell(
-            *([measure(a) for a in answers if a.action == action and a.conditions[condition] == side] for side in sides)
-        )
-        for action in LABELS
+        (action, name): _cell(*([measure(a) for a in own if a.conditions[condition] == side] for side in sides))
+        for action, own in groups.items()
         for name, measure in MEASURES.items()
     }
     return Comparison(condition, sides, cells)
+
+
+@dataclass(frozen=True)
+class People:
+    """Who answered."""
+
+    count: int
+    ages: tuple[int, ...]  # [years] of those who told it, in rising order
+
+
+def participants(answers: Sequence[Rating]) -> People:
+    """Counts who answered, and how old they are."""
+    ages = {answer.participant: answer.age for answer in answers}
+    return People(len(ages), tuple(sorted(age for age in ages.values() if age is not None)))
 
 
 def first_choices(answers: Sequence[Rating]) -> Choices:
@@ -146,10 +164,17 @@ def _answer(where: str, row: Mapping[str, str]) -> Rating:
     labels = {name: _points(where, name, row[name]) for name in LABELS if row[name]}
     if row["action"] not in labels:
         raise ConfigError(f"{where}: no answer in column {row['action']}, which is what was shown")
-    return Rating(row["action"], conditions, labels, {name: _points(where, name, row[name]) for name in OPINIONS})
+    opinions = {name: _points(where, name, row[name]) for name in OPINIONS}
+    told = row.get("age", "")
+    age = _whole(where, "age", told, AGES) if told else None
+    return Rating(row["action"], conditions, labels, opinions, row["participant"], age)
 
 
 def _points(where: str, name: str, text: str) -> int:
-    if not (text.isascii() and text.isdecimal() and len(text) < 3 and 1 <= int(text) <= POINTS):
-        raise ConfigError(f"{where}: {name} is {text!r}, must be a whole number from 1 to {POINTS}")
+    return _whole(where, name, text, range(1, POINTS + 1))
+
+
+def _whole(where: str, name: str, text: str, among: range) -> int:
+    if not (text.isascii() and text.isdecimal() and len(text) < 4 and int(text) in among):
+        raise ConfigError(f"{where}: {name} is {text!r}, must be a whole number from {among[0]} to {among[-1]}")
     return int(text)

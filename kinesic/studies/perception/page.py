@@ -15,7 +15,7 @@ from kinesic.face.render.portrait import Pixels, Portrait
 from kinesic.face.render.presets import NORMAL, Preset
 from kinesic.face.show.files import save, save_film
 from kinesic.report.report import Json
-from kinesic.studies.perception.answers import COLUMNS
+from kinesic.studies.perception.answers import AGES, COLUMNS
 from kinesic.studies.perception.design import ACTIONS, PER_CELL, POINTS, Stimulus, stimuli
 from kinesic.studies.questionnaire.page import write_questionnaire
 
@@ -72,6 +72,7 @@ def write_study_page(path: Path, *, folder: str = "stimuli", post_to: str = "") 
         post_to=post_to,
         shown=4 * PER_CELL,
         images="*",
+        told={"ages": [AGES[0], AGES[-1]]},
     )
 
 

@@ -13,7 +13,7 @@ function drawn() {
 }
 
 const known = (id) => byId.has(id);
-const rowOf = (id) => ({ ...byId.get(id), stimulus: id });
+const rowOf = (id) => ({ ...byId.get(id), stimulus: id, age: /^\d{1,3}$/.test(state.age) ? state.age : "" });
 
 function present(id) {
   const stimulus = byId.get(id);
@@ -40,4 +40,5 @@ function askAll(stimulus) {
 }
 
 const state = resumed();
+found("begin").addEventListener("click", () => { state.age = found("age").checkValidity() ? found("age").value : ""; });
 lead();

@@ -4,6 +4,7 @@ import json
 import re
 from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
@@ -13,6 +14,7 @@ from kinesic.report.content_policy import content_policy
 from kinesic.report.report import Json
 
 HERE = Path(__file__).parent
+NOTHING: Mapping[str, Json] = MappingProxyType({})
 
 
 def write_questionnaire(
@@ -24,6 +26,7 @@ def write_questionnaire(
     post_to: str,
     shown: int,
     images: str = "'none'",
+    told: Mapping[str, Json] = NOTHING,
 ) -> None:
     """Writes the page of a study.
 
@@ -36,6 +39,7 @@ def write_questionnaire(
         post_to: URL that each participant's answers are sent to as CSV; empty: they are only offered as a file.
         shown: how much one participant is shown, as the welcome says.
         images: where they may come from.
+        told: what else the template reads.
 
     Raises:
         ConfigError: `post_to` is no http or https URL.
@@ -51,6 +55,7 @@ def write_questionnaire(
         policy=content_policy(whole, img_src=images, connect_src=f"blob: {find_origin(post_to)}".rstrip()),
         study=Markup(json.dumps({**study, "postTo": post_to}).replace("<", "\\u003c")),
         shown=shown,
+        **told,
     )
     path.write_text(text, encoding="utf-8")
 

@@ -54,6 +54,7 @@ def test_scattering_keeps_most_of_what_is_seen(monkeypatch: pytest.MonkeyPatch):
     assert found["face.scattering.kept"] > 50.0
     assert found["face.scattering.kept_visible"] > 80.0
     assert found["face.scattering.ratio"] > 0.0
+    assert 40.0 < found["face.scattering.levels_kept"] < 100.0
 
 
 @drawable
@@ -66,6 +67,8 @@ def test_occlusion_has_a_row_for_each_estimator_and_is_near_to_exact(monkeypatch
     assert found.keys() == {name for name, *_ in face.expected_figures() if name.startswith("face.occlusion.")}
     assert found["face.occlusion.boxes_rmse"] < 0.04
     assert found["face.occlusion.boxes_correlation"] > 0.97
+    assert found["face.occlusion.boxes_rmse_occluded"] > found["face.occlusion.boxes_rmse"]
+    assert found["face.occlusion.boxes_one_axis_rmse"] > 1.2 * found["face.occlusion.boxes_rmse"]
     assert found["face.occlusion.samples_21_exact"] > 4 * found["face.occlusion.samples_21_separable"]
 
 

@@ -9,13 +9,13 @@ import pytest
 
 from kinesic.body.arrays import Floats
 from kinesic.face.assets.mesh import PARTS
-from kinesic.face.display import offscreen
+from kinesic.face.display import DisplayError, offscreen
 from kinesic.face.render.camera import FRONT
 from kinesic.face.render.geometry import PositionBuffer, PositionPass
-from kinesic.face.render.occlusion import SIDE, OcclusionPass, directions, radical_inverse, samples, wendland
+from kinesic.face.render.occlusion import OcclusionPass, directions, gaussian, radical_inverse, samples, wendland
 from kinesic.face.render.passes import texture
 from kinesic.face.render.portrait import Portrait
-from kinesic.face.render.presets import Estimator, Occlusion, Pattern
+from kinesic.face.render.presets import TILES, Axes, Estimator, Falloff, Occlusion, Pattern
 
 SIZE = 128
 SCALE = 2000.0  # [pixels/m] of the scenes
@@ -122,21 +122,83 @@ def test_directions_that_turn_come_nearer_to_exact_than_fixed_ones(drawable: Non
     with offscreen() as context:
         exact = opened(context, (position, normal), replace(FINE, exact=True))
         turning = opened(context, (position, normal), FINE)
-        monkeypatch.setattr("kinesic.face.render.occlusion.directions", lambda _: np.zeros((SIDE, SIDE)))
+        monkeypatch.setattr(
+            "kinesic.face.render.occlusion.directions", lambda told, _: np.zeros((told.tile, told.tile))
+        )
         fixed = opened(context, (position, normal), FINE)
     corner = np.s_[SIZE // 2 - 24 : SIZE // 2 - 4, SIZE // 2 - 24 : SIZE // 2 - 4]
     assert np.abs(turning - exact)[corner].mean() < 0.7 * np.abs(fixed - exact)[corner].mean()
 
 
+def test_one_axis_sees_too_little_even_with_as_many_samples(drawable: None):
+    """Figure 3.9: left half the cost, in the middle the same, on the right two axes."""
+    one, same = replace(FINE, axes=1), replace(FINE, axes=1, size=2 * FINE.size)
+    assert samples(FINE) / 2 == samples(one)
+    assert samples(same) - samples(FINE) in (0, 2)
+    with offscreen() as context:
+        exact = opened(context, heap(), replace(FINE, exact=True))
+        errors = [np.sqrt(np.mean((opened(context, heap(), each) - exact) ** 2)) for each in (one, same, FINE)]
+    assert errors[0] > 1.2 * errors[2]
+    assert errors[1] > 1.2 * errors[2]
+
+
+@pytest.mark.parametrize("tile", TILES)
+def test_a_blur_as_wide_as_the_pattern_takes_it_out(drawable: None, tile: int):
+    """At the foot of a long step every row sees the same, whatever the pattern's size."""
+    with offscreen() as context:
+        foot = opened(context, step(), replace(FINE, tile=tile, pattern="regular"))[
+            32:96, SIZE // 2 - 24 : SIZE // 2 - 4
+        ]
+    assert 0.1 < 1.0 - foot.min() < 1.0
+    assert foot.std(axis=0).max() < 0.02
+
+
+def test_noise_over_the_whole_picture_is_not_taken_out(drawable: None):
+    """Figure 3.7: the same blur leaves chance behind, and no pattern."""
+    with offscreen() as context:
+        left = [
+            opened(context, step(), replace(FINE, pattern=pattern))[32:96, SIZE // 2 - 24 : SIZE // 2 - 4].std(axis=0)
+            for pattern in ("hammersley", "noise")
+        ]
+    assert left[1].mean() > 2.0 * left[0].mean()
+
+
+@pytest.mark.parametrize("estimator", ["angular", "crytek"])
+def test_a_gaussian_is_a_little_nearer_than_wendland(drawable: None, estimator: Estimator):
+    """They are as wide at half their height, so that they differ, but not by much."""
+    with offscreen() as context:
+        wendlands, gaussians = (
+            opened(context, heap(), replace(FINE, estimator=estimator, falloff=each)) for each in get_args(Falloff)
+        )
+    apart = np.abs(wendlands - gaussians)
+    assert 0.001 < apart.mean() < 0.02
+    assert np.corrcoef(wendlands.ravel(), gaussians.ravel())[0, 1] > 0.99
+
+
 @pytest.mark.parametrize("pattern", get_args(Pattern))
-def test_patterns_turn_within_a_quarter(pattern: Pattern):
-    found = directions(pattern)
-    assert found.shape == (SIDE, SIDE)
-    assert np.all((found >= 0.0) & (found < np.pi / 2))
-    assert len(np.unique(found)) == SIDE * SIDE
-    np.testing.assert_array_equal(found, directions(pattern))
-    if pattern != "random":
-        assert np.diff(np.sort(found.ravel())).max() < np.pi / 2 / SIDE
+@pytest.mark.parametrize(("axes", "range_"), [(1, np.pi), (2, np.pi / 2)])
+def test_patterns_turn_within_what_the_axes_leave(pattern: Pattern, axes: Axes, range_: float):
+    told = Occlusion(pattern=pattern, axes=axes, tile=5)
+    found = directions(told, (8, 6))
+    assert found.shape == ((6, 8) if pattern == "noise" else (5, 5))
+    assert np.all((found >= 0.0) & (found < range_))
+    assert len(np.unique(found)) == found.size
+    np.testing.assert_array_equal(found, directions(told, (8, 6)))
+    if pattern not in ("random", "noise"):
+        assert np.diff(np.sort(found.ravel())).max() < range_ / 5
+
+
+@pytest.mark.parametrize(
+    ("told", "says"),
+    [
+        ({"tile": 1}, "a pattern of 1 x 1 pixels; there are 2 to 8"),
+        ({"tile": 9}, "a pattern of 9 x 9 pixels; there are 2 to 8"),
+        ({"size": 1}, "occlusion with 1 samples across; there may be 2 to 63"),
+    ],
+)
+def test_what_cannot_be_marched_is_told(told: dict[str, int], says: str):
+    with pytest.raises(DisplayError, match=says):
+        Occlusion(**told)
 
 
 def test_radical_inverse_mirrors_digits():
@@ -147,3 +209,10 @@ def test_radical_inverse_mirrors_digits():
 def test_wendland_falls_from_one_to_zero():
     assert wendland(np.array([0.0, 1.0, 1.5])).tolist() == [1.0, 0.0, 0.0]
     assert np.all(np.diff(wendland(np.linspace(0, 1, 50))) < 0)
+
+
+def test_a_gaussian_is_half_as_high_where_wendland_is():
+    half = np.array([0.3137])
+    np.testing.assert_allclose(wendland(half), 0.5, atol=2e-3)
+    np.testing.assert_allclose(gaussian(half), 0.5, atol=2e-2)
+    assert gaussian(np.array([0.0, 1.0, 1.5])).tolist() == [1.0, 0.0, 0.0]

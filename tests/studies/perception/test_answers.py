@@ -10,7 +10,17 @@ import pytest
 from click.testing import CliRunner
 
 from kinesic.cli.verbs import study
-from kinesic.studies.perception.answers import COLUMNS, LABELS, Rating, compare_sides, first_choices, read_answers
+from kinesic.studies.perception.answers import (
+    ALL,
+    COLUMNS,
+    LABELS,
+    People,
+    Rating,
+    compare_sides,
+    first_choices,
+    participants,
+    read_answers,
+)
 from kinesic.studies.perception.design import stimuli
 
 PEOPLE = 60
@@ -48,6 +58,7 @@ def made(path: Path, *, strong: float, wrinkled: float, seed: int = 0) -> Path:
                         "naturalness": points(3.0),
                         "realism": points(3.0),
                         "seconds": "1.0",
+                        "age": 19 + person % 33 if person else "",
                     }
                 )
     return path
@@ -65,10 +76,25 @@ def answers(file: Path) -> tuple[Rating, ...]:
 
 def test_an_effect_that_is_there_is_found(answers: tuple[Rating, ...]):
     found = compare_sides(answers, "strength", ("high", "low"))
-    for action in LABELS:
+    for action in (*LABELS, ALL):
         cell = found.cells[action, "EXP"]
         assert cell.significant
         assert cell.means[0] > cell.means[1] + 0.5
+
+
+def test_the_global_test_is_over_all_actions(answers: tuple[Rating, ...]):
+    """What is too faint to be found for one action alone is found for all of them together."""
+    found = compare_sides(answers, "strength", ("high", "low")).cells
+    assert found[ALL, "NAT"].counts == tuple(sum(found[a, "NAT"].counts[side] for a in LABELS) for side in (0, 1))
+    assert found[ALL, "EXP"].p < min(found[a, "EXP"].p for a in LABELS)
+    assert not found[ALL, "NAT"].significant
+
+
+def test_participants_are_counted_once_and_need_not_tell_their_age():
+    conditions = {"strength": "high", "wrinkles": "with", "presentation": "image"}
+    opinions = {"naturalness": 3, "realism": 3}
+    told = [Rating("4", conditions, {"4": 4}, opinions, name, age) for name, age in (("a", 51), ("b", None), ("a", 51))]
+    assert participants(told) == People(2, (51,))
 
 
 def test_an_effect_that_is_not_there_is_mostly_not_found(answers: tuple[Rating, ...]):
@@ -109,9 +135,16 @@ def test_a_tie_is_no_first_choice():
 def test_the_command_prints_the_tables_of_the_thesis(file: Path):
     told = CliRunner().invoke(study, ["analyse", str(file)], standalone_mode=False)
     assert told.exception is None
-    for words in ("effect of intensity", "effect of presentation", "first choice", "NAT", "p < 0.05"):
+    said = (
+        *("effect of intensity", "effect of presentation", "first choice", "NAT", "p < 0.05", "< 0.001"),
+        "answers of 60 participants (age 19-51, median 34, told by 59)",
+    )
+    for words in said:
         assert words in told.output
+    assert sum(line.split()[0] == ALL for line in told.output.splitlines() if line.strip()) == 3
     told = CliRunner().invoke(study, ["analyse", str(file), "--json"], standalone_mode=False)
     data = json.loads(told.output)
-    assert {row["action"] for row in data["intensity"]} == set(LABELS)
+    assert {row["action"] for row in data["intensity"]} == {*LABELS, ALL}
+    assert data["participants"] == 60
+    assert len(data["ages"]) == 59
     assert all(row["p"] < 0.05 for row in data["intensity"] if row["measure"] == "EXP")

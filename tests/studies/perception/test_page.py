@@ -49,6 +49,7 @@ def written(page: Page) -> str:
 
 
 def test_a_participant_answers_some_faces_and_stops(page: Page, tmp_path: Path):
+    page.value("document.getElementById('age').value = '34'")
     page.click("#begin")
     for points in (4, 2, 5):
         answer(page, points)
@@ -60,6 +61,7 @@ def test_a_participant_answers_some_faces_and_stops(page: Page, tmp_path: Path):
     assert len(rows) == 3 + 2
     assert [row.split(",")[COLUMNS.index("realism")] for row in rows[1:4]] == ["4", "2", "5"]
     assert len({row.split(",")[COLUMNS.index("stimulus")] for row in rows[1:4]}) == 3
+    assert {row.split(",")[COLUMNS.index("age")] for row in rows[1:4]} == {"34"}
 
 
 def test_all_32_faces_can_be_read_back(page: Page, tmp_path: Path):
@@ -153,7 +155,7 @@ def test_a_moving_face_is_seen_once_even_after_a_reload(page: Page):
 
 
 HEAD = ",".join(COLUMNS)
-ROW = "p,1,s,female,4,upper,high,with,image,1,4,2,,,,3,3,1.0"
+ROW = "p,1,s,female,4,upper,high,with,image,1,4,2,,,,3,3,1.0,30"
 
 
 @pytest.mark.parametrize(
@@ -164,10 +166,11 @@ ROW = "p,1,s,female,4,upper,high,with,image,1,4,2,,,,3,3,1.0"
         (HEAD + "\n" + ROW.replace("high", "huge"), "strength is 'huge', must be one of low, high"),
         (HEAD + "\n" + ROW.replace(",1,4,2,", ",1,,2,"), "no answer in column 4"),
         (HEAD + "\n", "no answer for any of"),
-        (HEAD + "\n" + ROW[:-8], "must have 18 values, like the first line"),
-        (HEAD + "\n" + ROW + ",1", "must have 18 values, like the first line"),
+        (HEAD + "\n" + ROW[:-11], "must have 19 values, like the first line"),
+        (HEAD + "\n" + ROW + ",1", "must have 19 values, like the first line"),
         (HEAD + "\n" + ROW.replace(",3,3,", ",3,\u0663,"), "must be a whole number"),
         (HEAD + "\n" + ROW.replace(",3,3,", f",3,{'9' * 5000},"), "must be a whole number"),
+        (HEAD + "\n" + ROW[:-2] + "7", "age is '7', must be a whole number from 10 to 119"),
         (HEAD + "\n" + ROW.replace("p,1", f"{'p' * 200_000},1"), "is no CSV: field larger"),
     ],
 )

@@ -17,7 +17,7 @@ void main() {
     float sum = 0.0, weights = 1e-6;
     for (int k = -REACH; k <= REACH; ++k) {
         vec4 other = textureLod(noisy, uv + float(k) * axis, 0.0);
-        float weight = abs(k) == REACH ? 0.5 : 1.0;  // together as wide as the pattern
+        float weight = SIDE % 2 == 0 && abs(k) == REACH ? 0.5 : 1.0;  // together as wide as the pattern
         weight *= max(1.0 - abs(other.y - at.y) / EDGE, 0.0) * max(dot(n, vec3(other.zw, up(other.zw))), 0.0);
         sum += weight * other.x;
         weights += weight;

@@ -9,6 +9,9 @@ uniform vec2 lens;
 uniform vec3 sky;         // from above
 uniform vec3 ground;      // from below
 uniform float threshold;  // of openness, over which the surface is even
+#if LEVELS > 1
+uniform float deep;       // openness at which light spreads by all LEVELS
+#endif
 
 const float FURROW = 0.1;  // height of a wrinkle that counts
 const float EDGE = 0.02;   // share of the key's light that is neither light nor shadow
@@ -23,7 +26,7 @@ in vec2 uv;
 layout(location = 0) out vec4 picture;
 #if KEPT
 layout(location = 1) out vec4 diffuse;  // light that has met no colour yet; what is mirrored
-layout(location = 2) out vec4 colour;   // its square root; 1 on skin where light changes from pixel to pixel
+layout(location = 2) out vec4 colour;   // its square root; above 0 on skin that light spreads under: the level, of 1
 #endif
 
 float eighth(float x) { x *= x; x *= x; return x * x; }
@@ -59,8 +62,13 @@ void main() {
     vec3 root = floor(255.0 * own.rgb + 0.5) / 255.0;  // as it is kept: where light spreads by nothing, nothing changes
     picture = composed(lit, root);
 #if KEPT
-    bool even = around > threshold && abs(height) < FURROW && abs(key.r - 0.5) > 0.5 - EDGE;
+    bool smooth_skin = abs(height) < FURROW && abs(key.r - 0.5) > 0.5 - EDGE, even = around > threshold && smooth_skin;
     diffuse = lit;
-    colour = vec4(root, even || threshold < 0.0 ? 0.0 : is_skin);
+    float level = 1.0;
+#if LEVELS > 1
+    float asked = ceil(float(LEVELS) * (threshold - around) / (threshold - deep));
+    level = smooth_skin ? clamp(asked, 1.0, float(LEVELS)) / float(LEVELS) : 1.0;
+#endif
+    colour = vec4(root, even || threshold < 0.0 ? 0.0 : is_skin * level);
 #endif
 }

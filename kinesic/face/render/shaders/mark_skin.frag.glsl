@@ -4,5 +4,5 @@ uniform sampler2D colour;
 in vec2 uv;
 
 void main() {
-    if (textureLod(colour, uv, 0.0).a < 0.5) discard;
+    if (textureLod(colour, uv, 0.0).a == 0.0) discard;
 }

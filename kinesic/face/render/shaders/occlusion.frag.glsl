@@ -1,6 +1,6 @@
 // Ambient occlusion (thesis chapter 3): how much of the light around reaches each pixel, judged by marching over the
 // G-buffer. Exact: along every direction. Separable: along two at right angles that turn from pixel to pixel.
-// SIDE pixels has the pattern along an axis; DIRECTIONS are marched, each both ways, with STEPS on each half.
+// WIDE x TALL pixels has the pattern; DIRECTIONS are marched, each both ways, with STEPS on each half.
 uniform sampler2D position;
 uniform sampler2D normal;
 uniform sampler2D pattern;  // cosine and sine of the first direction, interleaved over the screen
@@ -18,17 +18,22 @@ in vec2 uv;
 
 out vec4 found;  // openness 0..1; depth [m] less that of the part, 0 on the background; x and y of the normal
 
-float wendland(float t) {
+// How much counts what is a share of the radius away.
+float falloff(float t) {
+#if FALLOFF == 1  // Gaussian, as wide as the other
+    return t < 1.0 ? exp(-6.8587 * t * t) : 0.0;
+#else  // Wendland
     float u = max(1.0 - t, 0.0);
     u *= u;
     return u * u * (4.0 * t + 1.0);
+#endif
 }
 
 // What a sample takes from a pixel, 0..1, against the tangent plane there: a slope does not darken itself.
 float occluded(vec3 p, vec3 n, vec4 at) {
     vec3 way = at.xyz - p;
     float away = max(length(way), 1e-7), height = dot(n, way);
-    float near = float(at.w > 0.0) * wendland(away / radius);
+    float near = float(at.w > 0.0) * falloff(away / radius);
 #if ESTIMATOR == 1  // Crytek: in front or not
     return 0.5 * step(BIAS, height / away) * near;
 #elif ESTIMATOR == 2  // volumetric obscurance: how much of the line through the sphere is filled
@@ -42,7 +47,7 @@ void main() {
     vec4 at = textureLod(position, uv, 0.0);
     vec3 p = at.xyz;
     vec3 n = textureLod(normal, uv, 0.0).xyz;
-    vec2 way = texelFetch(pattern, ivec2(gl_FragCoord.xy) % SIDE, 0).rg;
+    vec2 way = texelFetch(pattern, ivec2(gl_FragCoord.xy) % ivec2(WIDE, TALL), 0).rg;
     float sum = 0.0;
     for (int direction = 0; direction < DIRECTIONS; ++direction) {
         for (int sign = -1; sign <= 1; sign += 2) {

@@ -1,11 +1,12 @@
 // Light that spreads under the skin (thesis 5.1 and 5.2), along one axis: a trilateral filter by Wendland's function,
-// with STEPS samples on each side. The LAST of two axes makes the picture.
+// with STEPS samples on each side, or with fewer where the level is one of the lower LEVELS. The LAST of two axes makes
+// the picture.
 uniform sampler2D bent;  // form, with normals that the wrinkles bent
 uniform sampler2D diffuse;
 uniform vec2 axis;    // of a step, in texture coordinates
 uniform float width;  // [m] that red light spreads, in all steps
-#if LAST
-uniform sampler2D colour;
+#if LAST || LEVELS > 1
+uniform sampler2D colour;  // its square root; the level, of 1
 #endif
 
 const vec3 SHARE = vec3(1.0, 0.55, 0.4);  // of the width, of each colour
@@ -24,7 +25,12 @@ void main() {
     scattered = textureLod(diffuse, uv, 0.0);
     vec4 own = textureLod(bent, uv, 0.0);
     vec3 sum = scattered.rgb, weights = vec3(1.0);
-    for (int k = 1; k <= STEPS; ++k) {
+#if LEVELS > 1
+    int taken = int(ceil(float(STEPS) * textureLod(colour, uv, 0.0).a - 0.01));
+#else
+    const int taken = STEPS;
+#endif
+    for (int k = 1; k <= taken; ++k) {
         vec3 near = wendland(float(k) / (float(STEPS) * SHARE));
         for (float side = -1.0; side <= 1.0; side += 2.0) {
             vec2 there = uv + side * float(k) * axis;
