@@ -1,0 +1,155 @@
+"""Draws docs/face-thesis.png: comparisons of the thesis's rendering chapters, each effect on and off."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from PIL import Image, ImageDraw
+
+from kinesic.body.arrays import Floats
+from kinesic.face.render.camera import FRONT, Camera
+from kinesic.face.render.effects import Effects, Shading
+from kinesic.face.render.portrait import Pixels, Portrait
+from kinesic.face.render.presets import NORMAL, Focus, Occlusion, Preset
+
+SIDE, LABEL = 194, 16
+SMILE = {"6": 0.8, "12": 0.9, "25": 0.6}
+NEAR = Camera(yaw_deg=-30.0, field_deg=12.0)
+ASIDE = Camera(yaw_deg=-40.0, field_deg=17.0)
+LOUD, LOUDEST = 4.0, 8.0  # times that differences are shown
+WHOLE = replace(NORMAL, coarse=1)
+Tile = tuple[str, Pixels]
+Corner = tuple[int, int]  # row and column, of a part of a picture
+EYE, MOUTH, BROW = (48, 70), (150, 120), (70, 97)
+
+
+def grey(shares: Floats) -> Pixels:
+    """A picture of numbers 0..1."""
+    found = np.rint(255 * np.clip(shares, 0.0, 1.0)).astype(np.uint8)
+    return np.repeat(found[..., None], 3, axis=2)
+
+
+def openness(occlusion: Occlusion, *, blurred: bool = True) -> Floats:
+    """(n, n) how open each pixel is, as found or before it is blurred."""
+    with Portrait(preset=replace(WHOLE, occlusion=occlusion, hair=False), size=(SIDE, SIDE)) as portrait:
+        portrait.draw(SMILE, NEAR)
+        found = portrait.pipeline.occlusion
+        if found is None:
+            raise ValueError("drawn without occlusion")
+        passes = [found.march, *found.blurs]
+        with portrait.pipeline.geometry.context:
+            return passes[-1 if blurred else 0].target.read()[..., 0]
+
+
+def zoomed(pixels: Pixels, corner: Corner) -> Pixels:
+    """A quarter of a picture, each pixel of it four."""
+    row, column = corner
+    return pixels[row : row + SIDE // 2, column : column + SIDE // 2].repeat(2, axis=0).repeat(2, axis=1)
+
+
+def seen(preset: Preset, effects: Effects, camera: Camera = ASIDE) -> Pixels:
+    """A smile with effects."""
+    with Portrait(preset=effects.applied(preset), size=(SIDE, SIDE)) as portrait:
+        return portrait.draw(SMILE, camera)
+
+
+def seen_close(preset: Preset, effects: Effects, camera: Camera, corner: Corner) -> Pixels:
+    """A quarter of one that is twice as large."""
+    with Portrait(preset=effects.applied(preset), size=(2 * SIDE, 2 * SIDE)) as portrait:
+        return close(portrait.draw(SMILE, camera), corner)
+
+
+def close(pixels: Pixels, corner: Corner) -> Pixels:
+    """A part as large as a tile."""
+    row, column = corner
+    return pixels[row : row + SIDE, column : column + SIDE]
+
+
+def apart(one: Pixels, other: Pixels, times: float) -> Pixels:
+    """How far two pictures are apart: black is not at all."""
+    return grey(times * np.abs(one.astype(float) - other.astype(float)).max(axis=2) / 255.0)
+
+
+def axes() -> list[Tile]:
+    """Figure 3.9: one axis, one with as many samples as two, two, all; and what the first three miss."""
+    two = Occlusion(size=21)
+    settings = (replace(two, axes=1), replace(two, axes=1, size=41), two, replace(two, exact=True))
+    found = [openness(each) for each in settings]
+    names = ("one axis: 20 samples", "one axis: 40 samples", "two axes: 40 samples", "exact: 420 samples")
+    errors = [grey(LOUD * np.abs(each - found[-1])) for each in found[:-1]]
+    heads = (f"error x {LOUD:g}: 20", f"error x {LOUD:g}: 40, one", f"error x {LOUD:g}: 40, two")
+    return [*zip(names, map(grey, found), strict=True), *zip(heads, errors, strict=True)]
+
+
+def patterns() -> list[Tile]:
+    """Figure 3.7, listing 11.1 and 3.3: patterns and noise before and after the blur, and a Gaussian."""
+    usual = Occlusion(size=21)
+    noise = replace(usual, pattern="noise")
+    kinds: Sequence[tuple[str, Occlusion, bool]] = (
+        ("pattern 4 x 4, not blurred", usual, False),
+        ("pattern 4 x 4", usual, True),
+        ("noise, not blurred", noise, False),
+        ("noise", noise, True),
+        ("pattern 2 x 2", replace(usual, tile=2), True),
+        ("pattern 8 x 8", replace(usual, tile=8), True),
+        ("Gaussian falloff", replace(usual, falloff="gaussian"), True),
+    )
+    return [(name, zoomed(grey(openness(each, blurred=blurred)), EYE)) for name, each, blurred in kinds]
+
+
+def levels() -> list[Tile]:
+    """Figures 5.2 and 5.3: no scattering, everywhere the same, in levels, the levels, and differences."""
+    asked = (Effects(scattering="none"), Effects(scattering="everywhere"), Effects(scattering="levels"))
+    preset = replace(WHOLE, scattering=replace(WHOLE.scattering, steps=5)) if WHOLE.scattering else WHOLE
+    none, everywhere, in_levels = (seen_close(preset, each, NEAR, MOUTH) for each in asked)
+    with Portrait(preset=asked[2].applied(preset), size=(2 * SIDE, 2 * SIDE)) as portrait:
+        portrait.draw(SMILE, NEAR)
+        scatter = portrait.pipeline.scatter
+        if scatter is None:
+            raise ValueError("drawn without scattering")
+        with portrait.pipeline.geometry.context:
+            chosen = close(grey(scatter.levels() / 255.0), MOUTH)
+    return [
+        ("no scattering", none),
+        ("everywhere", everywhere),
+        ("in 3 levels", in_levels),
+        ("the levels: white all", chosen),
+        (f"everywhere - none x {LOUDEST:g}", apart(everywhere, none, LOUDEST)),
+        (f"levels - none x {LOUDEST:g}", apart(in_levels, none, LOUDEST)),
+        (f"everywhere - levels x {LOUDEST:g}", apart(everywhere, in_levels, LOUDEST)),
+    ]
+
+
+def planes() -> list[Tile]:
+    """12.1: what is in focus, and shadows."""
+
+    def at(plane: float | None, within: float = 0.0) -> Preset:
+        return replace(NORMAL, focus=Focus(circle=0.12, plane=plane, within=within))
+
+    def shaded(shadow: Shading) -> Pixels:
+        return seen_close(NORMAL, Effects(shadow=shadow, eyeshade=True), FRONT, BROW)
+
+    return [
+        ("all sharp", seen(NORMAL, Effects())),
+        ("sharp at the nearer eye", seen(at(None), Effects())),
+        ("sharp at 0.88 m", seen(at(0.88), Effects())),
+        ("sharp from 0.75 to 0.8 m", seen(at(0.775, 0.025), Effects())),
+        ("no shadow", shaded("none")),
+        ("plain shadow", shaded("plain")),
+        ("coloured shadow", shaded("coloured")),
+    ]
+
+
+def row(tiles: Sequence[Tile]) -> Pixels:
+    """Pictures side by side, each under its name."""
+    paper = Image.new("RGB", (SIDE * len(tiles), SIDE + LABEL), (250, 250, 250))
+    pen = ImageDraw.Draw(paper)
+    for k, (name, pixels) in enumerate(tiles):
+        pen.text((k * SIDE + 4, 2), name, fill=(40, 40, 40))
+        paper.paste(Image.fromarray(pixels), (k * SIDE, LABEL))
+    return np.asarray(paper)
+
+
+sheet = Image.fromarray(np.concatenate([row(make()) for make in (axes, patterns, levels, planes)]))
+sheet.quantize(192, dither=Image.Dither.NONE).save(Path(__file__).parents[1] / "face-thesis.png", optimize=True)
