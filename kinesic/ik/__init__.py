@@ -1,8 +1,9 @@
-"""Finds joint angles for a reach: `solve`, `pose`, `two_hands` and `track`."""
+"""Finds joint angles for a reach: `solve`, `pose`, `hold`, `two_hands` and `track`."""
 
 from kinesic.body.reach import Reach
 from kinesic.ik.arm.compiled import KERNEL
 from kinesic.ik.pose import PoseSolution
+from kinesic.ik.pose import hold_reach as hold
 from kinesic.ik.pose import solve_pose as pose
 from kinesic.ik.solve import Solution, solve
 from kinesic.ik.track import Tracker, track
@@ -18,6 +19,7 @@ __all__ = [
     "Reach",
     "Solution",
     "Tracker",
+    "hold",
     "pose",
     "solve",
     "track",

@@ -1,23 +1,28 @@
 """A hand's whole pose, position and orientation: the elbow's circle is searched, the rest is closed form.
 
-Once the forearm is in place its twist and the wrist follow from the wanted orientation (three hinges through one
-point). The first posture that violates no range is the answer; where the search meets none, Levenberg-Marquardt
-goes on from the best ones.
+The compiled kernel answers where there is one; what stands here is its specification. Once the forearm is in place
+its twist and the wrist follow from the wanted orientation (three hinges through one point). The first posture that
+violates no range is the answer; where the search meets none, Levenberg-Marquardt goes on from the best ones, then
+from postures all over the ranges.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import islice
-from math import atan2, dist
+from math import dist
 
 import numpy as np
+from msgspec import Struct
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.chain import Chain
+from kinesic.body.reach import Reach
+from kinesic.ik.arm.compiled import KERNEL, arm_of
 from kinesic.ik.arm.linkage import Link, Linkage, linkage_of
 from kinesic.ik.arm.mirror import ACROSS, is_right, mirror_chain
+from kinesic.ik.arm.orientation import orientation_of, product, shortest_turn, transposed
+from kinesic.ik.arm.seeds import seeds
 from kinesic.ik.arm.subproblems import first_of_two, turn_towards
-from kinesic.ik.arm.swivel_search import Cell, cells
+from kinesic.ik.arm.swivel_search import MISS_COST, Cell, Hand, cells
 from kinesic.ik.arm.wrist import HandDirection, orient
 from kinesic.ik.box_lm import Box, Errors, descend
 from kinesic.ik.scalar3 import (
@@ -28,13 +33,15 @@ from kinesic.ik.scalar3 import (
     after,
     distance,
     minus,
+    norm,
     plus,
     rotated,
     turned,
     unit,
     vector,
 )
-from kinesic.ik.solve import as_floats
+from kinesic.ik.solve import as_floats, three
+from kinesic.kernels import Kernel
 
 NEAR_ENOUGH = 1e-4  # [m] residual and ...
 LIKE_ENOUGH = 1e-3  # ... [rad] turn at which the pose is held
@@ -45,8 +52,7 @@ CANDIDATES = 12  # cells that are refined, the best first
 ORTHONORMAL = 1e-6  # how far R^T R may be from 1
 
 
-@dataclass(frozen=True, eq=False)
-class PoseSolution:
+class PoseSolution(Struct, frozen=True, eq=False):
     """The posture found for a pose. An unreachable one is an answer, not an error: read residual and turn."""
 
     angles: Floats  # (k,) [rad] inside the ranges
@@ -57,7 +63,9 @@ class PoseSolution:
     rounds: int  # of the descents
 
 
-def solve_pose(chain: Chain, position: Floats, rotation: Floats, *, start: Floats) -> PoseSolution:
+def solve_pose(
+    chain: Chain, position: Floats, rotation: Floats, *, start: Floats, kernel: Kernel = KERNEL
+) -> PoseSolution:
     """Finds a posture that holds the hand in a pose.
 
     Args:
@@ -65,6 +73,7 @@ def solve_pose(chain: Chain, position: Floats, rotation: Floats, *, start: Float
         position: (3,) [m] of the wrist's centre, in the frame of the chain's base.
         rotation: (3, 3) of the last segment, in the frame of the chain's base.
         start: (k,) [rad] posture to stay close to; clipped to the ranges.
+        kernel: which implementation answers; "numpy" is the specification of the other.
 
     Returns:
         Angles inside the ranges, and what is left, measured on these angles.
@@ -72,11 +81,56 @@ def solve_pose(chain: Chain, position: Floats, rotation: Floats, *, start: Float
     Raises:
         ValueError: a shape is wrong, a number is not finite, or the matrix is no rotation.
     """
+    answer = arm_of(chain).pose(position, rotation, start) if kernel == "compiled" else None
+    if answer is not None:
+        return PoseSolution(*answer)
     place, frame = as_floats("position", position, (3,)), _checked(rotation)
+    near = as_floats("start", start, chain.rest.shape)
+    answer = arm_of(chain).pose(place, frame, near) if kernel == "compiled" else None
+    return _specified(chain, place, frame, near) if answer is None else PoseSolution(*answer)
+
+
+def hold_reach(chain: Chain, reach: Reach, *, start: Floats, kernel: Kernel = KERNEL) -> PoseSolution:
+    """Finds a posture whose hand is in its place, points and faces as a reach asks, wherever its elbow has to go.
+
+    Args:
+        chain: the arm.
+        reach: of its hand, with pointing and palm, in the frame of the chain's base. The palm is met as nearly as
+            the pointing allows; a swivel is not heeded.
+        start: (k,) [rad] posture to stay close to; clipped to the ranges.
+        kernel: which implementation answers; "numpy" is the specification of the other.
+
+    Returns:
+        Angles inside the ranges, and what is left, measured on these angles.
+
+    Raises:
+        ValueError: pointing or palm is missing or they are parallel; a shape is wrong or a number is not finite.
+    """
+    answer = arm_of(chain).hold(reach.position, reach.pointing, reach.palm, start) if kernel == "compiled" else None
+    if answer is not None:
+        return PoseSolution(*answer)
+    if reach.pointing is None or reach.palm is None:
+        missing = "pointing" if reach.pointing is None else "palm"
+        raise ValueError(f"reach.{missing} is None; a pose needs pointing and palm (with one of them: best_swivel)")
+    pointing, palm = (
+        unit(vector(three(f"reach.{name}", direction)))
+        for name, direction in (("pointing", reach.pointing), ("palm", reach.palm))
+    )
+    wanted = orientation_of(chain, pointing, palm)
+    if wanted is None:
+        raise ValueError(
+            f"reach.pointing {list(pointing)} and reach.palm {list(palm)} are null or parallel; "
+            "a palm faces aside from where its hand points, such as [1, 0, 0] and [0, 0, -1]"
+        )
+    return solve_pose(chain, reach.position, np.array(wanted).reshape(3, 3), start=start, kernel=kernel)
+
+
+def _specified(chain: Chain, place: Floats, frame: Floats, start: Floats) -> PoseSolution:
+    """The specification, of a right arm in the mirror."""
+    near = np.clip(start, chain.lower, chain.upper)
     if is_right(chain):
         chain, place = mirror_chain(chain), place * ACROSS
         frame = ACROSS[:, None] * frame * ACROSS
-    near = np.clip(as_floats("start", start, chain.rest.shape), chain.lower, chain.upper)
     return _solved(linkage_of(chain), vector(place), _rotation(frame), tuple(near.tolist()))
 
 
@@ -95,14 +149,25 @@ def _solved(linkage: Linkage, target: Vector, wanted: Rotation, near: tuple[floa
     best, rounds = _solution(linkage, target, wanted, seen[0].angles), 0
     if seen[0].cost >= PERFECT:
         errors, box = _errors(linkage, target, wanted), _box(linkage, near)
-        for cell in islice(_distinct(seen), CANDIDATES):
-            descent = descend(errors, np.array(cell.angles), box, tolerance=TOLERANCE)
+        for begin in _beginnings(linkage, target, hand, seen):
+            descent = descend(errors, np.array(begin), box, tolerance=TOLERANCE)
             rounds += descent.rounds
             found = _solution(linkage, target, wanted, descent.angles.tolist())
             best = min(best, found, key=lambda one: one.residual / linkage.farthest + one.turn)
             if best.reached:
                 break
     return PoseSolution(best.angles, best.residual, best.turn, best.reached, len(seen), rounds)
+
+
+def _beginnings(linkage: Linkage, target: Vector, hand: Hand, seen: Sequence[Cell]) -> Iterator[tuple[float, ...]]:
+    """Where descents begin: the cheapest cells that differ, then postures all over the ranges, the nearest first."""
+    yield from (cell.angles for cell in islice(_distinct(seen), CANDIDATES))
+    spread: list[tuple[float, tuple[float, ...]]] = []
+    for seed in seeds(linkage):
+        frame, points = linkage.walk(seed.angles, len(linkage.links) - 1)
+        own, error = hand(frame)
+        spread.append((error + MISS_COST * distance(points[-1], target) / linkage.farthest, seed.angles + own))
+    yield from (angles for _, angles in sorted(spread, key=lambda each: each[0]))
 
 
 def _distinct(seen: Sequence[Cell]) -> Iterator[Cell]:
@@ -116,17 +181,17 @@ def _distinct(seen: Sequence[Cell]) -> Iterator[Cell]:
 
 def _solution(linkage: Linkage, target: Vector, wanted: Rotation, angles: Sequence[float]) -> PoseSolution:
     rotation, points = linkage.walk(angles, len(linkage.links))
-    residual, turn = distance(points[-2], target), float(np.linalg.norm(_turn(rotation, wanted)))
+    residual, turn = distance(points[-2], target), norm(shortest_turn(rotation, wanted))
     return PoseSolution(sealed(angles), residual, turn, residual <= NEAR_ENOUGH and turn <= LIKE_ENOUGH, 0, 0)
 
 
 def _wrist(link: Link, frame: Rotation, wanted: Rotation, near: Sequence[float]) -> tuple[tuple[float, ...], float]:
     """The hand's own angles, held in their ranges, and the turn that they leave [rad]."""
     now = near[link.first :]
-    inner = _product(_transposed(frame), wanted)
+    inner = product(transposed(frame), wanted)
     ways = _three_turns(link, inner, now) if len(link.pivots) == 3 else [_few_turns(link, frame, wanted, now)]
     held = [tuple(p.held(a, b) for p, a, b in zip(link.pivots, way, now, strict=True)) for way in ways]
-    turns = [float(np.linalg.norm(_turn(link.turn(IDENTITY, way), inner))) for way in held]
+    turns = [norm(shortest_turn(link.turn(IDENTITY, way), inner)) for way in held]
     best = min(range(len(held)), key=lambda k: (turns[k] > PERFECT and turns[k], _travel(held[k], now)))
     return held[best], turns[best]
 
@@ -164,7 +229,7 @@ def _errors(linkage: Linkage, target: Vector, wanted: Rotation) -> Errors:
             hand, centre = centre, plus(centre, rotated(rotation, link.bone))
         table = np.array(axes)
         moved = np.cross(table[:, :3], hand - table[:, 3:]) / size
-        error = np.concatenate([np.array(minus(target, hand)) / size, _turn(rotation, wanted)])
+        error = np.concatenate([np.array(minus(target, hand)) / size, shortest_turn(rotation, wanted)])
         return error, np.concatenate([moved, table[:, :3]], axis=1).T
 
     return errors
@@ -175,28 +240,8 @@ def _box(linkage: Linkage, near: Sequence[float]) -> Box:
     return Box(sealed(lower), sealed(upper), sealed(near), sealed(linkage.mobility))
 
 
-def _turn(present: Rotation, wanted: Rotation) -> Floats:
-    """(3,) [rad] the shortest turn from one orientation to another: axis times angle, in the base."""
-    a, b, c, d, e, f, g, h, i = _product(wanted, _transposed(present))
-    axis, twice_cosine = np.array([h - f, c - g, d - b]), a + e + i - 1.0
-    twice_sine = float(np.linalg.norm(axis))
-    if twice_sine < 1e-12 and twice_cosine < 0.0:
-        widest = max(range(3), key=lambda k: (a, e, i)[k])
-        return np.pi * np.array(unit(((a + 1.0, b, c), (d, e + 1.0, f), (g, h, i + 1.0))[widest]))
-    return axis * (atan2(twice_sine, twice_cosine) / twice_sine if twice_sine > 0.0 else 0.5)
-
-
 def _travel(turns: Sequence[float], now: Sequence[float]) -> float:
     return sum(abs(turn - angle) for turn, angle in zip(turns, now, strict=True))
-
-
-def _product(left: Rotation, right: Rotation) -> Rotation:
-    a, b, c = (rotated(left, column) for column in (right[0::3], right[1::3], right[2::3]))
-    return a[0], b[0], c[0], a[1], b[1], c[1], a[2], b[2], c[2]
-
-
-def _transposed(r: Rotation) -> Rotation:
-    return r[0], r[3], r[6], r[1], r[4], r[7], r[2], r[5], r[8]
 
 
 def _rotation(matrix: Floats) -> Rotation:

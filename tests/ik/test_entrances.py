@@ -5,7 +5,7 @@ import pytest
 
 from kinesic import ik
 from kinesic.body.robot import Robot
-from kinesic.ik.pose import solve_pose
+from kinesic.ik.pose import hold_reach, solve_pose
 from kinesic.ik.solve import solve
 from kinesic.ik.two_hands import reach_both
 
@@ -15,7 +15,7 @@ PLACE = np.array([0.28, 0.10, -0.05])  # [m] in the frame of the arm's base
 
 
 def test_they_are_functions_also_after_their_modules_were_imported():
-    assert (ik.solve, ik.pose, ik.two_hands) == (solve, solve_pose, reach_both)
+    assert (ik.solve, ik.pose, ik.hold, ik.two_hands) == (solve, solve_pose, hold_reach, reach_both)
     assert all(callable(getattr(ik, name)) for name in ("solve", "pose", "two_hands", "track"))
 
 

@@ -41,6 +41,12 @@ before = calls()
 for target, found in zip(targets[:400], angles[:400]):
     arm.swing(target, upward, None, chain.rest, found, 3.0)
 print(calls() - before)
+ahead = np.array([1.0, 0.0, 0.0])
+arm.hold(targets[0], upward, ahead, chain.rest)
+before = calls()
+for target in targets[:40]:
+    arm.hold(target, upward, ahead, chain.rest)
+print(calls() - before)
 """
 
 

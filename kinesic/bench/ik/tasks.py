@@ -7,21 +7,25 @@ nothing of springs, branches or closed forms: what it finds is what the solver i
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from time import perf_counter
 
 import numpy as np
 from numpy.random import default_rng
 
 from kinesic.bench.figure import Figure
+from kinesic.bench.ik.arms import random_arm
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.chain import Chain
 from kinesic.body.reach import Reach
 from kinesic.body.robot import SIDES, Robot
-from kinesic.ik.pose import solve_pose
+from kinesic.ik import KERNEL
+from kinesic.ik.pose import hold_reach, solve_pose
 from kinesic.ik.solve import solve
 from kinesic.ik.two_hands import reach_both
 
 POSES, PAIRS, BEYOND = 1000, 150, 40
-MM = 1e-3
+ARMS, POSES_OF_ARM = 60, 100
+MM, LIKE = 1e-3, 1e-2  # [m], [rad]
 NEAR_BEST = 5e-3  # [m]
 PERFECT = 1e-12  # cost at which no further beginning is tried
 DIRECTIONS = 0.1  # weight of pointing and palm, beside 1 for the position
@@ -38,7 +42,7 @@ OPTIONS: Mapping[str, bool | int | float | str] = {
 def bench() -> list[Figure]:
     """Measures shares of tasks that are met."""
     robot = Robot.load()
-    return [_poses(robot), *_pairs(robot), _beyond(robot)]
+    return [_poses(robot), *_directions(robot), _poses_of_random_arms(), *_pairs(robot), _beyond(robot)]
 
 
 def _poses(robot: Robot) -> Figure:
@@ -47,6 +51,44 @@ def _poses(robot: Robot) -> Figure:
         rotations, centres = chain.frames(chance.uniform(chain.lower, chain.upper))
         met += solve_pose(chain, centres[-2], rotations[-1], start=chain.rest).reached
     return Figure("ik.pose", met / POSES, "share", 0.999, "higher", f"{POSES} poses of postures inside the limits")
+
+
+def _directions(robot: Robot) -> list[Figure]:
+    """Place, pointing and palm of one hand, as one call; judged by the body's own forward kinematics."""
+    chain, chance, seconds, met = robot.arms["l"], default_rng(14), [], 0
+    for _ in range(POSES):
+        asked = _held(chain, chance.uniform(chain.lower, chain.upper))
+        began = perf_counter()
+        found = hold_reach(chain, asked, start=chain.rest)
+        seconds.append(perf_counter() - began)
+        now = _held(chain, found.angles)
+        errors = _between(now.pointing, asked.pointing), _between(now.palm, asked.palm)
+        met += bool(np.linalg.norm(now.position - asked.position) < MM and max(errors) < LIKE)
+    micro, why = 1e6 * np.array(seconds), f"{POSES} poses of postures inside the limits"
+    return [
+        Figure("ik.hold", met / POSES, "share", 0.999, "higher", f"1 mm and 0.01 rad; {why}"),
+        Figure(f"ik.hold_{KERNEL}", float(np.median(micro)), "us", 12.0, "lower", why),
+        Figure(f"ik.hold_{KERNEL}_p90", float(np.percentile(micro, 90)), "us", None, "lower", why),
+    ]
+
+
+def _poses_of_random_arms() -> Figure:
+    chance, shares = default_rng(15), []
+    for _ in range(ARMS):
+        chain, met = random_arm(chance), 0
+        for _ in range(POSES_OF_ARM):
+            rotations, centres = chain.frames(chance.uniform(chain.lower, chain.upper))
+            met += solve_pose(chain, centres[-2], rotations[-1], start=chain.rest).reached
+        shares.append(met / POSES_OF_ARM)
+    note = f"{ARMS} arms of every shape, {POSES_OF_ARM} poses each; the worst {min(shares):.3f}"
+    return Figure("ik.pose_random_arms", float(np.mean(shares)), "share", 0.999, "higher", note)
+
+
+def _held(chain: Chain, angles: Floats) -> Reach:
+    """What the hand of a posture (k,) [rad] does."""
+    rotations, centres = chain.frames(angles)
+    along = centres[-1] - centres[-2]
+    return Reach(np.array(centres[-2]), along / np.linalg.norm(along), rotations[-1] @ chain.palm)
 
 
 def _pairs(robot: Robot) -> list[Figure]:
@@ -113,8 +155,8 @@ def best_posture(chain: Chain, reach: Reach, *, beginnings: int = 20, seed: int 
     return BestPosture(
         sealed(angles),
         float(np.linalg.norm(centres[-2] - reach.position)),
-        _between(centres[-1] - centres[-2], reach.pointing),
-        _between(rotations[-1] @ chain.palm, reach.palm),
+        None if reach.pointing is None else _between(centres[-1] - centres[-2], reach.pointing),
+        None if reach.palm is None else _between(rotations[-1] @ chain.palm, reach.palm),
         tried,
     )
 
@@ -151,9 +193,9 @@ def _weighed(direction: Floats | None) -> Floats:
     return np.zeros(3) if direction is None else DIRECTIONS * direction / np.linalg.norm(direction)
 
 
-def _between(present: Floats, wanted: Floats | None) -> float | None:
-    """[rad] between two directions; None for what is not asked."""
-    if wanted is None:
-        return None
+def _between(present: Floats | None, wanted: Floats | None) -> float:
+    """[rad] between two directions; 0 for what is not asked."""
+    if present is None or wanted is None:
+        return 0.0
     cosine = present @ wanted / (np.linalg.norm(present) * np.linalg.norm(wanted))
     return float(np.arccos(np.clip(cosine, -1.0, 1.0)))

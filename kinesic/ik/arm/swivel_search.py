@@ -6,7 +6,7 @@ With the wrist's centre on its target they decide everything else, so a search o
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
-from math import dist, pi
+from math import pi, sqrt
 
 from kinesic.ik.arm.hinges import extract
 from kinesic.ik.arm.linkage import Linkage, Pivot
@@ -79,8 +79,16 @@ def _girdles(linkage: Linkage, near: Sequence[float]) -> list[tuple[float, ...]]
     """Postures that differ in the collar bone alone, the nearest first."""
     pivots = [pivot for link in linkage.girdle for pivot in link.pivots]
     grid = [_steps(pivot, angle) for pivot, angle in zip(pivots, near, strict=False)]
-    ways = sorted(product(*grid), key=lambda way: dist(way, near[: len(way)]))
+    ways = sorted(product(*grid), key=lambda way: _apart(way, near))
     return [(*way, *near[len(way) :]) for way in ways]
+
+
+def _apart(one: Sequence[float], other: Sequence[float]) -> float:
+    """Distance of two postures of the first hinges [rad], rounded as the kernel rounds it."""
+    total = 0.0
+    for a, b in zip(one, other, strict=False):
+        total += (a - b) * (a - b)
+    return sqrt(total)
 
 
 def _steps(pivot: Pivot, angle: float) -> list[float]:

@@ -20,6 +20,10 @@ struct Arm {
     Vector seen(const double* p) const { return seen(Vector{p[0], p[1], p[2]}); }
 };
 
+// Copies a posture's finite angles, clipped to the ranges; false for anything else.
+bool read_posture(const Arm& arm, nb::handle source, double* into);
+
 void bind_stages(nb::class_<Arm>& arm);
+void bind_poses(nb::class_<Arm>& arm);
 
 }  // namespace kinesic::arm

@@ -17,6 +17,12 @@ namespace nb = nanobind;
 
 namespace kinesic::arm {
 
+bool read_posture(const Arm& arm, nb::handle source, double* into) {
+    if (!read(source, into, arm.linkage.hinges)) return false;
+    for (int k = 0; k < arm.linkage.hinges; ++k) into[k] = arm.linkage.pivot[k].clipped(into[k]);
+    return true;
+}
+
 namespace {
 
 using Triple = std::array<double, 3>;
@@ -63,12 +69,6 @@ void pack(Arm* self, const Triple& origin, const std::vector<int>& counts, const
         std::copy(seeds[n].begin(), seeds[n].end(), linkage.seed[n].angles);
         linkage.seed[n].hand = hand(linkage, linkage.seed[n].angles);
     }
-}
-
-bool read_posture(const Arm& arm, nb::handle source, double* into) {
-    if (!read(source, into, arm.linkage.hinges)) return false;
-    for (int k = 0; k < arm.linkage.hinges; ++k) into[k] = arm.linkage.pivot[k].clipped(into[k]);
-    return true;
 }
 
 bool read_wish(const Arm& arm, nb::handle source, const Vector& own, Question& question) {
@@ -217,5 +217,6 @@ void bind_arm(nb::module_& module) {
         .def("reach", &reach)
         .def("reach_many", &reach_many)
         .def("track", &track);
+    bind_poses(arm);
     bind_stages(arm);
 }

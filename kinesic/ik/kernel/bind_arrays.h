@@ -3,6 +3,7 @@
 #pragma once
 
 #include <nanobind/nanobind.h>
+#define PY_ARRAY_UNIQUE_SYMBOL kinesic_ik_numpy  // one table for all files that bind, filled by the first
 #define NPY_NO_DEPRECATED_API NPY_2_0_API_VERSION
 #include <numpy/arrayobject.h>
 
@@ -28,6 +29,17 @@ inline bool read(nb::handle source, double* into, int count) {
     if (!from) return false;
     std::copy_n(from, count, into);
     return std::all_of(into, into + count, [](double number) { return std::isfinite(number); });
+}
+
+// Copies the finite numbers of a square matrix, row by row; false for anything else.
+inline bool read_square(nb::handle source, double* into, int side) {
+    if (!PyArray_Check(source.ptr())) return false;
+    auto* array = reinterpret_cast<PyArrayObject*>(source.ptr());
+    if (PyArray_NDIM(array) != 2 || PyArray_DIM(array, 0) != side || PyArray_DIM(array, 1) != side ||
+        PyArray_TYPE(array) != NPY_DOUBLE || !PyArray_ISCARRAY_RO(array))
+        return false;
+    std::copy_n(static_cast<const double*>(PyArray_DATA(array)), side * side, into);
+    return std::all_of(into, into + side * side, [](double number) { return std::isfinite(number); });
 }
 
 // Copies numbers into a writable array of their count; false for anything else.

@@ -1,0 +1,84 @@
+"""A hand in its place that points and faces as asked: `hold_reach`."""
+
+import mujoco
+import numpy as np
+import pytest
+from numpy.random import default_rng
+
+from kinesic.body.arrays import Floats
+from kinesic.body.chain import Chain
+from kinesic.body.reach import Reach
+from kinesic.body.robot import Robot, Side
+from kinesic.ik import KERNEL
+from kinesic.ik.pose import hold_reach, solve_pose
+from kinesic.kernels import Kernel
+from kinesic.sim.model import build_model
+
+ROBOT = Robot.load()
+ARMS = ROBOT.arms
+LEFT = ARMS["l"]
+
+
+def _pose(chain: Chain, angles: Floats) -> tuple[Floats, Floats]:
+    rotations, centres = chain.frames(angles)
+    return centres[-2], rotations[-1]
+
+
+@pytest.mark.parametrize("side", ["l", "r"])
+def test_hands_point_and_face_as_asked_by_mujocos_kinematics(side: Side):
+    """The judge shares no code with the solver: poses and answers both go through MuJoCo."""
+    model, chain = build_model(ROBOT), ARMS[side]
+    data, random, held = mujoco.MjData(model), default_rng(41), []
+    base, hand = model.body(chain.base).id, model.body(chain.joints[-1].name).id
+    along = chain.joints[-1].bone / np.linalg.norm(chain.joints[-1].bone)
+
+    def pose(angles: Floats) -> tuple[Floats, Floats, Floats]:
+        data.qpos[:] = ROBOT.skeleton.rest
+        data.qpos[list(chain.indices)] = angles
+        mujoco.mj_kinematics(model, data)
+        turn = data.xmat[base].reshape(3, 3).T
+        turned = turn @ data.xmat[hand].reshape(3, 3)
+        return turn @ (data.xpos[hand] - data.xpos[base]), turned @ along, turned @ chain.palm
+
+    for _ in range(1000 if KERNEL == "compiled" else 50):
+        place, pointing, palm = pose(random.uniform(chain.lower, chain.upper))
+        found = hold_reach(chain, Reach(place, pointing, palm), start=chain.rest)
+        assert np.all((chain.lower <= found.angles) & (found.angles <= chain.upper))
+        at, ahead, aside = pose(found.angles)
+        off = max(np.linalg.norm(ahead - pointing), np.linalg.norm(aside - palm))
+        held.append(np.linalg.norm(at - place) < 1e-4 and off < 1e-3)
+    assert np.mean(held) >= 0.999
+
+
+@pytest.mark.parametrize("kernel", ["numpy", KERNEL])
+@pytest.mark.parametrize("side", ["l", "r"])
+def test_directions_and_their_orientation_are_one_question(side: Side, kernel: Kernel):
+    chain, random = ARMS[side], default_rng(44)
+    along = chain.joints[-1].bone / np.linalg.norm(chain.joints[-1].bone)
+    for _ in range(5):
+        position, rotation = _pose(chain, random.uniform(chain.lower, chain.upper))
+        reach = Reach(position, 3.0 * rotation @ along, 0.2 * rotation @ chain.palm)
+        held = hold_reach(chain, reach, start=chain.rest, kernel=kernel)
+        posed = solve_pose(chain, position, rotation, start=chain.rest, kernel=kernel)
+        assert held.angles == pytest.approx(posed.angles, abs=1e-9)
+
+
+def test_a_palm_that_contradicts_the_pointing_yields():
+    position, rotation = _pose(LEFT, LEFT.rest)
+    along = LEFT.joints[-1].bone / np.linalg.norm(LEFT.joints[-1].bone)
+    skewed = Reach(position, rotation @ along, rotation @ (LEFT.palm + 0.5 * along))
+    found = hold_reach(LEFT, skewed, start=LEFT.rest)
+    assert found.reached
+    assert found.angles == pytest.approx(LEFT.rest, abs=1e-6)
+
+
+def test_what_is_no_pose_is_refused_and_explained():
+    place, ahead = LEFT.hand(LEFT.rest), np.array([1.0, 0.0, 0.0])
+    with pytest.raises(ValueError, match=r"reach\.palm is None.*best_swivel"):
+        hold_reach(LEFT, Reach(place, ahead), start=LEFT.rest)
+    with pytest.raises(ValueError, match=r"null or parallel; .* such as"):
+        hold_reach(LEFT, Reach(place, ahead, -ahead), start=LEFT.rest)
+    with pytest.raises(ValueError, match=r"reach\.pointing .*finite"):
+        hold_reach(LEFT, Reach(place, np.full(3, np.nan), ahead), start=LEFT.rest)
+    with pytest.raises(ValueError, match=r"position .*finite"):
+        hold_reach(LEFT, Reach(np.full(3, np.nan), ahead, LEFT.palm), start=LEFT.rest)
