@@ -21,52 +21,68 @@ constexpr double TOLERANCE = 1e-6;
 constexpr double PERFECT = 1e-4;
 constexpr double POSTURE = 2e-4;
 
-struct Peak {
-    double angle, height;
+struct Aim {  // a hinge at an angle
+    double angle;
+    Turn turn;
 };
 
+struct Hinge {  // one of the hand's own, with what no climb changes
+    Vector axis;
+    Aim lower, upper;
+    Turn home;  // where it rests
+};
+
+struct Peak {
+    Aim aim;
+    double height;
+};
+
+inline Aim aimed_at(double angle) { return {angle, turn_of(angle)}; }
+
+inline Vector forth(const Vector& a, const Hinge& hinge, const Aim& aim) {
+    return turned(a, hinge.axis, aim.turn.cosine, aim.turn.sine);
+}
+
+inline Vector back(const Vector& a, const Hinge& hinge, const Aim& aim) {
+    return turned(a, hinge.axis, aim.turn.cosine, -aim.turn.sine);
+}
+
 // How well directions agree is A cos q + B sin q in each single hinge: its best angle inside the range.
-inline Peak best(const Pivot& pivot, const Vector* looks, const Vector* owns, int wishes, double rest) {
-    const Turn home = turn_of(rest);
-    double a = POSTURE * home.cosine, b = POSTURE * home.sine, level = 0.0;
+inline Peak best(const Hinge& hinge, const Vector* looks, const Vector* owns, int wishes) {
+    double a = POSTURE * hinge.home.cosine, b = POSTURE * hinge.home.sine, level = 0.0;
     for (int i = 0; i < wishes; ++i) {
-        const double along = dot(pivot.axis, looks[i]) * dot(pivot.axis, owns[i]);
+        const double along = dot(hinge.axis, looks[i]) * dot(hinge.axis, owns[i]);
         level += along;
         a += dot(looks[i], owns[i]) - along;
-        b += dot(looks[i], cross(pivot.axis, owns[i]));
+        b += dot(looks[i], cross(hinge.axis, owns[i]));
     }
-    const auto height = [&a, &b](double angle) {
-        const Turn turn = turn_of(angle);
-        return a * turn.cosine + b * turn.sine;
-    };
-    double peak = arctangent(b, a);
-    if (!(pivot.lower <= peak && peak <= pivot.upper))
-        peak = height(pivot.upper) > height(pivot.lower) ? pivot.upper : pivot.lower;
-    return {peak, level + height(peak)};
+    const auto height = [&a, &b](const Aim& aim) { return a * aim.turn.cosine + b * aim.turn.sine; };
+    const double peak = arctangent(b, a);
+    const Aim aim = hinge.lower.angle <= peak && peak <= hinge.upper.angle ? aimed_at(peak)
+                    : height(hinge.upper) > height(hinge.lower)            ? hinge.upper
+                                                                           : hinge.lower;
+    return {aim, level + height(aim)};
 }
 
 // Hinge after hinge to its best angle until none moves; how well the directions agree then.
-inline double climbed(const Linkage& arm, const Vector* wanted, const Wish* wishes, int count, const double* rest,
-                      double* angles) {
-    const Pivot* pivots = arm.pivot + arm.own();
-    const int hinges = arm.last().count;
+inline double climbed(const Hinge* hinge, int hinges, const Vector* wanted, const Wish* wishes, int count, Aim* aims) {
     double height = 0.0;
     for (int round = 0; round < ROUNDS; ++round) {
         double change = 0.0;
-        for (int k = 0; k < hinges; ++k) {
-            Vector looks[MOST_WISHES], owns[MOST_WISHES];
-            for (int i = 0; i < count; ++i) {
-                looks[i] = wanted[i];
-                owns[i] = wishes[i].own;
-                for (int j = 0; j < k; ++j) looks[i] = turned(looks[i], pivots[j].axis, -angles[j]);
-                for (int j = hinges - 1; j > k; --j) owns[i] = turned(owns[i], pivots[j].axis, angles[j]);
-            }
-            const Peak peak = best(pivots[k], looks, owns, count, rest[k]);
-            change = std::max(change, std::abs(peak.angle - angles[k]));
-            angles[k] = peak.angle;
-            height = peak.height;
+        Vector looks[MOST_WISHES], owns[MOST_HINGES][MOST_WISHES];  // seen where a hinge turns, and just behind it
+        for (int i = 0; i < count; ++i) {
+            looks[i] = wanted[i];
+            owns[hinges - 1][i] = wishes[i].own;
+            for (int k = hinges - 1; k > 0; --k) owns[k - 1][i] = forth(owns[k][i], hinge[k], aims[k]);
         }
-        if (change < TOLERANCE) break;
+        for (int k = 0; k < hinges; ++k) {
+            const Peak peak = best(hinge[k], looks, owns[k], count);
+            change = std::max(change, std::abs(peak.aim.angle - aims[k].angle));
+            aims[k] = peak.aim;
+            height = peak.height;
+            for (int i = 0; i < count && k < hinges - 1; ++i) looks[i] = back(looks[i], hinge[k], aims[k]);
+        }
+        if (change <= TOLERANCE) break;
     }
     return height;
 }
@@ -80,19 +96,26 @@ inline void orient(const Linkage& arm, const Rotation& frame, const Wish* wishes
     const Pivot* pivots = arm.pivot + arm.own();
     std::copy(rest, rest + hinges, angles);
     if (count == 0) return;
+    wrist::Hinge hinge[MOST_HINGES];
+    wrist::Aim found[MOST_HINGES];
     Vector wanted[MOST_WISHES];
+    for (int k = 0; k < hinges; ++k) {
+        found[k] = wrist::aimed_at(rest[k]);
+        hinge[k] = {pivots[k].axis, wrist::aimed_at(pivots[k].lower), wrist::aimed_at(pivots[k].upper), found[k].turn};
+    }
     for (int i = 0; i < count; ++i) wanted[i] = within(frame, wishes[i].wanted);
-    double height = wrist::climbed(arm, wanted, wishes, count, rest, angles);
+    double height = wrist::climbed(hinge, hinges, wanted, wishes, count, found);
     for (int corner = 0; corner < (1 << hinges) && height <= count - wrist::PERFECT; ++corner) {
-        double tried[MOST_HINGES];
+        wrist::Aim tried[MOST_HINGES];
         for (int k = 0; k < hinges; ++k)
-            tried[k] = corner >> (hinges - 1 - k) & 1 ? pivots[k].upper : pivots[k].lower;
-        const double agreement = wrist::climbed(arm, wanted, wishes, count, rest, tried);
+            tried[k] = corner >> (hinges - 1 - k) & 1 ? hinge[k].upper : hinge[k].lower;
+        const double agreement = wrist::climbed(hinge, hinges, wanted, wishes, count, tried);
         if (agreement > height) {
             height = agreement;
-            std::copy(tried, tried + hinges, angles);
+            std::copy(tried, tried + hinges, found);
         }
     }
+    for (int k = 0; k < hinges; ++k) angles[k] = found[k].angle;
 }
 
 // Turns the hand of an arm bent to `angles`, from the frame of its forearm; what each direction then is off [rad].
