@@ -28,14 +28,11 @@ from kinesic.serve.idling import IdleScheduler
 from kinesic.serve.messages import (
     ClientRequest,
     DocumentRequest,
-    FeedbackNotice,
     Halted,
     Interruption,
     LoopProperties,
     LoopStart,
     PlannerReady,
-    Proposal,
-    ProposalVerdict,
     Renewal,
     RequestDone,
     Restyling,
@@ -44,16 +41,12 @@ from kinesic.serve.messages import (
 )
 from kinesic.serve.refiner import RefinedPlan, RefinementJob, pack, unpack
 from kinesic.serve.renewal import renew_setup
+from kinesic.serve.shared_scene import SharedScene, Verdict
 from kinesic.serve.talks import Talks
-from kinesic.serve.tracks import Version, changed_tracks
 from kinesic.serve.warm_up import warm_up
 from kinesic.serve.wire.protocol import json_answer
 from kinesic.serve.wire.quotas import Quotas, quota_feedback
 
-MARGIN = 0.015  # [s] from a proposal to its cut, beside what it takes to make it
-LONGEST = 1.0  # [s] that making one may take
-SLOWER = 0.7  # share of that which is kept when the next one takes less
-ATTEMPTS = 5  # at being in time
 LOOK = 0.05  # [s] between two looks at what is due
 DEFECTS = (
     ArithmeticError,
@@ -65,7 +58,11 @@ DEFECTS = (
     TypeError,
     ValueError,
 )  # of a program
-Change = Callable[[Scene, float], Scene]
+REASONS = {
+    Verdict.STOPPED: ("stopped", "an emergency stop came; resume first"),
+    Verdict.LATE: ("planning", "it was planned in time at none of its starts, the machine is too busy; send it again"),
+    Verdict.UNSTEADY: ("planning", "it would have been a step from what plays by now; send it again"),
+}  # rule, and why a block is not performed
 
 
 def run_planner(
@@ -125,15 +122,18 @@ class PlannerState:
         rules: Quotas,
     ) -> None:
         """Begins with nothing but the motion that the loop plays, and what it still has to say."""
-        self._loop, self._refiner, self._clock, self._rules = loop, refiner, properties.clock, rules
+        self._refiner, self._clock, self._rules = refiner, properties.clock, rules
         self._bounds = Bounds(rules.message, rules.depth)
-        self._stops, self._took = beginning.stops, 0.0
         self._renewed, self._renewals = renewed, 0  # how gestures are read anew, and how often they were
-        self._accompaniment = properties.accompaniment
-        self._versions = dict[str, Version]()  # of the tracks that the loop has
         self._refining = False  # whether the refiner is at work
         self._idling, self._talks = IdleScheduler(), Talks()
-        self._scene = replace(Scene.of(setup), motion=beginning.motion, agenda=beginning.agenda)
+        self._shared = SharedScene(
+            setup, loop, properties, beginning=beginning, owed=lambda: self._talks.senders, halted=self._fall_silent
+        )
+
+    @property
+    def _scene(self) -> Scene:
+        return self._shared.scene
 
     @property
     def pause(self) -> float | None:
@@ -147,41 +147,40 @@ class PlannerState:
         """Lets time pass: what is over is forgotten, blocks that may start begin, and who has nothing to do idles."""
         now = self._clock.now()
         if self._idling.next_time(self._scene) > now:
-            self._propose(advance)
+            self._shared.propose(advance)
             return
         spell, before = self._idling.plan_next(self._scene.setup), self._scene.idle
-        self._propose(lambda scene, now: begin_idle(advance(scene, now), spell, now))
+        self._shared.propose(lambda scene, now: begin_idle(advance(scene, now), spell, now))
         if self._scene.idle is before:
             self._idling.postpone(now)
 
     def fulfil(self, request: ClientRequest) -> None:
         """Does what a client requests, once every emergency stop is known that was before it."""
         if isinstance(request, DocumentRequest | Resumption):
-            self._catch_up(request.stops)
+            self._shared.catch_up(request.stops)
         match request:
             case DocumentRequest(message):
                 self._idling.allow(self._clock.now())
                 self._hear(message) if isinstance(message, Words) else self._plan(request)
             case Interruption(block):
                 if block is None:
-                    self._idling.forbid()
-                    self._talks.clear()
-                self._propose(lambda scene, now: interrupt(scene, now, block))
+                    self._fall_silent()
+                self._shared.propose(lambda scene, now: interrupt(scene, now, block))
             case Restyling():
                 self._restyle(request)
             case Renewal():
-                self._scene = replace(self._scene, setup=self._renewed(self._scene.setup))
+                self._shared.renew(self._renewed(self._scene.setup))
                 self._renewals += 1
-            case Resumption(stops) if stops == self._stops:
-                self._propose(_resume)
+            case Resumption(stops) if stops == self._shared.stops:
+                self._shared.propose(_resume)
 
     def speak(self) -> None:
         """Says the next phrases of texts that come word by word, as soon as they are whole and it is their turn."""
         while (phrase := self._talks.next_phrase(self._scene, self._clock.now())) is not None:
             self._tell(phrase.answer, phrase.sender)
             if phrase.replaced:
-                self._propose(phrase.make_way)
-            self._plan(DocumentRequest(Message(phrase.bml, phrase.sender, "<words>"), self._stops))
+                self._shared.propose(phrase.make_way)
+            self._plan(DocumentRequest(Message(phrase.bml, phrase.sender, "<words>"), self._shared.stops))
         for sender, block in self._talks.finished(self._scene.setup):
             self._tell(json_answer("all_said", block=block), sender)
 
@@ -190,15 +189,13 @@ class PlannerState:
         refusal = self._talks.take(words, self._clock.now())
         if refusal:
             self._tell(quota_feedback("waiting", refusal), words.sender)
-        self._propose(advance)
+        self._shared.propose(advance)
 
     def request_refinement(self) -> None:
         """Has the refiner plan the first block that could be planned better, when it has nothing else to do."""
-        if self._refining or not self._scene.replans:
+        if self._refining or (replan := self._shared.take_replan()) is None:
             return
-        first, *others = self._scene.replans
-        self._scene = replace(self._scene, replans=tuple(others))
-        self._refiner.send_bytes(pack(RefinementJob(first, self._scene.setup.style, self._renewals)))
+        self._refiner.send_bytes(pack(RefinementJob(replan, self._scene.setup.style, self._renewals)))
         self._refining = True
 
     def improve(self, data: bytes) -> None:
@@ -212,19 +209,16 @@ class PlannerState:
             after = advance(scene, now)
             return improve_block(after, better.block, found, now) or after
 
-        self._propose(change)
+        self._shared.propose(change)
 
     def take_halt(self, halted: Halted) -> None:
         """Takes over the motion of an emergency stop, which interrupts every block."""
-        self._stops = halted.stops
+        self._shared.take_halt(halted)
+
+    def _fall_silent(self) -> None:
+        """Forgets all that would begin by itself."""
         self._idling.forbid()
         self._talks.clear()
-        self._propose(lambda scene, _now: replace(interrupt(scene, halted.time), motion=halted.motion), moves=False)
-
-    def _catch_up(self, stops: int) -> None:
-        """Waits until the loop, in its next tick, has sent the motion of so many emergency stops."""
-        while self._stops < stops:
-            self.take_halt(self._loop.recv())
 
     def _plan(self, document: DocumentRequest) -> None:
         """Plans a document and proposes it. A defect that shows in planning costs this document and nothing else.
@@ -253,9 +247,12 @@ class PlannerState:
             return
         self._tell(request.prediction, message.sender)
         prepared = prepare_block(request, self._scene.setup)
-        if document.stops != self._stops or not self._propose(lambda scene, now: begin(scene, prepared, now)):
-            text = quota_feedback("stopped", "an emergency stop came; resume first", name=id)
-            self._tell(text, message.sender)
+        verdict = Verdict.STOPPED
+        if document.stops == self._shared.stops:
+            verdict = self._shared.propose(lambda scene, now: begin(scene, prepared, now))
+        if verdict is not Verdict.ACCEPTED:
+            rule, why = REASONS[verdict]
+            self._tell(quota_feedback(rule, why, name=id), message.sender)
 
     def _restyle(self, request: Restyling) -> None:
         try:
@@ -263,55 +260,14 @@ class PlannerState:
             if request.block is None and (request.style or request.changes):
                 base = style_preset(request.style) if request.style else self._scene.setup.style
                 style = base.changed(request.changes)
-            self._propose(
+            self._shared.propose(
                 lambda scene, now: change_manner(scene, now, style=style, amount=request.amount, block=request.block)
             )
         except (ConfigError, ValueError) as error:
             self._tell(json_answer("refused", do="style", why=str(error)), request.sender)
 
     def _tell(self, message: str, sender: int) -> None:
-        self._loop.send(FeedbackNotice(message, sender))
-
-    def _propose(self, change: Change, *, moves: bool = True) -> bool:
-        """Changes the scene as soon as the loop can follow; False when it cannot, or an emergency stop came before.
-
-        Args:
-            change: from a scene and a time [s].
-            moves: whether the loop is to play the motion; else it plays it already.
-        """
-        for _ in range(ATTEMPTS):
-            now = self._clock.now()
-            ahead = self._took + MARGIN
-            scene = change(replace(self._scene, ahead=ahead, said=()), now)
-            self._took = min(LONGEST, max(self._clock.now() - now, SLOWER * self._took))
-            motion = scene.motion if moves and scene.motion is not self._scene.motion else None
-            versions, tracks = changed_tracks(scene, self._versions, self._accompaniment)
-            idles = scene.idle is not None and not scene.blocks
-            owed = frozenset(block.sender for block in scene.blocks) | self._talks.senders
-            moving = {(block.id, need.behaviour): need.hinges for block in scene.blocks for need in block.occupancy}
-            self._loop.send(
-                Proposal(
-                    self._stops, now, now + ahead, motion, (*scene.said, *scene.agenda), owed, moving, tracks, idles
-                )
-            )
-            halted, verdict = self._answer()
-            if verdict.accepted:
-                self._scene, self._versions = scene, versions
-            if halted is not None:
-                self.take_halt(halted)
-            if verdict.accepted or halted is not None:
-                return verdict.accepted
-            if verdict.stops > self._stops:
-                self._catch_up(verdict.stops)
-                return False
-        return False
-
-    def _answer(self) -> tuple[Halted | None, ProposalVerdict]:
-        """The last emergency stop before the loop's verdict, and the verdict."""
-        halted = None
-        while not isinstance(message := self._loop.recv(), ProposalVerdict):
-            halted = message
-        return halted, message
+        self._shared.tell(message, sender)
 
 
 def _resume(scene: Scene, now: float) -> Scene:

@@ -5,6 +5,8 @@ import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from multiprocessing import Pipe
+from multiprocessing.connection import Connection
 from pathlib import Path
 from time import monotonic, sleep
 
@@ -13,13 +15,16 @@ import pytest
 from kinesic.body.command import Command, Sink
 from kinesic.client import Client
 from kinesic.controller.perform import set_up
+from kinesic.motion.trajectory import stay
 from kinesic.planning.setup import Setup
+from kinesic.serve.messages import Clock, LoopProperties, LoopStart
+from kinesic.serve.planner import PlannerState
 from kinesic.serve.server import Address, Serving, open_serving, until_done
 from kinesic.serve.sinks.real_time import RealTimeSink, RealTwin
-from kinesic.serve.tracks import SoundAndFace
+from kinesic.serve.tracks import SILENT, SoundAndFace
 from kinesic.serve.wire.origin import ANYBODY_HERE, Access
 from kinesic.serve.wire.pages import NO_FILES, WebFile
-from kinesic.serve.wire.quotas import Quotas
+from kinesic.serve.wire.quotas import USUAL, Quotas
 
 
 class Witness:
@@ -128,6 +133,18 @@ def guarded() -> Iterator[Running]:
     )
     with running(rules, Access("open sesame")) as found:
         yield found
+
+
+@pytest.fixture
+def wired() -> tuple[PlannerState, Connection]:
+    """A planner that has taken over, and the loop's end of its pipe."""
+    setup, clock = set_up(), Clock()
+    to_planner, to_loop = Pipe()
+    beginning = LoopStart(stay(setup.robot.skeleton.rest, start=clock.now()), 0, ())
+    properties = LoopProperties(clock, SILENT)
+    return PlannerState(
+        setup, lambda known: known, to_loop, Pipe()[0], properties, beginning=beginning, rules=USUAL
+    ), to_planner
 
 
 @pytest.fixture(scope="session")

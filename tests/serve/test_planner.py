@@ -1,41 +1,16 @@
 """The planner's side of the wire: a defect costs the document that shows it, and nothing else."""
 
 import re
-from multiprocessing import Pipe
 from multiprocessing.connection import Connection
 
 import pytest
 
-from kinesic.controller.perform import set_up
-from kinesic.motion.trajectory import stay
 from kinesic.realizer.request import Message
 from kinesic.serve import planner
-from kinesic.serve.messages import (
-    Clock,
-    DocumentRequest,
-    FeedbackNotice,
-    LoopProperties,
-    LoopStart,
-    Proposal,
-    ProposalVerdict,
-)
+from kinesic.serve.messages import DocumentRequest, FeedbackNotice, Proposal, ProposalVerdict
 from kinesic.serve.planner import PlannerState
-from kinesic.serve.tracks import SILENT
-from kinesic.serve.wire.quotas import USUAL
 
 NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}"><head id="h" lexeme="NOD" start="0"/></bml>'
-
-
-@pytest.fixture
-def wired() -> tuple[PlannerState, Connection]:
-    """A planner that has taken over, and the loop's end of its pipe."""
-    setup, clock = set_up(), Clock()
-    to_planner, to_loop = Pipe()
-    beginning = LoopStart(stay(setup.robot.skeleton.rest, start=clock.now()), 0, ())
-    properties = LoopProperties(clock, SILENT)
-    return PlannerState(
-        setup, lambda known: known, to_loop, Pipe()[0], properties, beginning=beginning, rules=USUAL
-    ), to_planner
 
 
 def fulfil(wired: tuple[PlannerState, Connection], name: str) -> list[object]:
