@@ -20,9 +20,10 @@ add names.
 
 A word of a class anywhere in a name finds the gesture of this class that the other words ask for (`point_left`:
 `left`), and else the one gesture that stands for all of the class; the behaviour is then `substituted`.
+A phrase in which the word says something else names no class, nor does a point behind an unknown word (`match_point`).
 
-| class | gesture | words |
-|---|---|---|
+| class | gesture | words | but not in |
+|---|---|---|---|
 {classes}
 
 ## Synonyms
@@ -32,12 +33,16 @@ A word of a class anywhere in a name finds the gesture of this class that the ot
 def page(lexicon: Lexicon) -> str:
     """The page, in Markdown."""
     classes = "\n".join(
-        f"| {each.name} | `{each.gesture}` | {', '.join(' '.join(phrase) for phrase in each.words)} |"
+        f"| {each.name} | `{each.gesture}` | {_listed(each.words)} | {_listed(each.not_in)} |"
         for each in lexicon.classes
     )
     gestures = len({gesture for _, gesture in lexicon.synonyms})
     head = HEAD.format(count=len(lexicon.synonyms), gestures=gestures, classes=classes)
     return "\n".join([head, *_rows(lexicon), ""])
+
+
+def _listed(phrases: tuple[tuple[str, ...], ...]) -> str:
+    return ", ".join(" ".join(phrase) for phrase in phrases)
 
 
 def _rows(lexicon: Lexicon) -> Iterator[str]:

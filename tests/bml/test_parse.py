@@ -224,7 +224,10 @@ def test_namespaces_of_the_drafts() -> None:
     ("text", "where", "what"),
     [
         ("<fml/>", "1:1", "no <bml>"),
-        ("<x><bml/><bml/></x>", "1:10", "second <bml>"),
+        ("<x><bml/><bml/></x>", "1:10", "a second <bml>: <x> holds 2"),
+        ("<bml/>\n<!-- 2 --><bml/>", "2:11", "behind the first"),
+        ('<bml/>\n<?xml version="1.0"?>\n<BML/>', "2:1", "a second <bml> behind the first"),
+        ("<bml/> bye", "1:8", "junk after document element"),
         ('<bml>\n<head id="h" start="nope:end"/></bml>', "2:1", "no behaviour 'nope'"),
         ('<bml><head id="h" start="1e9"/></bml>', "1:6", "out of range"),
         ('<bml><head id="h" start="NaN"/></bml>', "1:6", "no sync reference"),

@@ -10,7 +10,7 @@ from kinesic.bml.reading.fragments import is_fragment, read_fragments
 from kinesic.bml.reading.json_notation import is_json, read_json
 from kinesic.bml.reading.namespaces import BML_1_0, DRAFTS, namespace
 from kinesic.bml.reading.prologue import first_tag
-from kinesic.bml.reading.tree import Element, read_tree
+from kinesic.bml.reading.tree import ONE_BLOCK, Element, read_tree
 
 _ROOTS = ("bml", "fml-apml")
 _MARKED = (b"\xef\xbb\xbf", b"\xff\xfe", b"\xfe\xff")  # byte order marks
@@ -74,7 +74,8 @@ def _only_bml(root: Element, source: str) -> Element:
     if not found:
         raise refusal(source, root.place, f"<{root.name}> holds no <bml>", "a <bml> element is expected")
     if len(found) > 1:
-        raise refusal(source, found[1].place, "a second <bml>", "send each <bml> as a document of its own")
+        what = f"a second <bml>: <{root.name}> holds {len(found)}"
+        raise refusal(source, found[1].place, what, ONE_BLOCK)
     return found[0]
 
 

@@ -10,6 +10,12 @@ from typing import NoReturn
 from xml.parsers import expat
 
 from kinesic.bml.block import BOUNDS, BmlError, Bounds, Place, refusal
+from kinesic.bml.reading.prologue import first_tag
+
+ONE_BLOCK = (
+    "a document is one block: perform each <bml> as a document of its own, or send them one after another to "
+    'kinesic serve, where one with composition="APPEND" begins when those before it have ended'
+)  # remedy
 
 
 @dataclass(frozen=True)
@@ -139,6 +145,11 @@ class _Builder:
             )
 
 
+def _is_second_block(behind: bytes) -> bool:
+    """Whether another <bml> begins behind a document's end, maybe with a declaration of its own."""
+    return first_tag(behind.decode("utf-8", errors="replace")) == "bml"
+
+
 def _scope(outer: Mapping[str, str], attributes: Mapping[str, str]) -> Mapping[str, str]:
     declared = {name[6:]: uri for name, uri in attributes.items() if name == "xmlns" or name.startswith("xmlns:")}
     return MappingProxyType({**outer, **declared}) if declared else outer
@@ -167,9 +178,12 @@ def read_tree(text: str | bytes, *, source: str, bounds: Bounds = BOUNDS, around
         raise refusal(source, start, "the document is empty", "a <bml> element is expected")
     builder = _Builder(source, bounds, "utf-8" if isinstance(text, str) else None, around and f"<{around}>")
     try:
-        builder.parse(text.encode("utf-8") if isinstance(text, str) else text)
+        written = text.encode("utf-8") if isinstance(text, str) else text
+        builder.parse(written)
     except expat.ExpatError as error:
         place = builder.placed(error.lineno, error.offset)
+        if builder.root is not None and _is_second_block(written[builder.parser.ErrorByteIndex :]):
+            raise refusal(source, place, "a second <bml> behind the first", ONE_BLOCK) from None
         raise refusal(source, place, f"not XML: {expat.ErrorString(error.code)}", "well-formed XML is needed") from None
     except UnicodeEncodeError as error:
         what = f"character {error.start} is no character of Unicode"

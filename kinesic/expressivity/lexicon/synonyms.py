@@ -30,15 +30,29 @@ class GestureClass:
     name: str
     gesture: str  # its id
     words: tuple[tuple[str, ...], ...]  # words, or several in a row, that name the class
+    not_in: tuple[tuple[str, ...], ...] = ()  # words in a row that name something else, such as beat, it
 
     def others(self, words: Sequence[str]) -> tuple[str, ...] | None:
         """Returns what some words say beside the class; None when they do not name it."""
-        named: set[int] = set()
-        for phrase in self.words:
-            for start in range(len(words) - len(phrase) + 1):
-                if tuple(words[start : start + len(phrase)]) == phrase:
-                    named |= set(range(start, start + len(phrase)))
+        named = self._named(words)
         return tuple(word for k, word in enumerate(words) if k not in named) if named else None
+
+    def before(self, words: Sequence[str]) -> frozenset[str]:
+        """Returns the words that stand before the first of the class."""
+        return frozenset(words[: min(self._named(words), default=0)])
+
+    def _named(self, words: Sequence[str]) -> set[int]:
+        """Where words of the class stand; nowhere, when they are in a phrase that says something else."""
+        if any(_places(phrase, words) for phrase in self.not_in):
+            return set()
+        return set().union(*(_places(phrase, words) for phrase in self.words))
+
+
+def _places(phrase: Sequence[str], words: Sequence[str]) -> set[int]:
+    """Where words in a row stand among others."""
+    length = len(phrase)
+    starts = (k for k in range(len(words) - length + 1) if tuple(words[k : k + length]) == tuple(phrase))
+    return {k for start in starts for k in range(start, start + length)}
 
 
 @dataclass(frozen=True)
@@ -89,11 +103,11 @@ class NameTable:
 
         Args:
             name: as a document writes it.
-            category: of the gesture, as far as the document says; it may name a class.
+            category: of the gesture, as far as the document says; it may name a class, or begin a name.
         """
-        read = read_name(name)
+        read, within = read_name(name), split_words(category or "")
         for shorter in read.shortened():
-            entry = self._look_up(shorter.words)
+            entry = self._look_up(shorter.words) or (self._spelled.get((*within, *shorter.words)) if within else None)
             if entry is not None:
                 return Found(*entry, self._with_sides(entry[0], shorter, read))
         numberless = GestureName(tuple(word for word in read.words if not word.isdigit()), read.hand)
@@ -143,6 +157,8 @@ class NameTable:
         if len(alike) > 1:
             return None
         if not alike:
+            if not beside and each.before(name.words) & set(asked.words):  # a noun: match point
+                return None
             return Found(each.gesture, "class", asked.without(frozenset(asked.words)), each.name)
         gesture = alike.pop()
         return Found(gesture, "synonym", asked.without(frozenset(w for w in asked.words if named.get(w) != gesture)))
@@ -180,6 +196,7 @@ def check_names(
         seen.setdefault(words, gesture)
 
 
-def class_of(name: str, gesture: str, words: Iterable[str]) -> GestureClass:
-    """Makes a class of gestures from the words that name it."""
-    return GestureClass(name, gesture, tuple(split_words(phrase) for phrase in words))
+def class_of(name: str, gesture: str, words: Iterable[str], not_in: Iterable[str] = ()) -> GestureClass:
+    """Makes a class of gestures from the words that name it, and phrases in which they say something else."""
+    named, otherwise = (tuple(read_name(phrase).words for phrase in phrases) for phrases in (words, not_in))
+    return GestureClass(name, gesture, named, otherwise)

@@ -95,6 +95,7 @@ class ClassTable(StrictTable):
 
     gesture: str
     words: list[str]  # that name the class; several in one mean: in a row
+    not_in: list[str] = []  # phrases in which these words say something else
 
 
 class GestureFile(StrictTable):
@@ -159,7 +160,7 @@ def _part(path: Path, file: GestureFile, bodies: Bodies) -> LexiconPart:
         tuple(_entry(table, file.category or "", path, bodies) for table in file.gesture),
         tuple((name, gesture) for gesture, names in file.synonyms.items() for name in names),
         tuple((word, table.id) for table in file.gesture for word in table.meanings),
-        tuple(class_of(name, table.gesture, table.words) for name, table in file.classes.items()),
+        tuple(class_of(name, table.gesture, table.words, table.not_in) for name, table in file.classes.items()),
     )
 
 

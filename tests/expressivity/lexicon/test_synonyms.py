@@ -82,6 +82,30 @@ def test_who_points_at_what_is_unknown_points(lexeme):
 
 
 @pytest.mark.parametrize(
+    "lexeme",
+    [
+        *(
+            "match_point",
+            "PointOfView_RH",
+            "points_of_interest",
+            "whats the point",
+            "get to the point",
+            "at_this_point",
+        ),
+        *("turning_point", "beat_it", "beat_eggs", "off_beat", "beat around the bush", "hold_cup", "open_hand_slap"),
+    ],
+)
+def test_a_word_of_a_class_may_say_something_else(lexeme):
+    assert LEXICON.find(lexeme) is None
+
+
+def test_a_rest_is_named_by_fewer_words_than_a_gesture():
+    for name in ("along", "Along", "alongBig"):
+        assert LEXICON.find(name, category="rest").form.id == "arms_hanging"
+        assert LEXICON.find(f"rest={name}").form.id == "arms_hanging"
+
+
+@pytest.mark.parametrize(
     ("lexeme", "gesture"),
     [
         ("BEAT_LOW_1", "beat_low"),
@@ -161,6 +185,12 @@ REVIEWED = {  # what an outsider complained of, and what is performed now
     "point_self": "me",
     "on_the_other_hand": "contrast_left_right",
     "UNKNOWN": None,
+    "along": None,
+    "yes": "allright",
+    "cup_LH": "offer",
+    "cup-flip_2H_2": "offer",
+    "purse": None,
+    "easy": None,
 }
 
 
