@@ -29,6 +29,7 @@ from kinesic.report.checks.twin import measure_tracking, tracking_errors
 from kinesic.report.conditioning import story
 from kinesic.report.labels import label
 from kinesic.report.servo_belief import lead
+from kinesic.report.speech import describe_speech
 from kinesic.version import __version__
 
 Json = None | bool | int | float | str | list["Json"] | dict[str, "Json"]
@@ -68,7 +69,7 @@ def report(
         "checks": [asdict(check) for check in verdicts],
         "behaviours": _behaviours(performance),
         "whole_body": _whole_body(plan),
-        "speech": _speech(plan),
+        "speech": describe_speech(plan),
         "sync": _syncs(performance),
         "synchrony": {"strokes": len(performance.stroke_lags), "median_s": median_lag(performance.stroke_lags)},
         "tracking": _tracking(performance),
@@ -172,14 +173,6 @@ def _body(move: BodyMove | None) -> dict[str, Json] | None:
         "face": dict(move.face),
         "gave_way": list(move.gave_way),
     }
-
-
-def _speech(plan: Plan) -> list[Json]:
-    """Who says what is said, and whether it is heard."""
-    return [
-        {"id": name, "voice": said.voice, "duration_s": said.duration, "heard": said.sound is not None}
-        for name, said in plan.utterances.items()
-    ]
 
 
 def _syncs(performance: Performance) -> list[Json]:

@@ -196,6 +196,7 @@ def test_voice_and_face_become_part_of_the_page(
 def test_the_page_says_who_speaks_and_why_no_face_is_seen(text: str, data: dict[str, Json]) -> None:
     (spoken,) = data["speech"]
     assert spoken["voice"]
+    assert spoken["phonemes"]
     words = "".join(Outline(text).words)
     assert f"s is spoken by {spoken['voice']}, not heard" in words
     assert "No film of the face: not recorded" in words

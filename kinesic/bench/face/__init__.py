@@ -1,16 +1,19 @@
-"""Measures the face: what occlusion costs and misses, its skin, its wrinkles, its lids and its frame rate."""
+"""Measures the face: what occlusion costs and misses, its skin, wrinkles, lids and lips, and its frame rate."""
 
 # A machine without OpenGL has every figure's name, and a reason instead of its value.
 
 from collections.abc import Iterator
 from typing import Literal, get_args
 
+from kinesic.bench.face.lips import RATES, measure_lips
 from kinesic.bench.figure import Figure
 from kinesic.face.display import available
 from kinesic.face.render.presets import PRESETS, TILES, Estimator, Pattern
+from kinesic.speech.espeak_pool import espeak_fault
 
 Better = Literal["lower", "higher"]
 
+LIPS = "face.lips."
 SIZES = (5, 11, 21)  # samples across, of Table 3.1
 PICTURES = ((512, 512), (1024, 768))
 FASTEST = 24.0  # [Hz] wanted of preset normal at the first of them
@@ -30,9 +33,12 @@ THESIS_MS = {  # Table 3.1, on a GTX 480: exact and separable
 def bench() -> list[Figure]:
     """Measures every figure of the part."""
     reason = available()
+    mute = reason or espeak_fault()
     values = {} if reason else _measured()
+    if not mute:
+        values |= measure_lips()
     return [
-        Figure(name, values.get(name), unit, goal, better, reason or _beside(name))
+        Figure(name, values.get(name), unit, goal, better, (mute if name.startswith(LIPS) else reason) or _beside(name))
         for name, unit, goal, better in expected_figures()
     ]
 
@@ -84,6 +90,12 @@ def expected_figures() -> Iterator[tuple[str, str, float | None, Better]]:
     yield "face.wrinkle.steepest", "deg", 65.0, "lower"
     yield "face.lids.uneven", "", 0.1, "lower"
     yield "face.lids.outside", "count", 0.0, "lower"
+    for rate in RATES:
+        yield f"{LIPS}{rate}_release_median", "ms", 20.0, "lower"
+        yield f"{LIPS}{rate}_release_p95", "ms", 45.0, "lower"
+        yield f"{LIPS}{rate}_open", "count", 0.0, "lower"
+        yield f"{LIPS}{rate}_late", "count", 0.0, "lower"
+        yield f"{LIPS}{rate}_fastest", "mm/s", 300.0, "lower"
 
 
 def _measured() -> dict[str, float]:

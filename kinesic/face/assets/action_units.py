@@ -63,7 +63,7 @@ SHAPES: Mapping[int, Mapping[str, float]] = {
     28: {"mouthRollLower": 1.0, "mouthRollUpper": 1.0},
     29: {"jawForward": 1.0},
     30: {"jawSIDE": 1.0},
-    32: {"mouthRollLower": 0.8, "mouthUpperUpLeft": 0.35, "mouthUpperUpRight": 0.35},  # the lower lip at the teeth
+    32: {"mouthRollLower": 0.8, "mouthUpperUpLeft": 0.8, "mouthUpperUpRight": 0.8},  # upper teeth on the lower lip
     34: {"cheekPuff": 1.0},
     43: {"eyeBlinkSIDE": 1.0},
     45: {"eyeBlinkSIDE": 1.0},

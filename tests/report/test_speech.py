@@ -1,0 +1,20 @@
+import pytest
+
+from kinesic.controller.performance import Performance
+from kinesic.report.speech import describe_speech
+
+
+def test_sounds_of_a_speech_are_told_on_the_clock_of_the_sync_points(hurried: Performance) -> None:
+    plan = hurried.plan
+    (told,) = describe_speech(plan)
+    assert isinstance(told, dict)
+    (speech,) = plan.utterances.values()
+    (begins,) = [timed.times["start"] for timed in plan.timeline.timed if timed.behaviour.id == told["id"]]
+    assert isinstance(told["phonemes"], list)
+    assert len(told["phonemes"]) == len(speech.phonemes) > 5
+    for row, sound in zip(told["phonemes"], speech.phonemes, strict=True):
+        assert isinstance(row, dict)
+        assert row["symbol"] == sound.symbol
+        times = [row[name] for name in ("start_s", "end_s", "onset_s", "release_s")]
+        assert times == pytest.approx([begins + time for time in (sound.start, sound.end, *sound.made)], abs=1e-4)
+    assert told["heard"] is (speech.sound is not None)
