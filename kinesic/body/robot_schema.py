@@ -147,6 +147,7 @@ class ServoTable(Strict):
     damping: float
     idle_a: float = 0.0
     thermal: tuple[float, float] | None = None
+    price_usd: float | None = None
 
 
 class RobotFile(Strict):
@@ -196,6 +197,33 @@ def robot_text(file: RobotFile, *, heading: Sequence[str], remarks: Mapping[str,
     return "\n\n".join("\n".join(part) for part in parts if part) + "\n"
 
 
+def changes_text(
+    bodies: Sequence[BodyTable],
+    hinges: Sequence[HingeTable],
+    sites: Mapping[str, SiteTable],
+    *,
+    robot: Mapping[str, str],
+    heading: Sequence[str],
+) -> str:
+    """Writes what a robot that extends another one has of its own, with values that are the default, too.
+
+    Args:
+        bodies: that differ.
+        hinges: that differ.
+        sites: that differ.
+        robot: keys of [robot].
+        heading: lines of the comment at its top.
+    """
+    parts = [
+        [f"# {line}".rstrip() for line in heading],
+        _table("[robot]", robot),
+        *(_table("[[body]]", _written(body)) for body in bodies),
+        *(_table("[[hinge]]", _written(hinge)) for hinge in hinges),
+        _table("[sites]", {name: _written(site) for name, site in sites.items()}) if sites else [],
+    ]
+    return "\n\n".join("\n".join(part) for part in parts if part) + "\n"
+
+
 def _table(header: str, rows: Mapping[str, object], remark: str = "") -> list[str]:
     return [f"{header}  # {remark}" if remark else header, *(f"{key} = {_value(value)}" for key, value in rows.items())]
 
@@ -220,6 +248,12 @@ def _plain(table: msgspec.Struct) -> dict[str, object]:
         if value != field.default and value is not None:
             found[field.encode_name] = value
     return found
+
+
+def _written(table: msgspec.Struct) -> dict[str, object]:
+    """Its keys as the file writes them; what is None is left out."""
+    rows = {field.encode_name: getattr(table, field.name) for field in msgspec.structs.fields(table)}
+    return {key: value for key, value in rows.items() if value is not None}
 
 
 def _value(value: object) -> str:

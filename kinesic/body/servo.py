@@ -34,6 +34,7 @@ class ServoModel:
     damping: float  # [Nm s/rad]
     idle_a: float = 0.0  # [A] of the electronics alone
     thermal: tuple[float, float] | None = None  # [K/W] winding to surroundings, [J/K] of the winding; None: not known
+    price_usd: float | None = None  # of one piece; None: not known
 
 
 @dataclass(frozen=True)

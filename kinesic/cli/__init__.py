@@ -10,16 +10,18 @@ with ended_on_the_spot():  # Ctrl-C is one line from the beginning
     from kinesic.bml.block import BmlError
     from kinesic.body.config import ConfigError
     from kinesic.cli.live import mcp_verb, serve_verb, studio_verb
+    from kinesic.cli.many.verbs import results_verb, search_verb, sweep_verb, validate_verb
     from kinesic.cli.plain_words import printable
     from kinesic.cli.servos import servo_verbs
-    from kinesic.cli.verbs import kinesic
+    from kinesic.cli.verbs import kinesic, robots
     from kinesic.hardware.protocol.wire import BusError
 
 BAD_INPUT = 2
 
 
-for verb in (serve_verb, studio_verb, mcp_verb, servo_verbs):
+for verb in (serve_verb, studio_verb, mcp_verb, servo_verbs, results_verb, sweep_verb, validate_verb):
     kinesic.add_command(verb)
+robots.add_command(search_verb)
 
 
 def main() -> None:

@@ -33,6 +33,7 @@ LISTEN_HELP = "Address for TCP and WebSocket; 'none' for standard input alone. P
 TOKEN_HELP = "That clients must show; needed where others than this machine can connect. Also KINESIC_TOKEN."
 ORIGIN_HELP = "Whose pages may connect beside the server's own, such as http://localhost:5173; repeat it."
 TEXT_HELP = "Says messages that are neither XML nor JSON, with gestures that fit their words."
+FORCE_HELP = "Replaces a folder that kinesic has made."
 TWIN_HELP = "nominal, pessimistic, both (checks of the nominal one, errors of both), or a TOML file of factors."
 LEARN_HELP = (
     "FILE of what servos have told (P gain, delay): goals lead by it, and what they tell now is written to it. "

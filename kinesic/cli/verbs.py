@@ -5,13 +5,12 @@ from pathlib import Path
 import click
 
 from kinesic.bench import PARTS
-from kinesic.bml.block import RANGES
 from kinesic.body.config import names_of
 from kinesic.cli.effects import effects
 from kinesic.cli.film_options import film_options
 from kinesic.cli.many.workers import workers
 from kinesic.cli.options import (
-    TWIN_HELP,
+    FORCE_HELP,
     done_by,
     expression,
     face_view,
@@ -32,7 +31,6 @@ ON_HELP = (
     "Who performs, with commas between: twin (always first), servos, face (in a window where there is a display). "
     "Space stops the servos, Ctrl-C folds them to rest."
 )
-FORCE_HELP = "Replaces a folder that kinesic has made."
 COMPARED = ("effort=0", "whole_body=0", "power=-1")
 COMPARE_HELP = (
     "A setting, as for --set, or idle=0, variation=0: gestures are compared with and without it; repeat it "
@@ -169,15 +167,6 @@ def _plan() -> None:
     """
 
 
-@kinesic.command("results")
-@click.argument("query")
-@click.argument("folder", type=click.Path(path_type=Path))
-@click.option("--json", "as_json", is_flag=True, help="Prints the rows as JSON.")
-@done_by("many.results:ask_results")
-def _results() -> None:
-    """Asks QUERY (SQL, or summary) of the results that a run of `kinesic validate --out FOLDER` left."""
-
-
 @kinesic.group()
 def robots() -> None:
     """Lists, shows, checks and imports robots."""
@@ -266,19 +255,6 @@ def _analyse_study() -> None:
     """Says what is in FILES, the answers (CSV) of all participants in a study of the face or of gestures."""
 
 
-@kinesic.command("sweep")
-@click.argument("gesture")
-@planning
-@click.option("--parameter", metavar="NAME", help=f"One of {', '.join(RANGES)}.")
-@click.option("--values", metavar="A,B,...", help="Values to play (default: five over the whole range).")
-@click.option("--all", "every", is_flag=True, help="Every parameter, and every preset of style.")
-@workers
-@output("Folder of figures (default: out/sweep-NAME-TIME).", FORCE_HELP, "Prints the measures as JSON.")
-@done_by("sweep:sweep_gesture")
-def _sweep() -> None:
-    """Plays GESTURE over the range of a parameter in the twin, measures and draws it."""
-
-
 @kinesic.group()
 def twin() -> None:
     """Fits the twin to a robot."""
@@ -298,21 +274,3 @@ def twin() -> None:
 @done_by("twin:fit_twin")
 def _fit_twin() -> None:
     """Fits servo factors to LOG, and says which of them it cannot tell."""
-
-
-@kinesic.command("validate")
-@click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path))
-@planning
-@click.option("--twin", default="nominal", show_default=True, help=TWIN_HELP)
-@workers
-@output(
-    "Folder of the reports; an interrupted run goes on there.",
-    "Begins anew in a folder that kinesic has made.",
-    "Prints verdicts and totals as JSON.",
-)
-@done_by("validate:validate_paths")
-def _validate() -> None:
-    """Performs every document of PATHS (folders are searched) in the twin.
-
-    With --out, an interrupted run goes on where it stopped when the same command is given again.
-    """

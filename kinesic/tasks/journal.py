@@ -74,6 +74,7 @@ def run_once(
     *,
     keep: Callable[[Task, Result], Entry],
     holds: Callable[[Entry], bool] = lambda entry: True,
+    forgets: bool = True,
     preload: str = "",
 ) -> Generator[tuple[Task, Entry | WorkerCrash], None, None]:
     """Yields each task with its result once: those of earlier runs first, from the journal, then what is left.
@@ -87,12 +88,13 @@ def run_once(
         journal: of the run; None: nothing is remembered.
         keep: makes of a result what is noted, and writes here what shall be in a file before it counts as done.
         holds: whether a result that is noted still counts.
+        forgets: whether the journal loses what is of no task; a run of several rounds keeps that.
         preload: module that workers begin with.
     """
     noted = journal.read() if journal else {}
     known = {key: entry for key, entry in noted.items() if holds(entry)}
     known = {key: known[key] for key in tasks.values() if key in known}
-    if journal:
+    if journal and forgets:
         journal.rewrite(known)
     yield from ((task, known[key]) for task, key in tasks.items() if key in known)
     left = [task for task, key in tasks.items() if key not in known]

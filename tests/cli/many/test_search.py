@@ -1,0 +1,43 @@
+import json
+
+import pytest
+
+from kinesic.body.robot import Robot
+
+NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" start="0.2"/></bml>'
+VARY = ("--vary", "l_elbow_flexion.servo=xm430_w210,xc430_w240", "--vary", "vl5_roll.reduction=2.5,10")
+
+
+@pytest.mark.realtime
+def test_a_search_prints_and_writes_what_no_other_design_beats(kinesic, tmp_path):
+    (tmp_path / "nod.bml").write_text(NOD)
+    ended = kinesic("robots", "search", "upper22", "nod.bml", *VARY, "--out", "found", "--jobs", "1")
+    assert ended.code == 0
+    assert "as it is (beaten)" in ended.out
+    assert "mass, price," in ended.out
+    assert "turns its servo by 400 degrees" in ended.out
+    rows = json.loads((tmp_path / "found" / "designs.json").read_text())["designs"]
+    (best,) = [row for row in rows if row["unbeaten"]]
+    assert best["design"] == {"l_elbow_flexion.servo": "xc430_w240"}
+    robot = Robot.load(tmp_path / "found" / "upper22_1.toml")
+    assert robot.name == "upper22_1"
+    assert robot.drives[robot.skeleton.names.index("r_elbow_flexion")].servo.name == "xc430_w240"
+    again = kinesic("robots", "search", "upper22", "nod.bml", *VARY, "--out", "found")
+    assert "holds a finished search" in again.err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("nod.bml", "--vary", "l_elbow.len=1"), "no len; did you mean length"),
+        (("nod.bml", "--vary", "l_elbw.length=1"), "no body l_elbw; did you mean l_elbow"),
+        ((".", "--vary", "l_elbow.length=0.2"), ".: no documents"),
+    ],
+)
+def test_wrong_input_is_one_line(kinesic, tmp_path, arguments, message):
+    if arguments[0] != ".":
+        (tmp_path / "nod.bml").write_text(NOD)
+    ended = kinesic("robots", "search", "upper22", *arguments)
+    assert ended.code == 2
+    assert message in ended.err
+    assert len(ended.err.splitlines()) == 1

@@ -1,0 +1,103 @@
+from dataclasses import dataclass, field
+
+import pytest
+
+from kinesic.body.config import ConfigError
+from kinesic.studies.designs.search import AS_IT_IS, document_steps, search
+from kinesic.studies.designs.trial import DesignTask, Trial
+from kinesic.tasks.journal import Journal
+
+BML = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+NOD = BML.format('<head id="h" lexeme="NOD" start="0.2"/>').encode()
+WALK = BML.format('<locomotion id="w" target="door"/>').encode()
+WEAK = (("l_shoulder_[fa]*.servo", "xc330_t288"),)
+WIDE = (("l_sternoclavicular.length", "0.03"),)
+TURNED = (("l_shoulder_flexion.reduction", "2"),)
+CHEAP = (("l_elbow_flexion.servo", "xc430_w240"),)
+
+
+@dataclass
+class Here:
+    """An engine without processes, which notes what it does."""
+
+    done: list[DesignTask] = field(default_factory=list)
+    place: str = "here"
+
+    def run(self, tasks, prepare, *, preload=""):
+        do = prepare()
+        for task in tasks:
+            self.done.append(task)
+            yield task, do(task)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("search")
+
+
+@pytest.fixture(scope="module")
+def found(folder):
+    designs = (WEAK, WIDE, TURNED, CHEAP)
+    documents = [("nod.bml", NOD), ("walk.bml", WALK)]
+    journal = Journal(folder / "finished.jsonl", Trial)
+    return search("upper22", designs, documents, engine=Here(), journal=journal)
+
+
+def test_a_design_that_collides_gives_way_or_cannot_be_built_is_out_with_its_reason(found):
+    reasons = {trial.design: trial.out for trial in found.out}
+    assert set(reasons) == {WEAK, WIDE, TURNED}
+    assert "does not hold itself" in reasons[WEAK]
+    assert "collides: at rest" in reasons[WIDE]
+    assert "turns its servo by 440 degrees" in reasons[TURNED]
+
+
+def test_the_robot_as_it_is_stands_beside_a_cheaper_one(found):
+    figures = {trial.design: trial for trial in found.finished}
+    assert set(figures) == {AS_IT_IS, CHEAP}
+    assert figures[CHEAP].body.price == pytest.approx(figures[AS_IT_IS].body.price - 300.0)
+    assert figures[CHEAP].body.mass == pytest.approx(figures[AS_IT_IS].body.mass - 2 * 0.017)
+    assert all(len(trial.documents) == 2 for trial in found.finished)
+    assert figures[CHEAP].violations == 1  # nobody walks
+    assert [(each.documents, each.designs) for each in found.rounds] == [(1, 2), (2, 2)]
+
+
+def test_a_search_goes_on_where_it_was_left(folder, found):
+    lines = (folder / "finished.jsonl").read_bytes()
+    (folder / "again.jsonl").write_bytes(lines[:-5])  # killed while it wrote the last result
+    engine = Here()
+    again = search(
+        "upper22",
+        (WEAK, WIDE, TURNED, CHEAP),
+        [("nod.bml", NOD), ("walk.bml", WALK)],
+        engine=engine,
+        journal=Journal(folder / "again.jsonl", Trial),
+    )
+    assert again == found
+    assert len(engine.done) == 1
+    assert (folder / "again.jsonl").read_bytes().count(b"\n") == lines.count(b"\n")
+
+
+def test_another_document_or_setting_is_another_task():
+    keys = {
+        DesignTask(CHEAP, (("a", NOD),), "x").key,
+        DesignTask(CHEAP, (("a", WALK),), "x").key,
+        DesignTask(CHEAP, (("a", NOD),), "y").key,
+        DesignTask(AS_IT_IS, (("a", NOD),), "x").key,
+    }
+    assert len(keys) == 4
+
+
+def test_each_round_has_three_times_the_documents():
+    documents = [(str(number), b"") for number in range(18)]
+    steps = document_steps(documents)
+    assert [len(step) for step in steps] == [2, 4, 12]
+    assert sorted(name for step in steps for name, _ in step) == sorted(name for name, _ in documents)
+    assert [len(step) for step in document_steps(documents[:1])] == [1]
+
+
+def test_a_robot_that_is_out_itself_is_refused(tmp_path):
+    (tmp_path / "weak.toml").write_text(
+        '[robot]\nname = "weak"\nextends = "upper22"\n[[hinge]]\nname = "vl5_roll"\nservo = "xc330_t288"\n'
+    )
+    with pytest.raises(ConfigError, match=r"weak\.toml itself is out: it does not hold itself: vl5_roll"):
+        search(str(tmp_path / "weak.toml"), [], [("nod.bml", NOD)], engine=Here())
