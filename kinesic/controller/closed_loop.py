@@ -102,7 +102,7 @@ def _inputs(observer: Observer, angles: Floats, setpoints: FeedForwardGoals) -> 
 
 
 def _compiled(observer: Observer) -> "_kernel.Observer":
-    constants = np.array([*RESTORING, *SHARES, FADING])
+    constants = np.array([*(observer.restoring * RESTORING), *SHARES, FADING])
     return _kernel.make_observer(
         observer.forecast, observer.gain, observer.step, observer.full, observer.arrival, constants
     )

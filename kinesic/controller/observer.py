@@ -20,7 +20,7 @@ Stability: whatever is learned, share load + pace lead enters as a bounded distu
 over a plant with a bus latency from 0 to 20 ms, known to the observer or not, all poles of all hinges lie within the
 unit circle when stall torque, no-load speed or inertia is wrong by a factor of 2, and for the pessimistic twin. Two
 such errors at once may oscillate where they leave the servo's own loop hardly damped or double its stiffness at 20 ms:
-then only the bounds hold, and servos that wrong are better fitted first.
+then only the bounds hold, and servos that wrong are better fitted first. Where it is known of servos, less is restored.
 
 A goal further than 1 / g from the measured position gives no more duty: the observer knows what could act, so that
 nothing winds up. Where g is less than believed, duty is full only further away, and full duty would explain away what g
@@ -114,6 +114,7 @@ class Observer:
     upper: Floats  # (n,) [rad]
     step: Floats  # (n,) [rad] of correction per tick: the speed that plans leave to servos
     full: Floats  # (n,) [rad] error at which the duty is full beyond doubt
+    restoring: float = 1.0  # the part of RESTORING that is used: see `controller.stability`
 
     @classmethod
     def of(cls, robot: Robot, dynamics: Dynamics, *, period: float, delay: float = 0.0, bodies: int = 1) -> "Observer":
@@ -127,10 +128,7 @@ class Observer:
             bodies: how many such robots are observed, their hinges one after another: numpy takes as long for many.
         """
         drives = robot.drives
-        inertia = np.maximum(dynamics.load.inertia, drives.armature)
-        stiffness = drives.stall * drives.gain / inertia
-        drag = (drives.stall / drives.no_load + drives.rate_gain + drives.damping) / inertia
-        forecast = _forecast(stiffness, drag, period)
+        forecast = forecast_servo(robot, dynamics, period)
         gain = _gains(forecast, np.exp(-BANDWIDTH * period))
         step = (drives.no_load - drives.speed) * period
         late = int(delay / period)
@@ -154,7 +152,7 @@ class Observer:
         gains: Floats = np.concatenate([self.forecast.reshape(9, hinges), self.gain, [self.step, self.full]])
         inputs = np.zeros((7 + late, hinges)), np.zeros(hinges), np.zeros((10, hinges))
         constant, found = (gains, np.array(self.arrival)), np.zeros((7 + late, hinges))
-        function = compile_tick(hinges, late)
+        function = compile_tick(hinges, late, self.restoring)
         memory, run = function.buffer()
         for k, values in enumerate((*inputs, *constant)):
             memory.set_arg(k, values.data)  # type: ignore[call-arg]  # the stub asks for C's arguments
@@ -261,6 +259,15 @@ def correct_goals(
             state = command.time, command.angles, command.speeds, command.accelerations
             rows = belief.goals.reshape(len(bodies), -1)
             yield tuple(Command(*state, goals, command.face) for goals in rows)  # `replace` takes three times as long
+
+
+def forecast_servo(robot: Robot, dynamics: Dynamics, period: float) -> Floats:
+    """Finds the transition (n, 3, 3) of deviation, its speed and a held push of each hinge over a period [s]."""
+    drives = robot.drives
+    inertia = np.maximum(dynamics.load.inertia, drives.armature)
+    stiffness = drives.stall * drives.gain / inertia
+    drag = (drives.stall / drives.no_load + drives.rate_gain + drives.damping) / inertia
+    return _forecast(stiffness, drag, period)
 
 
 def _forecast(stiffness: Floats, drag: Floats, period: float) -> Floats:

@@ -16,12 +16,13 @@ FADING = 0.95  # of the push that is left after each tick in which a servo did n
 
 
 @lru_cache(maxsize=8)
-def compile_tick(hinges: int, late: int) -> "casadi.Function":
+def compile_tick(hinges: int, late: int, restoring: float = 1.0) -> "casadi.Function":
     """Compiles one observer tick for some hinges with CasADi: two microseconds, where NumPy takes twenty.
 
     Args:
         hinges: how many.
         late: ticks on which corrections may be under way.
+        restoring: the part of `RESTORING` that is used.
 
     Returns:
         From belief (n, 7 + late), deviation (n,), inputs (n, 10), gains (n, 14) and arrival (late,) to the belief of
@@ -52,7 +53,7 @@ def compile_tick(hinges: int, late: int) -> "casadi.Function":
     motion[2] -= arrived
 
     foreseen, before = led + learned * load + learned_pace * lead, led + correction
-    asked = foreseen - sum((float(RESTORING[k]) * motion[k] for k in range(3)), nothing)
+    asked = foreseen - sum((restoring * float(RESTORING[k]) * motion[k] for k in range(3)), nothing)
     goals = _between(_between(asked, before - step, before + step), lowest, highest)
     position = angles + motion[0]
     newest = _between(goals, position - full, position + full) - foreseen

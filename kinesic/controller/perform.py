@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import lru_cache, partial
 from pathlib import Path
 from time import perf_counter
@@ -22,6 +23,7 @@ from kinesic.controller.observer import Observer
 from kinesic.controller.options import PlanningOptions, check_options
 from kinesic.controller.performance import Performance, Reference
 from kinesic.controller.play import command_times
+from kinesic.controller.stability import calm_part
 from kinesic.controller.watch.clearance import slows
 from kinesic.controller.watch.watched_run import perform_watched
 from kinesic.expressivity.context import read_targets
@@ -215,15 +217,16 @@ def dry_runs(
         perform_in_twins(trajectory, times, setpoints, bodies, observers, progress)
         return [body.measurements() for body in bodies]
 
+    alone = observers(1) if observers else None
+    restoring = 1.0 if alone is None else alone.restoring
     measured = performed(touches=False)
     if min(each.clearance.distances.min() for each in measured) < robot.least_clearance:
         measured = performed(touches=True)  # between steps they may have met
     reference, seconds = Reference(planned, times, setpoints.duties), perf_counter() - began
     runs = [
-        Performance(reference, factors, each, parse_seconds, seconds, believed=believed)
+        Performance(reference, factors, each, parse_seconds, seconds, believed=believed, restoring=restoring)
         for factors, each in zip(twins, measured, strict=True)
     ]
-    alone = observers(1) if observers else None
     return tuple(_watched(run, leading, alone) if watch and slows(run.rooms, robot) else run for run in runs)
 
 
@@ -241,11 +244,13 @@ def _watched(even: Performance, feedforward: FeedForward, observer: Observer | N
         seconds,
         run.least_pace,
         even.believed,
+        even.restoring,
     )
 
 
 @lru_cache(maxsize=8)
 def make_observer(known: Setup, believed: Factors, delay: float, bodies: int) -> Observer:
-    """Remembered, as its gains depend on the robot alone, as soft as its servos are believed to be."""
-    robot = soften(known.robot, believed)
-    return Observer.of(robot, known.dynamics, period=1 / RATE, delay=delay, bodies=bodies)
+    """Makes one for a robot as soft as its servos are believed to be, which restores as much as they bear."""
+    design = partial(Observer.of, soften(known.robot, believed), known.dynamics, period=1 / RATE, delay=delay)
+    part = calm_part(design(), believed.applied(known.robot), known.dynamics, delay)
+    return replace(design(bodies=bodies), restoring=part)

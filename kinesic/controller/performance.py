@@ -137,6 +137,7 @@ class Performance:
     dry_run_seconds: float  # of feed-forward and of all twins that performed together
     least_pace: float = 1.0  # seconds of the performance per second, where it was slowed down most
     believed: Factors = NOMINAL  # how servos are believed to be, by which goals lead
+    restoring: float = 1.0  # the part of its strength with which the correction restores: what stiff, late servos bear
 
     @cached_property
     def rooms(self) -> Floats:

@@ -154,8 +154,11 @@ def _arms(lexeme: str, mode: Mode, lexicon: Lexicon) -> Arms | None:
     gesture = next((form for word, form in _FROM_GESTURES.items() if word in found), None)
     if gesture is not None and (match := lexicon.find(gesture, mode)) is not None and match.form.keys:
         return replace(match.form, keys=match.form.keys[-1:], rest=True)
-    match = lexicon.find(lexeme, mode, category="rest")
-    return match.form if match is not None and match.form.rest and match.form.keys else None
+    for name in (lexeme, f"arms {lexeme}"):  # the draft's CROSSED of ARMS
+        match = lexicon.find(name, mode, category="rest")
+        if match is not None and match.form.rest and match.form.keys:
+            return match.form
+    return None
 
 
 def posture_moves(postures: Sequence[TimedBehaviour], context: BlockContext) -> Mapping[str, Move]:

@@ -94,6 +94,8 @@ def test_open_arms_are_held_open(robot, lexicon):
         ("Idle01", "both"),
         ("HandsAtSide", "both"),
         ("LHandOnHip", "hand_on_hip"),
+        ("CROSSED", "arms_crossed"),
+        ("akimbo", "akimbo"),
     ],
 )
 def test_a_pose_of_the_whole_body_may_be_one_of_the_arms(robot, lexicon, lexeme, arms):

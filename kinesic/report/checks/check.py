@@ -50,6 +50,7 @@ LIMITS = {
     "tracking.p95": Limit("deg", poor=7.5),
     "tracking.max": Limit("deg", poor=15.0),
     "tracking.lateness": Limit("s", poor=0.1),
+    "tracking.restoring": Limit("ratio", at_least=True),
     "servo.saturation": Limit("s", poor=0.5),
     "servo.load": Limit("of stall"),
     "power.peak": Limit("A"),

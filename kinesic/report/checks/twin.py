@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kinesic.controller.learned_gains import describe
 from kinesic.controller.performance import Performance
 from kinesic.controller.smoothness import visible_jerk
 from kinesic.planning.syncs import SHIFT_TO_WARN
@@ -134,6 +135,16 @@ def tracking_checks(performance: Performance) -> list[Check]:
         Check.of("tracking.p95", found.p95, P95, f"of {moving} moving hinge{'s' if moving > 1 else ''}"),
         Check.of("tracking.max", found.max, MAX, f"{names[hinge]} {format_time(performance.measured.times[row])}"),
         Check.of("tracking.lateness", float(late[last]), LATENESS, names[last]),
+        *_restoring(performance),
+    ]
+
+
+def _restoring(performance: Performance) -> list[Check]:
+    """Warns where servos are known to be so stiff and late that a full correction would swing."""
+    if performance.restoring == 1.0:
+        return []
+    return [
+        Check.of("tracking.restoring", performance.restoring, 1.0, f"more swings: {describe(performance.believed)}")
     ]
 
 
