@@ -18,11 +18,12 @@ class DocumentLine:
 
 
 def document_lines(block: Block) -> tuple[DocumentLine, ...]:
-    """Cuts a document into lines; empty where its text is not known."""
+    """Cuts a document into lines, without empty ones at its end; none where its text is not known."""
     if not block.text:
         return ()
     begun: defaultdict[int, list[Behaviour]] = defaultdict(list)
     for behaviour in block.behaviours:
         begun[behaviour.place.line].append(behaviour)
-    lines = block.text.replace("\r\n", "\n").replace("\r", "\n").split("\n")  # as XML has it: others end no line
+    text = block.text.replace("\r\n", "\n").replace("\r", "\n").rstrip("\n")
+    lines = text.split("\n")  # as XML has it: others end no line
     return tuple(DocumentLine(number, text, tuple(begun[number])) for number, text in enumerate(lines[:MOST_LINES], 1))

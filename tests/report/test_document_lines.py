@@ -16,7 +16,7 @@ def test_lines_of_the_document_know_who_begins_there(hurried: Performance, known
 
 
 def test_lines_end_where_those_of_xml_do():
-    block = parse('<bml id="b">\r\n<!-- \u2028 -->\r<head id="h" lexeme="NOD"/>\n</bml>')
+    block = parse('<bml id="b">\r\n<!-- \u2028 -->\r<head id="h" lexeme="NOD"/>\n</bml>\r\n\n')
     rows = [(row.number, [each.id for each in row.behaviours]) for row in document_lines(block)]
     assert rows == [(1, []), (2, []), (3, ["h"]), (4, [])]
 

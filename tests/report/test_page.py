@@ -81,13 +81,17 @@ def test_strokes_stand_under_the_words_and_lead_to_their_moment(text: str) -> No
 
 
 def test_the_document_is_on_the_page_with_the_fate_of_each_behaviour(known: Setup, tmp_path: Path) -> None:
-    lines = ('<bml id="b">', '<gesture id="a" lexeme="beat"/>', '<gesture id="b" lexeme="xyzzy"/>', "</bml>")
+    gestures = [
+        f'<gesture id="{id}" lexeme="{name}"/>' for id, name in zip("abc", ("beat", "xyzzy", "point_box"), strict=True)
+    ]
+    lines = ('<bml id="b">', *gestures, "</bml>")
     performance = perform("\n".join(lines), known)
     text = page(performance, report(performance, source="x.bml"), tmp_path)
     shown = re.findall(r"<pre>(.*?)</pre></td><td>(.*?)</td>", text)
     assert [line.replace("&#34;", '"').replace("&lt;", "<").replace("&gt;", ">") for line, _ in shown] == list(lines)
     fates = ["".join(Outline(fate).words) for _, fate in shown]
-    assert (fates[0], fates[1], fates[3]) == ("", "realised", "")
+    assert (fates[0], fates[1], fates[4]) == ("", "realised", "")
+    assert fates[3].startswith("substituted by this_index")
     assert fates[2].startswith("dropped")
     assert "xyzzy" in fates[2]
 
