@@ -44,9 +44,12 @@ def effort(drives: Drives, errors: Floats, speeds: Floats, *, supplied: Floats =
         speeds: (s, n) [rad/s].
         supplied: (s,) or (1,) share of its voltage that the supply had.
     """
-    duties = drives.gain * errors - drives.rate_gain / drives.stall * speeds
+    duties = drives.gain * errors  # in place from here on: there are 300 steps a second
+    duties -= drives.rate_gain / drives.stall * speeds
     applied = np.clip(duties, -1.0, 1.0)
-    return DriveEffort(duties, applied, supplied[:, None] * applied - speeds / drives.no_load, supplied)
+    loads = supplied[:, None] * applied
+    loads -= speeds / drives.no_load
+    return DriveEffort(duties, applied, loads, supplied)
 
 
 def power(names: tuple[str, ...], drives: Drives, given: DriveEffort, *, spans: Floats, counts: list[int]) -> Power:
@@ -59,21 +62,24 @@ def power(names: tuple[str, ...], drives: Drives, given: DriveEffort, *, spans: 
         spans: (s,) [s] how long each step was.
         counts: (m,) steps so far at each command.
     """
-    drawn = np.maximum(given.applied * given.loads, 0.0) * drives.stall_current + drives.idle_current  # (s, n) [A]
+    drawn = given.applied * given.loads
+    np.maximum(drawn, 0.0, out=drawn)
+    drawn *= drives.stall_current
+    drawn += drives.idle_current  # (s, n) [A]
     current = drawn.sum(axis=1)
     edges = _edges(counts)
     lasting = np.add.reduceat(np.append(spans, 0.0), edges)[::2]
     mean = current[edges[1::2] - 1]  # of an interval without length, as on the step before
     np.divide(np.add.reduceat(np.append(current * spans, 0.0), edges)[::2], lasting, out=mean, where=lasting > 0.0)
-    lost = given.loads**2 * drives.volt * drives.servo_current  # (s, n) [W] of one servo
+    loss = drives.volt * drives.servo_current  # (n,) [W] of one servo that gives its stall torque
     return Power(
         mean=sealed(mean),
         peak=sealed(np.maximum.reduceat(np.append(current, 0.0), edges)[::2]),
         energy=float((spans * given.supplied) @ drawn @ drives.volt),
         volts=float(given.supplied.min() * drives.volt.max()),
         warming={
-            name: sealed(_warming(drive.servo.thermal, losses, spans)[edges[1::2] - 1])
-            for name, drive, losses in zip(names, drives, lost.T, strict=True)
+            name: sealed(_warming(drive.servo.thermal, loss[k] * given.loads[:, k] ** 2, spans)[edges[1::2] - 1])
+            for k, (name, drive) in enumerate(zip(names, drives, strict=True))
             if drive.servo.thermal is not None
         },
     )

@@ -3,6 +3,7 @@
 import json
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import lru_cache
 from math import inf
 from pathlib import Path
 from typing import Literal
@@ -87,25 +88,15 @@ class Factors(DriveFactors, frozen=True, forbid_unknown_fields=True):
         return "\n".join(lines).lstrip("\n") + "\n"
 
     def applied(self, robot: Robot) -> Robot:
-        """Applies these factors to a robot's drives and masses.
+        """Applies these factors to a robot's drives and masses; the same robot gets the same answer.
 
         Raises:
             ConfigError: the robot has no servo of a name in `servos`.
         """
-        if self == NOMINAL:
-            return robot
-        models = [drive.servo.name for drive in robot.drives]
-        for name in self.servos:
-            if name not in models:
-                raise ConfigError(f"factors of servo {name}: {robot.name} has none{suggestion(name, models)}")
-        skeleton = robot.skeleton
-        segments = tuple(replace(segment, mass=segment.mass * self.mass) for segment in skeleton.segments)
-        mounts = tuple(
-            replace(mount, drive=replace(mount.drive, servo=self._servo(mount.drive.servo))) for mount in robot.mounts
-        )
-        return replace(robot, skeleton=replace(skeleton, segments=segments), mounts=mounts)
+        return robot if self == NOMINAL else _applied(self, robot)
 
-    def _servo(self, servo: ServoModel) -> ServoModel:
+    def adjust(self, servo: ServoModel) -> ServoModel:
+        """Applies these factors, or its own, to a servo."""
         own = self.servos.get(servo.name, self)
         return replace(
             servo,
@@ -119,6 +110,20 @@ class Factors(DriveFactors, frozen=True, forbid_unknown_fields=True):
             p_gain=servo.p_gain * own.gain,
             mass=servo.mass * self.mass,
         )
+
+
+@lru_cache(maxsize=16)
+def _applied(factors: Factors, robot: Robot) -> Robot:
+    models = [drive.servo.name for drive in robot.drives]
+    for name in factors.servos:
+        if name not in models:
+            raise ConfigError(f"factors of servo {name}: {robot.name} has none{suggestion(name, models)}")
+    skeleton = robot.skeleton
+    segments = tuple(replace(segment, mass=segment.mass * factors.mass) for segment in skeleton.segments)
+    mounts = tuple(
+        replace(mount, drive=replace(mount.drive, servo=factors.adjust(mount.drive.servo))) for mount in robot.mounts
+    )
+    return replace(robot, skeleton=replace(skeleton, segments=segments), mounts=mounts)
 
 
 def _departures(of: DriveFactors) -> list[str]:

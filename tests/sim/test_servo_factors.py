@@ -1,3 +1,4 @@
+import msgspec
 import numpy as np
 import pytest
 
@@ -133,3 +134,9 @@ def test_a_latency_below_zero_is_refused():
 def test_play_that_no_gear_has_is_refused(play):
     with pytest.raises(ValueError, match=f"play is {play} rad"):
         Factors(play=play)
+
+
+def test_the_same_robot_is_changed_once():
+    robot = Robot.load()
+    assert PESSIMISTIC.applied(robot) is Factors(**msgspec.structs.asdict(PESSIMISTIC)).applied(robot)
+    assert PESSIMISTIC.applied(Robot.load()) is not PESSIMISTIC.applied(robot)
