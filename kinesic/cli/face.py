@@ -37,6 +37,8 @@ from kinesic.planning.face_track import commands_with_face
 from kinesic.planning.plan import Plan
 
 FILM_RATE = 25.0  # [Hz] of films
+FILM_SAMPLES = 2  # pixels drawn along each side of one of a film, but of a draft
+FILM_SIDE = 2048  # pixels along a side of a film, beyond which there is no room for that
 SECONDS = 2.0  # that a film of one expression lasts
 RISE = 0.5  # [s] from rest to the expression, and back
 
@@ -49,23 +51,24 @@ class ViewSettings:
     camera: Camera
     effects: Effects
 
-    @property
-    def preset(self) -> Preset:
-        """What is drawn.
-
-        Raises:
-            DisplayError: an effect cannot be drawn so.
-        """
-        return self.effects.applied(PRESETS[self.view.preset])
-
     def side(self, usual: int) -> int:
         """Says how many pixels are drawn along a side: those requested, or else the usual ones."""
         return usual if self.view.size is None else self.view.size
 
-    def portrait(self, usual: int) -> Portrait:
+    def preset(self, *, filmed: bool) -> Preset:
+        """Says how much is drawn: of a film each pixel several times, since edges that move flicker else.
+
+        Raises:
+            DisplayError: an effect cannot be drawn so.
+        """
+        found = self.effects.applied(PRESETS[self.view.preset])
+        finer = filmed and found.smooth and self.side(SIDE) <= FILM_SIDE
+        return replace(found, samples=FILM_SAMPLES) if finer else found
+
+    def portrait(self, usual: int, *, filmed: bool) -> Portrait:
         """Opens a portrait of the requested size, or else of the usual one [pixels]."""
         side = self.side(usual)
-        return Portrait(self.view.variant, preset=self.preset, size=(side, side))
+        return Portrait(self.view.variant, preset=self.preset(filmed=filmed), size=(side, side))
 
     @property
     def look(self) -> PreviewSettings:
@@ -164,7 +167,7 @@ def _draw(
         _film_whole(shown, settings, out, progress)
         return
     progress(0.0)
-    with settings.portrait(CELL if sheet else SIDE) as portrait:
+    with settings.portrait(CELL if sheet else SIDE, filmed=_is_film(out) and not sheet) as portrait:
         if sheet:
             save(contact_sheet(portrait, settings.camera, progress=progress), out)
         elif _is_film(out):
@@ -210,6 +213,7 @@ def _film_whole(planned: Plan, settings: ViewSettings, out: Path, progress: Call
         is_strip, view = out.suffix.lower() == ".png", settings.view
         side, rate = (STRIP, FILM_RATE / 2) if is_strip else (SIDE, FILM_RATE)
         pixels = settings.side(side)
-        look = PortraitSettings(view.variant, settings.preset, (pixels, pixels), settings.camera, view.gain)
+        preset = settings.preset(filmed=not is_strip)
+        look = PortraitSettings(view.variant, preset, (pixels, pixels), settings.camera, view.gain)
         recording = FaceRecording(out, robot, look=look, rate=rate, sound=wav, progress=progress)
         play(commands_with_face(planned, times), recording)

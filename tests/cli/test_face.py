@@ -8,8 +8,11 @@ import pytest
 from PIL import Image
 
 from kinesic.cli import main
+from kinesic.cli.face import ViewSettings
+from kinesic.cli.options import FaceView
 from kinesic.face.assets.mesh import load_head
 from kinesic.face.render import portrait
+from kinesic.face.render.camera import CLOSE
 from kinesic.face.show.window import has_display
 
 
@@ -36,6 +39,15 @@ def test_a_film_rises_and_falls(drawable: None, tmp_path: Path, monkeypatch: pyt
     assert typed(monkeypatch, "--au", "26=1", "--out", str(out), "--size", "32", "--preset", "draft") == 0
     with Image.open(out) as film:
         assert film.n_frames > 20  # equal neighbours are one frame of WebP
+
+
+def test_a_film_has_several_samples_a_pixel_where_there_is_room_and_a_still_or_a_draft_one():
+    def samples(preset: str, size: int | None, *, filmed: bool) -> int:
+        return ViewSettings(FaceView("female", preset, 0.0, size, 1.0), CLOSE).preset(filmed=filmed).samples
+
+    assert samples("normal", None, filmed=True) == samples("full", 512, filmed=True) == 2
+    assert samples("normal", 512, filmed=False) == samples("draft", 512, filmed=True) == 1
+    assert samples("normal", 4000, filmed=True) == 1
 
 
 BML = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">

@@ -12,8 +12,8 @@ OPENING: Mapping[str, float] = {
     "22": 0.0108,
     "19": 0.008,
 }  # [m] of the lips, by action unit
-FASTEST = 0.13  # [m/s] of one lip from the other
-GATHERING = 0.03  # [s] in which they come to it
+FASTEST = 0.2  # [m/s] of one lip from the other
+GATHERING = 0.04  # [s] in which they come to it
 FARTHEST = 0.2  # [s] from a narrow mouth, within which that tells how far it opens
 SMOOTH = 0.02  # [s] to either side, over which an open mouth is rounded off
 

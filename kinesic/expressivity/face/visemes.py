@@ -24,8 +24,8 @@ from kinesic.expressivity.face.opening import OPENING, limit_opening, opening
 STEP = 0.005  # [s] in which the mouth is worked out
 LEAD = 0.07  # [s] before a sound, when its shape begins
 ROUND_LEAD = 0.12  # [s] the same of lips that round
-SEAL_LEAD, SEAL_LAG = 0.03, 0.04  # [s] in which closed lips are pressed together before, and let go after
-SOONER = 0.03  # [s] before they are heard to open, when closed lips let go: soft ones stick together at first
+SEAL_LEAD, SEAL_LAG = 0.025, 0.03  # [s] in which closed lips are pressed together before, and let go after
+SOONER = 0.028  # [s] before they are heard to open, when closed lips let go: soft ones stick together at first
 SHORTEST = 0.015  # [s] that they are closed at least: a picture of a film
 ATTACK = 0.3  # share of a sound after which its shape is reached
 LAG = 0.06  # [s] after a sound, when its shape is gone
