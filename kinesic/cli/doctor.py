@@ -30,7 +30,7 @@ def examine_machine() -> int:
     table.add_row("motion kernel", spline_program.KERNEL)
     table.add_row("film (MuJoCo, OpenGL)", gl.opengl_fault() or "works")
     table.add_row("film as mp4 (ffmpeg)", find_encoder() or NO_ENCODER)
-    table.add_row("face (moderngl, EGL)", display.available() or "works")
+    table.add_row("face (EGL, OpenGL)", display.available() or "works")
     table.add_row("speech (espeak-ng)", espeak_pool.espeak_fault() or "works")
     table.add_row("loudspeaker (PortAudio)", loudspeaker.audio_fault() or "works")
     console().print(table)

@@ -99,7 +99,7 @@ def expected_figures() -> Iterator[tuple[str, str, float | None, Better]]:
 
 
 def _measured() -> dict[str, float]:
-    from kinesic.bench.face import eyes, figure, frame_rate, occlusion, scattering, wrinkles  # noqa: PLC0415 - they need the optional library, which is there now
+    from kinesic.bench.face import eyes, figure, frame_rate, occlusion, scattering, wrinkles  # noqa: PLC0415 - they need the names above
 
     return {
         **frame_rate.frames(PICTURES),

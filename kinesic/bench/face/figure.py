@@ -12,8 +12,8 @@ from kinesic.body.robot import Robot
 from kinesic.body.skeleton import Skeleton
 from kinesic.face.assets.body import load_figure
 from kinesic.face.assets.skinning import Blending, Skin
+from kinesic.face.gl.textures import Size
 from kinesic.face.render.figure import FILMED, UPPER, FigurePortrait
-from kinesic.face.render.passes import Size
 from kinesic.face.render.presets import DRAFT, NORMAL, Preset
 
 WARM, FRAMES = 3, 24

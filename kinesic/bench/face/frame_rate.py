@@ -6,8 +6,8 @@ from math import sin
 from statistics import median
 from time import perf_counter, process_time
 
+from kinesic.face.gl.textures import Size
 from kinesic.face.render.camera import Camera
-from kinesic.face.render.passes import Size
 from kinesic.face.render.portrait import Portrait
 from kinesic.face.render.presets import DRAFT, NORMAL, PRESETS
 

@@ -7,12 +7,13 @@ from statistics import median
 from time import perf_counter
 from typing import get_args
 
-import moderngl
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter
 
 from kinesic.body.arrays import Flags, Floats
+from kinesic.face.gl import numbers as gl
+from kinesic.face.gl.context import Context
 from kinesic.face.render.camera import FRONT
 from kinesic.face.render.geometry import PositionBuffer, PositionPass
 from kinesic.face.render.occlusion import OcclusionPass, samples
@@ -60,7 +61,7 @@ def occlusion(sizes: Sequence[int]) -> dict[str, float]:
 
 
 def _compared(
-    context: moderngl.Context, seen: PositionBuffer, settings: Occlusion, scale: float, head: Flags
+    context: Context, seen: PositionBuffer, settings: Occlusion, scale: float, head: Flags
 ) -> dict[str, float]:
     passes = {
         "separable": OcclusionPass(context, seen, settings),
@@ -82,25 +83,22 @@ def _compared(
     }
 
 
-def milliseconds(context: moderngl.Context, draw: Callable[[], object]) -> float:
+def milliseconds(context: Context, draw: Callable[[], object]) -> float:
     """Times drawing: by the graphics card's own clock, or by ours where the processor draws."""
     context.finish()
-    if any(name in context.info["GL_RENDERER"] for name in SOFTWARE):
+    if any(name in context.renderer for name in SOFTWARE):
         began = perf_counter()
         draw()
         context.finish()
         return 1e3 * (perf_counter() - began)
-    query = context.query(time=True)
-    with query:
-        draw()
-    return float(query.elapsed) / 1e6
+    return 1e3 * context.elapsed(draw)
 
 
-def _on_boxes(context: moderngl.Context) -> dict[str, float]:
+def _on_boxes(context: Context) -> dict[str, float]:
     """How far separable is from exact where more is hidden, with each pattern."""
     position, normal = (texture(context, each, "f4") for each in boxes())
     for each in (position, normal):
-        each.filter = (moderngl.NEAREST, moderngl.NEAREST)
+        each.filter = (gl.NEAREST, gl.NEAREST)
     seen = PositionBuffer(position, normal)
 
     def opened(settings: Occlusion) -> Floats:

@@ -13,6 +13,7 @@ from kinesic.face.assets.paint import COMPLEXIONS
 from kinesic.face.assets.skinning import Blending
 from kinesic.face.display import DisplayError, offscreen
 from kinesic.face.render.camera import LIGHTS, Camera, Lights
+from kinesic.face.render.pipeline import DrawnHead, Pipeline
 from kinesic.face.render.portrait import LARGEST, Pixels
 from kinesic.face.render.presets import DRAFT, NORMAL, Occlusion, Preset, Shadow
 from kinesic.face.render.shape import FigureShape
@@ -59,8 +60,6 @@ class FigurePortrait:
         self.shape = FigureShape(figure, skeleton, blending=blending)
         with ExitStack() as opened:
             self._context = opened.enter_context(offscreen())
-            from kinesic.face.render.pipeline import DrawnHead, Pipeline  # noqa: PLC0415 - needs the optional library, which is there now
-
             drawn = DrawnHead(self.shape, figure.mesh, COMPLEXIONS["female"])
             self.pipeline = Pipeline(self._context, drawn, preset=figure_preset(preset), size=size, lights=lights)
             self._opened = opened.pop_all()

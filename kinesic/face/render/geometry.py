@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,8 +13,12 @@ from kinesic.face.assets.eyeshade import eyeshade
 from kinesic.face.assets.hair import Locks
 from kinesic.face.assets.mesh import PARTS, Mesh
 from kinesic.face.assets.paint import Colour
+from kinesic.face.gl import numbers as gl
+from kinesic.face.gl.context import Context
+from kinesic.face.gl.programs import Buffer, Column, Program, Vertices
+from kinesic.face.gl.textures import DepthBuffer, Rectangle, Size, Texture
 from kinesic.face.render.camera import Camera
-from kinesic.face.render.passes import Marks, Rectangle, Size, Target, Where, program, set_uniforms
+from kinesic.face.render.passes import Marks, Target, Where, program, set_uniforms
 from kinesic.face.render.shape import Shape
 
 Layer = Literal["skin", "organs", "lashes", "cloth", "film", "hair", "hair inside"]
@@ -33,11 +36,11 @@ class Geometry:
 
     def __init__(
         self,
-        context: moderngl.Context,
+        context: Context,
         shape: Shape,
         drawn_on: Mesh,
         size: Size,
-        iris: moderngl.Texture,
+        iris: Texture,
         *,
         shaded: bool = False,
         locks: Locks | None = None,
@@ -57,22 +60,22 @@ class Geometry:
         """
         mesh = shape.mesh
         self.context, self.mesh, self.size, self._shape = context, mesh, size, shape
-        self.depth = context.depth_renderbuffer(size)
+        self.depth = context.depth_buffer(size)
         self.target = Target(context, size, ("4f4", "4f4"), self.depth)  # form, place
         self.target.frame.depth_mask = True
         form, _ = self.target.textures
-        self._emptied = context.framebuffer([form], self.depth)  # what is not on the head is read nowhere else
+        self._emptied = context.frame([form], self.depth)  # what is not on the head is read nowhere else
         self._iris = iris
         self.drawn_on, self.place = drawn_on, vertex_chart(drawn_on)
         skin = mesh.parts == PARTS.index("skin")
         self._sources, on_chart, triangles = unroll(self.place, mesh.triangles)
         detail = mesh.tips + (mesh.parts == PARTS.index("eyes")) * (mesh.positions[:, 1] < 0.0)
         fixed = np.column_stack([on_chart, mesh.parts[self._sources], detail[self._sources]])
-        self._moving = context.buffer(reserve=len(fixed) * 6 * 4, dynamic=True)
+        self._moving = context.moving_buffer(len(fixed) * 6 * 4)
         first = mesh.triangles[:, 0]
         thin, cloth = (mesh.parts[first] == PARTS.index(part) for part in ("lashes", "cloth"))
         still = self._buffer(fixed)
-        self._layers: dict[Layer, tuple[moderngl.Buffer, moderngl.Buffer, moderngl.Buffer]] = {
+        self._layers: dict[Layer, tuple[Buffer, Buffer, Buffer]] = {
             "skin": (self._moving, still, self._buffer(triangles[skin[first]], "i4")),
             "organs": (self._moving, still, self._buffer(triangles[~skin[first] & ~thin & ~cloth], "i4")),
             "lashes": (self._moving, still, self._buffer(triangles[thin], "i4")),
@@ -102,13 +105,17 @@ class Geometry:
         eyes = mesh.vertices("eyes")
         self._balls = [eyes[mesh.positions[eyes, 1] > 0.0], eyes[mesh.positions[eyes, 1] < 0.0]]
 
-    def drawn(self, shader: moderngl.Program, layer: Layer) -> moderngl.VertexArray:
+    def drawn(self, shader: Program, layer: Layer) -> Vertices:
         """Gives one of the layers, for a program with the vertex shader `geometry`."""
         moving, still, indices = self._layers[layer]
-        buffers = [(moving, "3f 3f", "position", "normal") if "normal" in shader else (moving, "3f 12x", "position")]
-        if "place" in shader:  # a compiler drops what nothing reads
-            buffers.append((still, "4f 2f", "place", "matter") if "matter" in shader else (still, "4f 8x", "place"))
-        return self.context.vertex_array(shader, buffers, indices)
+        columns = [
+            Column("position", moving, 3, 0, 6),
+            Column("normal", moving, 3, 3, 6),
+            Column("place", still, 4, 0, 6),
+            Column("matter", still, 2, 4, 6),
+        ]
+        read = [each for each in columns if each.name in shader]  # a compiler drops what nothing reads
+        return self.context.vertices(shader, read, indices)
 
     def draw(self, units: Mapping[str, float], camera: Camera) -> Target:
         """Draws the G-buffer: normal with depth and part; place in the chart, or colour."""
@@ -124,14 +131,14 @@ class Geometry:
         balls = [self._turned(ball, vertices) @ view[:3, :3].T for ball in self._balls]
         set_uniforms(self._shaders[1], {"balls": np.array(balls)})
         self._iris.use(0)
-        self._shaders[1]["iris"] = 0
+        self._shaders[1].sample("iris", 0)
         self._emptied.clear()
         self.target.frame.use()
-        self.context.depth_func = "<"
-        self.context.enable_only(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
+        self.context.compare_depth("<")
+        self.context.switch_on(gl.DEPTH_TEST, gl.CULL_FACE)
         for each in self._solid:
             each.render()
-        self.context.disable(moderngl.CULL_FACE)
+        self.context.switch_on(gl.DEPTH_TEST)
         for each in self._open:
             each.render()
         return self.target
@@ -167,7 +174,7 @@ class Geometry:
         width, height = self.size
         return np.stack([(0.5 * x / w + 0.5) * width, (0.5 * y / w + 0.5) * height])
 
-    def _film(self, mesh: Mesh) -> tuple[moderngl.Buffer, moderngl.Buffer, moderngl.Buffer]:
+    def _film(self, mesh: Mesh) -> tuple[Buffer, Buffer, Buffer]:
         sheet = eyeshade(mesh)
         look = np.array([*np.sqrt(FILM), GLOSS, len(PARTS), COVER])
         return (
@@ -176,7 +183,7 @@ class Geometry:
             self._buffer(sheet.triangles, "i4"),
         )
 
-    def _locks(self, locks: Locks) -> dict[Layer, tuple[moderngl.Buffer, moderngl.Buffer, moderngl.Buffer]]:
+    def _locks(self, locks: Locks) -> dict[Layer, tuple[Buffer, Buffer, Buffer]]:
         matter = np.tile((len(PARTS), 0.0), (len(locks.positions), 1))
         moving = self._buffer(np.concatenate([locks.positions, locks.normals], axis=1))
         still = self._buffer(np.concatenate([locks.places, matter], axis=1))
@@ -185,7 +192,7 @@ class Geometry:
             "hair inside": (moving, still, self._buffer(locks.inside, "i4")),
         }
 
-    def _buffer(self, values: Floats | NDArray[np.int32], kind: str = "f4") -> moderngl.Buffer:
+    def _buffer(self, values: Floats | NDArray[np.int32], kind: str = "f4") -> Buffer:
         return self.context.buffer(values.astype(kind).tobytes())
 
 
@@ -193,16 +200,16 @@ class Geometry:
 class PositionBuffer:
     """Where each pixel of the head is and where it faces; textures as large as each other."""
 
-    position: moderngl.Texture  # [m] in the camera's frame; part + 1, 0 on the background
-    normal: moderngl.Texture
-    depth: moderngl.Renderbuffer | None = None
+    position: Texture  # [m] in the camera's frame; part + 1, 0 on the background
+    normal: Texture
+    depth: DepthBuffer | None = None
     where: Where = "everywhere"
 
 
 class PositionPass:
     """Unpacks positions and normals of the G-buffer, in whole or with fewer pixels."""
 
-    def __init__(self, context: moderngl.Context, geometry: Geometry, pixels: int = 1) -> None:
+    def __init__(self, context: Context, geometry: Geometry, pixels: int = 1) -> None:
         """Makes the textures.
 
         Args:

@@ -1,18 +1,19 @@
 """Lashes: too fine for a G-buffer that has one surface in a pixel, they are laid over the lit picture."""
 
-import moderngl
-
+from kinesic.face.gl import numbers as gl
+from kinesic.face.gl.context import Context
+from kinesic.face.gl.textures import Texture
 from kinesic.face.render.camera import Camera
 from kinesic.face.render.geometry import Geometry
 from kinesic.face.render.passes import Target, program, set_uniforms
 
-OVER = (moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA, moderngl.ZERO, moderngl.ONE_MINUS_SRC_ALPHA)
+OVER = (gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA), (gl.ZERO, gl.ONE_MINUS_SRC_ALPHA)  # of colours, of brightness
 
 
 class LashPass:
     """Draws the lashes over a picture of the head, as dense as they are in each pixel."""
 
-    def __init__(self, context: moderngl.Context, geometry: Geometry, picture: moderngl.Texture) -> None:
+    def __init__(self, context: Context, geometry: Geometry, picture: Texture) -> None:
         """Compiles the shader.
 
         Args:
@@ -32,7 +33,7 @@ class LashPass:
         values = {"view": camera.view().T, "projection": camera.projection(width / height).T}
         set_uniforms(self._shader, values)
         self._target.frame.use()
-        self._context.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
-        self._context.depth_func = "<"
-        self._context.blend_func = OVER  # type: ignore[assignment] # moderngl takes four, too
+        self._context.switch_on(gl.DEPTH_TEST, gl.BLEND)
+        self._context.compare_depth("<")
+        self._context.blend(*OVER)
         self._lashes.render()

@@ -6,11 +6,14 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Literal, TypeAlias
 
-import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats
+from kinesic.face.gl import numbers as gl
+from kinesic.face.gl.context import Context
+from kinesic.face.gl.programs import Column, Program
+from kinesic.face.gl.textures import DepthBuffer, Frame, Rectangle, Size, Texture
 
 SHADERS = Path(__file__).parent / "shaders"
 VERSION = "#version 330 core\n"
@@ -26,31 +29,25 @@ Stored: TypeAlias = NDArray[np.uint8 | np.float16 | np.float32]
 STORED: Mapping[Kind, np.dtype[np.uint8 | np.float16 | np.float32]] = MappingProxyType(
     {"f1": np.dtype("u1"), "f2": np.dtype("f2"), "f4": np.dtype("f4")}
 )
-Size: TypeAlias = tuple[int, int]  # width, height [pixels]
-Rectangle: TypeAlias = tuple[int, int, int, int]  # left, low, width, height [pixels]
 Value: TypeAlias = float | Sequence[float] | Floats
 Values: TypeAlias = Mapping[str, Value]
 
 
 def program(
-    context: moderngl.Context, vertex: str, *fragments: str, defines: Mapping[str, int] = MappingProxyType({})
-) -> moderngl.Program:
+    context: Context, vertex: str, *fragments: str, defines: Mapping[str, int] = MappingProxyType({})
+) -> Program:
     """Compiles files of `shaders`; later fragments may use earlier ones, and `defines` sets their constants."""
     head = VERSION + "".join(f"#define {name} {value}\n" for name, value in defines.items())
     return context.program(
-        vertex_shader=VERSION + (SHADERS / f"{vertex}.vert.glsl").read_text(encoding="utf-8"),
-        fragment_shader=head
-        + "".join((SHADERS / f"{each}.frag.glsl").read_text(encoding="utf-8") for each in fragments),
+        VERSION + (SHADERS / f"{vertex}.vert.glsl").read_text(encoding="utf-8"),
+        head + "".join((SHADERS / f"{each}.frag.glsl").read_text(encoding="utf-8") for each in fragments),
     )
 
 
-def set_uniforms(shader: moderngl.Program, values: Values) -> None:
+def set_uniforms(shader: Program, values: Values) -> None:
     """Sets uniforms of a program, matrices and arrays of vectors row by row."""
     for name, value in values.items():
-        member = shader[name]
-        if not isinstance(member, moderngl.Uniform):
-            raise TypeError(f"{name} is no uniform")
-        member.write(np.asarray(value, dtype="f4").tobytes())
+        shader.set(name, value)
 
 
 def store_pixels(pixels: Floats | Stored, kind: Kind) -> Stored:
@@ -59,7 +56,7 @@ def store_pixels(pixels: Floats | Stored, kind: Kind) -> Stored:
     return np.ascontiguousarray(scaled, dtype=STORED[kind])
 
 
-def texture(context: moderngl.Context, pixels: Floats | Stored, kind: Kind = "f2") -> moderngl.Texture:
+def texture(context: Context, pixels: Floats | Stored, kind: Kind = "f2") -> Texture:
     """Makes a texture that is smooth within and clamped at its border.
 
     Args:
@@ -68,18 +65,15 @@ def texture(context: moderngl.Context, pixels: Floats | Stored, kind: Kind = "f2
         kind: of a component: a byte for 0..1, or a float of 2 or 4 bytes.
     """
     height, width, components = pixels.shape
-    found = context.texture((width, height), components, store_pixels(pixels, kind).tobytes(), alignment=1, dtype=kind)
-    found.filter = (moderngl.LINEAR, moderngl.LINEAR)
-    found.repeat_x = found.repeat_y = False
+    found = context.texture((width, height), components, store_pixels(pixels, kind).tobytes(), kind)
+    found.clamp()
     return found
 
 
 class Target:
     """Textures that a pass writes, with a depth buffer that passes can share."""
 
-    def __init__(
-        self, context: moderngl.Context, size: Size, formats: Sequence[str], depth: moderngl.Renderbuffer | None
-    ) -> None:
+    def __init__(self, context: Context, size: Size, formats: Sequence[str], depth: DepthBuffer | None) -> None:
         """Makes the textures.
 
         Args:
@@ -88,46 +82,41 @@ class Target:
             formats: components and type of each, such as "4f2" or "3f1".
             depth: of the head, or None for a pass that covers everything.
         """
-        textures = [context.texture(size, int(each[0]), dtype=each[1:]) for each in formats]
+        textures = [context.texture(size, int(each[0]), kind=each[1:]) for each in formats]
         for each in textures:
-            each.filter = (moderngl.NEAREST, moderngl.NEAREST)
-            each.repeat_x = each.repeat_y = False
+            each.filter = (gl.NEAREST, gl.NEAREST)
+            each.clamp()
         self._hold(context, textures, depth)
 
     @classmethod
-    def of(
-        cls, context: moderngl.Context, textures: Sequence[moderngl.Texture], depth: moderngl.Renderbuffer | None
-    ) -> "Target":
+    def of(cls, context: Context, textures: Sequence[Texture], depth: DepthBuffer | None) -> "Target":
         """Makes a target of textures that are there."""
         found = cls.__new__(cls)
         found._hold(context, textures, depth)
         return found
 
-    def _hold(
-        self, context: moderngl.Context, textures: Sequence[moderngl.Texture], depth: moderngl.Renderbuffer | None
-    ) -> None:
+    def _hold(self, context: Context, textures: Sequence[Texture], depth: DepthBuffer | None) -> None:
         self._context, self.textures = context, list(textures)
-        self.frame = context.framebuffer(self.textures, depth)
+        self.frame = context.frame(self.textures, depth)
 
     def copy(self, other: "Target") -> None:
         """Fills the first texture with the pixels of another target's; what depth the frame has stays."""
-        self._context.copy_framebuffer(self.first, other.first)
+        self.first.copy(other.first)
 
     @cached_property
-    def first(self) -> moderngl.Framebuffer:
+    def first(self) -> Frame:
         """The first texture alone."""
-        return self._context.framebuffer([self.textures[0]])
+        return self._context.frame([self.textures[0]])
 
     def read(self, number: int = 0) -> Floats:
         """(height, width, components) pixels of one of the textures, first row on top."""
         found = self.textures[number]
-        raw = self.frame.read(components=found.components, attachment=number, alignment=1, dtype=found.dtype)
-        pixels = np.frombuffer(raw, "u1" if found.dtype == "f1" else found.dtype)
+        pixels = np.frombuffer(self.frame.read(number), "u1" if found.dtype == "f1" else found.dtype)
         return pixels.reshape(found.height, found.width, found.components)[::-1].astype(np.float64)
 
     def pixels(self) -> NDArray[np.uint8]:
         """(height, width, 3) colours of the first texture, first row on top."""
-        raw = self.frame.read(components=3, alignment=1)
+        raw = self.frame.read(components=3)
         width, height = self.textures[0].size
         return np.ascontiguousarray(np.frombuffer(raw, np.uint8).reshape(height, width, 3)[::-1])
 
@@ -137,7 +126,7 @@ class ScreenPass:
 
     def __init__(
         self,
-        context: moderngl.Context,
+        context: Context,
         target: Target,
         *fragments: str,
         where: Where = "head",
@@ -148,11 +137,11 @@ class ScreenPass:
         self.shader = program(context, "screen", *fragments, defines=defines)
         self._places: dict[str, int] = {}  # of textures, by the names of their samplers
         corners = context.buffer(np.array([-1, -1, 3, -1, -1, 3], dtype="f4").tobytes())
-        self.triangle = context.vertex_array(self.shader, [(corners, "2f", "corner")])
+        self.triangle = context.vertices(self.shader, [Column("corner", corners, 2, 0, 2)])
 
     def draw(
         self,
-        inputs: Mapping[str, moderngl.Texture],
+        inputs: Mapping[str, Texture],
         values: Values = MappingProxyType({}),
         *,
         within: Rectangle | None = None,
@@ -168,19 +157,20 @@ class ScreenPass:
         """
         for name, found in inputs.items():
             if name not in self._places:
-                self._places[name] = self.shader[name] = len(self._places)
+                self._places[name] = len(self._places)
+                self.shader.sample(name, self._places[name])
             found.use(self._places[name])
         set_uniforms(self.shader, values)
         if within is not None:
             self.target.frame.scissor = within
         self.target.frame.use()
-        tested = moderngl.NOTHING if self.where == "everywhere" else moderngl.DEPTH_TEST
-        self.context.enable_only(tested | (moderngl.BLEND if added else moderngl.NOTHING))
-        self.context.depth_func = PASSES[self.where]
-        self.context.blend_func = moderngl.ONE, moderngl.ONE
-        self.triangle.render(moderngl.TRIANGLES, vertices=3)
+        self.context.switch_on(*([] if self.where == "everywhere" else [gl.DEPTH_TEST]), *([gl.BLEND] if added else []))
+        self.context.compare_depth(PASSES[self.where])
+        self.context.blend((gl.ONE, gl.ONE))
+        self.triangle.render()
         if within is not None:  # it would hold for clearing and copying, too
-            self.context.scissor = None
+            self.target.frame.scissor = None
+            self.context.confine(None)
         return self.target
 
     def clear(self, red: float = 0.0, green: float = 0.0, blue: float = 0.0, alpha: float = 0.0) -> Target:
@@ -195,16 +185,14 @@ class Marks:
     What one shader skips, a software renderer still works out; what the depth test rejects, it does not.
     """
 
-    def __init__(
-        self, context: moderngl.Context, fragments: Sequence[str], size: Size, formats: Sequence[str] = ()
-    ) -> None:
-        self.depth = context.depth_renderbuffer(size)
+    def __init__(self, context: Context, fragments: Sequence[str], size: Size, formats: Sequence[str] = ()) -> None:
+        self.depth = context.depth_buffer(size)
         self.target = Target(context, size, formats, self.depth)
         self._pass = ScreenPass(context, self.target, *fragments, where="marking")
 
     def draw(
         self,
-        inputs: Mapping[str, moderngl.Texture],
+        inputs: Mapping[str, Texture],
         values: Values = MappingProxyType({}),
         *,
         within: Rectangle | None = None,
@@ -215,5 +203,4 @@ class Marks:
 
     def share(self) -> float:
         """Tells which share of the screen is marked."""
-        depths = self.target.frame.read(components=1, attachment=-1, dtype="f4")
-        return float((np.frombuffer(depths, np.float32) > 0.0).mean())
+        return float((np.frombuffer(self.target.frame.read_depth(), np.float32) > 0.0).mean())

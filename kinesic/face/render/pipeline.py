@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 
-import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,11 +13,14 @@ from kinesic.face.assets.chart import chart_window
 from kinesic.face.assets.hair import Locks
 from kinesic.face.assets.mesh import Mesh
 from kinesic.face.assets.paint import Complexion, iris, skin
+from kinesic.face.gl import numbers as gl
+from kinesic.face.gl.context import Context
+from kinesic.face.gl.textures import Size, Texture
 from kinesic.face.render.camera import Camera, Lights
 from kinesic.face.render.geometry import Geometry, PositionPass
 from kinesic.face.render.lashes import LashPass
 from kinesic.face.render.occlusion import OcclusionPass
-from kinesic.face.render.passes import ScreenPass, Size, Stored, Target, Value, store_pixels, texture
+from kinesic.face.render.passes import ScreenPass, Stored, Target, Value, store_pixels, texture
 from kinesic.face.render.post import PostProcessing, ScatterPass
 from kinesic.face.render.presets import Preset
 from kinesic.face.render.shadow import ShadowPass
@@ -43,9 +45,7 @@ class DrawnHead:
 class Pipeline:
     """Draws a head that shows action units, in one OpenGL context."""
 
-    def __init__(
-        self, context: moderngl.Context, head: DrawnHead, *, preset: Preset, size: Size, lights: Lights
-    ) -> None:
+    def __init__(self, context: Context, head: DrawnHead, *, preset: Preset, size: Size, lights: Lights) -> None:
         mesh, complexion = head.shape.mesh, head.complexion
         drawn = (size[0] * preset.samples, size[1] * preset.samples)
         self._preset, self._drawn, self._lights, self._complexion = preset, drawn, lights, complexion
@@ -63,7 +63,7 @@ class Pipeline:
         self._unit = float(mesh.eyes[0, 1] - mesh.eyes[1, 1])
         self._skin = texture(context, _painted(complexion), "f1")
         self._skin.build_mipmaps()
-        self._skin.filter = (moderngl.LINEAR_MIPMAP_NEAREST, moderngl.LINEAR)
+        self._skin.filter = (gl.LINEAR_MIPMAP_NEAREST, gl.LINEAR)
         self._white = texture(context, np.ones((1, 1, 4)))
         self.relief = WrinklePass(context, geometry, wrinkled=preset.wrinkles)
         self.seen = PositionPass(context, geometry, preset.coarse)
@@ -114,14 +114,15 @@ class Pipeline:
         self._lashes.draw(camera)
         return self._finish.draw(picture, camera)
 
-    def reach(self, camera: Camera) -> moderngl.Texture:
+    def reach(self, camera: Camera) -> Texture:
         """Draws how much of the key's light, 0..1 for each colour, and of the light around reaches each pixel."""
         around = self._white
         if self.occlusion:
             around = self.occlusion.draw(pixels_per_metre(camera, self._drawn[1]) / self._preset.coarse).textures[0]
         if self.shadow:
             return self.shadow.draw(self._lights.directions()[0], camera, around).textures[0]
-        around.filter, around.swizzle = (moderngl.LINEAR, moderngl.LINEAR), "111R"
+        around.filter = (gl.LINEAR, gl.LINEAR)
+        around.swizzle("111R")
         return around
 
     def _level(self, scale: float) -> float:

@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from contextlib import ExitStack, nullcontext
 from functools import cache, lru_cache
 from types import TracebackType
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,12 +17,11 @@ from kinesic.face.assets.hair import STYLES, Locks, grow
 from kinesic.face.assets.mesh import Mesh, load_head
 from kinesic.face.assets.paint import COMPLEXIONS
 from kinesic.face.display import DisplayError, offscreen
+from kinesic.face.gl.context import Context
 from kinesic.face.render.camera import FRONT, LIGHTS, Camera, Lights
+from kinesic.face.render.pipeline import DrawnHead, Pipeline
 from kinesic.face.render.presets import NORMAL, Preset
 from kinesic.face.render.shape import HeadShape
-
-if TYPE_CHECKING:
-    import moderngl
 
 Pixels = NDArray[np.uint8]  # (height, width, 3) sRGB, first row on top
 
@@ -46,7 +44,7 @@ class Portrait:
         preset: Preset = NORMAL,
         size: tuple[int, int] = (512, 512),
         lights: Lights = LIGHTS,
-        context: "moderngl.Context | None" = None,
+        context: Context | None = None,
     ) -> None:
         """Loads the head, compiles the shaders and paints the textures.
 
@@ -67,8 +65,6 @@ class Portrait:
         self.preset, self.size = preset, size
         with ExitStack() as opened:
             own = opened.enter_context(offscreen()) if context is None else context
-            from kinesic.face.render.pipeline import DrawnHead, Pipeline  # noqa: PLC0415 - needs the optional library, which is there now
-
             head = DrawnHead(
                 HeadShape(self.mesh),
                 _mesh(CHART, preset.subdivided),

@@ -4,19 +4,20 @@ Light spreads (thesis 5.1) where occlusion says that the surface curves (5.2). W
 fine for occlusion to tell; what they make uneven is filtered, too.
 """
 
-import moderngl
-
 from kinesic.body.arrays import Floats
+from kinesic.face.gl import numbers as gl
+from kinesic.face.gl.context import Context
+from kinesic.face.gl.textures import Rectangle, Size, Texture
 from kinesic.face.render.camera import Camera
 from kinesic.face.render.geometry import Geometry
-from kinesic.face.render.passes import Marks, Rectangle, ScreenPass, Size, Target, Value, Values
+from kinesic.face.render.passes import Marks, ScreenPass, Target, Value, Values
 from kinesic.face.render.presets import Focus, Preset, Scattering
 
 
 class ScatterPass:
     """Filters diffuse light along one axis and then along the other, and mends the picture where it did."""
 
-    def __init__(self, context: moderngl.Context, geometry: Geometry, lit: Target, scattering: Scattering) -> None:
+    def __init__(self, context: Context, geometry: Geometry, lit: Target, scattering: Scattering) -> None:
         self.scattering, self._geometry = scattering, geometry
         self._pixel = [1.0 / side for side in geometry.size]
         self._marks = Marks(context, ("mark_skin",), geometry.size)
@@ -41,7 +42,7 @@ class ScatterPass:
         deep = {"deep": scattering.deep} if scattering.levels > 1 else {}
         return {"threshold": scattering.threshold} | deep
 
-    def draw(self, bent: moderngl.Texture, scale: float) -> None:
+    def draw(self, bent: Texture, scale: float) -> None:
         """Lets the light spread.
 
         Args:
@@ -73,7 +74,7 @@ class ScatterPass:
 class FocusPass:
     """Blurs what is nearer or farther than the nearer eye, or than a plane (thesis 12.1)."""
 
-    def __init__(self, context: moderngl.Context, geometry: Geometry, focus: Focus) -> None:
+    def __init__(self, context: Context, geometry: Geometry, focus: Focus) -> None:
         self.focus, self._geometry = focus, geometry
         blurred = Target(context, geometry.size, ("4f1",), None)
         defines = {"TAPS": focus.taps}
@@ -90,14 +91,14 @@ class FocusPass:
             "within": focus.within,
         }
         found, form = picture.textures[0], self._geometry.target.textures[0]
-        found.filter = (moderngl.LINEAR, moderngl.LINEAR)
+        found.filter = (gl.LINEAR, gl.LINEAR)
         return self._gather.draw({"form": form, "picture": found}, values)
 
 
 class SmoothPass:
     """Smooths edges that show stairs."""
 
-    def __init__(self, context: moderngl.Context, size: Size) -> None:
+    def __init__(self, context: Context, size: Size) -> None:
         self._marks = Marks(context, ("mark_edges",), size)
         self._pixel = tuple(1.0 / side for side in size)
         smoothed = Target(context, size, ("4f1",), self._marks.depth)
@@ -106,9 +107,9 @@ class SmoothPass:
     def draw(self, picture: Target, within: Rectangle | None) -> Target:
         """Draws the picture with smooth edges where there may be any."""
         found = picture.textures[0]
-        found.filter = (moderngl.NEAREST, moderngl.NEAREST)
+        found.filter = (gl.NEAREST, gl.NEAREST)
         self._marks.draw({"picture": found}, {"pixel": self._pixel}, within=within)
-        found.filter = (moderngl.LINEAR, moderngl.LINEAR)
+        found.filter = (gl.LINEAR, gl.LINEAR)
         self._smooth.target.copy(picture)
         return self._smooth.draw({"picture": found}, {"pixel": self._pixel})
 
@@ -116,7 +117,7 @@ class SmoothPass:
 class PostProcessing:
     """Does to a picture what its preset asks for."""
 
-    def __init__(self, context: moderngl.Context, geometry: Geometry, preset: Preset, size: Size) -> None:
+    def __init__(self, context: Context, geometry: Geometry, preset: Preset, size: Size) -> None:
         self._focus = FocusPass(context, geometry, preset.focus) if preset.focus else None
         self._smooth = SmoothPass(context, geometry.size) if preset.smooth else None
         self._shrink = None

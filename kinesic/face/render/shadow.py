@@ -6,10 +6,13 @@ part of its pixels holds the colour and the others let all light pass; their mea
 
 from collections.abc import Sequence
 
-import moderngl
 import numpy as np
 
 from kinesic.body.arrays import Floats
+from kinesic.face.gl import numbers as gl
+from kinesic.face.gl.context import Context
+from kinesic.face.gl.programs import Vertices
+from kinesic.face.gl.textures import Texture
 from kinesic.face.render.camera import Camera
 from kinesic.face.render.geometry import Geometry, PositionBuffer
 from kinesic.face.render.passes import ScreenPass, Target, Value, program, set_uniforms
@@ -19,10 +22,10 @@ from kinesic.face.render.presets import Shadow
 class ShadowPass:
     """Finds how much of the key's light reaches each pixel of the head."""
 
-    def __init__(self, context: moderngl.Context, geometry: Geometry, seen: PositionBuffer, shadow: Shadow) -> None:
+    def __init__(self, context: Context, geometry: Geometry, seen: PositionBuffer, shadow: Shadow) -> None:
         self.shadow, self._seen = shadow, seen
         reached = Target(context, seen.position.size, ("4f1",), seen.depth)
-        reached.textures[0].filter = (moderngl.LINEAR, moderngl.LINEAR)
+        reached.textures[0].filter = (gl.LINEAR, gl.LINEAR)
         defines = {"COLOURED": int(shadow.coloured), "BLOCKERS": shadow.blockers, "TAPS": shadow.taps}
         self._shade = ScreenPass(context, reached, "shade", where=seen.where, defines=defines)
         solid = program(context, "geometry", "shadow")
@@ -40,7 +43,7 @@ class ShadowPass:
                 context, shadow.side, self._tints, [geometry.drawn(tinted, each) for each in geometry.thin]
             )
 
-    def draw(self, towards: Floats, camera: Camera, around: moderngl.Texture) -> Target:
+    def draw(self, towards: Floats, camera: Camera, around: Texture) -> Target:
         """Draws the key's light at each pixel, 0..1 for each colour, and how open it is to the light around.
 
         Args:
@@ -70,27 +73,25 @@ class _Map:
 
     def __init__(
         self,
-        context: moderngl.Context,
+        context: Context,
         side: int,
-        colours: Sequence[moderngl.Texture],
-        layers: Sequence[moderngl.VertexArray],
+        colours: Sequence[Texture],
+        layers: Sequence[Vertices],
     ) -> None:
         self._context, self._layers = context, layers
-        self._culling = moderngl.NOTHING if colours else moderngl.CULL_FACE  # films are seen from both sides
+        self._culling = () if colours else (gl.CULL_FACE,)  # films are seen from both sides
         self._depths = context.depth_texture((side, side))
-        self._depths.compare_func = ""
-        self._depths.filter = (moderngl.NEAREST, moderngl.NEAREST)
-        self._depths.repeat_x = self._depths.repeat_y = False
-        self._frame = context.framebuffer(colours, self._depths)
+        self._depths.clamp()
+        self._frame = context.frame(colours, self._depths)
 
-    def draw(self, view: Floats, lamp: Floats) -> moderngl.Texture:
+    def draw(self, view: Floats, lamp: Floats) -> Texture:
         """Depths 0..1."""
         for each in self._layers:
             set_uniforms(each.program, {"view": view.T, "projection": lamp.T})
         self._frame.use()
         self._frame.clear()
-        self._context.enable_only(moderngl.DEPTH_TEST | self._culling)
-        self._context.depth_func = "<"
+        self._context.switch_on(gl.DEPTH_TEST, *self._culling)
+        self._context.compare_depth("<")
         for each in self._layers:
             each.render()
         return self._depths

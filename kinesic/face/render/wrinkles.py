@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from functools import cache, lru_cache
 from pathlib import Path
 
-import moderngl
 import numpy as np
 
 from kinesic.body.action_units import CHANNELS, channels
@@ -18,6 +17,8 @@ from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.config import CONFIGS
 from kinesic.face.assets.chart import LEFT_RIGHT, LOW_HIGH, ROUND, chart_window, vertex_chart
 from kinesic.face.assets.mesh import PARTS, Mesh
+from kinesic.face.gl.context import Context
+from kinesic.face.gl.textures import Texture
 from kinesic.face.render.geometry import Geometry
 from kinesic.face.render.passes import ScreenPass, Stored, Target, Value, store_pixels, texture
 
@@ -169,7 +170,7 @@ def _nearest(points: Floats, line: Floats) -> tuple[Floats, Floats]:
 class WrinklePass:
     """Bends the normals of a head where it has wrinkles."""
 
-    def __init__(self, context: moderngl.Context, geometry: Geometry, *, wrinkled: bool = True) -> None:
+    def __init__(self, context: Context, geometry: Geometry, *, wrinkled: bool = True) -> None:
         """Loads the wrinkle maps.
 
         Args:
@@ -186,13 +187,13 @@ class WrinklePass:
         self._unbent = Target.of(context, geometry.target.textures[:1], None)
         self._pixel = tuple(1.0 / side for side in geometry.size)
         self._unit = float(geometry.mesh.eyes[0, 1] - geometry.mesh.eyes[1, 1])
-        self._maps: list[moderngl.Texture] = []
+        self._maps: list[Texture] = []
         if wrinkled:
             self._maps = [texture(context, each) for each in _packed()]
             number, self._near = np.nonzero(_wrinkled(geometry.mesh, geometry.drawn_on))
             self._first = np.searchsorted(number, np.arange(MAPS))
 
-    def draw(self, shown: Floats) -> tuple[moderngl.Texture, moderngl.Texture]:
+    def draw(self, shown: Floats) -> tuple[Texture, Texture]:
         """Draws heights of wrinkles over the G-buffer that was just drawn, and its first texture with bent normals.
 
         Args:

@@ -6,12 +6,13 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from kinesic.body.choices import Variant
 from kinesic.face.display import DisplayError, offscreen
+from kinesic.face.gl.context import Context
 from kinesic.face.render.camera import CLOSE
 from kinesic.face.render.effects import Effects
 from kinesic.face.render.portrait import Pixels, Portrait
@@ -20,9 +21,6 @@ from kinesic.face.show.controls import Controls
 from kinesic.face.show.files import SideFilm
 from kinesic.face.show.shared_command import SharedCommand, ShownFace
 from kinesic.face.show.window import open_window
-
-if TYPE_CHECKING:
-    import moderngl
 
 PAUSE = 0.004  # [s] between two looks at the shared command
 FASTEST = 1 / 60  # [s] between two pictures
@@ -100,7 +98,7 @@ def show_face(shared: SharedCommand, answer: ChildAnswer, look: PreviewSettings)
 
 
 def painter(
-    context: "moderngl.Context", size: tuple[int, int], body: SideFilm | None = None, effects: Effects = UNCHANGED
+    context: Context, size: tuple[int, int], body: SideFilm | None = None, effects: Effects = UNCHANGED
 ) -> Callable[[ShownFace, Controls], Pixels]:
     """Makes a function that draws; it keeps a portrait for each preset and variant."""
     portraits: dict[tuple[str, Variant], Portrait] = {}

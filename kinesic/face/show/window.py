@@ -8,11 +8,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kinesic.face.display import INSTALL_LIBRARY, DisplayError, library
+from kinesic.face.display import INSTALL_WINDOWS, DisplayError
+from kinesic.face.gl import numbers as gl
+from kinesic.face.gl.context import Context
+from kinesic.face.gl.programs import Column
+from kinesic.face.gl.textures import Texture
 
 if TYPE_CHECKING:
     import glfw
-    import moderngl
 
     from kinesic.face.render.portrait import Pixels
 
@@ -41,7 +44,7 @@ def has_display() -> bool:
 class Window:
     """An open window; made by `open_window`."""
 
-    def __init__(self, handle: "glfw._GLFWwindowPointerT", context: "moderngl.Context") -> None:
+    def __init__(self, handle: "glfw._GLFWwindowPointerT", context: Context) -> None:
         import glfw  # noqa: PLC0415 - optional; `open_window` has imported it
 
         self._glfw, self._handle, self.context = glfw, handle, context
@@ -53,10 +56,10 @@ class Window:
                 self._keys.append(names[key])
 
         glfw.set_key_callback(handle, note_key)
-        shader = context.program(vertex_shader=_VERTEX, fragment_shader=_FRAGMENT)
-        corners = np.array([0, 0, 1, 0, 0, 1, 1, 1], dtype="f4")
-        self._quad = context.vertex_array(shader, [(context.buffer(corners.tobytes()), "2f", "corner")])
-        self._texture: moderngl.Texture | None = None
+        shader = context.program(_VERTEX, _FRAGMENT)
+        corners = context.buffer(np.array([0, 0, 1, 0, 0, 1, 1, 1], dtype="f4").tobytes())
+        self._quad = context.vertices(shader, [Column("corner", corners, 2, 0, 2)])
+        self._texture: Texture | None = None
 
     @property
     def closed(self) -> bool:
@@ -67,18 +70,15 @@ class Window:
         """Shows a picture, as large as the window has room for."""
         height, width, _ = pixels.shape
         if self._texture is None or self._texture.size != (width, height):
-            self._texture = self.context.texture((width, height), 3, alignment=1)
+            self._texture = self.context.texture((width, height), 3)
         self._texture.write(pixels.tobytes())
         wide, tall = self._glfw.get_framebuffer_size(self._handle)
         scale = min(wide / width, tall / height)
         room = (round(scale * width), round(scale * height))
-        self.context.screen.use()
-        self.context.disable(self.context.DEPTH_TEST | self.context.CULL_FACE)
-        self.context.viewport = (0, 0, wide, tall)
-        self.context.clear(*GROUND)
-        self.context.viewport = ((wide - room[0]) // 2, (tall - room[1]) // 2, *room)
+        self.context.clear_screen(*GROUND)
+        self.context.use_screen(((wide - room[0]) // 2, (tall - room[1]) // 2, *room))
         self._texture.use()
-        self._quad.render(self.context.TRIANGLE_STRIP)
+        self._quad.render(gl.TRIANGLE_STRIP)
         self._glfw.swap_buffers(self._handle)
         self._glfw.set_window_title(self._handle, title)
 
@@ -90,14 +90,14 @@ class Window:
 
 
 class _Current:
-    """The context of a window, however the window system made it, as moderngl wants it."""
+    """The context of a window, however the window system made it, as `Context` wants its owner."""
 
     def __init__(self, handle: "glfw._GLFWwindowPointerT") -> None:
         import glfw  # noqa: PLC0415 - optional; `open_window` has imported it
 
         self._glfw, self._handle = glfw, handle
 
-    def load(self, name: str) -> int:
+    def find(self, name: str) -> int:
         """Address of a function of OpenGL, 0 for an unknown one."""
         found = self._glfw.get_proc_address(name)
         return found if isinstance(found, int) else int(found.value or 0) if found else 0
@@ -105,11 +105,12 @@ class _Current:
     def release(self) -> None:
         """The window goes with glfw."""
 
-    def __enter__(self) -> None:
+    def enter(self) -> None:
+        """Makes it current."""
         self._glfw.make_context_current(self._handle)
 
-    def __exit__(self, *_: object) -> None:
-        pass
+    def leave(self) -> None:
+        """Nothing: the process draws in no other."""
 
 
 @contextmanager
@@ -121,13 +122,12 @@ def open_window(size: tuple[int, int], title: str) -> Iterator[Window]:
         title: that it has at first.
 
     Raises:
-        DisplayError: glfw or moderngl is not installed, or no window opens here.
+        DisplayError: glfw is not installed, or no window opens here.
     """
     try:
         import glfw  # noqa: PLC0415 - optional
     except ImportError:
-        raise DisplayError(f"glfw is not installed; {INSTALL_LIBRARY}") from None
-    moderngl = library()
+        raise DisplayError(f"glfw is not installed; {INSTALL_WINDOWS}") from None
     faults: list[str] = []
 
     def note(_code: int, text: bytes | str) -> None:
@@ -149,7 +149,8 @@ def open_window(size: tuple[int, int], title: str) -> Iterator[Window]:
         if not handle:
             raise DisplayError(_no_window(faults))
         glfw.make_context_current(handle)
-        yield Window(handle, moderngl.create_context(context=_Current(handle)))
+        current = _Current(handle)
+        yield Window(handle, Context(current.find, current))
 
 
 def _no_window(faults: list[str]) -> str:

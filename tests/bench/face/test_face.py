@@ -25,7 +25,7 @@ def test_without_opengl_every_figure_has_a_reason(monkeypatch: pytest.MonkeyPatc
 
 @drawable
 def test_the_laws_of_wrinkles_hold():
-    from kinesic.bench.face.wrinkles import measure_law_violations  # noqa: PLC0415 - needs the optional library
+    from kinesic.bench.face.wrinkles import measure_law_violations  # noqa: PLC0415 - where it can be drawn
 
     found = measure_law_violations()
     wanted = {name: goal for name, _, goal, _ in face.expected_figures() if name.startswith("face.wrinkle.")}
@@ -37,7 +37,7 @@ def test_the_laws_of_wrinkles_hold():
 
 @drawable
 def test_lids_close_evenly_and_no_eyeball_shows_through_them():
-    from kinesic.bench.face.eyes import measure_eyes  # noqa: PLC0415 - needs the optional library
+    from kinesic.bench.face.eyes import measure_eyes  # noqa: PLC0415 - where it can be drawn
 
     found = measure_eyes(40)
     assert 0.0 < found["face.lids.uneven"] <= 0.1
@@ -46,7 +46,7 @@ def test_lids_close_evenly_and_no_eyeball_shows_through_them():
 
 @drawable
 def test_scattering_keeps_most_of_what_is_seen(monkeypatch: pytest.MonkeyPatch):
-    from kinesic.bench.face import scattering  # noqa: PLC0415 - needs the optional library
+    from kinesic.bench.face import scattering  # noqa: PLC0415 - where it can be drawn
 
     monkeypatch.setattr(scattering, "REPETITIONS", 2)
     found = scattering.scattering()
@@ -59,7 +59,7 @@ def test_scattering_keeps_most_of_what_is_seen(monkeypatch: pytest.MonkeyPatch):
 
 @drawable
 def test_occlusion_has_a_row_for_each_estimator_and_is_near_to_exact(monkeypatch: pytest.MonkeyPatch):
-    from kinesic.bench.face import occlusion  # noqa: PLC0415 - needs the optional library
+    from kinesic.bench.face import occlusion  # noqa: PLC0415 - where it can be drawn
 
     monkeypatch.setattr(occlusion, "REPETITIONS", 1)
     monkeypatch.setattr(occlusion, "TABLE_SIZE", (128, 96))
@@ -74,7 +74,7 @@ def test_occlusion_has_a_row_for_each_estimator_and_is_near_to_exact(monkeypatch
 
 @drawable
 def test_frames_are_counted_for_every_preset(monkeypatch: pytest.MonkeyPatch):
-    from kinesic.bench.face import frame_rate  # noqa: PLC0415 - needs the optional library
+    from kinesic.bench.face import frame_rate  # noqa: PLC0415 - where it can be drawn
 
     monkeypatch.setattr(frame_rate, "FRAMES", 2)
     monkeypatch.setattr(frame_rate, "SLOW_FRAMES", 1)
@@ -87,7 +87,7 @@ def test_frames_are_counted_for_every_preset(monkeypatch: pytest.MonkeyPatch):
 
 @drawable
 def test_a_figure_is_drawn_and_its_skin_follows(monkeypatch: pytest.MonkeyPatch):
-    from kinesic.bench.face import figure  # noqa: PLC0415 - needs the optional library
+    from kinesic.bench.face import figure  # noqa: PLC0415 - where it can be drawn
 
     monkeypatch.setattr(figure, "FRAMES", 2)
     monkeypatch.setattr(figure, "DRAWN", dict.fromkeys(figure.DRAWN, (figure.DRAFT, (64, 64))))
@@ -97,8 +97,7 @@ def test_a_figure_is_drawn_and_its_skin_follows(monkeypatch: pytest.MonkeyPatch)
 
 
 def test_colours_are_apart_as_people_see_them():
-    pytest.importorskip("moderngl")
-    from kinesic.bench.face.occlusion import difference, lab  # noqa: PLC0415 - needs the optional library
+    from kinesic.bench.face.occlusion import difference, lab  # noqa: PLC0415 - where it is called
 
     grey, white = np.full((1, 1, 3), 119, np.uint8), np.full((1, 1, 3), 255, np.uint8)
     np.testing.assert_allclose(lab(white)[0, 0], (100.0, 0.0, 0.0), atol=1e-2)

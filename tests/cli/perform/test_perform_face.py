@@ -40,13 +40,26 @@ def test_the_face_is_filmed_and_shown_beside_the_twin(kinesic, smile, tmp_path):
     assert {row["id"] for row in data["sync"]} >= {"b:f:attackPeak", "b:f:end"}
 
 
+WITHOUT_EGL = """
+import ctypes
+
+class Loaded(ctypes.CDLL):
+    def __init__(self, name, *rest, **more):
+        if "libEGL" in str(name):
+            raise OSError(name)
+        super().__init__(name, *rest, **more)
+
+ctypes.CDLL = Loaded
+"""
+
+
 def test_without_opengl_the_page_says_why_there_is_no_face(kinesic, smile, tmp_path, monkeypatch):
     (tmp_path / "empty").mkdir()  # of the process that draws
-    (tmp_path / "empty" / "moderngl.py").write_text("raise ModuleNotFoundError(name='moderngl')")
+    (tmp_path / "empty" / "sitecustomize.py").write_text(WITHOUT_EGL)
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(tmp_path / "empty"), os.environ.get("PYTHONPATH", "")]))
     ended = kinesic("perform", smile, "--out", "there", "--voice", "durations", *SMALL)
     assert ended.code == 0, ended.err
-    why = "moderngl is not installed; pip install 'kinesic[face]'"
+    why = "no OpenGL: libEGL.so.1 cannot be loaded; apt-get install libegl1 libgl1"
     assert f"face: none ({why})" in ended.out
     page = (tmp_path / "there" / "report.html").read_text()
     assert f"No film of the face: {why}".replace("'", "&#39;") in page

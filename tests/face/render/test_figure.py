@@ -83,3 +83,17 @@ def test_sizes_and_cameras_have_limits(drawable: None):
         FigurePortrait(SKELETON, size=(5000, 10))
     with pytest.raises(DisplayError, match=r"it may be 0\.3 to 7 m away"):
         replace(STANDING, distance=8.0)
+
+
+def test_a_shadow_of_clothes_ends_where_they_do(drawable: None):
+    """What is cut off a collar or a sleeve shades neither neck nor hand."""
+    preset = replace(DRAFT, shadow=NORMAL.shadow, coarse=1)
+    with FigurePortrait(SKELETON, preset=preset, size=SIZE) as whole:
+        shaded = whole.draw(SKELETON.rest, {}, STANDING).astype(int)
+        geometry = whole.pipeline.geometry
+        with geometry.context:
+            skin = geometry.parts() == 1
+    with FigurePortrait(SKELETON, preset=DRAFT, size=SIZE) as plain:
+        lit = plain.draw(SKELETON.rest, {}, STANDING).astype(int)
+    darker = (lit - shaded).max(axis=2) > 15
+    assert 0.0 < darker[skin].mean() < 0.09

@@ -3,13 +3,14 @@
 from dataclasses import replace
 from typing import get_args
 
-import moderngl
 import numpy as np
 import pytest
 
 from kinesic.body.arrays import Floats
 from kinesic.face.assets.mesh import PARTS
 from kinesic.face.display import DisplayError, offscreen
+from kinesic.face.gl import numbers as gl
+from kinesic.face.gl.context import Context
 from kinesic.face.render.camera import FRONT
 from kinesic.face.render.geometry import PositionBuffer, PositionPass
 from kinesic.face.render.occlusion import OcclusionPass, directions, gaussian, radical_inverse, samples, wendland
@@ -22,11 +23,11 @@ SCALE = 2000.0  # [pixels/m] of the scenes
 FINE = Occlusion(size=21)
 
 
-def opened(context: moderngl.Context, scene: tuple[Floats, Floats], occlusion: Occlusion) -> Floats:
+def opened(context: Context, scene: tuple[Floats, Floats], occlusion: Occlusion) -> Floats:
     """(height, width) openness of a scene of positions with parts, and normals; first row at the bottom."""
     position, normal = (texture(context, each, "f4") for each in scene)
     for each in (position, normal):
-        each.filter = (moderngl.NEAREST, moderngl.NEAREST)
+        each.filter = (gl.NEAREST, gl.NEAREST)
     return OcclusionPass(context, PositionBuffer(position, normal), occlusion).draw(SCALE).read()[::-1, :, 0]
 
 

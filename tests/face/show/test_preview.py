@@ -184,8 +184,9 @@ def display() -> Iterator[str]:
 
 
 WINDOWED = """
-import threading, time
+import ctypes
 import glfw
+from kinesic.face.gl import numbers as gl
 from kinesic.face.show.shared_command import ShownFace
 from kinesic.face.show.controls import Controls
 from kinesic.face.show.process import follow, painter
@@ -202,8 +203,11 @@ with open_window((64, 64), "t") as framed:
         glfw.set_window_should_close(framed._handle, True)
         return picture(shown, told)
     pictures = follow(SharedCommand(), framed, draw, Controls(preset="draft"))
-    seen = framed.context.screen.read(viewport=(0, 0, 64, 64))
-print(pictures, len(set(seen)) > 50)
+    framed.context.bind(0)
+    seen = ctypes.create_string_buffer(64 * 64 * 3)
+    framed.context.functions.PixelStorei(gl.PACK_ALIGNMENT, 1)
+    framed.context.functions.ReadPixels(0, 0, 64, 64, gl.RGB, gl.UNSIGNED_BYTE, seen)
+print(pictures, len(set(seen.raw)) > 50)
 """
 
 

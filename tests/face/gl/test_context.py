@@ -1,0 +1,141 @@
+"""Calls of OpenGL through ctypes: what is written is read back, and what is wrong is told."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from kinesic.face.display import offscreen
+from kinesic.face.gl import numbers as gl
+from kinesic.face.gl.context import Context
+from kinesic.face.gl.functions import SIGNATURES, Functions, GraphicsError
+from kinesic.face.gl.programs import Column
+
+VERTEX = """#version 330 core
+uniform mat2 turn; in vec2 corner; in float share; out float seen;
+void main() { seen = share; gl_Position = vec4(turn * corner, 0.5, 1.0); }"""
+FRAGMENT = """#version 330 core
+uniform vec3 tints[2]; uniform sampler2D picture; in float seen; out vec4 found;
+void main() { found = vec4(tints[1] * seen, texelFetch(picture, ivec2(0), 0).g); }"""
+TRIANGLE = np.array([[-1, -1, 0.5], [3, -1, 0.5], [-1, 3, 0.5]])  # over the whole frame
+
+
+@pytest.fixture(scope="module")
+def context(drawable: None) -> Iterator[Context]:
+    with offscreen() as opened:
+        yield opened
+        assert opened.error == 0
+
+
+@pytest.mark.parametrize("components", [1, 2, 3, 4])
+@pytest.mark.parametrize(("kind", "stored"), [("f1", "u1"), ("f2", "f2"), ("f4", "f4")])
+def test_pixels_come_back_as_they_were_written(context: Context, components: int, kind: str, stored: str):
+    pixels = np.arange(3 * 5 * components).astype(stored).tobytes()
+    texture = context.texture((3, 5), components, pixels, kind)
+    assert texture.read() == pixels
+    assert context.frame([texture]).read() == pixels
+    texture.write(pixels[::-1])
+    assert context.texture((3, 5), components, texture.read(), kind).read() == pixels[::-1]
+
+
+def drawn(context: Context, tints: object, turn: object = ((1, 0), (0, 1))) -> list[float]:
+    """The last pixel of a frame that a program covered."""
+    frame = context.frame([context.texture((4, 4), 4, kind="f4")], context.depth_buffer((4, 4)))
+    program = context.program(VERTEX, FRAGMENT)
+    corners = context.buffer(TRIANGLE.astype("f4").tobytes())
+    columns = [Column("corner", corners, 2, 0, 3), Column("share", corners, 1, 2, 3)]
+    indices = context.buffer(np.array([0, 1, 2], "i4").tobytes())
+    program.set("tints", tints)
+    program.set("turn", turn)
+    context.texture((1, 1), 2, bytes((0, 51))).use(3)
+    program.sample("picture", 3)
+    frame.clear(0.25, 0.5, 0.75, 1.0)
+    frame.use()
+    context.switch_on(gl.DEPTH_TEST)
+    context.compare_depth("<")
+    context.vertices(program, columns, indices).render()
+    return np.frombuffer(frame.read(), "f4")[-4:].tolist()
+
+
+def test_uniforms_columns_and_textures_reach_a_pixel(context: Context):
+    assert drawn(context, [[9, 9, 9], [0.5, 1.0, 2.0]]) == pytest.approx([0.25, 0.5, 1.0, 0.2])
+
+
+def test_a_matrix_is_handed_over_row_after_row_as_columns(context: Context):
+    """Turned by half, the triangle leaves the last pixel as it was cleared."""
+    assert drawn(context, np.ones((2, 3)), -np.eye(2)) == pytest.approx([0.5, 0.5, 0.5, 0.2])
+    assert drawn(context, np.ones((2, 3)), [[0.1, 0.0], [0.0, 0.1]]) == [0.25, 0.5, 0.75, 1.0]
+
+
+def test_what_is_confined_or_masked_stays(context: Context):
+    frame = context.frame([context.texture((4, 4), 1)], context.depth_buffer((4, 4)))
+    frame.clear(0.0, depth=0.25)
+    frame.depth_mask = False
+    frame.clear(1.0, depth=0.75)
+    assert np.frombuffer(frame.read_depth(), "f4").tolist() == pytest.approx([0.25] * 16)
+    context.confine((0, 0, 2, 4))
+    frame.clear(0.0)
+    context.confine(None)
+    assert frame.read() == bytes((0, 0, 255, 255)) * 4
+
+
+def test_a_frame_is_copied(context: Context):
+    one, other = (context.frame([context.texture((2, 2), 1)]) for _ in range(2))
+    one.clear(1.0)
+    other.copy(one)
+    assert other.read() == b"\xff" * 4
+
+
+def test_drawing_in_another_context_ends_where_it_began(context: Context):
+    with context:
+        before = context.texture((1, 1), 1, b"a")
+        with offscreen() as inner, inner, context:
+            assert before.read() == b"a"
+        with context:
+            assert before.read() == b"a"
+
+
+def test_time_is_measured(context: Context):
+    with context:
+        assert 0.0 <= context.elapsed(lambda: context.frame([context.texture((64, 64), 4)]).clear()) < 60.0
+        assert context.renderer
+
+
+@pytest.mark.parametrize(
+    ("wrong", "says"),
+    [
+        (lambda c: c.program(VERTEX, "#version 330 core\nvoid main() { x = 1.0; }"), "a shader does not compile: .*x"),
+        (
+            lambda c: c.program(VERTEX, FRAGMENT.replace("in float", "in vec3")),
+            "shaders do not fit together|not compile",
+        ),
+        (lambda c: c.texture((2, 2), 3, b"short"), "5 bytes for 2 x 2 pixels of 12"),
+        (lambda c: c.buffer(b"1234").write(b"12345"), "5 bytes into a buffer of 4"),
+        (lambda c: c.program(VERTEX, FRAGMENT).set("tints", [1.0]), "tints holds 6 numbers, and not 1"),
+        (lambda c: c.frame([c.texture((1, 1), 1), c.depth_texture((1, 1))]), "cannot draw into textures such as these"),
+        (
+            lambda c: c.vertices(c.program(VERTEX, FRAGMENT), [Column("nose", c.buffer(b"1234"), 1, 0, 1)]),
+            "the program has no attribute nose",
+        ),
+    ],
+)
+def test_mistakes_are_told(context: Context, wrong, says: str):
+    with context, pytest.raises(GraphicsError, match=says):
+        wrong(context)
+    with context:
+        context.error  # noqa: B018 - what OpenGL says itself is forgotten
+
+
+def test_an_unknown_uniform_or_function_is_told(context: Context):
+    with context, pytest.raises(KeyError, match="nose"):
+        context.program(VERTEX, FRAGMENT).set("nose", 1.0)
+    with pytest.raises(GraphicsError, match="this OpenGL has no glClear"):
+        Functions(lambda _: 0).Clear(0)
+    with pytest.raises(AttributeError, match="Fly"):
+        Functions(lambda _: 0).Fly()
+
+
+def test_every_function_of_the_table_is_there(context: Context):
+    with context:
+        for name in SIGNATURES:
+            getattr(context.functions, name)
