@@ -14,20 +14,20 @@ from kinesic.body.robot import SIDES, Robot
 from kinesic.body.utterance import Utterance
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.motion.condition import Conditioned
-from kinesic.motion.trajectory import STEP, Trajectory
+from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.certify import overloaded_times
 from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
 from kinesic.planning.secondary.arcs import arcs
 from kinesic.planning.secondary.arm_times import arm_courses
 from kinesic.planning.secondary.breath import breaths
+from kinesic.planning.secondary.changes import Changes, lessened
 from kinesic.planning.secondary.drift import drifts
 from kinesic.planning.secondary.homeward import ways_home
 from kinesic.planning.secondary.succession import later_hinges
-from kinesic.planning.secondary.swells import Change, Changes, Swell, exceeded, spans
+from kinesic.planning.secondary.swells import Change, Swell, spans
 from kinesic.planning.secondary.talking import talking
 from kinesic.planning.setup import Setup
 
-LESS = 0.4  # of a swell that hinders, before it is left out
 NEARER = 1e-6  # [m] by which clearance may shrink where it is scarce
 LIVELIEST = 1.5  # times a style's share of the body
 
@@ -61,14 +61,14 @@ def add_secondary_motion(
     if not changes:
         return motion, times, clearance
     alone, every = motion.trajectory, _Every(Changes(motion.trajectory, changes), setup.robot)
-    amounts = _within_limits(alone, every, np.ones(len(changes)), np.ones(len(changes), dtype=np.bool_), setup)
+    amounts = every.of.within_limits(np.ones(len(changes)), np.ones(len(changes), dtype=np.bool_), setup.limits)
     laid = every.of.added(amounts)
     times, found = scan_clearance(laid, setup.distances)
     chosen = np.ones(len(times), dtype=np.bool_)
     bad = _hindered(alone, laid, times, (found, clearance), chosen, setup)
     while np.any(met := (amounts > 0.0) & every.met(times, bad)):
         less = met & every.of_arms if np.any(met & every.of_arms) else met
-        amounts = _within_limits(alone, every, _lessened(amounts, less), less, setup)
+        amounts = every.of.within_limits(lessened(amounts, less), less, setup.limits)
         laid = every.of.added(amounts)
         chosen = np.any(every.under_way(times)[less], axis=0)
         found = _measure_again(found, chosen, laid.sample(times[chosen])[0], setup)
@@ -84,16 +84,10 @@ class _Every:
     robot: Robot
 
     @cached_property
-    def moved(self) -> Flags:
-        """(c, n) which hinges each moves."""
-        hinges = np.arange(len(self.robot.skeleton.hinges))
-        return np.array([np.isin(hinges, change.hinges) for change in self.of.every])
-
-    @cached_property
     def of_arms(self) -> Flags:
         """(c,) which of them move an arm."""
         joints = [joint for side in SIDES for joint in self.robot.arm(side).joints]
-        return np.asarray(self.moved[:, joints].any(axis=1))
+        return np.asarray(self.of.moved[:, joints].any(axis=1))
 
     def under_way(self, times: Floats) -> Flags:
         """(c, m) which of them are under way at (m,) times [s]."""
@@ -102,23 +96,6 @@ class _Every:
     def met(self, times: Floats, bad: Flags) -> Flags:
         """(c,) which of them are under way when they must not: (m,) at (m,) times [s]."""
         return np.asarray(np.any(self.under_way(times[bad]), axis=1))
-
-
-def _within_limits(alone: Trajectory, every: _Every, amounts: Floats, changed: Flags, setup: Setup) -> Floats:
-    """(c,) how much of each change hinges can follow, of given amounts, some of which changed: that costs little."""
-    while np.any(changed):
-        hinges = np.flatnonzero(every.moved[changed].any(axis=0)).tolist()
-        beyond = exceeded(alone, every.of.added(amounts), setup.limits, hinges)
-        times = np.asarray(alone.start + np.arange(len(beyond)) * STEP, dtype=np.float64)
-        changed = np.zeros(len(amounts), dtype=np.bool_)
-        for hinge in np.flatnonzero(beyond.any(axis=0)).tolist():
-            changed |= every.moved[:, hinge] & every.met(times, beyond[:, hinge]) & (amounts > 0.0)
-        amounts = _lessened(amounts, changed)
-    return amounts
-
-
-def _lessened(amounts: Floats, less: Flags) -> Floats:
-    return np.where(less, np.where(amounts == 1.0, LESS, 0.0), amounts)
 
 
 def _measure_again(found: Clearance, changed: Flags, angles: Floats, setup: Setup) -> Clearance:

@@ -6,8 +6,8 @@ import pytest
 from kinesic.controller.perform import plan, set_up
 from kinesic.expressivity.variation import Variation
 from kinesic.planning.secondary.arm_times import arm_courses
+from kinesic.planning.secondary.changes import Changes
 from kinesic.planning.secondary.homeward import BOW, SETTLED, ways_home
-from kinesic.planning.secondary.swells import Changes
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 OFFERS = "".join(

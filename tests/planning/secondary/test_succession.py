@@ -9,8 +9,8 @@ from kinesic.expressivity.variation import Variation
 from kinesic.motion.limit_check import check_limits
 from kinesic.planning.certify import FULL, duties
 from kinesic.planning.secondary.arm_times import arm_courses
+from kinesic.planning.secondary.changes import Changes
 from kinesic.planning.secondary.succession import later_hinges
-from kinesic.planning.secondary.swells import Changes
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 LARGE = '<gesture id="g" lexeme="large" start="1" stroke="2.4" relax="3.4" end="5"/><wait id="w" duration="6"/>'

@@ -1,18 +1,13 @@
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from kinesic.body.arrays import sealed
-from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
-from kinesic.motion.limit_check import check_limits
-from kinesic.motion.trajectory import STEP, Trajectory, stay
-from kinesic.planning.secondary.swells import Changes, Swell, exceeded
-from kinesic.sim.dynamics import MujocoDynamics
+from kinesic.motion.trajectory import STEP, stay
+from kinesic.planning.secondary.changes import Changes
+from kinesic.planning.secondary.swells import Swell
 
 ROBOT = Robot.load()
-LIMITS = Limits.of(ROBOT, MujocoDynamics(ROBOT).load)
 REST = ROBOT.skeleton.rest
 TILT = ROBOT.skeleton.names.index("vl5_tilt")
 STILL = stay(REST, 5.0)
@@ -54,22 +49,3 @@ def test_a_swell_is_smooth_up_to_the_acceleration():
     laid = laid_on(STILL, [(swell(1.0, 2.0, 4.0), 1.0)])
     accelerations = laid.sample(np.arange(0.0, 5.0, STEP))[2][:, TILT]
     assert np.abs(np.diff(accelerations)).max() < 0.08 * np.ptp(accelerations)
-
-
-def test_only_what_swells_break_is_exceeded():
-    assert not exceeded(STILL, laid_on(STILL, [(swell(1.0, 2.0, 3.0), 1.0)]), LIMITS).any()
-    beyond = exceeded(STILL, laid_on(STILL, [(swell(1.0, 2.0, 3.0, degrees=-16.0), 1.0)]), LIMITS)
-    times = np.flatnonzero(beyond.any(axis=1)) * STEP
-    assert np.flatnonzero(beyond.any(axis=0)).tolist() == [TILT]
-    assert 1.5 < times.min() < 2.0 < times.max() < 2.5, "the range ends at -15 degrees"
-
-
-def test_a_limit_that_a_motion_breaks_alone_is_no_reason_against_a_swell_that_leaves_it():
-    sharp = np.tile(REST, (200, 1))
-    sharp[100:, TILT] += np.radians(20.0)
-    motion = Trajectory(sealed(sharp), 0.0)
-    assert max(peak.ratios.max() for peak in check_limits(motion, LIMITS).shares.values()) > 1.0
-    aside = swell(0.1, 0.4, 0.7)
-    assert not exceeded(motion, laid_on(motion, [(aside, 1.0)]), LIMITS).any()
-    across = replace(aside, begin=0.5, peak=1.0, end=1.5)
-    assert exceeded(motion, laid_on(motion, [(across, 1.0)]), LIMITS).any()
