@@ -51,6 +51,25 @@ class Arm:
     def hold(
         self, position: Floats, pointing: Floats | None, palm: Floats | None, start: Floats
     ) -> tuple[Floats, float, float, bool, int, int] | None: ...
+    def pose_keys(
+        self,
+        modes: NDArray[np.int64],
+        passing: NDArray[np.bool_],
+        positions: Floats,
+        pointings: Floats,
+        palms: Floats,
+        swivels: Floats,
+        rests: Floats,
+        openness: Floats,
+        now: Floats,
+        began: Floats,
+        widest: float,
+        leap: float,
+        open: float,
+        angles: Floats,
+        beginnings: Floats,
+        turns: Floats,
+    ) -> None: ...
     def reach(self, target: Floats, angles: Floats) -> float: ...
     def reach_many(self, targets: Floats, start: Floats, rounds: int, angles: Floats, residuals: Floats) -> None: ...
     def track(self, target: Floats, pull: float, parts: int, angles: Floats) -> float: ...

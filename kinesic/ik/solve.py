@@ -66,9 +66,7 @@ def solve(
         ValueError: a shape is wrong or a number is not finite; or the chain is no arm.
     """
     answer = _compiled(chain, reach, start, rest, mobility) if kernel == "compiled" else None
-    if answer is None:
-        answer = _examined(chain, reach, start, rest, mobility, kernel)
-    return answer if answer.reached else _finished(chain, reach, rest, answer, kernel)
+    return _examined(chain, reach, start, rest, mobility, kernel) if answer is None else answer
 
 
 def _compiled(
@@ -105,6 +103,8 @@ def _solved(chain: Chain, reach: Reach, start: Floats, rest: Floats, mobility: F
     place = place_shoulder(linkage, vector(reach.position), near=near, rest=home)
     bend = _found(linkage, place, near=near, home=home, ease=ease, swivel=reach.swivel)
     solution = _with_wrist(chain, reach, bend.angles, home, place.iterations + bend.iterations, place.target)
+    if not solution.reached:
+        solution = _finished(chain, reach, home, solution)
     return replace(solution, pulled_in=float(np.abs(start - np.array(near)).max(initial=0.0)))
 
 
@@ -127,24 +127,21 @@ def _with_wrist(
     return Solution(sealed(angles), residual, pointing_error, palm_error, reached, iterations, sealed(target), 0.0)
 
 
-def _finished(chain: Chain, reach: Reach, rest: Floats | None, answer: Solution, kernel: Kernel) -> Solution:
+def _finished(chain: Chain, reach: Reach, home: Sequence[float], answer: Solution) -> Solution:
     """Out of reach: the last steps to the nearest that the hand can come, where they win something.
 
     Which side of the body the arm goes was judged by the clamped target; behind the back the asked one may lie nearer
     to the other side, so seeds are tried once more on that.
     """
     elsewhere = np.array(answer.angles)
-    multistart.reach(chain, np.array(reach.position, dtype=np.float64), elsewhere, kernel=kernel)
-    if is_right(chain):
-        chain, reach = mirror_chain(chain), mirror_reach(reach)
+    multistart.reach(chain, np.array(reach.position, dtype=np.float64), elsewhere, kernel="numpy")
     linkage = linkage_of(chain)
     kept = tuple(answer.angles.tolist()[: linkage.links[-1].first])
     best = finish(linkage, vector(reach.position), (kept, elsewhere.tolist()))
     if best.angles == kept:
         return answer
-    home = np.clip(chain.rest if rest is None else rest, chain.lower, chain.upper).tolist()
     done = _with_wrist(chain, reach, best.angles, home, answer.iterations + best.rounds, vector(answer.target))
-    return replace(done, pulled_in=answer.pulled_in, target=answer.target)
+    return replace(done, target=answer.target)
 
 
 def _found(

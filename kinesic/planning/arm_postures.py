@@ -1,35 +1,36 @@
-"""Solves the arms of a posture: hands by reaches, elbows by openness, shoulders by effort (thesis 8.6 and 8.7)."""
+"""Solves the arms of postures: hands by reaches, elbows by openness, shoulders by effort (thesis 8.6 and 8.7).
 
-from collections.abc import Mapping
-from types import MappingProxyType
+Many keys take one call. Whether a posture is clear of the body shows only once it is there, and where it is not, the
+arm that gives way is where the next key begins. Most postures are clear: so keys are solved as if all were, and those
+behind one that was not are solved once more.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from msgspec import structs
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.body.chain import Chain
+from kinesic.body.dynamics import Distances
 from kinesic.body.reach import Reach
-from kinesic.body.robot import Robot, Side
+from kinesic.body.robot import SIDES, Robot, Side
+from kinesic.body.skeleton import Frames
 from kinesic.expressivity.keyframes import Hand
-from kinesic.ik.arm.refine import refine_posture
+from kinesic.ik.arm.refine import refine_posture, true_arm
 from kinesic.ik.arm.shoulder_elbow import carry_shoulder
-from kinesic.ik.arm.swivel import swivel
-from kinesic.ik.pointing import best_swivel
-from kinesic.ik.solve import solve
+from kinesic.ik.keys import Key, Manner, Mode, pose_keys
+from kinesic.planning.collision import clear_hands
+from kinesic.planning.torso import aim_from_shoulder, turn_reach
 
-WIDEST_SWING = np.radians(25)  # that an elbow swings aside for the palm and the pointing of its hand
-LEAP = np.radians(110)  # of a hinge from one key to the next: an arm that turns over has no time left for its word
-NOT_BEFORE: Mapping[Side, Floats] = MappingProxyType({})
-OPEN = np.radians(78)  # swivel at openness 1: beyond, elbows rise more than they go out, and palms turn over
+WIDEST_SWING = float(np.radians(25))  # that an elbow swings aside for the palm and the pointing of its hand
+LEAP = float(np.radians(110))  # of a hinge from key to key: an arm that turns over has no time left for its word
+OPEN = float(np.radians(78))  # swivel at openness 1: beyond, elbows rise more than they go out, and palms turn over
+MANNER = Manner(WIDEST_SWING, LEAP, OPEN)
+MOST_AT_ONCE = 64  # keys of a call
 
 
-def with_arms(
-    angles: Floats,
-    hands: Mapping[Side, Hand],
-    reaches: Mapping[Side, Reach | None],
-    robot: Robot,
-    before: Mapping[Side, Floats] = NOT_BEFORE,
-) -> Floats:
+def with_arms(angles: Floats, hands: Mapping[Side, Hand], reaches: Mapping[Side, Reach | None], robot: Robot) -> Floats:
     """Solves some arms of a posture.
 
     Args:
@@ -37,49 +38,76 @@ def with_arms(
         hands: whose arms are solved, and in which manner.
         reaches: of these hands, in the world; None rests.
         robot: the robot.
-        before: (k,) [rad] of arms whose hands are on a path, when it began: the swivel is kept, and every posture is
-            the nearest to that one, so that a hand that comes by again finds its arm as it was.
 
     Returns:
         (n,) [rad]. Openness turns the elbow from where the hand lets it hang to `OPEN`, the hand's palm
         notwithstanding.
     """
-    solved = angles.copy()
-    frames = robot.body_frames(angles)
+    solved, frames = angles.copy(), robot.body_frames(angles)
     for side, hand in hands.items():
-        reach, chain = reaches[side], robot.arms[side]
-        if reach is None:
-            joints = list(robot.arm(side).joints)
-            solved[joints] = robot.skeleton.rest[joints]
-            continue
-        base, indices = robot.skeleton.segment(chain.base), list(chain.indices)
-        in_base = turn_reach(reach, frames.rotations[base].T, frames.origins[base], np.zeros(3))
-        start = angles[indices]
-        rest = lift_shoulder(robot, side, carry_shoulder(chain, in_base.position, hand.effort), hand.lift)
-        if hand.passing:
-            began = angles.copy()
-            began[indices] = start = before.get(side, start)
-            kept = swivel(chain, start)
-            solved[indices] = solve(chain, structs.replace(in_base, swivel=kept), start=start, rest=rest).angles
-            solved = refine_posture(robot, side, structs.replace(reach, swivel=kept), solved, near=began)
-            continue
-        free = _swing_elbow(chain, in_base, start, rest)
-        opened = structs.replace(in_base, swivel=_opened(chain, free, hand.openness))
-        if opened.swivel is not None:
-            free = best_swivel(chain, opened, start=free, rest=rest).angles
-        solved[indices] = free
-        solved = refine_posture(robot, side, structs.replace(reach, swivel=opened.swivel), solved, near=angles)
+        asked = ArmKey.of(robot, side, hand, reaches[side], frames)
+        solved = solve_keys(robot, side, [asked], solved[None], began=None)[0][0]
     return solved
 
 
-def _swing_elbow(chain: Chain, reach: Reach, start: Floats, rest: Floats) -> Floats:
-    """Swings the elbow for palm and pointing, (k,) [rad]; where an arm would turn over for that, it stays as it was."""
-    swung = best_swivel(chain, reach, start=start, rest=rest, widest=WIDEST_SWING).angles
-    kept = swivel(chain, start)
-    if kept is None or np.abs(swung - start).max() <= LEAP:
-        return swung
-    plain = solve(chain, structs.replace(reach, swivel=kept), start=start, rest=rest)
-    return plain.angles if plain.reached and np.abs(plain.angles - start).max() <= LEAP else swung
+@dataclass(frozen=True, eq=False)
+class ArmKey:
+    """What an arm does in a key."""
+
+    key: Key
+    reach: Reach | None = None  # of its hand in the world; None where it rests or stays
+
+    @classmethod
+    def of(cls, robot: Robot, side: Side, hand: Hand, reach: Reach | None, frames: Frames) -> "ArmKey":
+        """The key of a hand, with the torso as it is in these frames; None of a reach rests."""
+        chain = robot.arms[side]
+        if reach is None:
+            return cls(Key(Mode.REST, robot.skeleton.rest[list(chain.indices)]))
+        base = robot.skeleton.segment(chain.base)
+        in_base = turn_reach(reach, frames.rotations[base].T, frames.origins[base], np.zeros(3))
+        rest = lift_shoulder(robot, side, carry_shoulder(chain, in_base.position, hand.effort), hand.lift)
+        return cls(Key(Mode.REACH, rest, in_base, hand.openness, hand.passing), reach)
+
+    @classmethod
+    def same(cls, robot: Robot, side: Side, hand: Hand) -> "ArmKey":
+        """The key of a hand whose target is the same again: its arm stays as it is, however it came there."""
+        return cls(Key(Mode.STILL, robot.skeleton.rest[list(robot.arms[side].indices)], passing=hand.passing))
+
+
+def solve_keys(
+    robot: Robot, side: Side, keys: Sequence[ArmKey], postures: Floats, *, began: Floats | None
+) -> tuple[Floats, Floats]:
+    """Solves an arm for each of its keys, in one call.
+
+    Args:
+        robot: whose arm it is.
+        side: of the arm.
+        keys: in their order; one alone where the ideal arm is not the true one.
+        postures: (m, n) [rad] of these keys, their torsos in place; the arm of the first is where it has come to.
+        began: (k,) [rad] the arm when the path began that its hand is on; None where it is on none.
+
+    Returns:
+        (m, n) [rad] the postures with this arm, and (m, k) [rad] the arm when the path began that the hand is then on.
+    """
+    chain, joints = robot.arms[side], list(robot.arm(side).joints)
+    indices, solved = list(chain.indices), postures.copy()
+    found = pose_keys(chain, [each.key for each in keys], MANNER, now=postures[0, indices], began=began)
+    beginnings = found.beginnings
+    for k, asked in enumerate(keys):
+        if asked.key.mode is Mode.REST:
+            solved[k, joints] = robot.skeleton.rest[joints]
+    solved[:, indices] = found.angles
+    for k, asked in enumerate(keys):
+        if asked.reach is None or true_arm(robot, side).exact:
+            continue
+        near = postures[k].copy()
+        if asked.key.passing and began is not None:
+            near[indices] = began
+        turn = None if np.isnan(found.swivels[k]) else float(found.swivels[k])
+        solved[k] = refine_posture(robot, side, structs.replace(asked.reach, swivel=turn), solved[k], near=near)
+        if not (asked.key.passing and began is not None):
+            beginnings[k] = solved[k, indices]
+    return solved, beginnings
 
 
 def lift_shoulder(robot: Robot, side: Side, rest: Floats, lift: float) -> Floats:
@@ -101,19 +129,121 @@ def lift_shoulder(robot: Robot, side: Side, rest: Floats, lift: float) -> Floats
     return sealed(np.clip(raised, chain.lower, chain.upper))
 
 
-def turn_reach(reach: Reach, rotation: Floats, pivot: Floats, moved: Floats, scale: float = 1.0) -> Reach:
-    """Turns and scales a reach about a pivot, which itself moves."""
-    return Reach(
-        sealed(moved + scale * (rotation @ (reach.position - pivot))),
-        None if reach.pointing is None else sealed(rotation @ reach.pointing),
-        None if reach.palm is None else sealed(rotation @ reach.palm),
-        reach.swivel,
-    )
+@dataclass(frozen=True, eq=False)
+class ArmsTask:
+    """What both arms do in a key."""
+
+    hands: Mapping[Side, Hand]  # that have a key
+    keys: Mapping[Side, ArmKey]  # of these
+    wanted: Mapping[Side, Reach | None]  # of these, in the world
+    keyed: Sequence[bool]  # hinges with a key
+
+    @property
+    def aiming(self) -> bool:
+        """Whether a hand points from where its shoulder has come to, so that its reach shows only on the way."""
+        return any(hand.aim is not None for hand in self.hands.values())
+
+    def aimed(self, posture: Floats, robot: Robot) -> "ArmsTask":
+        """The same, reaching from where the arms have come to: (n,) [rad]."""
+        keys, wanted, frames = dict(self.keys), dict(self.wanted), robot.body_frames(posture)
+        for side, hand in self.hands.items():
+            if hand.aim is None or hand.reach is None:
+                continue
+            shoulder = frames.origins[robot.arm(side).shoulder]
+            wanted[side] = aim_from_shoulder(hand.reach, hand.aim, side, shoulder, robot)
+            if keys[side].reach is not None:
+                keys[side] = ArmKey.of(robot, side, hand, wanted[side], frames)
+        return replace(self, keys=keys, wanted=wanted)
+
+    @property
+    def reaches(self) -> bool:
+        """Whether a hand is anywhere but at rest."""
+        return any(hand.reach is not None for hand in self.hands.values())
 
 
-def _opened(chain: Chain, angles: Floats, openness: float) -> float | None:
-    """Swivel [rad] that openness asks of an arm; None where it asks nothing."""
-    present = swivel(chain, angles)
-    if openness <= 0.0 or present is None or present >= OPEN:
+def solve_arms(
+    tasks: Sequence[ArmsTask], bodies: Floats, robot: Robot, distances: Distances
+) -> tuple[Floats, list[Mapping[Side, Reach | None]]]:
+    """Solves the arms of every key, clear of the body.
+
+    Args:
+        tasks: of the keys, in their order.
+        bodies: (m, n) [rad] postures whose torso, head and fingers are in place, and whose arms rest.
+        robot: the robot.
+        distances: its self-distance.
+
+    Returns:
+        (m, n) [rad] inside the ranges, and what each hand was to reach in the world.
+    """
+    angles, began = np.array(bodies), dict[Side, Floats]()
+    wanted: list[Mapping[Side, Reach | None]] = []
+    most = MOST_AT_ONCE if all(true_arm(robot, side).exact for side in SIDES) else 1
+    done, count = 0, most
+    while done < len(tasks):
+        ahead = _ahead(tasks, done, count, angles[done], robot)
+        rows, beginnings = _solved(ahead, angles[done : done + len(ahead)], began, robot)
+        clear = _cleared(ahead, rows, robot, distances)
+        good = len(rows) if clear is None else clear + 1
+        angles[done : done + good] = rows[:good]
+        for side in SIDES:
+            _carry(side, ahead[:good], rows[:good], beginnings, began, robot)
+            arm = list(robot.arm(side).joints)
+            angles[done + good :, arm] = rows[good - 1, arm]
+        wanted += [task.wanted for task in ahead[:good]]
+        done += good
+        count = min(2 * count, most) if clear is None else 1
+    return angles, wanted
+
+
+def _ahead(tasks: Sequence[ArmsTask], done: int, count: int, posture: Floats, robot: Robot) -> list[ArmsTask]:
+    """The next keys, `count` at most, from a posture (n,) [rad]; none but the first aims."""
+    first, rest = tasks[done], tasks[done + 1 : done + count]
+    aiming = next((k for k, task in enumerate(rest) if task.aiming), len(rest))
+    return [first.aimed(posture, robot) if first.aiming else first, *rest[:aiming]]
+
+
+def _solved(
+    tasks: Sequence[ArmsTask], postures: Floats, began: Mapping[Side, Floats], robot: Robot
+) -> tuple[Floats, Mapping[Side, Floats]]:
+    """Both arms as if nothing were in their way: (m, n) [rad], and where the path began that each hand is on."""
+    rows, beginnings = postures.copy(), dict[Side, Floats]()
+    for side in SIDES:
+        arm = np.array(robot.arm(side).joints)
+        own = [k for k, task in enumerate(tasks) if side in task.keys]
+        if not own:
+            continue
+        keys = [tasks[k].keys[side] for k in own]
+        found, beginnings[side] = solve_keys(robot, side, keys, rows[own], began=began.get(side))
+        latest = np.searchsorted(own, np.arange(len(rows)), side="right") - 1  # keys without this hand keep its arm
+        met = np.flatnonzero(latest >= 0)
+        rows[met[:, None], arm] = found[latest[met, None], arm]
+    return robot.skeleton.clamp(rows), beginnings
+
+
+def _cleared(tasks: Sequence[ArmsTask], rows: Floats, robot: Robot, distances: Distances) -> int | None:
+    """Moves the first arms that are in the way of the body, in place; the key in which that was, or None."""
+    reaching = [k for k, task in enumerate(tasks) if task.reaches]
+    if not reaching:
         return None
-    return float(present + openness * (OPEN - present))
+    for k, gaps in zip(reaching, distances.gaps(rows[reaching]), strict=True):
+        clear = clear_hands(rows[k], tasks[k].hands, robot, distances, gaps)
+        if not np.array_equal(clear, rows[k]):
+            rows[k] = robot.skeleton.clamp(clear)
+            return k
+    return None
+
+
+def _carry(
+    side: Side,
+    tasks: Sequence[ArmsTask],
+    rows: Floats,
+    beginnings: Mapping[Side, Floats],
+    began: dict[Side, Floats],
+    robot: Robot,
+) -> None:
+    """Notes where the path began that a hand is on after these keys."""
+    own = [k for k, task in enumerate(tasks) if side in task.keys]
+    if own:
+        on_path = tasks[own[-1]].hands[side].passing and (side in began or len(own) > 1)
+        arm = list(robot.arms[side].indices)
+        began[side] = beginnings[side][len(own) - 1] if on_path else rows[own[-1], arm]

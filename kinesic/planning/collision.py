@@ -159,7 +159,9 @@ def _smallest(rows: Floats, needed: Floats, metric: Floats) -> Floats | None:
     return None
 
 
-def clear_hands(angles: Floats, hands: Mapping[Side, Hand], robot: Robot, distances: Distances) -> Floats:
+def clear_hands(
+    angles: Floats, hands: Mapping[Side, Hand], robot: Robot, distances: Distances, gaps: Floats | None = None
+) -> Floats:
     """Moves arms as little as needed until the posture keeps the hover distance; touching hands come as near as it.
 
     A hand touches with the tip that is meant, where it has that and can; else with what is nearer.
@@ -169,6 +171,7 @@ def clear_hands(angles: Floats, hands: Mapping[Side, Hand], robot: Robot, distan
         hands: that may move.
         robot: the robot.
         distances: its self-distance.
+        gaps: (p,) [m] of all counted pairs in this posture, where they are known.
 
     Returns:
         (n,) [rad]; the posture as it was when none near it keeps the distance.
@@ -177,7 +180,7 @@ def clear_hands(angles: Floats, hands: Mapping[Side, Hand], robot: Robot, distan
     joints = [joint for side in moving for joint in robot.arm(side).joints]
     if not moving:
         return angles
-    gaps = distances.gaps(angles[None])[0]
+    gaps = distances.gaps(angles[None])[0] if gaps is None else gaps
     asked = {touched_pair(side, hand.touch, robot, gaps) for side, hand in moving.items() if hand.touch is not None}
     touching = tuple(sorted(pair for pair in asked if pair is not None and gaps[pair] <= NEAR_ENOUGH))
     if gaps.min(initial=HOVER) >= HOVER and not touching:

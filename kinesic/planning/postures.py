@@ -1,21 +1,20 @@
 """Turns key frames into joint angles: the torso first, then both arms (thesis 8.6)."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.dynamics import Distances
 from kinesic.body.reach import Reach
 from kinesic.body.robot import CHAINS, SIDES, Robot, Side
+from kinesic.body.skeleton import Frames
 from kinesic.expressivity.keyframes import Hand, KeyFrame, KeyFrames
 from kinesic.expressivity.turns import axes
 from kinesic.ik.torso import lean_torso
 from kinesic.motion.keys import LEAST_GAP, PLAIN, KeyPosture, Passage
-from kinesic.planning.arm_postures import turn_reach, with_arms
-from kinesic.planning.collision import clear_hands
+from kinesic.planning.arm_postures import ArmKey, ArmsTask, solve_arms
 from kinesic.planning.finger_postures import set_fingers
 from kinesic.planning.torso import set_turn, torso_turn, volume
 
@@ -34,53 +33,53 @@ def postures(keyframes: KeyFrames, robot: Robot, distances: Distances) -> Postur
     Hands keep the hover distance of `collision` from the body and from one another; an unreachable target
     becomes the best posture, and `misses` says by how much.
     """
-    solved: list[KeyPosture] = []
-    misses: dict[str, float] = {}
     leans = [_lean(frame, robot) for frame in keyframes.frames]
-    angles = np.array(robot.skeleton.rest)
-    holding: dict[Side, _Holding] = {}
-    for k, frame in enumerate(keyframes.frames):
-        leaning = any(bool(np.any(leans[j])) for j in range(max(0, k - 1), min(len(leans), k + 2)))
-        keyed = _keyed(frame, robot, leaning, ends=k in (0, len(leans) - 1))
-        angles = angles.copy()
-        set_fingers(angles, frame.time, keyframes.fingers, robot)
-        _set_torso(angles, frame, leans[k], robot)
-        hands = {side: hand for side, hand in frame.hands.items() if keyed[robot.arm(side).joints[0]]}
-        wanted = {side: _in_world(hand, side, frame, angles, robot) for side, hand in hands.items()}
-        torso = angles[list(robot.joints("torso"))]
-        for side in hands.keys() & holding.keys():
-            if holding[side].still(hands[side], torso):
-                angles[list(robot.arm(side).joints)] = holding[side].arm
-        moved = {side for side in hands if side not in holding or not holding[side].still(hands[side], torso)}
-        before = {side: holding[side].began for side in holding}
-        angles = with_arms(angles, {side: hands[side] for side in hands if side in moved}, wanted, robot, before)
-        angles = robot.skeleton.clamp(clear_hands(angles, hands, robot, distances))
-        holding |= {side: _Holding.of(side, hand, angles, robot, holding.get(side)) for side, hand in hands.items()}
-        _note_misses(misses, keyframes, k, wanted, angles, robot)
-        firm = _firm(frame) or k in (0, len(leans) - 1)
-        solved.append(KeyPosture(frame.time, sealed(angles), tuple(keyed), frame.syncs, _passages(frame, robot), firm))
+    bodies = _bodies(keyframes, leans, robot)
+    tasks = list(_tasks(keyframes, leans, bodies, robot))
+    angles, wanted = solve_arms(tasks, bodies, robot, distances)
+    last = len(tasks) - 1
+    solved = [
+        KeyPosture(
+            frame.time,
+            sealed(row),
+            tuple(task.keyed),
+            frame.syncs,
+            _passages(frame, robot),
+            _firm(frame) or k in (0, last),
+        )
+        for k, (frame, task, row) in enumerate(zip(keyframes.frames, tasks, angles, strict=True))
+    ]
+    misses = _misses(keyframes, wanted, angles, robot)
     return Postures((*_beginning(solved, keyframes.timeline.start, robot), *solved), misses)
 
 
-@dataclass(frozen=True, eq=False)
-class _Holding:
-    """The last target of a hand, and the arm that meets it."""
+def _bodies(keyframes: KeyFrames, leans: Sequence[Floats], robot: Robot) -> Floats:
+    """(m, n) [rad] fingers, torso and head of every key; arms at rest."""
+    bodies = np.tile(robot.skeleton.rest, (len(keyframes.frames), 1))
+    for frame, lean, body in zip(keyframes.frames, leans, bodies, strict=True):
+        set_fingers(body, frame.time, keyframes.fingers, robot)
+        _set_torso(body, frame, lean, robot)
+    return bodies
 
-    hand: Hand
-    torso: Floats  # [rad]
-    arm: Floats  # [rad]
-    began: Floats  # [rad] the arm; on a path, as it was in the key before the path
 
-    @classmethod
-    def of(cls, side: Side, hand: Hand, angles: Floats, robot: Robot, before: "_Holding | None") -> "_Holding":
-        """One hand of a posture (n,) [rad], after what it was holding."""
-        torso, arm = angles[list(robot.joints("torso"))], angles[list(robot.arm(side).joints)]
-        began = before.began if hand.passing and before else angles[list(robot.arms[side].indices)]
-        return cls(hand, torso, arm, began)
-
-    def still(self, hand: Hand, torso: Floats) -> bool:
-        """Whether the target is the same again: then the arm stays as it is, however it came there."""
-        return _same_hand(hand, self.hand) and bool(np.array_equal(torso, self.torso))
+def _tasks(keyframes: KeyFrames, leans: Sequence[Floats], bodies: Floats, robot: Robot) -> Iterator[ArmsTask]:
+    """What the arms do in every key."""
+    held: dict[Side, tuple[Hand, Floats]] = {}  # last target of each hand, and the torso [rad] at which it was met
+    frames, torsos = robot.body_frames(bodies), bodies[:, list(robot.joints("torso"))]
+    for k, frame in enumerate(keyframes.frames):
+        leaning = any(bool(np.any(leans[j])) for j in range(max(0, k - 1), min(len(leans), k + 2)))
+        keyed = _keyed(frame, robot, leaning, ends=k in (0, len(leans) - 1))
+        body = Frames(frames.rotations[k], frames.origins[k])
+        hands = {side: hand for side, hand in frame.hands.items() if keyed[robot.arm(side).joints[0]]}
+        wanted = {side: _in_world(hand, frame, robot) for side, hand in hands.items()}
+        keys = {
+            side: ArmKey.same(robot, side, hand)
+            if side in held and _same_hand(hand, held[side][0]) and np.array_equal(torsos[k], held[side][1])
+            else ArmKey.of(robot, side, hand, wanted[side], body)
+            for side, hand in hands.items()
+        }
+        held |= {side: (hand, torsos[k]) for side, hand in hands.items()}
+        yield ArmsTask(hands, keys, wanted, keyed)
 
 
 def _beginning(solved: list[KeyPosture], start: float, robot: Robot) -> list[KeyPosture]:
@@ -159,54 +158,26 @@ def _set_torso(angles: Floats, frame: KeyFrame, lean_angles: Floats, robot: Robo
     set_turn(robot, "neck", np.array(axes(frame.head)) - torso_turn(robot, "torso", angles), angles)
 
 
-def _in_world(hand: Hand, side: Side, frame: KeyFrame, angles: Floats, robot: Robot) -> Reach | None:
-    """A reach in the world, with the torso as it then is.
-
-    The gesture box turns with the torso's own key (thesis 8.7), never with the lean; an arm that points does so
-    from where its shoulder has come to.
-    """
+def _in_world(hand: Hand, frame: KeyFrame, robot: Robot) -> Reach | None:
+    """A reach in the world: the gesture box turns with the torso's own key (thesis 8.7), never with the lean."""
     if hand.reach is None:
         return None
-    if hand.aim is not None:
-        return aim_from_shoulder(hand.reach, hand.aim, side, angles, robot)
     box = volume(robot, frame.torso)
     return hand.reach if box is None else box.placed(hand.reach)
 
 
-def aim_from_shoulder(reach: Reach, aim: Floats, side: Side, angles: Floats, robot: Robot) -> Reach:
-    """Turns a reach so that it points at its aim from where the shoulder has come to.
-
-    Args:
-        reach: from where the shoulder rests, in the world.
-        aim: (3,) [m] in the world.
-        side: of the hand.
-        angles: (n,) [rad] of the whole robot.
-        robot: whose hand it is.
-    """
-    shoulder = robot.arm(side).shoulder
-    resting = robot.skeleton.resting.origins[shoulder]
-    centre = robot.body_frames(angles).origins[shoulder]
-    rotation = scipy.spatial.transform.Rotation.align_vectors((aim - centre)[None], (aim - resting)[None])[
-        0
-    ].as_matrix()
-    return turn_reach(reach, rotation, resting, centre)
-
-
-def _note_misses(
-    misses: dict[str, float],
-    keyframes: KeyFrames,
-    k: int,
-    wanted: Mapping[Side, Reach | None],
-    angles: Floats,
-    robot: Robot,
-) -> None:
-    """Credits what is left of each reach to the behaviours that move this hand."""
-    reaches = {side: reach for side, reach in wanted.items() if reach is not None}
-    if not reaches:
-        return
+def _misses(
+    keyframes: KeyFrames, wanted: Sequence[Mapping[Side, Reach | None]], angles: Floats, robot: Robot
+) -> Mapping[str, float]:
+    """Credits what is left of each reach, in postures (m, n) [rad], to the behaviours that move its hand."""
+    misses: dict[str, float] = {}
     origins = robot.body_frames(angles).origins
-    for side, reach in reaches.items():
-        miss = float(np.linalg.norm(origins[robot.arm(side).wrist] - reach.position))
-        for behaviour, _ in keyframes.frames[k].syncs:
-            if f"{side}_hand" in keyframes.uses[behaviour]:
-                misses[behaviour] = max(miss, misses.get(behaviour, 0.0))
+    for k, (frame, reaches) in enumerate(zip(keyframes.frames, wanted, strict=True)):
+        for side, reach in reaches.items():
+            if reach is None:
+                continue
+            miss = float(np.linalg.norm(origins[k, robot.arm(side).wrist] - reach.position))
+            for behaviour, _ in frame.syncs:
+                if f"{side}_hand" in keyframes.uses[behaviour]:
+                    misses[behaviour] = max(miss, misses.get(behaviour, 0.0))
+    return misses

@@ -10,13 +10,13 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+import scipy
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.reach import Reach
-from kinesic.body.robot import Robot
+from kinesic.body.robot import Robot, Side
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.turns import AXES, UPRIGHT, axes
-from kinesic.planning.arm_postures import turn_reach
 
 LEAST_ROOM = 1e-9  # [rad]
 
@@ -105,3 +105,28 @@ def volume(robot: Robot, turn: Turn) -> GestureVolume | None:
     moved, upright = robot.body_frames(angles), robot.skeleton.resting
     now, before = (float(np.linalg.norm(f.origins[girdle] - f.origins[first])) for f in (moved, upright))
     return GestureVolume(moved.origins[first], moved.rotations[last], now / before)
+
+
+def turn_reach(reach: Reach, rotation: Floats, pivot: Floats, moved: Floats, scale: float = 1.0) -> Reach:
+    """Turns and scales a reach about a pivot, which itself moves."""
+    return Reach(
+        sealed(moved + scale * (rotation @ (reach.position - pivot))),
+        None if reach.pointing is None else sealed(rotation @ reach.pointing),
+        None if reach.palm is None else sealed(rotation @ reach.palm),
+        reach.swivel,
+    )
+
+
+def aim_from_shoulder(reach: Reach, aim: Floats, side: Side, shoulder: Floats, robot: Robot) -> Reach:
+    """Turns a reach so that it points at its aim from where the shoulder has come to.
+
+    Args:
+        reach: from where the shoulder rests, in the world.
+        aim: (3,) [m] in the world.
+        side: of the hand.
+        shoulder: (3,) [m] in the world.
+        robot: whose hand it is.
+    """
+    resting = robot.skeleton.resting.origins[robot.arm(side).shoulder]
+    turn = scipy.spatial.transform.Rotation.align_vectors((aim - shoulder)[None], (aim - resting)[None])[0]
+    return turn_reach(reach, turn.as_matrix(), resting, shoulder)

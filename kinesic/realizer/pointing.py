@@ -19,8 +19,8 @@ from kinesic.planning.arm_postures import with_arms
 from kinesic.planning.certify import duties
 from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
 from kinesic.planning.plan import Plan
-from kinesic.planning.postures import aim_from_shoulder
 from kinesic.planning.setup import Setup
+from kinesic.planning.torso import aim_from_shoulder
 from kinesic.realizer.occupancy import STILL, Occupancy
 from kinesic.realizer.overlay import rise
 from kinesic.realizer.release import from_knot
@@ -56,7 +56,8 @@ class PointingHand:
         """Turns the arm so that it points, on the trunk as it is: (n,) [rad]."""
         if self.hand.reach is None:
             return angles
-        reach = aim_from_shoulder(self.hand.reach, self.aim, self.side, angles, robot)
+        shoulder = robot.body_frames(angles).origins[robot.arm(self.side).shoulder]
+        reach = aim_from_shoulder(self.hand.reach, self.aim, self.side, shoulder, robot)
         return with_arms(angles, {self.side: self.hand}, {self.side: reach}, robot)
 
 

@@ -1,12 +1,19 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from kinesic.bench.blocks import crowd, passage_text
 from kinesic.body.arrays import sealed
 from kinesic.body.reach import Reach
 from kinesic.body.robot import SIDES, Robot
+from kinesic.controller.perform import plan, set_up
 from kinesic.expressivity.keyframes import Hand
 from kinesic.ik.arm.swivel import swivel
+from kinesic.planning import arm_postures
+from kinesic.planning import plan as planning
 from kinesic.planning.arm_postures import OPEN, with_arms
+from kinesic.planning.postures import postures
 
 ROBOT = Robot.load()
 REST = ROBOT.skeleton.rest
@@ -96,3 +103,82 @@ def test_an_arm_does_not_turn_over_for_its_palm():
     assert np.abs(found - angles)[arm].max() < np.radians(110)
     wrist = ROBOT.skeleton.frames(found).origins[ROBOT.arm("l").wrist]
     assert np.linalg.norm(wrist - reach.position) < 0.12, "and the hand is there"
+
+
+KNOWN = set_up()
+
+
+class _EnoughError(Exception):
+    """The key frames are there."""
+
+
+@pytest.fixture
+def frames_of(monkeypatch):
+    """Plans a document no further than its key frames."""
+    asked = []
+
+    def stop(frames, robot, distances):
+        asked.append(frames)
+        raise _EnoughError
+
+    def frames_of(text):
+        monkeypatch.setattr(planning, "postures", stop)
+        with pytest.raises(_EnoughError):
+            plan(text, KNOWN)
+        return asked[-1]
+
+    return frames_of
+
+
+@pytest.fixture
+def calls(monkeypatch):
+    """How many keys each call of the kernel gets."""
+    counted, real = [], arm_postures.pose_keys
+
+    def count(chain, keys, *rest, **named):
+        counted.append(len(keys))
+        return real(chain, keys, *rest, **named)
+
+    monkeypatch.setattr(arm_postures, "pose_keys", count)
+    return counted
+
+
+def _texts():
+    lexemes = [form.id for form in KNOWN.lexicon.forms]
+    return [passage_text(1), crowd(3, lexemes), crowd(17, lexemes)]
+
+
+@pytest.mark.parametrize("text", _texts(), ids=["passage", "crowd 3", "crowd 17"])
+def test_many_keys_at_once_are_the_same_bits_as_one_by_one(text, frames_of, monkeypatch):
+    frames = frames_of(text)
+    together = postures(frames, KNOWN.robot, KNOWN.distances)
+    monkeypatch.setattr(arm_postures, "MOST_AT_ONCE", 1)
+    alone = postures(frames, KNOWN.robot, KNOWN.distances)
+    for one, other in zip(together.postures, alone.postures, strict=True):
+        assert np.array_equal(one.angles, other.angles)
+    assert together.misses == alone.misses
+
+
+def test_a_passage_takes_one_call_for_each_arm(frames_of, calls):
+    frames = frames_of(passage_text(1))
+    postures(frames, KNOWN.robot, KNOWN.distances)
+    assert len(calls) == 2
+    assert sum(calls) > 10
+
+
+def test_crowds_are_solved_again_no_more_often_than_twice(frames_of, calls):
+    """Windows double while nothing is in the way: of all keys that are solved at least half are kept."""
+    frames = frames_of(_texts()[2])
+    postures(frames, KNOWN.robot, KNOWN.distances)
+    asked = sum(side in frame.given for frame in frames.frames for side in ("l_hand", "r_hand"))
+    assert asked <= sum(calls) <= 4 * len(frames.frames) + arm_postures.MOST_AT_ONCE
+
+
+def test_hinges_beside_their_centre_are_finished_key_by_key(frames_of, calls):
+    skeleton = KNOWN.robot.skeleton
+    hinges = tuple(replace(h, at=sealed([0.004, 0.003, -0.005])) for h in skeleton.hinges)
+    foreign = replace(KNOWN.robot, skeleton=replace(skeleton, hinges=hinges))
+    frames = frames_of(passage_text(2))
+    found = postures(frames, foreign, KNOWN.distances)
+    assert set(calls) == {1}
+    assert max(found.misses.values()) < 5e-3

@@ -14,7 +14,8 @@ from kinesic.body.arrays import Floats
 from kinesic.body.chain import Chain
 from kinesic.ik.angles import arctangent, cosine_sine
 from kinesic.ik.arm.linkage import Linkage, linkage_of
-from kinesic.ik.scalar3 import Vector, across, cross, dot, minus, norm, plus, scaled, unit, vector
+from kinesic.ik.arm.mirror import is_right, mirror_chain
+from kinesic.ik.scalar3 import Vector, across, cross, dot, minus, norm, plus, scaled, unit
 
 Posture = TypeVar("Posture")
 
@@ -95,5 +96,5 @@ def swivel(chain: Chain, angles: Floats) -> float | None:
     Returns:
         [rad] 0 = hanging, + = away from the body; None for a straight arm, which has no swivel.
     """
-    points = [vector(point) for point in chain.frames(angles)[1][-4:-1]]
-    return swivel_of(linkage_of(chain), points)
+    linkage = linkage_of(mirror_chain(chain) if is_right(chain) else chain)
+    return swivel_of(linkage, linkage.walk(angles.tolist(), len(linkage.links) - 1)[1][-3:])

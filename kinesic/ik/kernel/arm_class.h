@@ -25,5 +25,6 @@ bool read_posture(const Arm& arm, nb::handle source, double* into);
 
 void bind_stages(nb::class_<Arm>& arm);
 void bind_poses(nb::class_<Arm>& arm);
+void bind_keys(nb::class_<Arm>& arm);
 
 }  // namespace kinesic::arm

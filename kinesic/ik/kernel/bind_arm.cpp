@@ -9,6 +9,7 @@
 
 #include "arm_batch.h"
 #include "arm_class.h"
+#include "arm_nearest.h"
 #include "arm_swing.h"
 #include "arm_track.h"
 #include "bind_arrays.h"
@@ -118,16 +119,16 @@ nb::object ask(const Arm& arm, nb::handle position, nb::handle pointing, nb::han
         std::copy_n(arm.mobility, n, question.mobility);
     else if (!read(mobility, question.mobility, n))
         return nb::none();
-    Answer answer;
+    Answer found;
     {
         nb::gil_scoped_release free;
-        answer = solve(arm.linkage, question);
+        found = answer(arm.linkage, question, arm.rest, arm.mobility);
     }
-    const Vector target = arm.seen(answer.target);
+    const Vector target = arm.seen(found.target);
     const double clamped[3] = {target.x, target.y, target.z};
-    const auto [first, second] = told(pointing, palm, answer.errors);
-    return nb::make_tuple(sealed(answer.angles, n), answer.residual, first, second, answer.residual <= REACHED,
-                          answer.iterations, sealed(clamped, 3), pulled);
+    const auto [first, second] = told(pointing, palm, found.errors);
+    return nb::make_tuple(sealed(found.angles, n), found.residual, first, second, found.residual <= REACHED,
+                          found.iterations, sealed(clamped, 3), pulled);
 }
 
 // From a solved posture the elbow swings at most `widest` aside: angles, residual, errors of pointing and palm.
@@ -218,5 +219,6 @@ void bind_arm(nb::module_& module) {
         .def("reach_many", &reach_many)
         .def("track", &track);
     bind_poses(arm);
+    bind_keys(arm);
     bind_stages(arm);
 }

@@ -1,0 +1,96 @@
+"""An arm from key to key, in one call of the kernel or key by key."""
+
+import numpy as np
+import pytest
+from numpy.random import default_rng
+
+from kinesic.body.chain import Chain
+from kinesic.body.reach import Reach
+from kinesic.body.robot import Robot
+from kinesic.ik import KERNEL
+from kinesic.ik.arm.swivel import swivel
+from kinesic.ik.keys import Key, Manner, Mode, pose_keys
+from kinesic.ik.solve import solve
+
+ARMS = Robot.load().arms
+LEFT = ARMS["l"]
+MANNER = Manner(widest=0.4, leap=1.9, open=1.36)
+
+
+def _keys(chain: Chain, count: int, seed: int) -> list[Key]:
+    """Keys of every kind: at rest, still, free, opened, on a path; some out of reach."""
+    random, keys = default_rng(seed), []
+    for k in range(count):
+        angles = random.uniform(0.7 * chain.lower, 0.7 * chain.upper)
+        rotations, centres = chain.frames(angles)
+        reach = Reach(
+            np.array(centres[-2]) * (1.5 if k % 9 == 8 else 1.0),
+            random.normal(size=3) if k % 3 else None,
+            rotations[-1] @ chain.palm if k % 4 else None,
+            0.3 if k % 11 == 10 else None,
+        )
+        mode = Mode.REST if k % 7 == 6 else Mode.STILL if k % 5 == 4 else Mode.REACH
+        keys.append(Key(mode, chain.rest, reach, random.choice([0.0, 0.6]), passing=bool(k % 6 in (2, 3))))
+    return keys
+
+
+@pytest.mark.skipif(KERNEL != "compiled", reason="the kernel was not compiled here")
+@pytest.mark.parametrize("chain", ARMS.values(), ids=ARMS)
+@pytest.mark.parametrize("on_path", [True, False])
+def test_all_keys_in_one_call_are_the_specification_key_by_key(chain: Chain, on_path: bool):
+    keys, began = _keys(chain, 12, seed=3), chain.rest + 0.05 if on_path else None
+    one, two = (
+        pose_keys(chain, keys, MANNER, now=chain.rest, began=began, kernel=kernel) for kernel in ("numpy", KERNEL)
+    )
+    assert np.array_equal(one.angles[:8], two.angles[:8])  # before the first that is out of reach
+    for name in ("angles", "beginnings", "swivels"):
+        assert getattr(one, name) == pytest.approx(getattr(two, name), abs=1e-9, nan_ok=True)
+
+
+@pytest.mark.parametrize("kernel", ["numpy", KERNEL])
+def test_keys_may_be_asked_in_parts(kernel):
+    keys = _keys(LEFT, 7, seed=4)
+    whole = pose_keys(LEFT, keys, MANNER, now=LEFT.rest, began=None, kernel=kernel)
+    now, began = LEFT.rest, None
+    for k, key in enumerate(keys):
+        part = pose_keys(LEFT, [key], MANNER, now=now, began=began, kernel=kernel)
+        assert np.array_equal(part.angles[0], whole.angles[k])
+        now, began = part.angles[0], part.beginnings[0]
+
+
+@pytest.mark.parametrize("kernel", ["numpy", KERNEL])
+def test_a_path_keeps_the_swivel_that_it_began_with_and_takes_postures_near_its_beginning(kernel):
+    places = [np.array([0.28, 0.10 + 0.02 * k, -0.05]) for k in (0, 1, 2, 1, 0)]
+    keys = [Key(Mode.REACH, LEFT.rest, Reach(place), passing=k > 0) for k, place in enumerate(places)]
+    found = pose_keys(LEFT, keys, MANNER, now=LEFT.rest, began=None, kernel=kernel)
+    first = found.angles[0]
+    assert np.array_equal(found.beginnings, np.tile(first, (5, 1)))
+    for place, angles, turn in zip(places[1:], found.angles[1:], found.swivels[1:], strict=True):
+        assert turn == swivel(LEFT, first)
+        assert np.array_equal(angles, solve(LEFT, Reach(place, swivel=turn), start=first, kernel=kernel).angles)
+    assert np.array_equal(found.angles[1], found.angles[3])
+
+
+@pytest.mark.parametrize("kernel", ["numpy", KERNEL])
+def test_rest_still_and_openness(kernel):
+    reach = Reach(np.array([0.28, 0.10, -0.05]))
+    keys = [
+        Key(Mode.REACH, LEFT.rest, reach),
+        Key(Mode.STILL, LEFT.rest),
+        Key(Mode.REACH, LEFT.rest, reach, openness=1.0),
+        Key(Mode.REST, LEFT.rest),
+    ]
+    found = pose_keys(LEFT, keys, MANNER, now=LEFT.rest, began=None, kernel=kernel).angles
+    assert np.array_equal(found[0], found[1])
+    assert swivel(LEFT, found[2]) == pytest.approx(MANNER.open, abs=1e-6)
+    assert np.array_equal(found[3], LEFT.rest)
+
+
+def test_no_keys_are_no_postures():
+    assert pose_keys(LEFT, [], MANNER, now=LEFT.rest, began=None).angles.shape == (0, 8)
+
+
+def test_what_is_no_number_is_refused():
+    lost = Key(Mode.REACH, LEFT.rest, Reach(np.array([np.nan, 0.0, 0.0])))
+    with pytest.raises(ValueError, match="finite"):
+        pose_keys(LEFT, [lost], MANNER, now=LEFT.rest, began=None)
