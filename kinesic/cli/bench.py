@@ -18,6 +18,8 @@ from kinesic.cli.progress import Stage, show_stages, untold
 from kinesic.cli.terminal import console
 from kinesic.files.held_folder import name_failures
 from kinesic.files.output_file import new_file
+from kinesic.files.output_folder import check_folder, new_folder
+from kinesic.tasks.store import FIGURES
 
 RATE = 1.0  # [Hz] of pictures of the progress bar, which must not be measured along
 
@@ -38,6 +40,7 @@ def print_figures(
     capture: Path | None,
     as_json: bool,
     plots: Path | None,
+    out: Path | None,
     force: bool,
     workers: Workers,
 ) -> int:
@@ -46,6 +49,8 @@ def print_figures(
         return _print_matrix(as_json=as_json)
     if (styles or capture) and part != "naturalness":
         raise click.UsageError("--style and --capture are of naturalness alone")
+    if out is not None:
+        check_folder(out, force=force)
     if plots is not None:
         with name_failures(plots):
             plots.mkdir(parents=True, exist_ok=True)
@@ -59,8 +64,13 @@ def print_figures(
         if plots is not None:
             stage("drawing")
             _draw(figures, names, plots, styles=styles or (() if capture else names_of("style")), force=force)
+    text = json.dumps([asdict(figure) | {"ok": figure.ok} for figure in figures], indent=1)
+    if out is not None:
+        with new_folder(out, force=force) as fresh:
+            (fresh / FIGURES).write_text(text, encoding="utf-8")
+        click.echo(f"json: {out / FIGURES}", err=as_json)
     if as_json:
-        click.echo(json.dumps([asdict(figure) | {"ok": figure.ok} for figure in figures], indent=1))
+        click.echo(text)
         return 0
     table = Table("name", "value", "unit", "goal", "", "", box=None)
     marks = {True: "[green]met[/]", False: "[red]missed[/]", None: ""}

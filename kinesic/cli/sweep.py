@@ -29,6 +29,7 @@ from kinesic.studies.sweep.series import (
     preset_tasks,
     tasks_of,
 )
+from kinesic.tasks.store import SWEEP
 
 COLUMNS = ("stroke_error", "peak_speed", "path_length", "swept_volume", "jerk", "overshoot", "torso_travel")
 
@@ -85,8 +86,8 @@ def _numbers(text: str | None) -> list[float]:
 
 def _write(found: Sequence[Series], folder: Path, data: Json) -> list[str]:
     """Writes the measures and a picture of each series; returns the names of the files."""
-    (folder / "sweep.json").write_text(json.dumps(data, indent=1), encoding="utf-8")
-    return ["sweep.json", *(draw_series(series, folder / f"{series.parameter}.png").name for series in found)]
+    (folder / SWEEP).write_text(json.dumps(data, indent=1), encoding="utf-8")
+    return [SWEEP, *(draw_series(series, folder / f"{series.parameter}.png").name for series in found)]
 
 
 def _data(gesture: str, style: str, found: Sequence[Series], styles: Mapping[str, Played]) -> dict[str, Json]:

@@ -19,12 +19,13 @@ from kinesic.cli.options import Output, Planning
 from kinesic.cli.terminal import console
 from kinesic.files.output_file import write_text
 from kinesic.files.output_folder import check_folder, is_made, new_folder
-from kinesic.report.batch import JOURNAL, DocumentVerdict, documents, validate_documents
+from kinesic.report.batch import DocumentVerdict, documents, validate_documents
 from kinesic.report.batch_totals import totals
 from kinesic.report.checks import Check, Status
 from kinesic.report.report import Json
 from kinesic.sim.servo_factors import read_twins
 from kinesic.tasks.program import program_files
+from kinesic.tasks.store import JOURNAL
 
 PARTS = (".py", ".toml", ".so", ".pyd")  # endings of the program's files
 SUMMARY = "validate.json"

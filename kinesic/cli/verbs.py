@@ -73,7 +73,8 @@ def kinesic() -> None:
 )
 @click.option("--json", "as_json", is_flag=True, help="Prints a list of figures as JSON.")
 @click.option("--plots", type=click.Path(file_okay=False, path_type=Path), help="Draws into this folder, too.")
-@click.option("--force", is_flag=True, help="Replaces pictures that are there.")
+@click.option("--out", type=click.Path(path_type=Path), help="Folder of the figures, for `kinesic results`.")
+@click.option("--force", is_flag=True, help="Replaces what is there: pictures, or a folder that kinesic has made.")
 @workers
 @done_by("bench:print_figures")
 def _bench() -> None:

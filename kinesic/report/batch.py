@@ -20,12 +20,12 @@ from kinesic.sim.servo_factors import NOMINAL, Factors
 from kinesic.tasks.engine import Engine
 from kinesic.tasks.journal import Journal, run_once
 from kinesic.tasks.processes import WorkerCrash
+from kinesic.tasks.store import JOURNAL
 
 Outcome = Literal["performed", "refused", "crashed"]
 
 SUFFIXES = (".xml", ".bml")
 HEAD = 4096  # [bytes] of a file of another ending that tell what it is
-JOURNAL = "finished.jsonl"
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from kinesic.bench import plan, twin
 from kinesic.bench.blocks import corpus_folder, crowd, plan_corpus
 from kinesic.bench.figure import Figure
 from kinesic.bench.plan import first_command
+from kinesic.body.config import ConfigError
 from kinesic.cli import bench
 from kinesic.controller.perform import set_up
 
@@ -101,6 +102,17 @@ def test_json_is_a_list_of_figures(monkeypatch, capsys):
     cli.kinesic.main(["bench", "plan", "--json"], standalone_mode=False)
     entries = json.loads(capsys.readouterr().out)
     assert {"name", "value", "unit", "goal", "better", "ok"} <= entries[0].keys()
+
+
+def test_figures_are_kept_for_results(monkeypatch, capsys, tmp_path):
+    figures = [Figure("a.x", 2.0, "ms", 3.0, "lower"), Figure("a.y", None, "ms", None, "lower", "no GPU")]
+    monkeypatch.setattr(bench, "measure", lambda part, stage: figures)
+    monkeypatch.chdir(tmp_path)
+    cli.kinesic.main(["bench", "plan", "--out", "kept"], standalone_mode=False)
+    assert "json: kept/bench.json" in capsys.readouterr().out
+    assert [row["ok"] for row in json.loads((tmp_path / "kept" / "bench.json").read_text())] == [True, None]
+    with pytest.raises(ConfigError, match="kept"):
+        cli.kinesic.main(["bench", "plan", "--out", "kept"], standalone_mode=False)
 
 
 def test_what_is_measured_is_told_meanwhile(monkeypatch):

@@ -13,6 +13,8 @@ def test_a_sweep_prints_a_table_and_writes_figures(kinesic, tmp_path):
     assert (series["parameter"], series["measure"], series["monotone"]) == ("spatial", "swept_volume", True)
     assert [played["value"] for played in series["played"]] == [-1.0, 0.0]
     assert (tmp_path / "wide" / "spatial.png").stat().st_size > 1000
+    asked = kinesic("results", 'SELECT "value", swept_volume FROM sweep', "wide", "--json").out
+    assert [row["value"] for row in json.loads(asked)] == [-1.0, 0.0]
 
 
 def test_json_is_one_document_on_standard_output(kinesic):

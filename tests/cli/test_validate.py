@@ -10,7 +10,7 @@ import pytest
 
 from kinesic.cli import validate
 from kinesic.cli.validate import SUMMARY
-from kinesic.report.batch import JOURNAL
+from kinesic.tasks.store import JOURNAL
 
 pytestmark = pytest.mark.realtime
 

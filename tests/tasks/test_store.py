@@ -5,11 +5,16 @@ from pathlib import Path
 import pytest
 
 from kinesic.body.config import ConfigError
-from kinesic.tasks.store import ask
+from kinesic.tasks.store import Answer, open_store
 
 pytest.importorskip("duckdb", reason="the extra store is not installed")
 
 MANY = Path(__file__).resolve().parents[2] / "docs" / "many.md"
+
+
+def ask(folder: Path, query: str) -> Answer:
+    with open_store(folder) as store:
+        return store.ask(query)
 
 
 def line(number: int, status: str) -> str:
@@ -27,16 +32,14 @@ def folder(tmp_path):
 
 
 def test_a_journal_becomes_tables_of_its_whole_lines(folder):
-    assert ask(folder, "SELECT file, outcome FROM documents ORDER BY file", "finished.jsonl").rows == (
+    assert ask(folder, "SELECT file, outcome FROM documents ORDER BY file").rows == (
         ("1.bml", "performed"),
         ("2.bml", "performed"),
     )
-    found = ask(folder, "SELECT file, \"value\" FROM checks WHERE status = 'fail'", "finished.jsonl")
+    found = ask(folder, "SELECT file, \"value\" FROM checks WHERE status = 'fail'")
     assert found.columns == ("file", "value")
     assert found.rows == (("2.bml", 0.2),)
-    assert ask(folder, "SELECT type, count(*) FROM behaviours GROUP BY type", "finished.jsonl").rows == (
-        ("gesture", 2),
-    )
+    assert ask(folder, "SELECT type, count(*) FROM behaviours GROUP BY type").rows == (("gesture", 2),)
 
 
 QUERIES = re.findall(r'^kinesic results "(.+)" reports', MANY.read_text(encoding="utf-8"), re.MULTILINE)
@@ -48,17 +51,39 @@ def test_the_guide_has_ten_queries():
 
 @pytest.mark.parametrize("query", QUERIES)
 def test_a_query_of_the_guide_is_answered(query, folder):
-    assert ask(folder, query, "finished.jsonl").columns
+    assert ask(folder, query).columns
 
 
 def test_what_is_added_to_the_journal_is_found(folder):
-    ask(folder, "SELECT 1 FROM documents", "finished.jsonl")
+    ask(folder, "SELECT 1 FROM documents")
     (folder / "finished.jsonl").write_text(line(1, "pass") + line(2, "fail") + line(3, "pass"))
-    assert ask(folder, "SELECT count(*) FROM documents", "finished.jsonl").rows == ((3,),)
+    assert ask(folder, "SELECT count(*) FROM documents").rows == ((3,),)
 
 
 def test_a_wrong_query_and_a_folder_without_results_say_what_there_is(folder, tmp_path):
     with pytest.raises(ConfigError, match="tables are behaviours, checks, documents"):
-        ask(folder, "SELECT * FROM document", "finished.jsonl")
+        ask(folder, "SELECT * FROM document")
     with pytest.raises(ConfigError, match="no results; `kinesic validate"):
-        ask(tmp_path, "SELECT 1", "finished.jsonl")
+        ask(tmp_path, "SELECT 1")
+
+
+def test_a_sweep_is_a_row_for_each_value(tmp_path):
+    played = [{"value": value, "swept_volume": 2 + value, "strokes": None} for value in (-1.0, 1.0)]
+    series = {"parameter": "spatial", "measure": "swept_volume", "sign": 1.0, "monotone": True, "played": played}
+    text = json.dumps({"gesture": "beat", "style": "calm", "series": [series], "presets": {"angry": {}}})
+    (tmp_path / "sweep.json").write_text(text)
+    query = 'SELECT gesture, style, parameter, "value", swept_volume FROM sweep ORDER BY "value"'
+    assert ask(tmp_path, query).rows == (
+        ("beat", "calm", "spatial", -1.0, 1.0),
+        ("beat", "calm", "spatial", 1.0, 3.0),
+    )
+    assert (tmp_path / "sweep.parquet").stat().st_size > 0
+
+
+def test_figures_and_designs_are_tables(tmp_path):
+    figure = {"name": "a.b", "value": None, "unit": "s", "goal": 1.0, "better": "lower", "why": "none", "ok": None}
+    (tmp_path / "bench.json").write_text(json.dumps([figure, figure | {"name": "a.c", "value": 0.5, "ok": True}]))
+    design = {"design": "x = 1", "changes": {"x": "1"}, "state": "out", "price": 1.0, "performed": []}
+    (tmp_path / "designs.json").write_text(json.dumps({"rounds": [], "designs": [design]}))
+    assert ask(tmp_path, "SELECT name FROM figures WHERE ok").rows == (("a.c",),)
+    assert ask(tmp_path, "SELECT * FROM designs").columns == ("design", "state", "price")

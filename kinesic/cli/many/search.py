@@ -23,15 +23,16 @@ from kinesic.cli.terminal import console, quote_text
 from kinesic.cli.validate import fingerprint
 from kinesic.files.output_file import write_text
 from kinesic.files.output_folder import check_folder, is_made, new_folder
-from kinesic.report.batch import JOURNAL, documents
+from kinesic.report.batch import documents
 from kinesic.report.report import Json
 from kinesic.studies.designs.pareto import GOALS, unbeaten, values_of
 from kinesic.studies.designs.search import AS_IT_IS, Found, search
 from kinesic.studies.designs.trial import Trial
 from kinesic.studies.designs.variant import Variable, draw_designs, without_defaults, write_design
 from kinesic.tasks.journal import Journal
+from kinesic.tasks.store import DESIGNS
 
-FOUND = "designs.json"
+JOURNAL = "tried.jsonl"  # of designs that have performed some documents
 
 
 def search_designs(
@@ -83,7 +84,7 @@ def _begin(output: Output) -> Path | None:
     if output.out is None:
         return None
     if not output.force and is_made(output.out) and (output.out / JOURNAL).exists():
-        if (output.out / FOUND).exists():
+        if (output.out / DESIGNS).exists():
             raise ConfigError(f"{output.out} holds a finished search; --force begins anew, --out names another folder")
         return output.out
     check_folder(output.out, force=output.force)
@@ -105,9 +106,9 @@ def _write(found: Found, best: Sequence[Trial], robot: str, path: Path, file: Ro
         written.append(folder / f"{name}.toml")
         write_text(written[-1], text, force=True)
     write_text(
-        folder / FOUND, json.dumps(_data(found, best), indent=1), force=True
+        folder / DESIGNS, json.dumps(_data(found, best), indent=1), force=True
     )  # whose search is there is finished
-    return [*written, folder / FOUND]
+    return [*written, folder / DESIGNS]
 
 
 def _words(trial: Trial) -> str:
@@ -118,7 +119,8 @@ def _data(found: Found, best: Sequence[Trial]) -> dict[str, Json]:
     states = (("finished", found.finished), ("left", found.left), ("out", found.out))
     rows: list[Json] = [
         {
-            "design": dict(trial.design),
+            "design": _words(trial),
+            "changes": dict(trial.design),
             "state": state,
             "why": trial.out,
             "unbeaten": trial in best,
@@ -172,5 +174,5 @@ def _compare(steps: np.ndarray) -> str:
     better = [goal.head for goal, step in zip(GOALS.values(), steps, strict=True) if step < 0]
     worse = [goal.head for goal, step in zip(GOALS.values(), steps, strict=True) if step > 0]
     if not worse:
-        return f"better in {', '.join(better)}, worse in nothing" if better else "alike"
+        return f"better in {', '.join(better)}; worse in nothing" if better else "alike"
     return f"better in {', '.join(better) or 'nothing'}; worse in {', '.join(worse)}"

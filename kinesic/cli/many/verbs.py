@@ -6,7 +6,7 @@ import click
 
 from kinesic.bml.block import RANGES
 from kinesic.cli.many.workers import workers
-from kinesic.cli.options import FORCE_HELP, TWIN_HELP, done_by, output, planning
+from kinesic.cli.options import FORCE_HELP, TWIN_HELP, done_by, force_option, output, planning
 
 VARY_HELP = (
     "What differs: BODY.length in m, HINGE.servo by its model, HINGE.reduction; HINGE may be a pattern such as "
@@ -18,9 +18,14 @@ VARY_HELP = (
 @click.argument("query")
 @click.argument("folder", type=click.Path(path_type=Path))
 @click.option("--json", "as_json", is_flag=True, help="Prints the rows as JSON.")
+@click.option("--out", type=click.Path(path_type=Path), help="Of plot: the PNG (default: results.png in FOLDER).")
+@force_option
 @done_by("many.results:ask_results")
 def results_verb() -> None:
-    """Asks QUERY (SQL, or summary) of the results that a run of `kinesic validate --out FOLDER` left."""
+    """Asks QUERY (SQL, summary or plot) of the results that a run left in FOLDER.
+
+    Such runs are `kinesic validate`, `sweep`, `bench` and `robots search` with --out FOLDER; plot draws them.
+    """
 
 
 @click.command("search")

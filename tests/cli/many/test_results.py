@@ -23,3 +23,11 @@ def test_a_wrong_query_is_one_line(kinesic, folder):
     assert ended.code == 2
     assert "the query is wrong" in ended.err
     assert ended.err.count("\n") == 1
+
+
+def test_results_are_drawn(kinesic, folder):
+    assert kinesic("results", "plot", folder).out == f"png: {folder / 'results.png'}\n"
+    assert (folder / "results.png").read_bytes().startswith(b"\x89PNG")
+    kinesic("results", "plot", folder)  # a picture of its own is drawn anew, another file is not
+    (folder / "mine.png").touch()
+    assert "exists already" in kinesic("results", "plot", folder, "--out", folder / "mine.png").err

@@ -18,7 +18,7 @@ def test_a_search_prints_and_writes_what_no_other_design_beats(kinesic, tmp_path
     assert "turns its servo by 400 degrees" in ended.out
     rows = json.loads((tmp_path / "found" / "designs.json").read_text())["designs"]
     (best,) = [row for row in rows if row["unbeaten"]]
-    assert best["design"] == {"l_elbow_flexion.servo": "xc430_w240"}
+    assert best["changes"] == {"l_elbow_flexion.servo": "xc430_w240"}
     robot = Robot.load(tmp_path / "found" / "upper22_1.toml")
     assert robot.name == "upper22_1"
     assert robot.drives[robot.skeleton.names.index("r_elbow_flexion")].servo.name == "xc430_w240"
