@@ -194,6 +194,22 @@ def test_elbow_trunk_and_gaze_are_dragged_too_and_what_stops_them_is_named(
     studio.page.click("#view-free")
 
 
+def test_a_posture_is_drawn_once_finely_when_still_and_coarser_while_software_draws_what_moves(studio: Studio):
+    share = "(c => c.width / c.clientWidth)(document.querySelector('#canvas'))"
+    studio.write(WORDS)
+    studio.page.click("#mode-plan")
+    studio.page.until(f"Math.abs({share} - 2) < 0.01")
+    drawn = studio.state("drawn")
+    for _ in range(3):
+        studio.page.click("#mode-plan")
+    studio.rest(0.1)
+    assert studio.state("drawn") == drawn
+    studio.page.click("#play")
+    studio.page.until(f"{share} < 1.01")
+    studio.page.click("#play")
+    studio.page.until(f"Math.abs({share} - 2) < 0.01")
+
+
 def test_escape_stops_the_robot_and_resume_goes_on(studio: Studio):
     studio.write(WORDS)
     studio.page.click("#perform")

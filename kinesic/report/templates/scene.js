@@ -1,6 +1,7 @@
 // Draws the robot in its skin, its shell or else its capsules, with WebGL, at given angles, and a ghost of it beside or over it.
-const sceneOf = (canvas, data) => {
-  const gl = canvas.getContext("webgl2", { alpha: true, antialias: true, stencil: true });
+// Where it is not smooth it is for software that draws: edges are not, and a coarse robot can be drawn instead.
+const sceneOf = (canvas, data, smooth = true) => {
+  const gl = canvas.getContext("webgl2", { alpha: true, antialias: smooth, stencil: true });
   if (!gl) return null;
 
   // ---- frames: 4 x 4 matrices, columns first ------------------------------------------------------------------
@@ -138,6 +139,7 @@ const sceneOf = (canvas, data) => {
     return { made, at: (name) => (known[name] ??= gl.getUniformLocation(made, name)) };
   };
 
+  const COARSE = 0.008; // [m] of a cell, of whose corners one is left
   let solid, ground, skin, screen;
   const prepare = () => {
     solid = program(SOLID);
@@ -154,9 +156,13 @@ const sceneOf = (canvas, data) => {
     }
     for (const shape of shapes) {
       const begin = begins.get(shape.mesh);
-      shape.first = corners.length;
-      shape.size = shape.corners ? shape.corners.length : shape.mesh.length / 6;
-      for (let k = 0; k < shape.size; k++) corners.push(begin + (shape.corners ? shape.corners[k] : k));
+      const size = shape.corners ? shape.corners.length : shape.mesh.length / 6;
+      const own = Array.from({ length: size }, (_, k) => begin + (shape.corners ? shape.corners[k] : k));
+      shape.levels = [own, ...(smooth ? [] : [coarsened(shape.mesh, begin, own, COARSE)])].map((level) => {
+        const first = corners.length;
+        for (const corner of level) corners.push(corner);
+        return { first, size: level.length };
+      });
     }
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
     gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, new Uint32Array(corners), gl.STATIC_DRAW);
@@ -215,8 +221,8 @@ const sceneOf = (canvas, data) => {
     return camera(look, MIDDLE, data.view.height * Math.max(1, (across * canvas.height) / canvas.width));
   };
 
-  const draw = ({ look, twin, ghost, beside, ink, lit, face }) => {
-    const scale = Math.min(window.devicePixelRatio || 1, 2);
+  const FINE = () => Math.min(window.devicePixelRatio || 1, 2);
+  const draw = ({ look, twin, ghost, beside, ink, lit, face, scale = FINE(), full = true }) => {
     const width = Math.round(canvas.clientWidth * scale);
     const height = Math.round(canvas.clientHeight * scale);
     if (canvas.width !== width || canvas.height !== height) {
@@ -234,12 +240,14 @@ const sceneOf = (canvas, data) => {
       frames: frames(twin.angles, shifted(add(UP, aside, -1))),
       duty: twin.duty,
       lit,
+      full,
       alpha: 1,
     };
     const ghostBody = ghost && {
       ...seen,
       angles: ghost,
       frames: frames(ghost, shifted(add(UP, aside))),
+      full,
       alpha: beside ? 0.5 : 0.38,
     };
     gl.viewport(0, 0, width, height);
@@ -255,7 +263,7 @@ const sceneOf = (canvas, data) => {
     gl.useProgram(solid.made);
     gl.uniformMatrix4fv(solid.at("view"), false, view);
     gl.uniform3fv(solid.at("eye"), eye);
-    cast([solidBody, ghostBody].filter(Boolean));
+    if (full) cast([solidBody, ghostBody].filter(Boolean));
     gl.depthMask(true);
     body(solidBody);
     screen?.(solidBody.frames[data.screen.segment], view, face);
@@ -292,12 +300,13 @@ const sceneOf = (canvas, data) => {
     return [...COLOURS.hot.map((value) => value * share), share];
   };
 
-  const rigid = ({ frames: placed, duty, lit, alpha }) => {
+  const rigid = ({ frames: placed, duty, lit, alpha, full }) => {
     for (const shape of shapes) {
+      const { first, size } = shape.levels[full || smooth ? 0 : 1];
       const strain = duty ? Math.max(0, ...shape.hinges.map((hinge) => duty[hinge])) : 0;
       gl.uniformMatrix4fv(solid.at("frame"), false, placed[shape.segment]);
       gl.uniform4f(solid.at("colour"), ...heated(COLOURS[lit?.has(shape.segment) ? "lit" : shape.colour], strain), alpha);
-      gl.drawElements(gl.TRIANGLES, shape.size, gl.UNSIGNED_INT, 4 * shape.first);
+      gl.drawElements(gl.TRIANGLES, size, gl.UNSIGNED_INT, 4 * first);
     }
   };
 

@@ -79,3 +79,20 @@ const surface = ({ vertices, normals, shell, joint }, step) => {
   }
   return { mesh, shell: new Uint16Array(bytesOf(shell).buffer), joint: new Uint16Array(bytesOf(joint).buffer) };
 };
+
+// The triangles that are left where all corners inside a cell of space [m] are one of them, each once.
+const coarsened = (mesh, begin, corners, cell) => {
+  const first = new Map();
+  const one = corners.map((corner) => {
+    const [x, y, z] = [0, 1, 2].map((k) => Math.round(mesh[6 * (corner - begin) + k] / cell) + 512);
+    const key = (x * 1024 + y) * 1024 + z;
+    if (!first.has(key)) first.set(key, corner);
+    return first.get(key);
+  });
+  const found = new Map();
+  for (let k = 0; k < one.length; k += 3) {
+    const [a, b, c] = [one[k], one[k + 1], one[k + 2]];
+    if (a !== b && b !== c && c !== a) found.set([a, b, c].sort().join(), [a, b, c]);
+  }
+  return [...found.values()].flat();
+};

@@ -13,11 +13,12 @@ export function fillMenus(about: About): void {
 
 /** Shows the time [s] of the player, of so many seconds in all. */
 export function showClock(time: number, duration: number, playing: boolean): void {
-  byId<HTMLInputElement>("time").max = String(duration);
-  byId<HTMLInputElement>("time").value = String(time);
+  const [slider, play] = [byId<HTMLInputElement>("time"), byId("play")];
+  if (slider.max !== String(duration)) slider.max = String(duration);
+  slider.value = String(time);
   byId("clock").textContent = `${time.toFixed(2)} / ${duration.toFixed(2)} s`;
-  byId("play").setAttribute("aria-label", playing ? "Pause" : "Play");
-  byId("play").classList.toggle("playing", playing);
+  if (play.classList.toggle("playing", playing) === (play.getAttribute("aria-label") === "Pause")) return;
+  play.setAttribute("aria-label", playing ? "Pause" : "Play");
 }
 
 /** Lists what is not as the document asks. */

@@ -6,15 +6,12 @@ import type { Drag } from "./stage.ts";
 import type { Body, Reached, Side } from "./types.ts";
 import type { Wire } from "./wire.ts";
 
-const KEPT = 500; // latencies
-const PERIOD = 22; // [ms] between two questions: more often, the server lets a client wait
+const PERIOD = 8; // [ms] between two questions, of which the server takes 200 a second
 const FREE = { elbow: "the elbow swings there", trunk: "the trunk leans there", gaze: "the eyes look there" };
 const plain = (name: string) => name.replace(/^l_/, "left ").replace(/^r_/, "right ").replaceAll("_", " ");
 
 export class Reaching {
   found: Reached | null = null;
-  /** [ms] from a move of the pointer to the frame that shows its posture. */
-  readonly latencies: number[] = [];
   private next: { drag: Drag; at: number } | null = null;
   private busy = false;
   private cancelled = 0; // drags; an answer to one of them comes too late
@@ -26,7 +23,7 @@ export class Reaching {
   constructor(
     private readonly body: Body,
     private readonly wire: Wire,
-    private readonly changed: (found: Reached | null) => void,
+    private readonly changed: (found: Reached | null, asked?: number) => void,
     private readonly startPosture: () => readonly number[],
   ) {}
 
@@ -99,9 +96,7 @@ export class Reaching {
       if (answer?.told !== "reach" || cancelled !== this.cancelled) continue;
       this.found = answer as unknown as Reached;
       this.posture = this.found.angles;
-      this.changed(this.found);
-      requestAnimationFrame(() => this.latencies.push(performance.now() - at));
-      this.latencies.splice(0, this.latencies.length - KEPT);
+      this.changed(this.found, at);
       await new Promise((again) => setTimeout(again, asked + PERIOD - performance.now()));
     }
     this.busy = false;

@@ -16,6 +16,10 @@ declare module "kinesic:scene" {
     beside: boolean;
     ink: readonly number[];
     lit?: ReadonlySet<number>;
+    /** Pixels of the canvas for each CSS pixel; the screen's where it is left out. */
+    scale?: number;
+    /** Whether every triangle is drawn, and shadows; they are where it is left out. */
+    full?: boolean;
   }
   export interface Scene {
     draw(picture: Picture): number[][];
@@ -26,5 +30,5 @@ declare module "kinesic:scene" {
     /** From the world to the picture [m]. */
     up: readonly number[];
   }
-  export function sceneOf(canvas: HTMLCanvasElement, data: unknown): Scene | null;
+  export function sceneOf(canvas: HTMLCanvasElement, data: unknown, smooth?: boolean): Scene | null;
 }

@@ -36,6 +36,7 @@ function bands(centres: Record<string, number>): { name: string; from: number; t
 
 export class SectorGrid {
   shown = false;
+  private drawn = ""; // what the grid was made of: it is made anew only where that changes
 
   constructor(
     private readonly svg: SVGSVGElement,
@@ -47,13 +48,22 @@ export class SectorGrid {
    * @param view from the picture's space to the canvas
    * @param up from the world to the picture's space
    * @param place [m] of the hand in the world; null: no hand is dragged
+   * @param size of the stage [CSS pixels]
    */
-  draw(view: Float32Array, up: readonly number[], side: Side, place: readonly number[] | null): void {
+  draw(
+    view: Float32Array,
+    up: readonly number[],
+    side: Side,
+    place: readonly number[] | null,
+    size: { width: number; height: number },
+  ): void {
     this.svg.toggleAttribute("hidden", !this.shown && place === null);
     if (this.svg.hasAttribute("hidden")) return;
     const now = place && sectorOf(this.body, side, place);
     const depth = this.body.sectors.z[now?.z ?? USUAL]!;
-    const area = this.svg.getBoundingClientRect();
+    const about = [...view, size.width, size.height, side, now?.x, now?.y, now?.z].join();
+    if (about === this.drawn) return;
+    this.drawn = about;
     const cells = bands(this.body.sectors.y).flatMap((y) =>
       bands(this.body.sectors.x).map((x) => {
         const corners = [
@@ -63,7 +73,7 @@ export class SectorGrid {
           [x.from, y.to],
         ].map(([outward, high]) => {
           const seen = project(view, this.place(side, outward!, high!, depth, up));
-          return [((seen.x + 1) / 2) * area.width, ((1 - seen.y) / 2) * area.height] as const;
+          return [((seen.x + 1) / 2) * size.width, ((1 - seen.y) / 2) * size.height] as const;
         });
         return this.cell(`${x.name} ${y.name}`, corners, x.name === now?.x && y.name === now?.y);
       }),

@@ -1,6 +1,7 @@
 // The stage: the robot from any side, and parts of its body that can be dragged.
 import { type Look, type Scene, sceneOf } from "kinesic:scene";
 import { type Handle, Handles, type Part, type Point, placeOf } from "./handles.ts";
+import { drawsInSoftware, Pace, type Quality, whenDrawn } from "./pace.ts";
 import { SectorGrid } from "./sectors.ts";
 import type { Body, Side } from "./types.ts";
 import { unproject, type Vector } from "./vectors.ts";
@@ -19,7 +20,18 @@ export interface Shown {
   lit: ReadonlySet<number>;
   /** How far each hinge is from its plan, 1: very far; it is red from a half on. */
   strain?: readonly number[];
+  /** [ms] when the pointer asked for it, where it did. */
+  asked?: number;
 }
+
+const KEPT = 500; // latencies
+
+const alike = (a: readonly number[] | undefined, b: readonly number[] | undefined): boolean =>
+  a === b || (a !== undefined && b !== undefined && a.length === b.length && a.every((value, k) => value === b[k]));
+
+/** Whether two pictures of the robot are the same. */
+const same = (a: Shown, b: Shown): boolean =>
+  alike(a.angles, b.angles) && alike(a.ghost, b.ghost) && alike(a.strain, b.strain) && alike([...a.lit], [...b.lit]);
 
 export class Stage {
   readonly flat: boolean;
@@ -28,7 +40,16 @@ export class Stage {
   readonly sectors: SectorGrid;
   private readonly scene: Scene | null;
   private shown: Shown;
-  private due = false;
+  /** [ms] from a move of the pointer until its posture is drawn, to the last pixel. */
+  readonly latencies: number[] = [];
+  private readonly pace: Pace;
+  private readonly gl: WebGL2RenderingContext | null;
+  private due = false; // another frame is wanted
+  private busy = false; // one is being drawn
+  private settling = 0; // the timer of a finer frame, once all is still
+  private quality: Quality = { scale: 0, full: false }; // of the last frame
+  private ink: readonly number[] = [0, 0, 0];
+  private size = { width: 0, height: 0 }; // [CSS pixels]
   private readonly handles: Handles;
   private dragged: (Handle & { grip: Vector }) | null = null;
   private last: Drag | null = null; // of the part that is dragged
@@ -41,7 +62,10 @@ export class Stage {
     private readonly body: Body,
     private readonly listener: { drag(drag: Drag): void; drop(drag: Drag): void },
   ) {
-    this.scene = sceneOf(canvas, body);
+    const software = drawsInSoftware();
+    this.pace = new Pace(software);
+    this.scene = sceneOf(canvas, body, !software);
+    this.gl = canvas.getContext("webgl2");
     this.sectors = new SectorGrid(grid, body);
     this.handles = new Handles(dots, body);
     this.flat = this.scene === null;
@@ -56,16 +80,22 @@ export class Stage {
     this.redraw();
   }
 
+  /** Shows the robot in a posture; nothing is drawn where it is the one that is shown. */
   show(shown: Shown): void {
+    const stays = same(shown, this.shown);
     this.shown = shown;
-    this.redraw();
+    if (stays && this.drawn) return;
+    this.pace.move(performance.now());
+    if (shown.asked === undefined || this.busy) this.redraw();
+    else this.draw(performance.now());
   }
 
-  /** Draws at the next chance, however often it is asked. */
+  /** Draws at the next chance, however often it is asked; a frame at a time, so that none waits behind another. */
   redraw(): void {
+    this.pace.move(performance.now());
     if (this.due) return;
     this.due = true;
-    requestAnimationFrame(() => this.draw());
+    if (!this.busy) requestAnimationFrame((now) => this.due && this.draw(now));
   }
 
   /** Where a part can be taken, on the page [CSS pixels]. */
@@ -86,8 +116,7 @@ export class Stage {
 
   private points(): Point[] {
     if (!this.scene) return [];
-    const area = this.canvas.getBoundingClientRect();
-    return this.handles.points(this.scene.camera(this.look).view, this.scene.frames(this.shown.angles), area);
+    return this.handles.points(this.scene.camera(this.look).view, this.scene.frames(this.shown.angles), this.size);
   }
 
   private lookOf(view: View): Look {
@@ -102,27 +131,73 @@ export class Stage {
     return sides[view];
   }
 
-  private draw(): void {
+  private draw(now: number): void {
     this.due = false;
-    const ink = getComputedStyle(this.canvas)
-      .color.match(/[\d.]+/g)
-      ?.slice(0, 3)
-      .map((value) => Number(value) / 255);
+    if (this.dragged) this.pace.move(now);
+    const moving = this.pace.untilStill(now) > 0;
+    this.quality = this.pace.quality(now);
     this.scene?.draw({
       look: this.look,
       twin: { angles: this.shown.angles, ...(this.shown.strain && { duty: this.shown.strain }) },
       ghost: this.shown.ghost,
       beside: false,
-      ink: ink ?? [0, 0, 0],
+      ink: this.ink,
       lit: this.shown.lit,
+      ...this.quality,
     });
     if (this.scene) {
       const hand = this.last?.part === "hand" ? this.last : null;
       const { side, target } = hand ?? { side: "right", target: null };
-      this.sectors.draw(this.scene.camera(this.look).view, this.scene.up, side, target);
+      this.sectors.draw(this.scene.camera(this.look).view, this.scene.up, side, target, this.size);
       this.handles.draw(this.points(), this.dragged ?? this.over);
     }
     this.drawn += 1;
+    this.busy = true;
+    const { asked } = this.shown;
+    whenDrawn(this.gl, () => this.finish(performance.now() - now, moving, asked));
+  }
+
+  /**
+   * Judges a frame that is drawn, and draws what has changed meanwhile.
+   * @param took [ms]
+   * @param moving whether that decides how fine the next one is
+   * @param asked [ms] when the pointer asked for its posture, where it did
+   */
+  private finish(took: number, moving: boolean, asked: number | undefined): void {
+    const now = performance.now();
+    this.busy = false;
+    if (moving) this.pace.learn(took);
+    if (asked !== undefined) {
+      this.latencies.push(now - asked);
+      this.latencies.splice(0, this.latencies.length - KEPT);
+      if (this.shown.asked === asked) delete this.shown.asked;
+    }
+    if (this.due) {
+      this.pace.move(now); // it has changed meanwhile, however long that took
+      this.draw(now);
+    } else this.settle(now);
+  }
+
+  /** Draws finely what has been drawn coarsely, once all is still. */
+  private settle(now: number): void {
+    clearTimeout(this.settling);
+    if (this.dragged) return;
+    const wait = this.pace.untilStill(now);
+    const { scale, full } = this.pace.quality(now + Math.max(wait, 0));
+    if (scale === this.quality.scale && full === this.quality.full) return;
+    this.settling = setTimeout(() => this.busy || this.draw(performance.now()), wait);
+  }
+
+  /** Reads how large the stage is, once for all frames: asking the page makes it lay everything out. */
+  private measure(): void {
+    this.size = { width: this.canvas.clientWidth, height: this.canvas.clientHeight };
+    this.redraw();
+  }
+
+  private readInk(): void {
+    const read = getComputedStyle(this.canvas).color.match(/[\d.]+/g);
+    this.ink = read?.slice(0, 3).map((value) => Number(value) / 255) ?? [0, 0, 0];
+    this.redraw();
   }
 
   private point(event: PointerEvent | MouseEvent): { x: number; y: number } {
@@ -140,7 +215,9 @@ export class Stage {
 
   private listen(): void {
     const { canvas } = this;
-    new ResizeObserver(() => this.redraw()).observe(canvas);
+    new ResizeObserver(() => this.measure()).observe(canvas);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.readInk());
+    this.readInk();
     canvas.addEventListener("webglcontextrestored", () => this.redraw());
     canvas.addEventListener("pointerdown", (event) => {
       canvas.setPointerCapture(event.pointerId);

@@ -55,6 +55,7 @@ export class Timeline {
   private draft: Draft | null = null;
   private words: Word[] = [];
   private scale = LEAST; // [CSS pixels] of a second, at least
+  private scrolls = false; // it is longer than what is seen of it
   private readonly head = make("div", { class: "playhead" });
 
   constructor(
@@ -96,15 +97,17 @@ export class Timeline {
     if (!inner) return;
     inner.style.minWidth = `calc(var(--names) + ${Math.round(this.duration * this.scale)}px)`;
     inner.classList.toggle("dense", this.lane().width / this.duration < READABLE);
+    this.scrolls = this.place.scrollWidth > this.place.clientWidth;
   }
 
   /** Shows the moment [s]. */
   at(time: number): void {
     this.head.style.left = `calc(var(--names) + (100% - var(--names)) * ${time / this.duration})`;
+    if (!this.scrolls) return;
     const [place, head] = [this.place.getBoundingClientRect(), this.head.getBoundingClientRect()];
     const names = this.lane().left + this.place.scrollLeft - place.left;
     const seen = head.left >= place.left + names && head.left <= place.right;
-    if (!seen && this.place.scrollWidth > place.width) this.place.scrollLeft += head.left - place.left - names - 20;
+    if (!seen) this.place.scrollLeft += head.left - place.left - names - 20;
   }
 
   private get duration(): number {

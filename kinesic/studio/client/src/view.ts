@@ -30,7 +30,7 @@ export class StageView {
     this.reaching = new Reaching(
       about.robot,
       robot.wire,
-      (found) => this.reached(found),
+      (found, asked) => this.reached(found, asked),
       () => this.posture(),
     );
     byId("measure").addEventListener("change", () => this.redraw());
@@ -58,12 +58,12 @@ export class StageView {
     this.redraw();
   }
 
-  private redraw(): void {
+  private redraw(asked?: number): void {
     const { report } = this;
     const { lit, shown } = this.reaching;
     const angles = shown ?? this.posture();
     if (report && !shown) this.stage.show({ angles, ghost: report.planned, lit, strain: this.strain(report) });
-    else this.stage.show({ angles, ghost: undefined, lit });
+    else this.stage.show({ angles, ghost: undefined, lit, ...(asked !== undefined && { asked }) });
   }
 
   private get report(): BodyReport | null {
@@ -82,10 +82,10 @@ export class StageView {
     return this.motion?.at(this.time()) ?? this.about.robot.rest;
   }
 
-  private reached(found: Reached | null): void {
+  private reached(found: Reached | null, asked?: number): void {
     byId("stops").textContent = this.reaching.words(found);
     byId("stops").classList.toggle("warning", found !== null && !found.reached);
-    this.redraw();
+    this.redraw(asked);
   }
 
   /** What tests and curious people may read. */
@@ -101,7 +101,7 @@ export class StageView {
       trunk: stage.handleAt("trunk"),
       gaze: stage.handleAt("gaze"),
       reach: this.reaching.found,
-      latencies: this.reaching.latencies,
+      latencies: stage.latencies,
     };
   }
 }
