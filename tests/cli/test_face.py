@@ -14,6 +14,7 @@ from kinesic.face.assets.mesh import load_head
 from kinesic.face.gl import egl
 from kinesic.face.render import portrait
 from kinesic.face.render.camera import CLOSE
+from kinesic.face.render.effects import Effects
 from kinesic.face.show.window import has_display
 
 
@@ -44,7 +45,7 @@ def test_a_film_rises_and_falls(drawable: None, tmp_path: Path, monkeypatch: pyt
 
 def test_a_film_has_several_samples_a_pixel_where_there_is_room_and_a_still_or_a_draft_one():
     def samples(preset: str, size: int | None, *, filmed: bool) -> int:
-        return ViewSettings(FaceView("female", preset, 0.0, size, 1.0), CLOSE).preset(filmed=filmed).samples
+        return ViewSettings(FaceView("female", preset, 0.0, size, 1.0), CLOSE, Effects()).preset(filmed=filmed).samples
 
     assert samples("normal", None, filmed=True) == samples("full", 512, filmed=True) == 2
     assert samples("normal", 512, filmed=False) == samples("draft", 512, filmed=True) == 1

@@ -64,6 +64,7 @@ class Egl:
             GraphicsError: there is only another version, or none.
         """
         wanted = _list(_MAJOR, NEEDED[0], _MINOR, NEEDED[1], _PROFILE, _CORE)
+        self._bind_api()  # each thread has its own, and others in it may have chosen OpenGL ES
         context = self._create(self._display, self._config, None, wanted)
         if context:
             return int(context)
@@ -82,6 +83,7 @@ class Egl:
 
     def enter(self, context: int) -> None:
         """Draws in a context of ours."""
+        self._bind_api()
         if not self._make_current(self._display, None, None, context):
             raise GraphicsError(f"EGL cannot draw without a window (0x{self._egl.eglGetError():x})")
 

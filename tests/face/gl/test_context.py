@@ -1,6 +1,7 @@
 """Calls of OpenGL through ctypes: what is written is read back, and what is wrong is told."""
 
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -139,3 +140,14 @@ def test_every_function_of_the_table_is_there(context: Context):
     with context:
         for name in SIGNATURES:
             getattr(context.functions, name)
+
+
+def test_each_thread_may_open_one(context: Context):
+    """EGL keeps for each thread which OpenGL it makes: a new one has that for mobile phones."""
+    with ThreadPoolExecutor(1) as thread:
+        assert thread.submit(red_of_a_frame).result() == 255
+
+
+def red_of_a_frame() -> int:
+    with offscreen() as opened:
+        return int(opened.frame([opened.texture((1, 1), 4, bytes((255, 0, 0, 0)))]).read()[0])
