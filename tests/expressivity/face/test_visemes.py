@@ -12,6 +12,7 @@ from kinesic.body.utterance import Phoneme, Script
 from kinesic.expressivity.face.opening import opening
 from kinesic.expressivity.face.visemes import LAG, ROUND_LEAD, SOONER, UNSTRESSED, known_visemes, viseme_of, visemes
 from kinesic.face.assets.action_units import intensities
+from kinesic.face.render.wrinkles import shares
 from kinesic.speech.durations import DurationModel
 from kinesic.speech.spelling import SOUNDS
 
@@ -71,9 +72,6 @@ def test_vowels_without_stress_open_less_where_the_voice_tells_stress():
 
 
 def test_a_face_that_only_talks_has_no_furrows():
-    pytest.importorskip("moderngl")
-    from kinesic.face.render.wrinkles import shares  # noqa: PLC0415 - needs the optional library
-
     for letter, viseme in known_visemes().items():
         assert not shares(intensities(viseme.units)).any(), letter
 
