@@ -19,7 +19,7 @@ def test_without_opengl_every_figure_has_a_reason(monkeypatch: pytest.MonkeyPatc
     assert {figure.why for figure in figures} == {"no OpenGL here"}
     names = [figure.name for figure in figures]
     assert len(set(names)) == len(names)
-    for stem in ("face.fps.", "face.occlusion.", "face.scattering.", "face.wrinkle.", "face.lids."):
+    for stem in ("face.fps.", "face.occlusion.", "face.scattering.", "face.wrinkle.", "face.lids.", "face.lips."):
         assert any(name.startswith(stem) for name in names)
 
 
