@@ -8,6 +8,8 @@ arm. What they need is imported when a solver is built.
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,6 +27,7 @@ Solver = Callable[[Floats], Floats]  # (3,) [m] in the chain's base -> (k,) [rad
 
 NEAR = 5e-4  # [m] where a search may stop
 STEPS = 100  # of a differential library
+PATIENCE = 0.1  # [s] of a library that begins again until it is there
 DAMPING = 1e-6  # of their quadratic programs
 
 
@@ -222,6 +225,29 @@ def placo(chain: Chain) -> Solver:
     return solve
 
 
+def optik(chain: Chain) -> Solver:
+    """Nonlinear least squares with random restarts, in Rust; it knows poses alone: turning weighs nothing."""
+    from optik import Robot, SolverConfig  # noqa: PLC0415 - optional
+
+    with TemporaryDirectory() as folder:
+        path = Path(folder, "arm.urdf")
+        path.write_text(urdf(chain), encoding="utf-8")
+        robot = Robot.from_urdf_file(str(path), BASE, HAND)
+    robot.set_parallelism(1)
+    count = len(carriers(chain))
+    config = SolverConfig(
+        solution_mode="speed", max_time=PATIENCE, tol_f=NEAR**2, linear_weight=[1.0] * 3, angular_weight=[0.0] * 3
+    )
+    start, pose = chain.rest[:count].tolist(), np.eye(4)
+
+    def solve(target: Floats) -> Floats:
+        pose[:3, 3] = target
+        found = robot.ik(config, pose, start)
+        return chain.rest if found is None else _whole(chain, np.array(found[0]))
+
+    return solve
+
+
 def _moves(offset: Floats) -> list["rtb.ET"]:
     """Translations along x, y and z."""
     import roboticstoolbox as rtb  # noqa: PLC0415 - optional
@@ -259,6 +285,7 @@ def _whole(chain: Chain, angles: Floats) -> Floats:
 
 PEERS = (
     Peer("roboticstoolbox", "roboticstoolbox-python", ("roboticstoolbox",), roboticstoolbox),
+    Peer("optik", "optik-py", ("optik",), optik),
     Peer("placo", "placo", ("placo",), placo),
     Peer("mink", "mink", ("mink", "mujoco", "daqp"), mink),
     Peer("pink", "pin-pink", ("pink", "pinocchio", "daqp"), pink),
