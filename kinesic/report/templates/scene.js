@@ -139,7 +139,7 @@ const sceneOf = (canvas, data, smooth = true) => {
     return { made, at: (name) => (known[name] ??= gl.getUniformLocation(made, name)) };
   };
 
-  const COARSE = 0.008; // [m] of a cell, of whose corners one is left
+  const COARSE = 0.014; // [m] of a cell, of whose corners one is left
   let solid, ground, skin, screen;
   const prepare = () => {
     solid = program(SOLID);
