@@ -37,7 +37,7 @@ BufferSubData unnp; CheckFramebufferStatus u>u; Clear u; ClearColor ffff; ClearD
 CompileShader u; CreateProgram >u; CreateShader u>u; CullFace u; DeleteShader u; DepthFunc u; DepthMask b; Disable u;
 DrawArrays uii; DrawBuffers ip; DrawElements uiup; Enable u; EnableVertexAttribArray u; EndQuery u; Finish;
 FramebufferRenderbuffer uuuu; FramebufferTexture2D uuuui; FrontFace u; GenBuffers ip; GenFramebuffers ip;
-GenQueries ip; GenRenderbuffers ip; GenTextures ip; GenVertexArrays ip; GenerateMipmap u; GetActiveUniform uuipppp;
+GenQueries ip; GenRenderbuffers ip; GenTextures ip; GenVertexArrays ip; GetActiveUniform uuipppp;
 GetAttribLocation up>i; GetError >u; GetProgramInfoLog uipp; GetProgramiv uup; GetQueryObjectui64v uup;
 GetShaderInfoLog uipp; GetShaderiv uup; GetString u>s; GetTexImage uiuup; GetUniformLocation up>i; LinkProgram u;
 PixelStorei ui; ReadBuffer u; ReadPixels iiiiuup; RenderbufferStorage uuii; Scissor iiii; ShaderSource uipp;

@@ -30,8 +30,8 @@ class Texture:
         self.number = context.functions.new("Textures")
         self._bind()
         type_, _, stored = KINDS[kind]
-        self._shape = LAYOUTS[components - 1], type_
-        self._upload(stored[components - 1], data)
+        self._shape, self._stored = (LAYOUTS[components - 1], type_), stored[components - 1]
+        self._upload(data)
         self.filter = (n.LINEAR, n.LINEAR)
 
     @property
@@ -62,10 +62,15 @@ class Texture:
         """Says which component is read as red, green, blue and alpha: letters of RGBA, 0 and 1."""
         self._set(*((n.SWIZZLE_R + k, SWIZZLES[each]) for k, each in enumerate(order)))
 
-    def build_mipmaps(self) -> None:
-        """Makes smaller ones of it, for what is far away."""
+    def write_smaller(self, levels: Sequence[bytes]) -> None:
+        """Adds smaller ones, each half as large as the one before: a driver's own differ by processor."""
         self._bind()
-        self._context.functions.GenerateMipmap(n.TEXTURE_2D)
+        gl = self._context.functions
+        gl.PixelStorei(n.UNPACK_ALIGNMENT, 1)
+        for level, data in enumerate(levels, start=1):
+            size = self.width >> level, self.height >> level
+            gl.TexImage2D(n.TEXTURE_2D, level, self._stored, *size, 0, *self._shape, data)
+        self._set((n.MAX_LEVEL, len(levels)))
 
     def use(self, place: int = 0) -> None:
         """Gives it to the sampler of a place."""
@@ -92,12 +97,12 @@ class Texture:
     def _bytes(self) -> int:
         return self.width * self.height * self.components * KINDS[self.dtype][1]
 
-    def _upload(self, stored: int, data: bytes | None) -> None:
+    def _upload(self, data: bytes | None) -> None:
         if data is not None:
             self._check(data)
         gl = self._context.functions
         gl.PixelStorei(n.UNPACK_ALIGNMENT, 1)
-        gl.TexImage2D(n.TEXTURE_2D, 0, stored, *self.size, 0, *self._shape, data)
+        gl.TexImage2D(n.TEXTURE_2D, 0, self._stored, *self.size, 0, *self._shape, data)
 
     def _check(self, data: bytes) -> None:
         if len(data) != self._bytes:
@@ -119,8 +124,8 @@ class DepthTexture(Texture):
         self._context, self.size, self.components, self.dtype = context, size, 1, "f4"
         self.number = context.functions.new("Textures")
         self._bind()
-        self._shape = n.DEPTH_COMPONENT, n.FLOAT
-        self._upload(n.DEPTH_COMPONENT24, None)
+        self._shape, self._stored = (n.DEPTH_COMPONENT, n.FLOAT), n.DEPTH_COMPONENT24
+        self._upload(None)
         self.filter = (n.NEAREST, n.NEAREST)
 
 

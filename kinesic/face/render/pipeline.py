@@ -20,13 +20,14 @@ from kinesic.face.render.camera import Camera, Lights
 from kinesic.face.render.geometry import Geometry, PositionPass
 from kinesic.face.render.lashes import LashPass
 from kinesic.face.render.occlusion import OcclusionPass
-from kinesic.face.render.passes import ScreenPass, Stored, Target, Value, store_pixels, texture
+from kinesic.face.render.passes import Kind, ScreenPass, Stored, Target, Value, store_pixels, texture
 from kinesic.face.render.post import PostProcessing, ScatterPass
 from kinesic.face.render.presets import Preset
 from kinesic.face.render.shadow import ShadowPass
 from kinesic.face.render.shape import Shape
 from kinesic.face.render.wrinkles import WrinklePass, shares
 
+PAINT: Kind = "f2"  # of the painting: filtering bytes, drivers round to either side
 BACKDROP = (0.055, 0.075, 0.105)  # linear
 
 Pixels = NDArray[np.uint8]  # (height, width, 3) sRGB, first row on top
@@ -61,8 +62,9 @@ class Pipeline:
             hair=complexion.hair,
         )
         self._unit = float(mesh.eyes[0, 1] - mesh.eyes[1, 1])
-        self._skin = texture(context, _painted(complexion), "f1")
-        self._skin.build_mipmaps()
+        painted = _painted(complexion)
+        self._skin = texture(context, painted[0], PAINT)
+        self._skin.write_smaller([each.tobytes() for each in painted[1:]])
         self._skin.filter = (gl.LINEAR_MIPMAP_NEAREST, gl.LINEAR)
         self._white = texture(context, np.ones((1, 1, 4)))
         self.relief = WrinklePass(context, geometry, wrinkled=preset.wrinkles)
@@ -132,9 +134,13 @@ class Pipeline:
 
 
 @cache
-def _painted(complexion: Complexion) -> Stored:
-    """(n, n, 4) skin as its texture holds it: square roots of its colours, and how dry it is."""
-    return store_pixels(skin(complexion) ** (0.5, 0.5, 0.5, 1.0), "f1")
+def _painted(complexion: Complexion) -> tuple[Stored, ...]:
+    """(n, n, 4) skin as its texture holds it, and halves of it: square roots of its colours, and how dry it is."""
+    levels = [skin(complexion) ** (0.5, 0.5, 0.5, 1.0)]
+    while len(levels[-1]) > 1:
+        half = len(levels[-1]) // 2
+        levels.append(levels[-1].reshape(half, 2, half, 2, 4).mean(axis=(1, 3)))
+    return tuple(store_pixels(each, PAINT) for each in levels)
 
 
 def pixels_per_metre(camera: Camera, height: int) -> float:

@@ -39,6 +39,28 @@ def test_pixels_come_back_as_they_were_written(context: Context, components: int
     assert context.texture((3, 5), components, texture.read(), kind).read() == pixels[::-1]
 
 
+def test_smaller_versions_are_those_that_were_written(context: Context):
+    """A frame of one pixel, and the last of three levels, which is read where all of the texture is in it."""
+    texture = context.texture((4, 4), 1, bytes(16), "f1")
+    texture.write_smaller([bytes([50] * 4), b"\x64"])
+    texture.filter = (gl.LINEAR_MIPMAP_NEAREST, gl.LINEAR)
+    source = "#version 330 core\nuniform sampler2D picture; out float found;"
+    source += "void main() { found = textureLod(picture, vec2(0.5), LEVEL).r; }"
+    vertex = "#version 330 core\nin vec2 corner; void main() { gl_Position = vec4(corner, 0.5, 1.0); }"
+    seen = []
+    for level in range(3):
+        program = context.program(vertex, source.replace("LEVEL", f"{level}.0"))
+        frame = context.frame([context.texture((1, 1), 1)])
+        texture.use()
+        program.sample("picture", 0)
+        frame.use()
+        context.switch_on()
+        corners = context.buffer(TRIANGLE.astype("f4").tobytes())
+        context.vertices(program, [Column("corner", corners, 2, 0, 3)]).render()
+        seen.append(frame.read()[0])
+    assert seen == [0, 50, 100]
+
+
 def drawn(context: Context, tints: object, turn: object = ((1, 0), (0, 1))) -> list[float]:
     """The last pixel of a frame that a program covered."""
     frame = context.frame([context.texture((4, 4), 4, kind="f4")], context.depth_buffer((4, 4)))
