@@ -131,17 +131,51 @@ class Grid:
 
     def shares(self, controls: Floats, limits: Limits, hinge: int) -> tuple[Floats, Floats, Floats, Floats, Floats]:
         """Shares that a spline (k + 3,) [rad] takes of the limits of range, speed, acceleration, jerk and duty."""
-        middle = (limits.upper[hinge] + limits.lower[hinge]) / 2
-        half = max(limits.upper[hinge] - limits.lower[hinge], TINY) / 2
-        speed, acceleration, jerk = (np.diff(controls, order) / self.step**order for order in (1, 2, 3))
+        once = controls[1:] - controls[:-1]
+        twice = once[1:] - once[:-1]
+        speed, acceleration = once / self.step, twice / self.step**2
+        jerk = (twice[1:] - twice[:-1]) / self.step**3
         pulling = limits.inertial[hinge] * acceleration + limits.viscous[hinge] * (speed[:-1] + speed[1:]) / 2
         return (
-            (controls - middle) / half,
+            (controls - self._middle(limits, hinge)) / self._half(limits, hinge),
             speed / limits.speed[hinge],
             acceleration / limits.acceleration[hinge],
             jerk / limits.jerk[hinge],
-            pulling / self.duty(limits)[hinge],
+            pulling / self._duty_of(limits, hinge),
         )
+
+    def keeps(self, controls: Floats, limits: Limits, hinge: int, most: float) -> bool:
+        """Says quickly whether a spline takes no more than a share of any limit; False: perhaps it does.
+
+        The parts of the duty count as if they were largest at the same time.
+        """
+        once = controls[1:] - controls[:-1]
+        twice = once[1:] - once[:-1]
+        away = max(controls.max() - self._middle(limits, hinge), self._middle(limits, hinge) - controls.min())
+        speed, acceleration, jerk = (
+            float(max(values.max(), -values.min())) / self.step**order
+            for order, values in ((1, once), (2, twice), (3, twice[1:] - twice[:-1]))
+        )
+        return bool(
+            away <= most * self._half(limits, hinge)
+            and speed <= most * limits.speed[hinge]
+            and acceleration <= most * limits.acceleration[hinge]
+            and jerk <= most * limits.jerk[hinge]
+            and limits.inertial[hinge] * acceleration + limits.viscous[hinge] * speed
+            <= most * self._duty_of(limits, hinge)
+        )
+
+    def _duty_of(self, limits: Limits, hinge: int) -> float:
+        """What `duty` has for one hinge."""
+        return float(limits.duty[hinge] - limits.viscous[hinge] * limits.jerk[hinge] * self.step**2 / 8)
+
+    @staticmethod
+    def _middle(limits: Limits, hinge: int) -> float:
+        return float((limits.upper[hinge] + limits.lower[hinge]) / 2)
+
+    @staticmethod
+    def _half(limits: Limits, hinge: int) -> float:
+        return float(max(limits.upper[hinge] - limits.lower[hinge], TINY) / 2)
 
     def largest(self, controls: Floats, limits: Limits, hinge: int) -> float:
         """The largest share that a spline takes of any limit."""

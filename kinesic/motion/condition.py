@@ -126,6 +126,8 @@ class NearestFinder:
         for segment in segments(times, self._keys, STEP):
             own = nearest_without_limits(segment, desired[segment.knots, segment.hinge])
             controls[segment.controls, segment.hinge] = own
+            if segment.grid.keeps(own, self._limits, segment.hinge, WITHIN):
+                continue
             share = segment.grid.largest(own, self._limits, segment.hinge)
             if share > WITHIN:
                 beyond.append((share, segment))

@@ -23,7 +23,7 @@ _BOUNCES = ((1.0, 0.0, 0.0), (2.0, 1.5, 0.75), (2.5, 2.25, 0.9375), (2.75, 2.625
 
 def minimum_jerk(shares: Floats) -> Floats:
     """Shares of a way at shares of its time, as smoothly as can be (Flash and Hogan, 1985); clipped to 0..1."""
-    x = np.clip(shares, 0.0, 1.0)
+    x = np.minimum(np.maximum(shares, 0.0), 1.0)
     return np.asarray(x**3 * (10.0 - 15.0 * x + 6.0 * x**2))
 
 

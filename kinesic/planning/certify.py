@@ -17,6 +17,7 @@ from kinesic.motion.trajectory import STEP, Trajectory
 from kinesic.planning.setup import Setup
 
 FULL = 0.995  # of the duty, at the knots: in between it may be a little more
+EASE = 0.5  # of the duty, from which no jerk leads to a full one and back to it within two knots
 TIGHTER = 0.93  # on the row of a drive above its full duty, beside what it exceeds
 ATTEMPTS = 6
 BLOCK = 4096  # knots that are looked at together, however long the motion is
@@ -69,12 +70,27 @@ def duties(trajectory: Trajectory, setup: Setup) -> Floats:
 
 
 def overloaded_times(motion: Trajectory, changed: Trajectory, times: Floats, setup: Setup) -> Floats:
-    """Finds those of some times (m,) [s] at which a drive is above its full duty that is not as the motion was."""
-    now, rows = _duties_at(changed, times, setup)
-    if np.all(now <= FULL):
+    """Finds those of some times (m,) [s] at which a drive is above its full duty that is not as the motion was.
+
+    Jerk is limited, so that a time between two others is not looked at where every drive is at ease at both of them.
+    """
+    now = _duty_at_each(changed, times[::2], setup)
+    easy, count = now.max(axis=1) <= EASE, len(times) // 2
+    apart = np.append(times[2::2], np.inf)[:count] - times[::2][:count]
+    between = times[1::2][~(easy[:count] & np.append(easy[1:], False)[:count] & (apart < 2.5 * STEP))]
+    looked_at = np.append(times[::2], between)
+    now = np.vstack([now, _duty_at_each(changed, between, setup)])
+    over = np.any(now > FULL, axis=1)
+    if not over.any():
         return np.zeros(0)
-    before, own = _duties_at(motion, times, setup)
-    return np.asarray(times[np.any(now[rows] > np.maximum(FULL, before[own]), axis=1)])
+    before = _duty_at_each(motion, looked_at[over], setup)
+    return np.asarray(looked_at[over][np.any(now[over] > np.maximum(FULL, before), axis=1)])
+
+
+def _duty_at_each(trajectory: Trajectory, times: Floats, setup: Setup) -> Floats:
+    """(m, n) duties at (m,) times [s]."""
+    found, rows = _duties_at(trajectory, times, setup)
+    return np.asarray(found[rows])
 
 
 def _duties_at(trajectory: Trajectory, times: Floats, setup: Setup) -> tuple[Floats, Indices]:

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -61,3 +63,18 @@ def test_rows_that_follow_from_the_ends_are_free():
     rows = GRID.rows(LIMITS, 0).toarray()
     inner = np.any(rows[:, 3:-3] != 0.0, axis=1)
     np.testing.assert_array_equal(GRID.bounds == 1.0, inner)
+
+
+@pytest.mark.parametrize(
+    ("row", "names"), [*enumerate((["lower", "upper"], ["speed"], ["acceleration"], ["jerk"], []))]
+)
+def test_what_keeps_a_share_of_the_limits_takes_no_more_of_any(row: int, names: list[str]):
+    controls = CONTROLS[:, 0]
+    share = np.abs(GRID.shares(controls, LIMITS, 0)[row]).max()
+    most = 2.0 * GRID.largest(controls, LIMITS, 0)
+    tighter = {name: getattr(LIMITS, name) * share / most for name in names}
+    limits = replace(LIMITS, **(tighter or {"inertial": LIMITS.inertial * 1.1 * most / share}))
+    own = GRID.largest(controls, limits, 0)
+    assert own == pytest.approx(most, rel=0.2), "the tightened limit is the tightest one"
+    assert not GRID.keeps(controls, limits, 0, 0.999 * own)
+    assert GRID.keeps(controls, limits, 0, 1.5 * own)

@@ -9,9 +9,9 @@ from kinesic.body.dynamics import Load
 from kinesic.body.limits import Limits
 from kinesic.motion.condition import Conditioned, condition
 from kinesic.motion.keys import Bond, KeyPosture
-from kinesic.motion.trajectory import STEP, Trajectory
+from kinesic.motion.trajectory import STEP, Trajectory, stay
 from kinesic.planning import certify as certify_module
-from kinesic.planning.certify import ATTEMPTS, BLOCK, FULL, TIGHTER, certify, duties
+from kinesic.planning.certify import ATTEMPTS, BLOCK, FULL, TIGHTER, certify, duties, overloaded_times
 from kinesic.planning.setup import Setup
 
 Law = Callable[[Floats, Floats, Floats], Floats]  # (m, n) angles, speeds, accelerations -> (m, n) torques
@@ -195,3 +195,17 @@ def test_a_long_motion_is_looked_at_to_its_end(known: Setup):
     heights[-5] = 0.1
     setup = under(known, lambda angles, speeds, accelerations: angles * known.robot.drives.stall)
     assert duties(Trajectory(sealed(heights), 0.0), setup).max() > 0.06
+
+
+def test_overloads_are_found_wherever_they_are_and_fewer_times_are_looked_at(known: Setup, first: Conditioned):
+    motion, setup = first.trajectory, under(known, pulling(known, first, 1.2))
+    still = stay(motion.sample(np.zeros(1))[0][0], motion.duration)
+    knots = motion.start + STEP * np.arange(round(motion.duration / STEP) + 1)
+    apart = np.delete(knots, np.arange(0, len(knots), 3))
+    for times in (knots, knots[1:], apart, knots[:1], knots[:0]):
+        duty = np.abs(setup.dynamics.law(*motion.sample(times))[:, BEARER]) / known.robot.drives.stall[BEARER]
+        assert sorted(overloaded_times(still, motion, times, setup)) == times[duty > FULL].tolist()
+        assert overloaded_times(motion, motion, times, setup).size == 0
+    setup.dynamics.asked.clear()
+    overloaded_times(still, still, knots, setup)
+    assert sum(map(len, setup.dynamics.asked)) < 0.6 * len(knots)

@@ -115,10 +115,12 @@ def _broken(laid: Floats, alone: Floats, limits: Limits, hinges: Indices) -> dic
     own = grid(laid.shape[1] - FEWEST + 1, STEP)
     found: dict[int, Flags] = {}
     for hinge, controls, before in zip(hinges.tolist(), laid, alone, strict=True):
+        if own.keeps(controls, limits, hinge, FULL):
+            continue
+        flags: Flags = np.zeros(len(controls), dtype=np.bool_)
         shares = own.shares(controls, limits, hinge)
         if max(float(np.abs(share).max()) for share in shares) <= FULL:
             continue
-        flags: Flags = np.zeros(len(controls), dtype=np.bool_)
         for width, share, once in zip((1, *WIDTHS), shares, own.shares(before, limits, hinge), strict=True):
             over = np.flatnonzero(np.abs(share) > np.maximum(FULL, np.abs(once) + FULL - 1.0))
             flags[over[:, None] + np.arange(width)] = True

@@ -41,9 +41,14 @@ class Delay:
 
     def added(self, times: Floats) -> Floats:
         """(m, h) [rad] what it adds to the angles of its hinges at (m,) times [s]."""
-        rows = np.rint((times - self.begin) / STEP).astype(np.intp)
-        inside = (rows >= 0) & (rows < len(self.away))
-        return np.where(inside[:, None], self.away[np.clip(rows, 0, len(self.away) - 1)], 0.0)
+        rows = np.rint((times - self.begin) / STEP).astype(np.intp) + 1
+        return np.asarray(self._padded[np.minimum(np.maximum(rows, 0), len(self.away) + 1)])
+
+    @cached_property
+    def _padded(self) -> Floats:
+        """`away` between nothing and nothing."""
+        nothing = np.zeros((1, self.away.shape[1]))
+        return np.vstack([nothing, self.away, nothing])
 
 
 def later_hinges(courses: Iterable[ArmCourse], motion: Trajectory, robot: Robot) -> Iterator[Delay]:
@@ -114,7 +119,7 @@ class _ArmMotion:
         """(k, h) [rad] control points at places among them."""
         return scipy.interpolate.CubicSpline(np.arange(len(self.motion.controls)), self._controls)
 
-    @property
+    @cached_property
     def _controls(self) -> Floats:
         return self.motion.controls[:, list(self.joints)]
 
@@ -124,17 +129,21 @@ class _ArmMotion:
             return
         start, last = self.motion.start, len(self.motion.controls) - 1
         first, end = (
-            int(np.clip((time - start) / STEP, 0.0, last + BEYOND)) for time in (lateness[0][0], lateness[-1][0])
+            int(min(max((time - start) / STEP, 0.0), last + BEYOND)) for time in (lateness[0][0], lateness[-1][0])
         )
         rows = np.arange(first, end + AHEAD + 2)
         times = np.asarray(start + (rows - AHEAD) * STEP, dtype=np.float64)
         columns = [self.joints.index(joint) for joint in joints]
-        places = np.clip(rows - _late_at(times, lateness) / STEP, 0.0, last)
+        places = np.minimum(np.maximum(rows - _late_at(times, lateness) / STEP, 0.0), last)
         away = self.curves(places)[:, columns] - self._controls[np.minimum(rows, last)[:, None], columns]
+        far = np.abs(away)
+        seen = (far.max(axis=0) > SEEN).tolist()
         for group in [[*range(len(joints))]] if together else [[k] for k in range(len(joints))]:
-            for one, other in runs(np.any(np.abs(away[:, group]) > SAME, axis=1)):
+            if not any(seen[k] for k in group):
+                continue
+            for one, other in runs(np.any(far[:, group] > SAME, axis=1)):
                 found = away[one : other + 1, group]
-                if np.abs(found).max() > SEEN:
+                if far[one : other + 1, group].max() > SEEN:
                     hinges = tuple(joints[k] for k in group)
                     yield Delay(float(times[one]), float(times[other]) + 2 * STEP, hinges, sealed(found))
 

@@ -39,8 +39,9 @@ class Change(Protocol):
 
 def runs(flags: Flags) -> Iterator[tuple[int, int]]:
     """Finds the first and the last index of each run of true ones among (m,)."""
-    edges = np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8))
-    yield from zip(np.flatnonzero(edges > 0).tolist(), (np.flatnonzero(edges < 0) - 1).tolist(), strict=True)
+    inner = (np.flatnonzero(flags[1:] != flags[:-1]) + 1).tolist()
+    edges = [*([0] if flags[:1].any() else []), *inner, *([len(flags)] if flags[-1:].any() else [])]
+    yield from ((first, end - 1) for first, end in zip(edges[::2], edges[1::2], strict=True))
 
 
 def spans(change: Change, times: Floats) -> Flags:
