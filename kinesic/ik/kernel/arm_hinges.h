@@ -11,6 +11,7 @@ namespace kinesic::arm {
 constexpr double UNDEFINED = 1e-9;    // nearer than this to the axis, a direction defines no angle
 constexpr double MISS_COST = 1e3;     // per arm length that a joint misses its point
 constexpr double TRAVEL_COST = 1e-3;  // per radian away from the current angles
+constexpr double SLACK = 1e-3;        // of the bones' length: costs as much as a travel of a thousand radians
 
 // Subproblem 1: th = atan2(a.(r x v), r.v - (a.r)(a.v)); false where a direction lies along the axis.
 inline bool turn_towards(const Vector& axis, const Vector& rest, const Vector& wanted, double& turn) {
@@ -109,8 +110,10 @@ inline int grown(const Linkage& arm, const Branch& branch, const Vector& point, 
 }  // namespace hinges
 
 // The angles inside the ranges whose joint centres come nearest to the points: depth-first, cheaper branch first,
-// because a shoulder's branch can only be judged by what the elbow makes of it.
-inline Extraction extract(const Linkage& arm, const Vector* points, int count, const double* near) {
+// because a shoulder's branch can only be judged by what the elbow makes of it. A posture that misses by more than
+// `bound` need not be found: the miss is then told as infinite, or as that of another one beyond the bound.
+inline Extraction extract(const Linkage& arm, const Vector* points, int count, const double* near,
+                          double bound = INFINITY) {
     double size = 0.0;
     for (int j = 0; j < count; ++j) size += arm.link[j].length;
     hinges::Branch waiting[MOST_LINKS + 1];  // each level leaves at most one
@@ -124,7 +127,7 @@ inline Extraction extract(const Linkage& arm, const Vector* points, int count, c
     double least = INFINITY;
     while (left > 0) {
         const hinges::Branch branch = waiting[--left];
-        if (branch.cost >= least) continue;
+        if (branch.cost >= least || branch.miss > bound + SLACK * size) continue;
         if (branch.links == count) {
             least = branch.cost;
             best.miss = branch.miss;

@@ -140,16 +140,17 @@ struct Scan {  // postures with the elbow at one swivel after the other
     Vector ends[MOST_LINKS + 1];
     double wish, tolerance;
 
-    Extraction at(double offset) {
+    // A posture that misses by more than `bound` says no more than that.
+    Extraction at(double offset, double bound = INFINITY) {
         ends[arm.girdle()] = circle.at(arm.side, wish + offset);
-        return extract(arm, ends, arm.links - 1, near);
+        return extract(arm, ends, arm.links - 1, near, bound);
     }
 
     // Bisects to where the ranges begin to allow the posture.
     Extraction edge(double outside, double inside, Extraction found) {
         for (int step = 0; step < BISECTIONS; ++step) {
             const double middle = 0.5 * (outside + inside);
-            const Extraction tried = at(middle);
+            const Extraction tried = at(middle, tolerance);
             if (tried.miss <= tolerance) {
                 inside = middle;
                 found = tried;
@@ -166,7 +167,7 @@ struct Scan {  // postures with the elbow at one swivel after the other
         exact = best.miss <= tolerance;
         for (int step = 1; step <= STEPS && !exact; ++step)
             for (const double side : {towards, -towards}) {
-                const Extraction found = at(side * step * PI / STEPS);
+                const Extraction found = at(side * step * PI / STEPS, best.miss);
                 if (found.miss <= tolerance) {
                     exact = true;
                     return edge(side * (step - 1) * PI / STEPS, side * step * PI / STEPS, found);
