@@ -10,6 +10,7 @@ PARTS: Mapping[str, tuple[str, ...]] = {
     "plan": ("plan.first_command", "plan"),
     "twin": ("twin",),
     "speed": ("speed",),
+    "growth": ("growth",),
     "bus": ("bus", "bus.faults"),
     "bml": ("bml", "bml.speech", "bml.merging", "bml.server", "bml.emergency_stop"),
     "face": ("face",),

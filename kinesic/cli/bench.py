@@ -108,12 +108,14 @@ def _print_matrix(*, as_json: bool) -> int:
 
 def _draw(figures: list[Figure], names: list[str], plots: Path, *, styles: tuple[str, ...], force: bool) -> None:
     """Draws into a folder that may hold other things; no picture is replaced unless forced."""
-    from kinesic.bench import expressivity, ik, naturalness  # noqa: PLC0415 - only drawings need all of them
+    from kinesic.bench import expressivity, growth, ik, naturalness  # noqa: PLC0415 - only drawings need all of them
 
     with TemporaryDirectory() as place:
         pictures = ik.draw(figures, Path(place))
         if "expressivity" in names:
             pictures += expressivity.draw(Path(place))
+        if "growth" in names:
+            pictures += growth.draw(Path(place))
         if "naturalness" in names and styles:
             pictures += naturalness.draw(styles, Path(place))
         for picture in pictures:

@@ -5,11 +5,13 @@ import logging
 import pickle
 from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
+from multiprocessing import get_all_start_methods
 from threading import Lock
 from time import monotonic
 from typing import TYPE_CHECKING, TypeVar
 
 from kinesic.body.config import ConfigError
+from kinesic.child import child_context
 from kinesic.tasks.processes import WorkerCrash
 from kinesic.tasks.program import program_version
 
@@ -24,6 +26,7 @@ FORMS = "ADDRESS of a dask scheduler, such as tcp://10.0.0.2:8786, or local:N fo
 PATIENCE = 10  # [s] for a scheduler to answer, and for its first worker
 AHEAD = 8  # tasks for each worker that the scheduler has: it never waits for us, and its memory stays small
 ASK_AGAIN = 2.0  # [s] how many workers there are
+NEEDED = "kinesic.controller.perform"  # what most tasks import
 DEATHS = 9  # workers that may die of a task before it is to blame; strangers kill workers, too
 
 
@@ -117,6 +120,7 @@ def cluster(address: str) -> Iterator[Cluster]:
         stack.enter_context(dask.config.set({"distributed.scheduler.allowed-failures": DEATHS}))
         where: object = address
         if address.startswith(LOCAL):
+            stack.enter_context(dask.config.set(_quick_start()))
             where = stack.enter_context(
                 distributed.LocalCluster(
                     n_workers=_count(address),
@@ -130,6 +134,23 @@ def cluster(address: str) -> Iterator[Cluster]:
         except (OSError, ValueError) as error:
             raise ConfigError(f"--cluster {address}: no scheduler answers ({error}); it takes {FORMS}") from None
         yield Cluster(client)
+
+
+def _quick_start() -> dict[str, str]:
+    """Has workers begin as forks of a process that holds what they need: a new one is soon there.
+
+    Others import for two seconds of CPU, and on a busy machine they are killed again before they have done anything.
+    """
+    if "forkserver" not in get_all_start_methods():
+        return {}
+    import dask  # noqa: PLC0415 - an extra
+    from distributed.utils import get_mp_context  # noqa: PLC0415 - an extra
+
+    method = {"distributed.worker.multiprocessing-method": "forkserver"}
+    with dask.config.set(method):
+        get_mp_context()  # it names modules of its own, once; ours are named after it
+    child_context("distributed.nanny", "distributed.worker", NEEDED)
+    return method
 
 
 def _count(address: str) -> int:

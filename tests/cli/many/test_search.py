@@ -14,7 +14,7 @@ def test_a_search_prints_and_writes_what_no_other_design_beats(kinesic, tmp_path
     ended = kinesic("robots", "search", "upper22", "nod.bml", *VARY, "--out", "found", "--jobs", "1")
     assert ended.code == 0
     assert "as it is (beaten)" in ended.out
-    assert "mass, price," in ended.out
+    assert "mass, price;" in ended.out
     assert "turns its servo by 400 degrees" in ended.out
     rows = json.loads((tmp_path / "found" / "designs.json").read_text())["designs"]
     (best,) = [row for row in rows if row["unbeaten"]]

@@ -1,0 +1,41 @@
+import numpy as np
+import pytest
+
+from kinesic.bench.growth import Cost, document, draw, exponents, measure
+from kinesic.bench.growth.robots import robots
+from kinesic.controller.perform import set_up
+
+
+def test_exponents_are_those_of_a_power_law_from_a_size_on():
+    costs = [Cost(size, 2.0 * size**1.5, 3.0 * size, 5.0 * size**0.5) for size in (10.0, 30.0, 90.0)]
+    short = Cost(1.0, 50.0, 50.0, 50.0)
+    found = exponents([short, *costs], least=10.0)
+    assert found == pytest.approx({"plan": 1.5, "run": 1.0, "memory": 0.5})
+
+
+def test_robots_have_more_and_more_hinges_and_the_last_one_has_no_couplings():
+    made = list(robots())
+    counts = [len(robot.drives) for robot in made]
+    assert counts == sorted(counts) == [14, 16, 19, 22, 36, 58]
+    assert len(made[-1].skeleton.couplings) == 0
+
+
+def test_a_document_has_a_gesture_every_two_seconds():
+    assert document(1.0).count("<gesture") == 1
+    assert document(60.0).count("<gesture") == 30
+
+
+def test_what_a_document_takes_is_measured():
+    known = set_up()
+    measure(known, 1.0, 1.0)
+    cost = measure(known, 4.0, 4.0)
+    assert cost.size == 4.0
+    assert min(cost.planning, cost.running, cost.memory) > 0.0
+
+
+def test_growth_is_drawn(tmp_path, monkeypatch):
+    costs = tuple(Cost(size, size, size, size) for size in np.array([10.0, 100.0]))
+    monkeypatch.setattr("kinesic.bench.growth.by_length", lambda: costs)
+    monkeypatch.setattr("kinesic.bench.growth.by_hinges", lambda: costs)
+    (path,) = draw(tmp_path)
+    assert path.read_bytes().startswith(b"\x89PNG")
