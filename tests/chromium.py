@@ -12,7 +12,7 @@ from urllib.request import urlopen
 from websockets.sync.client import ClientConnection, connect
 
 BINARIES = ("chromium", "chromium-browser", "google-chrome")
-PATIENCE = 30.0  # [s]
+PATIENCE = 60.0  # [s] with a machine on which others work, too
 
 
 def binary() -> str | None:

@@ -12,14 +12,13 @@ import pytest
 from kinesic.controller.perform import set_up
 from kinesic.serve.server import Address
 from kinesic.serve.wire.origin import Access
-from kinesic.serve.wire.quotas import Quotas
 from kinesic.studio.page import page_files
 from kinesic.studio.relay import open_relay
 
 from ..chromium import binary, opened
 from ..serve.conftest import running
 from ..serve.sinks.test_arming import TOKEN, Limp
-from .conftest import SOFTWARE, Studio
+from .conftest import PATIENT, SOFTWARE, Studio
 
 pytestmark = pytest.mark.realtime
 
@@ -58,7 +57,7 @@ def attached(tmp_path, limp: Limp) -> Iterator[Studio]:
         pytest.skip("no Chromium: apt-get install chromium")
     setup = set_up()
     with (
-        running(Quotas(), Access(TOKEN), more=[limp]) as server,
+        running(PATIENT, Access(TOKEN), more=[limp]) as server,
         relay(server.port, page_files(setup.robot, setup.lexicon)) as door,
         opened(f"http://{door}/", tmp_path / "profile", *SOFTWARE) as page,
     ):

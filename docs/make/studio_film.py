@@ -1,0 +1,92 @@
+"""Films docs/studio_tour.webp, what a newcomer does in the studio, and pictures its gesture editor, light and dark."""
+
+import base64
+import io
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import monotonic
+
+from PIL import Image, ImageDraw, ImageFont
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT))
+
+from tests import chromium  # noqa: E402 - what a test does is what is filmed
+from tests.studio.conftest import SOFTWARE  # noqa: E402
+from tests.studio.newcomer import STATE, Person, before_the_studio, make_and_perform  # noqa: E402
+
+DOCS = ROOT / "docs"
+WINDOW = (1280, 807)  # [pixels] with the browser's own 87
+SIZE = (960, 540)  # [pixels] of the film
+READ = 1600  # [ms] that one action is shown
+STEP = 125  # [ms] between two frames of the performance
+PERFORMED = 9.0  # [s] of it
+PATIENCE = 240.0  # [s] with a busy machine
+INK, PAPER, POINTER = "#23262d", "#fbfaf7", "#b4430f"
+
+
+def picture(page: chromium.Page) -> Image.Image:
+    """What the page shows."""
+    return Image.open(io.BytesIO(base64.b64decode(page.call("Page.captureScreenshot", format="png")["data"]))).convert(
+        "RGB"
+    )
+
+
+def titled(shown: Image.Image, title: str, where: tuple[float, float] | None) -> Image.Image:
+    """A frame of the film: the page, where the pointer is, and what it does."""
+    frame = shown.copy()
+    pen = ImageDraw.Draw(frame)
+    if where is not None:
+        x, y = where
+        pen.ellipse((x - 15, y - 15, x + 15, y + 15), outline=POINTER, width=5)
+    font = ImageFont.load_default(size=26)
+    wide = pen.textlength(title, font=font)
+    x, y = (frame.width - wide) / 2, frame.height - 64
+    pen.rounded_rectangle((x - 18, y - 8, x + wide + 18, y + 40), radius=10, fill=INK)
+    pen.text((x, y), title, fill=PAPER, font=font)
+    return frame.resize(SIZE, Image.Resampling.LANCZOS)
+
+
+def performance(page: chromium.Page) -> Iterator[Image.Image]:
+    """Frames of what servos do, about so many a second as they are shown."""
+    page.until(f"{STATE}.mode === 'robot'")
+    begun, k = monotonic(), 0
+    while (now := monotonic() - begun) < PERFORMED:
+        if now * 1000 >= k * STEP:
+            k += 1
+            yield titled(picture(page), "simulated servos perform it", None)
+
+
+def editor(person: Person) -> None:
+    """Pictures of the gesture editor, light and dark."""
+    for scheme, name in (("dark", "studio_gesture_dark.png"), ("light", "studio_gesture.png")):
+        person.page.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
+        person.page.value("new Promise(done => setTimeout(done, 1500))")
+        picture(person.page).quantize(192).save(DOCS / name, optimize=True)
+
+
+if __name__ == "__main__":
+    chromium.PATIENCE = PATIENCE
+    frames, times = list[Image.Image](), list[int]()
+    with (
+        TemporaryDirectory() as folder,
+        before_the_studio(Path(folder), *SOFTWARE, f"--window-size={WINDOW[0]},{WINDOW[1]}") as person,
+    ):
+
+        def film(what: str, where: tuple[float, float] | None) -> None:
+            """Keeps what the page shows before an action."""
+            frames.append(titled(picture(person.page), f"{len(frames) + 1}. {what}", where))
+            times.append(READ)
+            if what.startswith("Save as weigh"):
+                editor(person)
+
+        person.films = film
+        make_and_perform(person)
+        for frame in performance(person.page):
+            frames.append(frame)
+            times.append(STEP)
+    frames[0].save(
+        DOCS / "studio_tour.webp", save_all=True, append_images=frames[1:], duration=times, loop=0, quality=45, method=6
+    )

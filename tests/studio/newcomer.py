@@ -1,0 +1,129 @@
+"""A newcomer with a mouse and a keyboard before a studio that moves simulated servos, and his first wish."""
+
+import json
+import re
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from ..chromium import Page, opened
+
+PATIENT = "planning=60"  # [s]: others work on the machine, too
+STATE = "kinesicStudio.state()"
+DOCUMENT = (
+    '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="talk">\n'
+    '  <speech id="s"><text>It is tea versus coffee today.</text></speech>\n</bml>'
+)
+
+
+@dataclass
+class Person:
+    """Somebody whose actions are counted; whoever films is told of each."""
+
+    page: Page
+    films: Callable[[str, tuple[float, float] | None], None] = lambda _what, _where: None
+    actions: list[str] = field(default_factory=list)
+
+    def click(self, selector: str, what: str = "") -> None:
+        """Clicks on an element; `what` says why."""
+        self.page.value(f"document.querySelector({json.dumps(selector)}).scrollIntoView({{block: 'center'}})")
+        self._does(what or f"click {selector}", self.middle(selector))
+        self.page.click(selector)
+
+    def write(self, selector: str, text: str, what: str = "") -> None:
+        """Writes into a field, and leaves it."""
+        self._does(what or f"write into {selector}", self.middle(selector))
+        script = (
+            f"(e => {{ e.value = {json.dumps(text)}; e.dispatchEvent(new Event('input'));"
+            f" e.dispatchEvent(new Event('change')) }})(document.querySelector({json.dumps(selector)}))"
+        )
+        self.page.value(script)
+
+    def drag(self, begin: tuple[float, float], *steps: tuple[float, float], what: str = "drag") -> None:
+        self._does(what, begin)
+        self.page.drag(begin, *steps)
+
+    def sees(self, condition: str) -> None:
+        """Waits until something is so; `s` is what the page knows."""
+        self.page.until(f"(s => {condition})({STATE})")
+
+    def middle(self, selector: str) -> tuple[float, float]:
+        area = f"document.querySelector({json.dumps(selector)}).getBoundingClientRect()"
+        x, y = self.page.value(f"(r => [r.x + r.width / 2, r.y + r.height / 2])({area})")
+        return x, y
+
+    def _does(self, what: str, where: tuple[float, float]) -> None:
+        self.actions.append(what)
+        self.films(what, where)
+
+
+@contextmanager
+def before_the_studio(folder: Path, *flags: str) -> Iterator[Person]:
+    """Puts a newcomer before a studio whose folder this is; flags are the browser's."""
+    kinesic = [sys.executable, "-m", "kinesic"]
+    with subprocess.Popen(
+        [*kinesic, "servos", "simulate", "--folder", str(folder)], stdout=subprocess.PIPE, text=True
+    ) as servos:
+        try:
+            assert "body" in servos.stdout.readline()
+            moved = ("--on", "servos", "--port", str(folder / "body"))
+            command = [*kinesic, "studio", "--listen", "127.0.0.1:0", "--no-browser", "--rule", PATIENT, *moved]
+            with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=folder) as studio:
+                try:
+                    url = next(found[1] for line in studio.stderr if (found := re.search(r"the studio: (\S+)", line)))
+                    with opened(url.replace("127.0.0.1", "localhost"), folder / "profile", *flags) as page:
+                        page.until(f"window.kinesicStudio !== undefined && {STATE}.planned > 0")
+                        yield Person(page)
+                finally:
+                    studio.terminate()
+                    studio.wait(60.0)
+        finally:
+            servos.kill()
+
+
+def make_and_perform(person: Person) -> None:
+    """Makes a gesture that weighs two things, puts it on a word, makes it shy, saves and performs it."""
+    person.page.call("Runtime.evaluate", expression="names = ['weigh.toml', 'talk.bml']; prompt = () => names.shift()")
+    person.click("#lexicon summary", "Gestures are found by what they mean")
+    person.write("#search", "weigh against", "search: weigh against")
+    person.click("[aria-label='Edit a copy of balance']", "Edit opens a copy of its file")
+    person.sees("s.draft?.gesture === 'my_balance'")
+    person.click("#keys .group button:nth-child(1)", "choose a key of the gesture")
+    person.sees("s.drawn > 0 && s.left !== null")
+    hand = person.page.value(f"{STATE}.left")
+    up = [(hand["x"] + 5 * k, hand["y"] - 10 * k) for k in range(3)]
+    person.drag(*up, what="drag the hand to where it shall be")
+    person.sees("s.past === 1")
+    person.click("#save", "Save as weigh.toml: the robot knows it at once")
+    person.page.until("document.querySelector('#file').textContent === 'weigh.toml'")
+    person.write("#examples", "example:one_gesture", "open an example")
+    person.sees("s.draft?.block === 'one'")
+    person.write("#text", DOCUMENT, "write: It is tea versus coffee today.")
+    person.sees("s.draft?.block === 'talk'")
+    person.write("#search", "my_balance", "search: my_balance")
+    person.click("[aria-label='Add my_balance to the document']", "Add it to the document")
+    person.sees("s.draft?.syncs.some(sync => sync.behaviour === 'my_balance')")
+    versus = "[...document.querySelectorAll('.word')].findIndex(word => word.textContent === 'versus')"
+    onto = person.middle(f"[data-word='{person.page.value(versus)}']")
+    stroke = person.middle("[data-stroke='my_balance']")
+    person.drag(stroke, (onto[0] - 9, onto[1] + 3), onto, what="drag its stroke onto the word: versus")
+    person.sees("s.text.includes('stroke=\"s:')")
+    person.click("[data-row='my_balance'] .name", "choose it")
+    person.write("#own-style", "shy", "make it shy")
+    person.sees(
+        "s.text.includes('kinesic:style=\"shy\"') && s.draft.behaviours.every(each => each.outcome === 'realised')"
+    )
+    person.click("#save", "Save as talk.bml")
+    person.page.until("document.querySelector('#file').textContent === 'talk.bml'")
+    person.sees("document.querySelectorAll('#strips .strip:not(.head)').length === s.report.servos.celsius.length")
+    assert person.page.value("document.querySelector('#perform').disabled"), "the servos have no torque yet"
+    person.click("#arm", "Arm gives servos their torque")
+    person.page.until("document.querySelector('#arming').open")
+    person.page.value("document.querySelector('#arm-yes').click()")  # a script is nobody
+    assert person.page.value("document.querySelector('#arming').open")
+    person.click("#arm-yes", "confirm that nobody is in the way")
+    person.sees("s.report.servos.state === 'armed'")
+    person.click("#perform", "Perform")
