@@ -170,7 +170,7 @@ inline Polished finish(const Linkage& arm, const Vector& target, const double* k
 
 // An answer out of reach goes the last steps to the nearest that the hand can come, where they win something: which
 // side of the body the arm goes was judged by the clamped target; the asked one may lie nearer to the other.
-inline void finish(const Linkage& arm, const Question& question, const double* rest, const double* mobility,
+[[gnu::cold, gnu::noinline]] inline void finish(const Linkage& arm, const Question& question, const double* rest, const double* mobility,
                    Answer& answer) {
     const Polished elsewhere = approach(arm, question.position, answer.angles, rest, mobility);
     const Polished best = finish(arm, question.position, answer.angles, elsewhere.angles);
