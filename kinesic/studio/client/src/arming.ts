@@ -16,6 +16,7 @@ export class Arming {
   private readonly dialog = byId<HTMLDialogElement>("arming");
   private code: string | null = null; // that the server wants to hear again
   private state: ServoReport["state"] | null = null;
+  private ending = 0; // the timer of the question that is asked
 
   constructor(
     private readonly wire: Wire,
@@ -47,7 +48,7 @@ export class Arming {
     this.code = String(answer.code);
     byId("arm-count").textContent = String(answer.servos);
     this.dialog.showModal();
-    setTimeout(() => this.dialog.close(), 1000 * Number(answer.lasts));
+    this.ending = setTimeout(() => this.end(), 1000 * Number(answer.lasts));
   }
 
   /** A person has pressed the button: nothing that a script does is taken for that. */
@@ -66,7 +67,9 @@ export class Arming {
     this.say(answer?.told === "refused" ? String(answer.why) : String(answer?.told ?? "no server"));
   }
 
-  private end(): void {
+  /** Asks nobody any more. */
+  end(): void {
+    clearTimeout(this.ending);
     this.code = null;
     if (this.dialog.open) this.dialog.close();
   }

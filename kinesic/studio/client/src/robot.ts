@@ -44,6 +44,7 @@ export class Robot {
   }
 
   stop(): void {
+    this.arming.end();
     if (!this.wire.stop()) this.live.say("no server: use the switch that cuts the power");
   }
 
