@@ -36,8 +36,7 @@ def test_a_gesture_is_made_put_on_a_word_made_shy_saved_and_seen_on_servos(perso
     assert 'id = "my_balance"' in (tmp_path / "weigh.toml").read_text()
     strips = "[...document.querySelectorAll('#strips .strip:not(.head)')].map(each => each.textContent)"
     assert all(re.fullmatch(r"\w+?\d\d\d\d\.\d", strip) for strip in person.page.value(strips))
-    told = person.page.value(f"{STATE}.report.servos")
-    assert all(told["torque"])
-    assert {*told["volts"]} == {12.0}
+    person.sees("s.report.servos.torque.every(each => each === 1)")  # each servo is asked in its turn
+    assert {*person.page.value(f"{STATE}.report.servos.volts")} == {12.0}
     person.click("#arm")
     person.sees("s.report.servos.state === 'limp' && s.report.servos.torque.every(each => each === 0)")
