@@ -1,10 +1,9 @@
 """Which process runs which file of tests: what waits for a clock runs beside what calculates.
 
 `make test` starts one process more than there are processors. Three quarters of what tests in real time take is
-waiting, so they get a process of their own while there are any (two of them would hold each other up); the others
-calculate, and step back where both want a processor. They do not where others calculate too when the tests begin: they
-would step back behind these as well, and a run would hardly go on. Large files come first, so that all processes end
-together.
+waiting, so they get a process of their own while there are any; the others calculate, and step back where both want a
+processor. They do not where others calculate too when the tests begin: they would step back behind these as well, and a
+run would hardly go on. Large files come first, so that all processes end together.
 
 Every process reads all tests. After a change each would compile the same file at the same moment: so each begins
 elsewhere, and finds compiled what the others have read.
@@ -19,21 +18,7 @@ from xdist.scheduler import LoadFileScheduling
 from xdist.workermanage import WorkerController
 
 CLOCK_WORKER = "gw0"
-LONGEST = (  # to wait for, or to calculate
-    "tests/serve/test_server.py",
-    "tests/bench/bml/test_server.py",
-    "tests/studio/test_newcomer.py",
-    "tests/studio/test_page.py",
-    "tests/mcp/test_server.py",
-    "tests/cli/servos/processes/test_signals.py",
-    "tests/hardware/supervisor/processes/test_signals.py",
-    "tests/bench/bml/test_emergency_stop.py",
-    "tests/serve/test_talks.py",
-    "tests/bench/test_bench.py",
-    "tests/report/test_films.py",
-    "tests/bench/plan/test_hostile.py",
-    "tests/theorems/intent/test_growth.py",
-)
+LONGEST = ("tests/serve/test_server.py", "tests/bench/bml/test_server.py")  # to wait for, in order
 STEP_BACK = 5  # of niceness
 CROWD = 3  # processes for each processor that want to calculate, from which on nobody steps back
 
