@@ -87,7 +87,11 @@ def armable(limp: Limp) -> Iterator[Running]:
 def guest(armable: Running, limp: Limp) -> Iterator[Guest]:
     limp.armed, limp.state, limp.fails = False, "limp", ""
     with connect(f"ws://localhost:{armable.port}/") as socket:
-        yield Guest(armable, socket)
+        asking, end = Guest(armable, socket), monotonic() + 20.0
+        while asking.ask(do="status")["state"] != "resting":  # as it does not yet when the server has just begun
+            assert monotonic() < end, "the motion goes on"
+            sleep(0.02)
+        yield asking
 
 
 def test_servos_follow_after_a_confirmation_and_rest_without_torque_until_the_next(guest: Guest, limp: Limp):
