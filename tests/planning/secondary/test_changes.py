@@ -4,24 +4,14 @@ import numpy as np
 
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
-from kinesic.body.robot import Robot
 from kinesic.motion.limit_check import check_limits
-from kinesic.motion.trajectory import STEP, Trajectory, stay
+from kinesic.motion.trajectory import STEP, Trajectory
 from kinesic.planning.secondary.changes import LESS, Changes
-from kinesic.planning.secondary.swells import Swell
 from kinesic.sim.dynamics import MujocoDynamics
 
-ROBOT = Robot.load()
+from .tilts import REST, ROBOT, STILL, TILT, swell
+
 LIMITS = Limits.of(ROBOT, MujocoDynamics(ROBOT).load)
-REST = ROBOT.skeleton.rest
-TILT = ROBOT.skeleton.names.index("vl5_tilt")
-STILL = stay(REST, 5.0)
-
-
-def swell(begin, peak, end, *, degrees=1.0, hinge=TILT):
-    away = np.zeros(len(REST))
-    away[hinge] = np.radians(degrees)
-    return Swell(begin, peak, end, sealed(away))
 
 
 def allowed(motion, swells):

@@ -1,22 +1,10 @@
 import numpy as np
 import pytest
 
-from kinesic.body.arrays import sealed
-from kinesic.body.robot import Robot
 from kinesic.motion.trajectory import STEP, stay
 from kinesic.planning.secondary.changes import Changes
-from kinesic.planning.secondary.swells import Swell
 
-ROBOT = Robot.load()
-REST = ROBOT.skeleton.rest
-TILT = ROBOT.skeleton.names.index("vl5_tilt")
-STILL = stay(REST, 5.0)
-
-
-def swell(begin, peak, end, *, degrees=1.0, hinge=TILT):
-    away = np.zeros(len(REST))
-    away[hinge] = np.radians(degrees)
-    return Swell(begin, peak, end, sealed(away))
+from .tilts import REST, STILL, TILT, swell
 
 
 def laid_on(motion, swells):

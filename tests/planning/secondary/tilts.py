@@ -1,0 +1,19 @@
+"""Swells of one hinge of a robot that stands still."""
+
+import numpy as np
+
+from kinesic.body.arrays import sealed
+from kinesic.body.robot import Robot
+from kinesic.motion.trajectory import stay
+from kinesic.planning.secondary.swells import Swell
+
+ROBOT = Robot.load()
+REST = ROBOT.skeleton.rest
+TILT = ROBOT.skeleton.names.index("vl5_tilt")
+STILL = stay(REST, 5.0)
+
+
+def swell(begin, peak, end, *, degrees=1.0, hinge=TILT):
+    away = np.zeros(len(REST))
+    away[hinge] = np.radians(degrees)
+    return Swell(begin, peak, end, sealed(away))
