@@ -2,6 +2,7 @@
 
 #pragma once
 
+#include "arm_polish.h"
 #include "arm_solve.h"
 
 namespace kinesic::arm {
@@ -25,17 +26,8 @@ struct Shape {  // half the squared distance, to second order about a posture
 };
 
 inline void measure(const Linkage& arm, const Vector& target, const double* angles, Shape& shape) {
-    Vector axis[MOST_HINGES], pole[MOST_HINGES], column[MOST_HINGES], centre = arm.origin;
-    Rotation rotation;
-    for (int j = 0; j < arm.links - 1; ++j) {
-        const Link& link = arm.link[j];
-        for (int k = link.first; k < link.first + link.count; ++k) {
-            axis[k] = rotated(rotation, arm.pivot[k].axis);
-            pole[k] = centre;
-            rotation = behind(rotation, arm.pivot[k], angles[k]);
-        }
-        centre = centre + rotated(rotation, link.bone);
-    }
+    Vector axis[MOST_HINGES], pole[MOST_HINGES], column[MOST_HINGES];
+    const Vector centre = walked(arm, angles, axis, pole);
     const Vector error = target - centre;
     shape.distance = norm(error);
     for (int j = 0; j < arm.own(); ++j) {

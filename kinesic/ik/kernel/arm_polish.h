@@ -28,9 +28,9 @@ struct Polished {
     int rounds = 0;
 };
 
-// The hand, and how it moves per radian of each hinge before its own.
-inline Vector columns(const Linkage& arm, const double* angles, Vector* column) {
-    Vector axis[MOST_HINGES], pole[MOST_HINGES], centre = arm.origin;
+// The hand [m], and the axis of each hinge before its own with a point on it.
+inline Vector walked(const Linkage& arm, const double* angles, Vector* axis, Vector* pole) {
+    Vector centre = arm.origin;
     Rotation rotation;
     for (int j = 0; j < arm.links - 1; ++j) {
         const Link& link = arm.link[j];
@@ -41,6 +41,13 @@ inline Vector columns(const Linkage& arm, const double* angles, Vector* column) 
         }
         centre = centre + rotated(rotation, link.bone);
     }
+    return centre;
+}
+
+// The hand, and how it moves per radian of each hinge before its own.
+inline Vector columns(const Linkage& arm, const double* angles, Vector* column) {
+    Vector axis[MOST_HINGES], pole[MOST_HINGES];
+    const Vector centre = walked(arm, angles, axis, pole);
     for (int k = 0; k < arm.own(); ++k) column[k] = cross(axis[k], centre - pole[k]);
     return centre;
 }
