@@ -21,19 +21,19 @@ from kinesic.serve.tracks import Track, Version, changed_tracks
 MARGIN = (
     0.015  # [s] from a proposal to its cut, beside what it takes to make it; twice as much after each that was late
 )
-LONGEST = 1.0  # [s] that making one is expected to take, whatever the last one took
-SLOWER = 0.7  # share of that which is kept when the next one takes less
-ATTEMPTS = 9  # at being in time: the last one has nearly four seconds more than it takes
+LONGEST = 1.0  # [s] that making a proposal is expected to take at most, whatever the last one took
+SLOWER = 0.7  # share of the expected time that is kept when a proposal takes less
+ATTEMPTS = 9  # at being accepted: the last one has nearly four seconds beside the expected time
 Change = Callable[[Scene, float], Scene]
 
 
 class Verdict(Enum):
     """What became of a change that was proposed."""
 
-    ACCEPTED = auto()
+    ACCEPTED = auto()  # an emergency stop may have interrupted it since
     STOPPED = auto()  # an emergency stop came before
-    LATE = auto()  # commands beyond its cut were out, each time
-    UNSTEADY = auto()  # it would have been a step from the motion that plays by now
+    LATE = auto()  # commands beyond the time from which it changes the motion were out, at the last attempt
+    UNSTEADY = auto()  # it would have been a step from the motion that plays by now, at the last attempt
 
 
 class SharedScene:
@@ -66,9 +66,9 @@ class SharedScene:
         self.stops = beginning.stops
         self.scene = replace(Scene.of(setup), motion=beginning.motion, agenda=beginning.agenda)
 
-    def tell(self, message: str, sender: int) -> None:
+    def tell(self, message: str, client: int) -> None:
         """Tells a client something at once."""
-        self._loop.send(FeedbackNotice(message, sender))
+        self._loop.send(FeedbackNotice(message, client))
 
     def renew(self, setup: Setup) -> None:
         """Plans by another setup from now on; what plays stays as it is."""
@@ -83,10 +83,10 @@ class SharedScene:
         return first
 
     def propose(self, change: Change, *, moves: bool = True) -> Verdict:
-        """Changes the scene as soon as the loop can follow; what comes too late is made again for a later time.
+        """Changes the scene as soon as the loop can follow; what is refused is made again for a later time.
 
         Args:
-            change: from a scene and a time [s].
+            change: makes the next scene of the present one and a time [s].
             moves: whether the loop is to play the motion; else it plays it already.
         """
         verdict = Verdict.LATE
