@@ -8,7 +8,8 @@ PAGE = Path(__file__).parents[1] / "face.md"
 BEGIN, END = "<!-- figures -->", "<!-- end of figures -->"
 MARKS = {True: "met", False: "missed", None: ""}
 ESTIMATORS = {"crytek": "Crytek", "obscurance": "vol. obscurance", "horizon": "horizon", "angular": "angular"}
-TABLE = tuple(f"face.occlusion.{estimator}_" for estimator in ESTIMATORS)
+STAGE = "face.stage."
+TABLE = (*(f"face.occlusion.{estimator}_" for estimator in ESTIMATORS), STAGE)
 
 figures = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
 values = {figure["name"]: figure["value"] for figure in figures}
@@ -43,6 +44,15 @@ for size in (5, 11, 21):
     ):
         cells = [told(f"face.occlusion.{estimator}_{size}_{kind}") for estimator in ESTIMATORS]
         rows.append(f"| {size} | {head} | " + " | ".join(cells) + " |")
+timed = [each.removeprefix(STAGE).rsplit("_", 1) for each in values if each.startswith(STAGE)]
+drawn, stages = (list(dict.fromkeys(part)) for part in zip(*timed, strict=True))
+stages = sorted(stages, key=[stage for stem, stage in timed if stem == drawn[-1]].index)  # the last preset has all
+heads = [stem.replace("_", ", ").replace("x", " x ") for stem in drawn]
+rows += ["", "Stages of a picture, and all of it without being read back: milliseconds here.", ""]
+rows += ["| | " + " | ".join(heads) + " |", "|---|" + "---|" * len(heads)]
+for stage in stages:
+    cells = [told(f"{STAGE}{stem}_{stage}") if f"{STAGE}{stem}_{stage}" in values else "" for stem in drawn]
+    rows.append(f"| {stage} | " + " | ".join(cells) + " |")
 rows += ["", "| figure | value | goal | |", "|---|---|---|---|"]
 for figure in figures:
     if figure["goal"] is None and figure["name"].startswith(TABLE):

@@ -1,3 +1,4 @@
+import ctypes
 import os
 import subprocess
 import sys
@@ -59,6 +60,31 @@ def test_missing_libraries_are_named(monkeypatch: pytest.MonkeyPatch):
     assert reason.startswith("no OpenGL: libabsent.so.1 ")  # and others, where there are none
     assert "cannot be loaded" in reason
     assert reason.endswith(INSTALL_DRIVER)
+
+
+def test_a_device_that_does_not_start_leaves_the_next(monkeypatch: pytest.MonkeyPatch):
+    """As where a machine has a card that is not ours to use, before one that is."""
+    draws()
+    real = egl._DEVICES
+
+    def with_one_before(address: int):
+        def query(most: int, devices, count) -> int:
+            found = real(address)(most - 1, ctypes.byref(devices, ctypes.sizeof(ctypes.c_void_p)), count)
+            devices[0], count._obj.value = 1, count._obj.value + 1
+            return int(found)
+
+        return query
+
+    monkeypatch.setattr(egl, "_DEVICES", with_one_before)
+    monkeypatch.setattr(egl, "started", egl.Egl)
+    assert available() is None
+
+
+def test_a_driver_that_knows_all_functions_needs_no_other_library(monkeypatch: pytest.MonkeyPatch):
+    draws()
+    monkeypatch.setattr(egl, "GL", ("libabsent.so.1",))
+    monkeypatch.setattr(egl, "started", egl.Egl)
+    assert available() is None
 
 
 DRAWS = """

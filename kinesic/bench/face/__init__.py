@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from typing import Literal, get_args
 
 from kinesic.bench.face.lips import RATES, measure_lips
+from kinesic.bench.face.stages import NAME as STAGE
+from kinesic.bench.face.stages import stages_of
 from kinesic.bench.figure import Figure
 from kinesic.face.display import available
 from kinesic.face.render.presets import PRESETS, TILES, Estimator, Pattern
@@ -56,6 +58,10 @@ def expected_figures() -> Iterator[tuple[str, str, float | None, Better]]:
     yield "face.figure.filmed_1280x720", "Hz", None, "higher"
     yield "face.figure.linear_ms", "ms", None, "lower"
     yield "face.figure.dual_ms", "ms", None, "lower"
+    for preset, drawn in PRESETS.items():
+        for width, height in PICTURES:
+            for stage in (*stages_of(drawn), "picture"):
+                yield f"{STAGE}{preset}_{width}x{height}_{stage}", "ms", None, "lower"
     for estimator in get_args(Estimator):
         for size in SIZES:
             for kind in ("exact", "separable"):
@@ -99,10 +105,11 @@ def expected_figures() -> Iterator[tuple[str, str, float | None, Better]]:
 
 
 def _measured() -> dict[str, float]:
-    from kinesic.bench.face import eyes, figure, frame_rate, occlusion, scattering, wrinkles  # noqa: PLC0415 - they need the names above
+    from kinesic.bench.face import eyes, figure, frame_rate, occlusion, scattering, stages, wrinkles  # noqa: PLC0415 - they need the names above
 
     return {
         **frame_rate.frames(PICTURES),
+        **stages.measure_stages(PICTURES),
         **figure.measure_figure(),
         **occlusion.occlusion(SIZES),
         **scattering.scattering(),

@@ -1,16 +1,16 @@
 """Measures Table 3.1 again: occlusion exact and separable, times and difference, on a face and on boxes."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from statistics import median
-from time import perf_counter
 from typing import get_args
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter
 
+from kinesic.bench.face.clock import Clock
 from kinesic.body.arrays import Flags, Floats
 from kinesic.face.gl import numbers as gl
 from kinesic.face.gl.context import Context
@@ -32,7 +32,6 @@ OTHERWISE = {  # what boxes are drawn with, too: Figure 3.9, 3.3
 }
 BOXES, SIDE = 60, 256  # in how many pixels along a side
 SCALE = 2000.0  # [pixels/m] there
-SOFTWARE = ("llvmpipe", "softpipe", "swrast")
 TO_XYZ = np.array(  # IEC 61966-2-1, D65
     [[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.0721750], [0.0193339, 0.1191920, 0.9503041]]
 )
@@ -51,27 +50,26 @@ def occlusion(sizes: Sequence[int]) -> dict[str, float]:
         with geometry.context as context:
             geometry.draw(UNITS, FRONT)
             head, seen = geometry.parts() > 0, PositionPass(context, geometry).draw()
+            clock = Clock(context)
             scale = TABLE_SIZE[1] / (2 * FRONT.distance * np.tan(np.radians(FRONT.field_deg) / 2))
             for estimator in get_args(Estimator):
                 for size in sizes:
                     settings = Occlusion(size=size, estimator=estimator)
-                    found |= _compared(context, seen, settings, scale, head)
+                    found |= _compared(clock, seen, settings, scale, head)
             found |= _on_boxes(context)
     return found | _on_the_picture()
 
 
-def _compared(
-    context: Context, seen: PositionBuffer, settings: Occlusion, scale: float, head: Flags
-) -> dict[str, float]:
+def _compared(clock: Clock, seen: PositionBuffer, settings: Occlusion, scale: float, head: Flags) -> dict[str, float]:
     passes = {
-        "separable": OcclusionPass(context, seen, settings),
-        "exact": OcclusionPass(context, seen, replace(settings, exact=True)),
+        "separable": OcclusionPass(clock.context, seen, settings),
+        "exact": OcclusionPass(clock.context, seen, replace(settings, exact=True)),
     }
     openness = {kind: each.draw(scale).read()[..., 0][head] for kind, each in passes.items()}
     times: dict[str, list[float]] = {kind: [] for kind in passes}
     for _ in range(REPETITIONS):  # by turns, so that other load falls on both
         for kind, each in passes.items():
-            times[kind].append(milliseconds(context, partial(each.draw, scale)))
+            times[kind].append(clock.milliseconds(partial(each.draw, scale)))
     exact, separable = median(times["exact"]), median(times["separable"])
     stem = f"face.occlusion.{settings.estimator}_{settings.size}"
     return {
@@ -81,17 +79,6 @@ def _compared(
         f"{stem}_rmse": rmse(openness["exact"], openness["separable"]),
         f"{stem}_rmse_occluded": rmse_occluded(openness["exact"], openness["separable"]),
     }
-
-
-def milliseconds(context: Context, draw: Callable[[], object]) -> float:
-    """Times drawing: by the graphics card's own clock, or by ours where the processor draws."""
-    context.finish()
-    if any(name in context.renderer for name in SOFTWARE):
-        began = perf_counter()
-        draw()
-        context.finish()
-        return 1e3 * (perf_counter() - began)
-    return 1e3 * context.elapsed(draw)
 
 
 def _on_boxes(context: Context) -> dict[str, float]:

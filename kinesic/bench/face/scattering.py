@@ -4,7 +4,8 @@ from dataclasses import replace
 from functools import partial
 from statistics import median
 
-from kinesic.bench.face.occlusion import difference, milliseconds
+from kinesic.bench.face.clock import Clock
+from kinesic.bench.face.occlusion import difference
 from kinesic.body.arrays import Flags
 from kinesic.face.assets.action_units import intensities
 from kinesic.face.render.camera import FRONT
@@ -59,16 +60,22 @@ def _ratio(whole: Scattering, part: Scattering) -> float:
     """Time of the filter over all skin by that of one that does less, marks and all, by turns."""
     with Portrait(preset=_preset(whole)) as full, Portrait(preset=_preset(part)) as adaptive:
         scale = pixels_per_metre(FRONT, full.size[1])
+        clocks = [_clock(full), _clock(adaptive)]
         times: tuple[list[float], list[float]] = ([], [])
         for _ in range(REPETITIONS):
-            for portrait, found in zip((full, adaptive), times, strict=True):
+            for portrait, clock, found in zip((full, adaptive), clocks, times, strict=True):
                 portrait.draw(UNITS)
                 pipeline = portrait.pipeline
-                with pipeline.geometry.context as context:
+                with clock.context:
                     _, bent = pipeline.relief.draw(shares(intensities(UNITS)))
                     if pipeline.scatter:
-                        found.append(milliseconds(context, partial(pipeline.scatter.draw, bent, scale)))
+                        found.append(clock.milliseconds(partial(pipeline.scatter.draw, bent, scale)))
     return median(times[0]) / median(times[1])
+
+
+def _clock(portrait: Portrait) -> Clock:
+    with portrait.pipeline.geometry.context as context:
+        return Clock(context)
 
 
 def _preset(settings: Scattering | None) -> Preset:

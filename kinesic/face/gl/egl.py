@@ -1,4 +1,7 @@
-"""Opens a context of OpenGL without a window: EGL finds what can draw, a graphics card or the processor."""
+"""Opens a context of OpenGL without a window: EGL finds what can draw, a graphics card or the processor.
+
+Each device has a display of its own, so that neither a screen nor a window system is needed.
+"""
 
 import ctypes
 from ctypes import CFUNCTYPE, byref, c_char_p, c_int, c_uint, c_void_p
@@ -8,7 +11,7 @@ from kinesic.face.gl.context import Context
 from kinesic.face.gl.functions import GraphicsError
 
 EGL = "libEGL.so.1"
-GL = ("libGL.so.1", "libOpenGL.so.0")  # either serves
+GL = ("libGL.so.1", "libOpenGL.so.0")  # either serves; a graphics card's EGL knows the functions without them
 NEEDED = (3, 3)  # version of OpenGL
 IN_SOFTWARE = "LIBGL_ALWAYS_SOFTWARE=1 draws on the processor"
 
@@ -18,6 +21,7 @@ _RENDERABLE, _OPENGL_BIT = 0x3040, 0x0008
 _MAJOR, _MINOR, _PROFILE, _CORE, _NONE = 0x3098, 0x30FB, 0x30FD, 0x0001, 0x3038
 _DRAW, _READ = 0x3059, 0x305A
 _VERSION = 0x1F02  # of gl.h
+_MOST = 16  # devices that are tried
 
 _DISPLAY_OF = CFUNCTYPE(c_void_p, c_uint, c_void_p, c_void_p)
 _DEVICES = CFUNCTYPE(c_uint, c_int, c_void_p, c_void_p)
@@ -32,12 +36,15 @@ class Egl:
         Raises:
             GraphicsError: something of it is missing; says what.
         """
-        egl, gl = _library(EGL), next((found for name in GL if (found := _library(name))), None)
-        if egl is None or gl is None:
-            absent = " and ".join(name for name, there in ((EGL, egl), (GL[0], gl)) if not there)
+        egl = _library(EGL)
+        self._gl = next((found for name in GL if (found := _library(name))), None)
+        if egl is None:
+            absent = " and ".join((EGL,) if self._gl else (EGL, GL[0]))
             raise GraphicsError(f"{absent} cannot be loaded")
-        self._egl, self._gl = egl, gl
+        self._egl = egl
         self._address = CFUNCTYPE(c_void_p, c_char_p)(("eglGetProcAddress", egl))
+        if not self.find("glGetString"):
+            raise GraphicsError(f"{GL[0]} cannot be loaded")
         self._create = CFUNCTYPE(c_void_p, c_void_p, c_void_p, c_void_p, c_void_p)(("eglCreateContext", egl))
         self._destroy = CFUNCTYPE(c_uint, c_void_p, c_void_p)(("eglDestroyContext", egl))
         self._make_current = CFUNCTYPE(c_uint, c_void_p, c_void_p, c_void_p, c_void_p)(("eglMakeCurrent", egl))
@@ -50,8 +57,8 @@ class Egl:
     def find(self, name: str) -> int:
         """Address of a function of OpenGL, 0 for an unknown one."""
         found = self._address(name.encode())
-        if found:
-            return int(found)
+        if found or self._gl is None:
+            return int(found or 0)
         try:
             return ctypes.cast(getattr(self._gl, name), c_void_p).value or 0
         except AttributeError:
@@ -97,15 +104,16 @@ class Egl:
         query, show = (self._address(name) for name in (b"eglQueryDevicesEXT", b"eglGetPlatformDisplayEXT"))
         if not query or not show:
             raise GraphicsError("EGL knows no devices")
-        device, count = c_void_p(), c_int()
-        _DEVICES(query)(1, byref(device), byref(count))
+        devices, count = (c_void_p * _MOST)(), c_int()
+        _DEVICES(query)(_MOST, devices, byref(count))
         if count.value < 1:
             raise GraphicsError("EGL finds no device to draw with")
-        display = _DISPLAY_OF(show)(_DEVICE_PLATFORM, device, None)
         start = CFUNCTYPE(c_uint, c_void_p, c_void_p, c_void_p)(("eglInitialize", self._egl))
-        if not display or not start(display, None, None):
-            raise GraphicsError(f"EGL does not start (0x{self._egl.eglGetError():x})")
-        return int(display)
+        for device in devices[: count.value]:  # a card that is there may not be ours to use: then the next
+            display = _DISPLAY_OF(show)(_DEVICE_PLATFORM, device, None)
+            if display and start(display, None, None):
+                return int(display)
+        raise GraphicsError(f"EGL does not start (0x{self._egl.eglGetError():x})")
 
     def _chosen(self) -> c_void_p:
         self._bind_api()
@@ -126,7 +134,7 @@ class Egl:
             return ""
         before = self.current()
         if self._make_current(self._display, None, None, context):
-            told = CFUNCTYPE(c_char_p, c_uint)(("glGetString", self._gl))(_VERSION) or b""
+            told = CFUNCTYPE(c_char_p, c_uint)(self.find("glGetString"))(_VERSION) or b""
             self.restore(before)
         self._destroy(self._display, context)
         return told.decode(errors="replace").partition(" ")[0]

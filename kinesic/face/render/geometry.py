@@ -119,6 +119,11 @@ class Geometry:
 
     def draw(self, units: Mapping[str, float], camera: Camera) -> Target:
         """Draws the G-buffer: normal with depth and part; place in the chart, or colour."""
+        self.move(units, camera)
+        return self.render(camera)
+
+    def move(self, units: Mapping[str, float], camera: Camera) -> None:
+        """Puts the vertices where action units and camera have them."""
         vertices = self._shape.vertices(units, camera)
         self._moving.write(vertices[self._sources].astype("f4").tobytes())
         aspect = self.size[0] / self.size[1]
@@ -126,10 +131,14 @@ class Geometry:
         self.on_screen = self._pixels(vertices[:, :3], projection @ view)
         outline = np.hstack([self.on_screen, self._pixels(self._hair_at, projection @ view)])
         self.covered = self.rectangle(outline) if "film" not in self._layers else (0, 0, *self.size)
-        for shader in self._shaders:
-            set_uniforms(shader, {"view": view.T, "projection": projection.T})
         balls = [self._turned(ball, vertices) @ view[:3, :3].T for ball in self._balls]
         set_uniforms(self._shaders[1], {"balls": np.array(balls)})
+
+    def render(self, camera: Camera) -> Target:
+        """Draws the vertices as they were moved last."""
+        view, projection = camera.view(), camera.projection(self.size[0] / self.size[1])
+        for shader in self._shaders:
+            set_uniforms(shader, {"view": view.T, "projection": projection.T})
         self._iris.use(0)
         self._shaders[1].sample("iris", 0)
         self._emptied.clear()

@@ -1,7 +1,7 @@
 """The deferred pipeline: the passes that make a picture of the head's G-buffer."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 
@@ -20,7 +20,7 @@ from kinesic.face.render.camera import Camera, Lights
 from kinesic.face.render.geometry import Geometry, PositionPass
 from kinesic.face.render.lashes import LashPass
 from kinesic.face.render.occlusion import OcclusionPass
-from kinesic.face.render.passes import Kind, ScreenPass, Stored, Target, Value, store_pixels, texture
+from kinesic.face.render.passes import Kind, ScreenPass, Stored, Target, Value, Values, store_pixels, texture
 from kinesic.face.render.post import PostProcessing, ScatterPass
 from kinesic.face.render.presets import Preset
 from kinesic.face.render.shadow import ShadowPass
@@ -89,11 +89,57 @@ class Pipeline:
 
     def drawn(self, units: Mapping[str, float], camera: Camera, gain: float) -> Target:
         """Draws the picture and leaves it on the graphics card."""
-        place = self.geometry.draw(units, camera).textures[1]
+        *_, (_, picture) = self.stages(units, camera, gain)
+        return picture
+
+    def stages(self, units: Mapping[str, float], camera: Camera, gain: float) -> Iterator[tuple[str, Target]]:
+        """Draws the picture stage by stage: yields the name of each that is drawn, and where the picture is by then."""
+        geometry, picture = self.geometry, self._light.target
+        geometry.move(units, camera)
+        yield "mesh", picture
+        place = geometry.render(camera).textures[1]
+        yield "geometry", picture
         relief, bent = self.relief.draw(shares(intensities(units)) * gain * self._preset.wrinkles)
-        scale = pixels_per_metre(camera, self._drawn[1])
+        yield "wrinkles", picture
         if self.occlusion or self.shadow:
             self.seen.draw()
+            yield "positions", picture
+        around = self.around(camera)
+        if self.occlusion:
+            yield "occlusion", picture
+        reach = self.reach(camera, around)
+        if self.shadow:
+            yield "shadow", picture
+        inputs = {"place": place, "bent": bent, "relief": relief, "skin": self._skin, "reach": reach}
+        picture.copy(self._backdrop)
+        if self.scatter:
+            self.scatter.clear()
+        scale = pixels_per_metre(camera, self._drawn[1])
+        self._light.draw(inputs, self._lit(scale))
+        yield "light", picture
+        if self.scatter:
+            self.scatter.draw(bent, scale)
+            yield "scattering", picture
+        self._lashes.draw(camera)
+        yield "lashes", picture
+        yield from self._finish.stages(picture, camera)
+
+    def around(self, camera: Camera) -> Texture:
+        """Draws how much of the light around reaches each pixel, in the first component."""
+        if self.occlusion is None:
+            return self._white
+        return self.occlusion.draw(pixels_per_metre(camera, self._drawn[1]) / self._preset.coarse).textures[0]
+
+    def reach(self, camera: Camera, around: Texture) -> Texture:
+        """Draws how much of the key's light, 0..1 for each colour, and of the light around reaches each pixel."""
+        if self.shadow:
+            return self.shadow.draw(self._lights.directions()[0], camera, around).textures[0]
+        around.filter = (gl.LINEAR, gl.LINEAR)
+        around.swizzle("111R")
+        return around
+
+    def _lit(self, scale: float) -> Values:
+        """What the light must know."""
         values: dict[str, Value] = {
             "chart": chart_window(),
             "hair": self._complexion.hair,
@@ -104,28 +150,9 @@ class Pipeline:
             "ground": self._lights.ground,
             "lens": self.geometry.lens,
         }
-        inputs = {"place": place, "bent": bent, "relief": relief, "skin": self._skin, "reach": self.reach(camera)}
-        picture = self._light.target
-        picture.copy(self._backdrop)
         if self.scatter:
-            self.scatter.clear()
             values |= self.scatter.asked
-        self._light.draw(inputs, values)
-        if self.scatter:
-            self.scatter.draw(bent, scale)
-        self._lashes.draw(camera)
-        return self._finish.draw(picture, camera)
-
-    def reach(self, camera: Camera) -> Texture:
-        """Draws how much of the key's light, 0..1 for each colour, and of the light around reaches each pixel."""
-        around = self._white
-        if self.occlusion:
-            around = self.occlusion.draw(pixels_per_metre(camera, self._drawn[1]) / self._preset.coarse).textures[0]
-        if self.shadow:
-            return self.shadow.draw(self._lights.directions()[0], camera, around).textures[0]
-        around.filter = (gl.LINEAR, gl.LINEAR)
-        around.swizzle("111R")
-        return around
+        return values
 
     def _level(self, scale: float) -> float:
         """How often the painting must be halved until its pixels are about as large as those of the screen."""

@@ -4,6 +4,8 @@ Light spreads (thesis 5.1) where occlusion says that the surface curves (5.2). W
 fine for occlusion to tell; what they make uneven is filtered, too.
 """
 
+from collections.abc import Iterator
+
 from kinesic.body.arrays import Floats
 from kinesic.face.gl import numbers as gl
 from kinesic.face.gl.context import Context
@@ -125,12 +127,14 @@ class PostProcessing:
         if preset.samples > 1:
             self._shrink = ScreenPass(context, Target(context, size, ("4f1",), None), "shrink", where="everywhere")
 
-    def draw(self, picture: Target, camera: Camera) -> Target:
-        """Draws the picture as it is shown."""
+    def stages(self, picture: Target, camera: Camera) -> Iterator[tuple[str, Target]]:
+        """Draws the picture as it is shown; yields the name of each stage, and where it is by then."""
         if self._focus:
             picture = self._focus.draw(picture, camera)
+            yield "focus", picture
         if self._smooth:
             picture = self._smooth.draw(picture, None if self._focus else self._geometry.covered)
+            yield "smoothing", picture
         if self._shrink:
             picture = self._shrink.draw({"picture": picture.textures[0]}, {"samples": self._samples})
-        return picture
+            yield "shrinking", picture

@@ -1,13 +1,17 @@
 """The figures of the face: names everywhere, values where something can be drawn."""
 
 import dataclasses
+from time import perf_counter
 
 import numpy as np
 import pytest
 
 from kinesic.bench import face
 from kinesic.cli.bench import measure
-from kinesic.face.display import available
+from kinesic.face.display import available, offscreen
+from kinesic.face.render.camera import FRONT
+from kinesic.face.render.portrait import Portrait
+from kinesic.face.render.presets import Focus
 
 drawable = pytest.mark.skipif(available() is not None, reason=available() or "")
 
@@ -19,7 +23,15 @@ def test_without_opengl_every_figure_has_a_reason(monkeypatch: pytest.MonkeyPatc
     assert {figure.why for figure in figures} == {"no OpenGL here"}
     names = [figure.name for figure in figures]
     assert len(set(names)) == len(names)
-    for stem in ("face.fps.", "face.occlusion.", "face.scattering.", "face.wrinkle.", "face.lids.", "face.lips."):
+    for stem in (
+        "face.fps.",
+        "face.stage.",
+        "face.occlusion.",
+        "face.scattering.",
+        "face.wrinkle.",
+        "face.lids.",
+        "face.lips.",
+    ):
         assert any(name.startswith(stem) for name in names)
 
 
@@ -83,6 +95,38 @@ def test_frames_are_counted_for_every_preset(monkeypatch: pytest.MonkeyPatch):
     found = frame_rate.frames(((64, 64),))
     assert found["face.fps.draft_64x64"] > 0.0
     assert found["face.fps.covered"] > 40.0
+
+
+@drawable
+@pytest.mark.parametrize("of_card", [False, True])
+def test_each_stage_of_a_picture_is_timed_by_either_clock(monkeypatch: pytest.MonkeyPatch, of_card: bool):
+    """The pipeline's own stages are those that the bench names: a figure for each, whoever's clock it is."""
+    from kinesic.bench.face import clock, stages  # noqa: PLC0415 - where it can be drawn
+
+    monkeypatch.setattr(stages, "PICTURES", 1)
+    monkeypatch.setattr(clock, "BUSY", 1e-4)
+    monkeypatch.setattr(clock, "SOFTWARE", ("nothing that draws",) if of_card else ("",))
+    normal = face.PRESETS["normal"]
+    drawn = dataclasses.replace(normal, focus=Focus(), samples=2) if of_card else normal
+    monkeypatch.setattr(stages, "PRESETS", {"normal": drawn})
+    found = stages.measure_stages([(48, 48)])
+    names = [name.rsplit("_", 1)[1] for name in found]
+    assert names == [*stages.stages_of(drawn), "picture"]
+    assert min(found.values()) > 0.0
+    with Portrait(preset=drawn, size=(48, 48)) as portrait, portrait.pipeline.geometry.context:
+        assert [name for name, _ in portrait.pipeline.stages({}, FRONT, 1.0)] == names[:-1]
+
+
+@drawable
+def test_a_card_is_busy_while_it_is_asked_for_what_is_timed():
+    """What is queued before is not counted: nothing takes far less than what keeps the card busy."""
+    from kinesic.bench.face.clock import Clock  # noqa: PLC0415 - where it can be drawn
+
+    with offscreen() as context:
+        clock = Clock(context, of_card=True)
+        began = perf_counter()
+        counted = clock.milliseconds(lambda: None)
+        assert counted < 0.5 * 1e3 * (perf_counter() - began)
 
 
 @drawable

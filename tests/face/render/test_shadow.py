@@ -35,7 +35,8 @@ def reached(gallery: Gallery) -> Callable[..., tuple[Floats, NDArray[np.intp]]]:
         with gallery(replace(SHADED, shadow=shadow, eyeshade=eyeshade), (256, 256)) as portrait:
             portrait.draw({})
             seen = portrait.pipeline.geometry.parts()
-            texture = portrait.pipeline.reach(FRONT)
+            pipeline = portrait.pipeline
+            texture = pipeline.reach(FRONT, pipeline.around(FRONT))
             light = np.frombuffer(texture.read(), np.uint8).reshape(256, 256, 4)[::-1, :, :3]
             return light / 255.0, seen
 
