@@ -1,6 +1,6 @@
 from collections.abc import Sequence
 
-from kinesic.body.arrays import Floats
+from kinesic.body.arrays import Flags, Floats
 from kinesic.motion.bspline import Indices
 
 # -- spline programs (module.cpp): n control points, m rows that are fixed, r rows of limits
@@ -19,6 +19,23 @@ def nearest(
 def relax(
     first: Indices, shares: Floats, values: Floats, stencils: Floats, lower: Floats, upper: Floats, easy: float
 ) -> tuple[Floats, float, Floats, Floats] | None: ...
+
+# -- motions of n hinges through m keys, over k pieces (free_motion.h); a rest is a knot, the own key before, an angle
+
+Rest = tuple[int, int, float]
+
+def free_motion(
+    places: Floats,
+    angles: Floats,
+    keyed: Flags,
+    firm: Flags,
+    desired: Floats,
+    limits: Floats,
+    closeness: Floats,
+    step: float,
+    within: float,
+    controls: Floats,
+) -> list[tuple[float, int, Rest, Rest]]: ...
 
 # -- motions: results of `sample` are written into the caller's arrays
 

@@ -17,12 +17,13 @@ from kinesic.body.limits import Limits
 from kinesic.motion.bspline import grid
 from kinesic.motion.budget import ENDLESS, Budget
 from kinesic.motion.desired import DesiredMotion, join_keys
+from kinesic.motion.free_motion import find_free_motion
 from kinesic.motion.infeasibility import Bottleneck
 from kinesic.motion.key_times import Search
 from kinesic.motion.keys import Bond, KeyPosture, Keys, Pair
 from kinesic.motion.plane_memory import PlaneMemory
-from kinesic.motion.segments import SplineSegment, pieces, segments
-from kinesic.motion.spline_program import WITHIN, nearest_within_limits, nearest_without_limits
+from kinesic.motion.segments import SplineSegment, pieces
+from kinesic.motion.spline_program import nearest_within_limits
 from kinesic.motion.trajectory import STEP, Trajectory
 
 LEAD_IN = 0.6  # [s] by which the motion may begin before it is asked to
@@ -120,17 +121,8 @@ class NearestFinder:
 
         Or else the first segment that has none. The farther a segment is beyond the limits, the earlier its turn.
         """
-        count = pieces(times, STEP)
-        desired = self._make_desired(times, self._keys).angles(grid(count, STEP).knots)
-        controls, beyond = np.empty((count + 3, desired.shape[1])), []
-        for segment in segments(times, self._keys, STEP):
-            own = nearest_without_limits(segment, desired[segment.knots, segment.hinge])
-            controls[segment.controls, segment.hinge] = own
-            if segment.grid.keeps(own, self._limits, segment.hinge, WITHIN):
-                continue
-            share = segment.grid.largest(own, self._limits, segment.hinge)
-            if share > WITHIN:
-                beyond.append((share, segment))
+        desired = self._make_desired(times, self._keys).angles(grid(pieces(times, STEP), STEP).knots)
+        controls, beyond = find_free_motion(times, self._keys, self._limits, desired)
         for _, segment in sorted(beyond, key=lambda pair: -pair[0]):
             found = self._within_limits(segment, desired[segment.knots, segment.hinge])
             if found is None:

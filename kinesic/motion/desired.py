@@ -10,7 +10,7 @@ keys are eased alike, so that a hand keeps its path; a steepness that one of the
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
@@ -19,7 +19,7 @@ import scipy
 from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.easing import OVERSHOOT, PARTS, Easing, soften_easing
-from kinesic.motion.keys import EASINGS, EVEN, HOLD, SMOOTHEST, SOFTEST, Keys, flow
+from kinesic.motion.keys import EASINGS, EVEN, HOLD, SMOOTHEST, SOFTEST, Choices, Keys, flow
 
 Hinges = tuple[int, ...]  # in joint order
 
@@ -33,6 +33,7 @@ GRADE = 0.25  # of the steepness
 LEAST_OVERSHOOT = 0.02  # of a way; with less room OutQuart takes the place of OutBack
 FINEST = 0.01  # of a way, steps of the overshoot
 ROUNDING = 1e-6  # of such a step
+REMEMBERED = 24  # curves of hinges with the same keys
 ROOM = 3.0  # times the limits that an eased way may take: what is beyond them is rounded off without leaving the path
 
 SHARES = np.arange(PARTS) / PARTS  # of a way, at which an easing is given
@@ -213,11 +214,33 @@ def join_keys(times: Floats, keys: Keys, *, zero: float = 0.0) -> DesiredMotion:
     curves = {}
     for hinges in together.values():
         rows = np.flatnonzero(keys.keyed[:, hinges[0]])
-        curves[tuple(hinges)] = _curve(times[rows] - times[0], keys.part(rows, np.array(hinges)))
+        curves[tuple(hinges)] = _curve(_Ways.of(times[rows] - times[0], keys, rows, np.array(hinges)))
     return DesiredMotion(curves, zero - float(times[0]))
 
 
-def _curve(times: Floats, keys: Keys) -> "scipy.interpolate.PPoly":
+@dataclass(frozen=True)
+class _Ways:
+    """All that the curve of hinges with the same keys depends on, to remember it by."""
+
+    told: tuple[bytes, ...]  # (k,) times, (k, h) angles, (6, k, h) manner and (h,) hinges
+    limits: Limits  # of all hinges
+    asked: tuple[Floats, Keys, Choices, Choices] = field(compare=False)  # times, all keys, whose rows and hinges
+
+    @classmethod
+    def of(cls, times: Floats, keys: Keys, rows: Choices, hinges: Choices) -> "_Ways":
+        angles, manner = keys.angles[rows[:, None], hinges], keys.manner[:, rows[:, None], hinges]
+        told = (times.tobytes(), angles.tobytes(), manner.tobytes(), hinges.tobytes())
+        return cls(told, keys.limits, (times, keys, rows, hinges))
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _curve(ways: _Ways) -> "scipy.interpolate.PPoly":
+    """Joins hinges, or remembers them: while a course changes, and is conditioned, most of them stay as they are."""
+    times, keys, rows, hinges = ways.asked
+    return _join(times, keys.part(rows, hinges))
+
+
+def _join(times: Floats, keys: Keys) -> "scipy.interpolate.PPoly":
     """Joins hinges that all have the same keys, at (k,) times."""
     steps, passed = np.diff(times), _choose_speeds(times, keys)
     plain = scipy.interpolate.PPoly(

@@ -193,3 +193,20 @@ def test_every_hinge_and_key_has_a_manner_of_its_own():
     plainly = joined().sample(TIMES)[1]
     assert plainly[1, 0] > 0.5
     assert abs(plainly[2, 1]) > 0.5
+
+
+def test_hinges_whose_keys_stay_keep_their_curve_and_others_get_a_new_one():
+    keyed = ALL.copy()
+    keyed[2, 1] = False
+    limits = LIMITS.part(np.arange(2))
+    asked = Keys.of(keys(keyed=keyed), limits, room=0.0)
+    first, moved = join_keys(TIMES, asked), asked.angles.copy()
+    moved[1, 0] += 0.1
+    again = join_keys(TIMES, replace(asked, angles=sealed(moved)))
+    assert again.curves[1,] is first.curves[1,]
+    assert again.curves[0,] is not first.curves[0,]
+    np.testing.assert_allclose(again.angles(TIMES)[:, 0], moved[:, 0], atol=1e-12)
+    tense = replace(asked, manner=asked.manner + np.array([1.0, 0, 0, 0, 0, 0])[:, None, None])
+    later = TIMES + np.array([0.0, 0.0, 0.1, 0.1, 0.1])
+    for other in (join_keys(TIMES, tense), join_keys(later, asked), join_keys(TIMES, replace(asked, limits=LIMITS))):
+        assert other.curves[1,] is not first.curves[1,]

@@ -2,8 +2,10 @@
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include "free_motion.h"
 #include "interior_point.h"
 #include "limit_peaks.h"
 #include "spline_sample.h"
@@ -15,6 +17,7 @@ namespace {
 
 using Numbers = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
 using Result = nb::ndarray<double, nb::c_contig, nb::device::cpu>;
+using Flags = nb::ndarray<const bool, nb::c_contig, nb::device::cpu>;
 using Places = nb::ndarray<const int, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
 std::vector<double> copy(const Numbers& from) { return {from.data(), from.data() + from.size()}; }
@@ -67,6 +70,22 @@ nb::object smooth(const Places& first, const Numbers& shares, const Numbers& val
     right.ties = program.values;
     system.solve(right, answer, EXACT);
     return array(answer.points);
+}
+
+// Writes the motion of all hinges without limits into control points (k + 3, n); returns the segments beyond a limit.
+std::vector<Beyond> free_motion(const Numbers& places, const Numbers& angles, const Flags& keyed, const Flags& firm,
+                                const Numbers& desired, const Numbers& limits, const Numbers& closeness, double step,
+                                double within, Result& controls) {
+    require(angles.ndim() == 2 && desired.ndim() == 2 && desired.shape(0) > 1 && closeness.size() == 6);
+    const size_t keys = angles.shape(0), hinges = angles.shape(1), knots = desired.shape(0);
+    require(places.size() == keys && keyed.size() == keys * hinges && firm.size() == keys);
+    require(desired.shape(1) == hinges && limits.size() == 8 * hinges && controls.size() == (knots + 2) * hinges);
+    const FreeMotion motion = {int(keys),      int(hinges),  int(knots) - 1, step,           within,         places.data(),
+                               angles.data(),  keyed.data(), firm.data(),    desired.data(), limits.data(), closeness.data(),
+                               controls.data()};
+    std::vector<Beyond> beyond;
+    for (int hinge = 0; hinge < int(hinges); ++hinge) FreeHinge(motion, hinge).find(beyond);
+    return beyond;
 }
 
 // The optimum within limits; None where there is none.
@@ -142,6 +161,7 @@ nb::tuple peaks(const Numbers& controls, const Numbers& scales, const Numbers& l
 
 NB_MODULE(_kernel, module) {
     module.def("smooth", &smooth);
+    module.def("free_motion", &free_motion);
     module.def("nearest", &nearest);
     module.def("relax", &relax);
     module.def("sample", &sample);
