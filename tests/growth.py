@@ -1,16 +1,17 @@
 """How the time of some work grows with what it is given."""
 
 from collections.abc import Callable
-from math import sqrt
+from math import inf, sqrt
 from time import process_time
 from typing import TypeVar
 
 T = TypeVar("T")
 
-ENOUGH = 0.02  # [s] of processor time that can be compared
+ENOUGH = 0.01  # [s] of processor time that can be compared
 MOST = 2**19  # of a size
 ROUNDS = 3
 STRAIGHT = 3.4  # times as long for twice as much: a straight line has 2, more where it leaves a cache; a square 4
+PLAIN = 2.7  # plainly a straight line
 
 
 def growth(work: Callable[[T], object], make: Callable[[int], T], *, size: int = 256, most: int = MOST) -> float:
@@ -28,8 +29,13 @@ def growth(work: Callable[[T], object], make: Callable[[int], T], *, size: int =
         size *= 2
     small, large = make(size), make(4 * size)
     times = 1 + int(ENOUGH / max(_seconds(work, small), ENOUGH / 100))
-    pairs = [(_seconds(work, small, times), _seconds(work, large, times)) for _ in range(ROUNDS)]
-    return sqrt(min(large for _, large in pairs) / min(small for small, _ in pairs))
+    least = min(_seconds(work, small, times) for _ in range(ROUNDS))
+    found = inf
+    for _ in range(ROUNDS):
+        found = min(found, sqrt(_seconds(work, large, times) / least))
+        if found < PLAIN:  # further rounds could only find less
+            break
+    return found
 
 
 def _seconds(work: Callable[[T], object], given: T, times: int = 1) -> float:
