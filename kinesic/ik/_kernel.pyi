@@ -101,6 +101,27 @@ class Arm:
     def gap(self, target: Vector) -> float: ...
     def softened(self, target: Vector) -> list[float]: ...
 
+# -- both hands (bind_pair.cpp); left before right
+
+Parts = Sequence[tuple[Vector, Sequence[tuple[int, Vector, Vector]]]]
+
+class Pair:
+    def __init__(
+        self,
+        *,
+        lower: Sequence[float],
+        upper: Sequence[float],
+        torso: Sequence[int],
+        length: float,
+        arms: Sequence[Arm],
+        joints: Sequence[Sequence[int]],
+        bases: Sequence[Parts],
+        hands: Sequence[Parts],
+    ) -> None: ...
+    def reach(
+        self, left: Floats, right: Floats, start: Floats, torso_weight: float, first: int
+    ) -> tuple[Floats, float, float, float, int] | None: ...
+
 # -- ball chains (bind_chains.cpp); arrays are contiguous, results are written into the caller's
 
 def chain_methods() -> list[str]: ...

@@ -1,86 +1,36 @@
 """Both hands and the torso as one problem: six rows, the torso's hinges shared (thesis 7.3, several targets).
 
-The arms are independent but for the torso. So each attempt takes a torso posture, solves the arms on it, and lets
+The compiled kernel answers where there is one; what stands here is its specification. The arms are independent but for
+the torso. So each attempt takes a torso posture, solves the arms on it, and lets
 all hinges together remove what is left; the first attempt begins with the present torso, so that it moves little.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import product
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.reach import Reach
 from kinesic.body.robot import SIDES, Robot, Side
-from kinesic.body.skeleton import Skeleton
+from kinesic.ik.arm.compiled import KERNEL, arm_of
 from kinesic.ik.arm.linkage import linkage_of
 from kinesic.ik.box_lm import Box, Descent, Errors, descend
-from kinesic.ik.scalar3 import IDENTITY, Vector, after, cross, minus, plus, rotated, vector
 from kinesic.ik.solve import as_floats, solve
+from kinesic.ik.strand import Strand, strand_to
+from kinesic.kernels import Kernel
+
+if TYPE_CHECKING:
+    from kinesic.ik import _kernel
 
 REACHED = 1e-3  # [m]
 TOLERANCE = 1e-6  # of the arm's length, at which an attempt ends
 TORSO_WEIGHT = 0.15
 SPREAD = (0.25, 0.75)  # of each torso hinge's range: where attempts begin beside the present posture
 YIELDING = (0.1, 0.01, 0.001)  # weights of the hand that yields, one after another
-
-
-@dataclass(frozen=True)
-class ChainLink:
-    """One part on the way: where it sits on the one before, and what turns it."""
-
-    offset: Vector  # [m] of its centre in the part before
-    hinges: tuple[tuple[int, Vector, Vector], ...]  # index in the robot's joint order, axis, where it passes [m]
-
-
-@dataclass(frozen=True)
-class Strand:
-    """The chain from the root to a segment, without those of its own hinges that do not move its centre."""
-
-    segments: tuple[ChainLink, ...]
-
-    @property
-    def joints(self) -> tuple[int, ...]:
-        """Indices of its hinges in the robot's joint order."""
-        return tuple(joint for segment in self.segments for joint, _, _ in segment.hinges)
-
-    def end(self, angles: Sequence[float]) -> tuple[Vector, Floats]:
-        """Where the end is, and how it moves.
-
-        Args:
-            angles: (n,) [rad] of the whole robot.
-
-        Returns:
-            The end's centre [m] in the world, and (h, 3) [m/rad] its motion with each hinge of `joints`.
-        """
-        rotation, centre = IDENTITY, (0.0, 0.0, 0.0)
-        axes: list[tuple[Vector, Vector]] = []
-        for segment in self.segments:
-            centre = plus(centre, rotated(rotation, segment.offset))
-            for joint, axis, at in segment.hinges:
-                pole = plus(centre, rotated(rotation, at))
-                axes.append((rotated(rotation, axis), pole))
-                rotation = after(rotation, axis, angles[joint])
-                centre = minus(pole, rotated(rotation, at))
-        return centre, np.array([cross(axis, minus(centre, pole)) for axis, pole in axes])
-
-
-@lru_cache(maxsize=32)
-def strand_to(skeleton: Skeleton, name: str) -> Strand:
-    """Finds the strand that carries a segment's centre."""
-    segments: list[ChainLink] = []
-    at: str | None = name
-    while at is not None:
-        part = skeleton.segments[skeleton.segment(at)]
-        joints = [joint for joint in skeleton.joints_of((at,)) if at != name or skeleton.hinges[joint].at.any()]
-        hinges = tuple(
-            (joint, vector(skeleton.hinges[joint].axis), vector(skeleton.hinges[joint].at)) for joint in joints
-        )
-        segments.append(ChainLink(vector(part.origin_in_parent), hinges))
-        at = part.parent
-    return Strand(tuple(reversed(segments)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,6 +51,7 @@ def reach_both(
     start: Floats,
     torso_weight: float = TORSO_WEIGHT,
     priority: Side | None = None,
+    kernel: Kernel = KERNEL,
 ) -> Both:
     """Finds one posture of torso and arms for both hands.
 
@@ -110,6 +61,7 @@ def reach_both(
         start: (n,) [rad] of the whole robot, to stay close to; clipped to the ranges.
         torso_weight: how readily the torso helps: 1 like an arm, less = it moves late, 0 = it stays.
         priority: the hand that comes first where not both can be had.
+        kernel: which implementation answers; "numpy" is the specification of the other.
 
     Returns:
         The first posture found in which both hands are there, else the best.
@@ -122,7 +74,41 @@ def reach_both(
     if not 0.0 <= torso_weight <= 1.0:
         raise ValueError(f"torso_weight is {torso_weight}; it must be between 0 (stays) and 1 (like an arm)")
     targets = {side: as_floats(f"target of hand {side}", hands[side], (3,)) for side in SIDES}
-    present = robot.skeleton.clamp(as_floats("start", start, robot.skeleton.rest.shape))
+    begun = as_floats("start", start, robot.skeleton.rest.shape)
+    if kernel == "compiled":
+        first = -1 if priority is None else SIDES.index(priority)
+        answer = _pair_of(robot).reach(targets["l"], targets["r"], begun, torso_weight, first)
+        if answer is not None:
+            angles, left, right, travel, rounds = answer
+            return Both(angles, {"l": left, "r": right}, travel, max(left, right) <= REACHED, rounds)
+    return _specified(robot, targets, robot.skeleton.clamp(begun), torso_weight, priority)
+
+
+@lru_cache(maxsize=8)
+def _pair_of(robot: Robot) -> "_kernel.Pair":
+    """Packs a robot for the kernel."""
+    from kinesic.ik import _kernel  # noqa: PLC0415 - exists only where there was a compiler
+
+    skeleton, chains = robot.skeleton, [robot.arms[side] for side in ("l", "r")]
+    return _kernel.Pair(
+        lower=skeleton.lower.tolist(),
+        upper=skeleton.upper.tolist(),
+        torso=list(robot.joints("torso")),
+        length=robot.arm_length,
+        arms=[arm_of(chain) for chain in chains],
+        joints=[list(chain.indices) for chain in chains],
+        bases=[_parts(strand_to(skeleton, chain.base, whole=True)) for chain in chains],
+        hands=[_parts(strand_to(skeleton, chain.joints[-1].name)) for chain in chains],
+    )
+
+
+def _parts(strand: Strand) -> "_kernel.Parts":
+    return [(part.offset, part.hinges) for part in strand.segments]
+
+
+def _specified(
+    robot: Robot, targets: Mapping[Side, Floats], present: Floats, torso_weight: float, priority: Side | None
+) -> Both:
     box = _box(robot, present, torso_weight)
     attempts: list[Descent] = []
     for torso in _torsos(robot, present, torso_weight):
@@ -162,7 +148,7 @@ def _with_arms(robot: Robot, posture: Floats, targets: Mapping[Side, Floats]) ->
         base = robot.skeleton.segment(chain.base)
         target_in_base = frames.rotations[base].T @ (targets[side] - frames.origins[base])
         joints = list(chain.indices)
-        found = solve(chain, Reach(target_in_base), start=posture[joints]).angles
+        found = solve(chain, Reach(target_in_base), start=posture[joints], kernel="numpy").angles
         moving = linkage_of(chain).links[-1].first
         solved[joints[:moving]] = found[:moving]
     return solved

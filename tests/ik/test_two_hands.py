@@ -1,4 +1,5 @@
 from dataclasses import replace
+from importlib.util import find_spec
 
 import numpy as np
 import pytest
@@ -6,7 +7,8 @@ from numpy.random import default_rng
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import SIDES, Robot, Side
-from kinesic.ik.two_hands import Both, reach_both, strand_to
+from kinesic.ik.strand import strand_to
+from kinesic.ik.two_hands import Both, reach_both
 
 ROBOT = Robot.load()
 SKELETON = ROBOT.skeleton
@@ -83,6 +85,26 @@ def test_the_answer_is_the_same_twice():
     targets = _hands(SKELETON.upper * 0.6)
     one, two = (reach_both(ROBOT, targets, start=REST) for _ in range(2))
     assert one.angles.tobytes() == two.angles.tobytes()
+
+
+@pytest.mark.skipif(find_spec("kinesic.ik._kernel") is None, reason="the kernel was not compiled here")
+@pytest.mark.parametrize("name", ["upper22", "upper36"])
+def test_the_kernel_gives_the_answers_of_its_specification(name: str):
+    robot, random = Robot.load(name), default_rng(53)
+    lower, upper = robot.skeleton.lower, robot.skeleton.upper
+    for k in range(24):
+        origins = robot.skeleton.frames(random.uniform(lower, upper)).origins
+        targets = {side: origins[robot.arm(side).wrist] * (1.3 if k % 4 == 3 else 1.0) for side in SIDES}
+        start = lower * 0.4 + upper * 0.3 if k % 2 else robot.skeleton.rest
+        weight, first = (0.15, 1.0, 0.0)[k // 4 % 3], (None, "l", "r")[k % 3]
+        one, other = (
+            reach_both(robot, targets, start=start, torso_weight=weight, priority=first, kernel=kernel)
+            for kernel in ("compiled", "numpy")
+        )
+        assert np.abs(one.angles - other.angles).max() < 1e-8
+        assert (one.rounds, one.reached) == (other.rounds, other.reached)
+        assert one.torso_travel == pytest.approx(other.torso_travel, abs=1e-8)
+        assert all(one.residuals[side] == pytest.approx(other.residuals[side], abs=1e-8) for side in SIDES)
 
 
 def test_wrong_questions_are_refused_and_explained():

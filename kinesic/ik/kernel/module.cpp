@@ -6,8 +6,10 @@ namespace nb = nanobind;
 
 void bind_arm(nb::module_& module);
 void bind_chains(nb::module_& module);
+void bind_pairs(nb::module_& module);
 
 NB_MODULE(_kernel, module) {
     bind_arm(module);
     bind_chains(module);
+    bind_pairs(module);
 }

@@ -1,0 +1,142 @@
+// One posture of torso and arms for both hands (kinesic/ik/two_hands.py): six rows, the torso's hinges shared.
+
+#pragma once
+
+#include "arm_nearest.h"
+#include "box_lm.h"
+#include "pair_strand.h"
+
+namespace kinesic::pair {
+
+constexpr int MOST_JOINTS = 128;
+constexpr int MOST_TORSO = 6;
+constexpr double TOLERANCE = 1e-6;  // of the arm's length, at which an attempt ends
+constexpr double SPREAD[2] = {0.25, 0.75};
+constexpr double YIELDING[3] = {0.1, 0.01, 0.001};
+constexpr int NOBODY = -1;
+
+using Misfit = box::Misfit<MOST_JOINTS>;
+
+struct Limb {  // an arm, and how it hangs on the robot
+    const arm::Linkage* linkage;
+    const double *rest, *mobility;
+    bool mirrored;
+    int joint[arm::MOST_HINGES];  // of the arm's hinges, in the robot's order
+    Strand base, hand;            // to the segment that carries it, and to the wrist
+};
+
+struct Body {
+    int joints = 0, torso_joints = 0;
+    double lower[MOST_JOINTS], upper[MOST_JOINTS];  // [rad]
+    int torso[MOST_TORSO];
+    double length = 0.0;  // [m] of an arm
+    Limb limb[2];         // left, right
+};
+
+struct Both {
+    double angles[MOST_JOINTS];
+    double residual[2];  // [m]
+    double travel = 0.0;  // [rad] of the torso
+    int rounds = 0;
+};
+
+struct Wanted {  // what is asked
+    Vector target[2];             // [m] in the world
+    double present[MOST_JOINTS];  // [rad] inside the ranges
+    double torso_weight = 0.0;
+    int first = NOBODY;  // the hand that comes first where not both can be had
+};
+
+// Three rows for each hand, in arm lengths; those of the hand that yields times a weight.
+inline void measure(const Body& body, const Wanted& wanted, double weight, const double* angles, Misfit& misfit) {
+    for (int k = 0; k < body.joints; ++k) std::fill_n(misfit.column[k], box::ROWS, 0.0);
+    for (int side = 0; side < 2; ++side) {
+        const Strand& strand = body.limb[side].hand;
+        const double scale = (wanted.first == NOBODY || wanted.first == side ? 1.0 : weight) / body.length;
+        Lines lines;
+        Rotation frame;
+        const Vector hand = walk(strand, angles, lines, frame), off = (wanted.target[side] - hand) * scale;
+        double* row = misfit.row + 3 * side;
+        row[0] = off.x, row[1] = off.y, row[2] = off.z;
+        for (int k = 0; k < strand.hinges; ++k) {
+            const Vector moved = cross(lines.axis[k], hand - lines.pole[k]) * scale;
+            double* column = misfit.column[strand.hinge[k].joint] + 3 * side;
+            column[0] = moved.x, column[1] = moved.y, column[2] = moved.z;
+        }
+    }
+}
+
+// Brings each arm as near to its target as it comes while the torso stays, in place.
+inline void reach_apart(const Body& body, const Wanted& wanted, double* angles) {
+    double posture[MOST_JOINTS];
+    std::copy_n(angles, body.joints, posture);
+    for (int side = 0; side < 2; ++side) {
+        const Limb& limb = body.limb[side];
+        Lines lines;
+        Rotation frame;
+        const Vector base = walk(limb.base, posture, lines, frame);
+        const Vector target = within(frame, wanted.target[side] - base);
+        arm::Question question;
+        question.position = {target.x, limb.mirrored ? 0.0 - target.y : target.y, target.z};
+        for (int k = 0; k < limb.linkage->hinges; ++k)
+            question.near[k] = limb.linkage->pivot[k].clipped(posture[limb.joint[k]]);
+        std::copy_n(limb.rest, limb.linkage->hinges, question.home);
+        std::copy_n(limb.mobility, limb.linkage->hinges, question.mobility);
+        const arm::Answer found = answer(*limb.linkage, question, limb.rest, limb.mobility);
+        for (int k = 0; k < limb.linkage->own(); ++k) angles[limb.joint[k]] = found.angles[k];
+    }
+}
+
+// The torso's n-th beginning: as it is, then spread over its ranges, the last hinge first.
+inline void begin(const Body& body, const Wanted& wanted, int n, double* angles) {
+    std::copy_n(wanted.present, body.joints, angles);
+    if (n == 0) return;
+    for (int k = body.torso_joints - 1, left = n - 1; k >= 0; --k, left /= 2) {
+        const int joint = body.torso[k];
+        angles[joint] = body.lower[joint] + (body.upper[joint] - body.lower[joint]) * SPREAD[left % 2];
+    }
+}
+
+// How readily each hinge moves: torso and arms, the hands' own hinges not.
+inline void ease(const Body& body, double torso_weight, double* mobility) {
+    std::fill_n(mobility, body.joints, 0.0);
+    for (int k = 0; k < body.torso_joints; ++k) mobility[body.torso[k]] = torso_weight;
+    for (const Limb& limb : body.limb)
+        for (int k = 0; k < limb.linkage->own(); ++k) mobility[limb.joint[k]] = limb.mobility[k];
+}
+
+// The first posture found in which both hands are there, else the best; then one hand yields if the other comes first.
+inline Both reach(const Body& body, const Wanted& wanted) {
+    double mobility[MOST_JOINTS];
+    ease(body, wanted.torso_weight, mobility);
+    const box::Box ranges{body.joints, body.lower, body.upper, wanted.present, mobility};
+    const auto descend = [&](double weight, double* angles) {
+        const auto misfit = [&](const double* now, Misfit& into) { measure(body, wanted, weight, now, into); };
+        return box::descend<MOST_JOINTS>(ranges, misfit, TOLERANCE, angles);
+    };
+    const int beginnings = body.torso_joints > 0 && wanted.torso_weight > 0.0 ? 1 + (1 << body.torso_joints) : 1;
+    Both both;
+    double least = INFINITY;
+    for (int n = 0; n < beginnings && least > TOLERANCE; ++n) {
+        double angles[MOST_JOINTS];
+        begin(body, wanted, n, angles);
+        reach_apart(body, wanted, angles);
+        const box::Descent descent = descend(1.0, angles);
+        both.rounds += descent.rounds;
+        if (descent.miss >= least) continue;
+        least = descent.miss;
+        std::copy_n(angles, body.joints, both.angles);
+    }
+    if (wanted.first != NOBODY && least > TOLERANCE)
+        for (const double weight : YIELDING) both.rounds += descend(weight, both.angles).rounds;
+    for (int side = 0; side < 2; ++side) {
+        Lines lines;
+        Rotation frame;
+        both.residual[side] = distance(walk(body.limb[side].hand, both.angles, lines, frame), wanted.target[side]);
+    }
+    for (int k = 0; k < body.torso_joints; ++k)
+        both.travel += std::abs(both.angles[body.torso[k]] - wanted.present[body.torso[k]]);
+    return both;
+}
+
+}  // namespace kinesic::pair

@@ -1,0 +1,50 @@
+// The chain of parts from the root to a segment, as far as two hands need it (kinesic/ik/two_hands.py, Strand).
+
+#pragma once
+
+#include "arm_linkage.h"
+
+namespace kinesic::pair {
+
+using arm::Pivot;
+using arm::Rotation;
+using arm::Vector;
+
+constexpr int MOST_PARTS = 24;
+constexpr int MOST_HINGES = 48;
+
+struct Hinge {
+    int joint = 0;  // in the robot's order
+    Pivot pivot;
+    Vector at;  // [m] where its axis passes the part's centre
+};
+
+struct Strand {
+    int parts = 0, hinges = 0;
+    Vector offset[MOST_PARTS];       // [m] of a part's centre in the part before
+    int end[MOST_PARTS];             // of a part's hinges
+    Hinge hinge[MOST_HINGES];
+};
+
+struct Lines {  // the axis of each hinge in the world, with a point on it [m]
+    Vector axis[MOST_HINGES], pole[MOST_HINGES];
+};
+
+// The end's centre [m] in the world and its frame.
+inline Vector walk(const Strand& strand, const double* angles, Lines& lines, Rotation& frame) {
+    Vector centre;
+    frame = Rotation{};
+    for (int part = 0, k = 0; part < strand.parts; ++part) {
+        centre = centre + rotated(frame, strand.offset[part]);
+        for (; k < strand.end[part]; ++k) {
+            const Hinge& hinge = strand.hinge[k];
+            lines.pole[k] = centre + rotated(frame, hinge.at);
+            lines.axis[k] = rotated(frame, hinge.pivot.axis);
+            frame = behind(frame, hinge.pivot, angles[hinge.joint]);
+            centre = lines.pole[k] - rotated(frame, hinge.at);
+        }
+    }
+    return centre;
+}
+
+}  // namespace kinesic::pair

@@ -1,0 +1,68 @@
+"""The chain of parts from a robot's root to one of them: where its end is, and how it moves with each hinge."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from kinesic.body.arrays import Floats
+from kinesic.body.skeleton import Skeleton
+from kinesic.ik.scalar3 import IDENTITY, Vector, after, cross, minus, plus, rotated, vector
+
+
+@dataclass(frozen=True)
+class ChainLink:
+    """One part on the way: where it sits on the one before, and what turns it."""
+
+    offset: Vector  # [m] of its centre in the part before
+    hinges: tuple[tuple[int, Vector, Vector], ...]  # index in the robot's joint order, axis, where it passes [m]
+
+
+@dataclass(frozen=True)
+class Strand:
+    """The chain from the root to a segment: without those of its own hinges that do not move its centre, or whole."""
+
+    segments: tuple[ChainLink, ...]
+
+    @property
+    def joints(self) -> tuple[int, ...]:
+        """Indices of its hinges in the robot's joint order."""
+        return tuple(joint for segment in self.segments for joint, _, _ in segment.hinges)
+
+    def end(self, angles: Sequence[float]) -> tuple[Vector, Floats]:
+        """Where the end is, and how it moves.
+
+        Args:
+            angles: (n,) [rad] of the whole robot.
+
+        Returns:
+            The end's centre [m] in the world, and (h, 3) [m/rad] its motion with each hinge of `joints`.
+        """
+        rotation, centre = IDENTITY, (0.0, 0.0, 0.0)
+        axes: list[tuple[Vector, Vector]] = []
+        for segment in self.segments:
+            centre = plus(centre, rotated(rotation, segment.offset))
+            for joint, axis, at in segment.hinges:
+                pole = plus(centre, rotated(rotation, at))
+                axes.append((rotated(rotation, axis), pole))
+                rotation = after(rotation, axis, angles[joint])
+                centre = minus(pole, rotated(rotation, at))
+        return centre, np.array([cross(axis, minus(centre, pole)) for axis, pole in axes])
+
+
+@lru_cache(maxsize=32)
+def strand_to(skeleton: Skeleton, name: str, *, whole: bool = False) -> Strand:
+    """Finds the strand that carries a segment's centre; the whole one carries its frame, too."""
+    segments: list[ChainLink] = []
+    at: str | None = name
+    while at is not None:
+        part = skeleton.segments[skeleton.segment(at)]
+        moving = whole or at != name
+        joints = [joint for joint in skeleton.joints_of((at,)) if moving or skeleton.hinges[joint].at.any()]
+        hinges = tuple(
+            (joint, vector(skeleton.hinges[joint].axis), vector(skeleton.hinges[joint].at)) for joint in joints
+        )
+        segments.append(ChainLink(vector(part.origin_in_parent), hinges))
+        at = part.parent
+    return Strand(tuple(reversed(segments)))
