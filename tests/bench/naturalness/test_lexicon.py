@@ -6,7 +6,9 @@ import pytest
 from kinesic.bench.naturalness import lexicon_figures
 from kinesic.bench.naturalness.body import BodyMeasures
 from kinesic.bench.naturalness.captured_table import captured_table
+from kinesic.bench.naturalness.legibility import TOO_NEAR
 from kinesic.bench.naturalness.lexicon import MeasuredGesture, measure_gesture, measure_lexicon
+from kinesic.bench.naturalness.likeness import nearest_pairs
 from kinesic.expressivity.durations import stroke_spans
 from kinesic.expressivity.hands.poses import poses
 from kinesic.expressivity.style.effort import Effort
@@ -50,6 +52,16 @@ def test_a_path_is_dynamic_and_a_pose_is_not(known, wave):
     assert not measure_gesture(form(known, "arms_crossed"), known).dynamic
     assert not replace(wave, keys=1).dynamic
     assert not replace(wave, hand=replace(wave.hand, stroke_path=0.2)).dynamic
+
+
+LOOKED_ALIKE = (("me_low", "tiny_low"), ("beat_purse", "beckon_finger"), ("victory", "high_five"))
+
+
+@pytest.mark.parametrize("pair", LOOKED_ALIKE)
+def test_gestures_that_looked_alike_are_told_apart_with_a_margin(known, pair):
+    seen = {name: measure_gesture(form(known, name), known).seen for name in pair}
+    (found,) = nearest_pairs(seen, 1.0)
+    assert found.distance > 1.3 * TOO_NEAR
 
 
 def test_processes_measure_what_one_does(known, wave):
