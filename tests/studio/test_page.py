@@ -166,6 +166,25 @@ def test_a_hand_that_is_dragged_says_what_stops_it(studio: Studio):
     assert len(studio.state("latencies")) >= 2
 
 
+def test_a_drag_follows_the_pointer_between_frames_and_shows_its_own_dot_alone(studio: Studio):
+    studio.write(WORDS)
+    studio.page.click("#mode-plan")
+    seen = "[...document.querySelectorAll('#handles i')].filter(dot => getComputedStyle(dot).visibility === 'visible')"
+    studio.until("s.left !== null && s.reach === null")
+    assert studio.page.value(f"{seen}.length") == 6
+    hand = studio.state("left")
+    x, y = hand["x"], hand["y"]
+    studio.page.call("Input.dispatchMouseEvent", type="mousePressed", x=x, y=y, button="left", clickCount=1)
+    # what a browser tells of moves at once; it keeps those of `pointermove` until the next frame
+    raw = f"new PointerEvent('pointerrawupdate', {{clientX: {x + 6}, clientY: {y - 9}}})"
+    studio.page.value(f"document.querySelector('#canvas').dispatchEvent({raw})")
+    studio.until("s.reach !== null")
+    studio.page.until(f"{seen}.length === 1 && {seen}[0].className === 'hand taken'")
+    studio.page.call("Input.dispatchMouseEvent", type="mouseReleased", x=x, y=y, button="left")
+    studio.page.until(f"{seen}.length === 6")
+    studio.page.click("#mode-plan")
+
+
 @pytest.mark.parametrize(
     ("part", "way", "far", "free", "stops"),
     [

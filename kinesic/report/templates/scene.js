@@ -90,6 +90,12 @@ const sceneOf = (canvas, data, smooth = true) => {
 
   // ---- drawing ------------------------------------------------------------------------------------------------
 
+  const LIGHT = `vec3 lighted(vec3 paint, vec3 n, vec3 way) {
+      vec3 m = normalize(n), to = normalize(way), sun = normalize(vec3(0.5, 0.45, 0.8));
+      float light = 0.46 + 0.14 * m.z + 0.46 * max(dot(m, sun), 0.0) + 0.12 * max(dot(m, normalize(vec3(0.6, -0.7, 0.2))), 0.0);
+      float gloss = 0.16 * pow(max(dot(m, normalize(sun + to)), 0.0), 36.0), rim = 0.10 * pow(1.0 - max(dot(m, to), 0.0), 3.0);
+      return paint * light + gloss + rim;
+    }`;
   const SOLID = [
     `#version 300 es
     in vec3 place; in vec3 normal; uniform mat4 frame, view; uniform bool shadow; out vec3 at, n;
@@ -100,13 +106,24 @@ const sceneOf = (canvas, data, smooth = true) => {
     }`,
     `#version 300 es
     precision highp float; in vec3 at, n; uniform vec4 colour; uniform vec3 eye; uniform bool shadow; out vec4 drawn;
+    ${LIGHT}
     void main() {
-      if (shadow) { drawn = vec4(0.0, 0.0, 0.0, colour.a); return; }
-      vec3 m = normalize(n), to = normalize(eye - at), sun = normalize(vec3(0.5, 0.45, 0.8));
-      float light = 0.46 + 0.14 * m.z + 0.46 * max(dot(m, sun), 0.0) + 0.12 * max(dot(m, normalize(vec3(0.6, -0.7, 0.2))), 0.0);
-      float gloss = 0.16 * pow(max(dot(m, normalize(sun + to)), 0.0), 36.0), rim = 0.10 * pow(1.0 - max(dot(m, to), 0.0), 3.0);
-      drawn = vec4((colour.rgb * light + gloss + rim) * colour.a, colour.a);
+      drawn = vec4(shadow ? vec3(0.0) : lighted(colour.rgb, n, eye - at) * colour.a, colour.a);
     }`,
+  ];
+  // The light of each corner, for software: a pixel costs next to nothing.
+  const BRISK = [
+    `#version 300 es
+    in vec3 place; in vec3 normal; uniform mat4 frame, view; uniform vec4 colour; uniform vec3 eye; out vec4 tone;
+    ${LIGHT}
+    void main() {
+      vec4 world = frame * vec4(place, 1.0);
+      tone = vec4(lighted(colour.rgb, mat3(frame) * normal, eye - world.xyz) * colour.a, colour.a);
+      gl_Position = view * world;
+    }`,
+    `#version 300 es
+    precision mediump float; in vec4 tone; out vec4 drawn;
+    void main() { drawn = tone; }`,
   ];
   const FLOOR = [
     `#version 300 es
@@ -139,10 +156,11 @@ const sceneOf = (canvas, data, smooth = true) => {
     return { made, at: (name) => (known[name] ??= gl.getUniformLocation(made, name)) };
   };
 
-  const COARSE = 0.014; // [m] of a cell, of whose corners one is left
-  let solid, ground, skin, screen;
+  const COARSE = 0.02; // [m] of a cell, of whose corners one is left
+  let solid, brisk, ground, skin, screen;
   const prepare = () => {
     solid = program(SOLID);
+    brisk = smooth ? solid : program(BRISK);
     ground = program(FLOOR);
     skin = data.skin && skinOf(gl, data.skin, program, data.features?.shapes);
     screen = data.screen && screenOf(gl, data.screen, program);
@@ -260,14 +278,10 @@ const sceneOf = (canvas, data, smooth = true) => {
     gl.uniform3fv(ground.at("ink"), ink);
     gl.depthMask(false);
     gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
-    gl.useProgram(solid.made);
-    gl.uniformMatrix4fv(solid.at("view"), false, view);
-    gl.uniform3fv(solid.at("eye"), eye);
     if (full) cast([solidBody, ghostBody].filter(Boolean));
     gl.depthMask(true);
     body(solidBody);
     screen?.(solidBody.frames[data.screen.segment], view, face);
-    gl.useProgram(solid.made);
     if (ghostBody) {
       gl.colorMask(false, false, false, false);
       body(ghostBody);
@@ -281,8 +295,10 @@ const sceneOf = (canvas, data, smooth = true) => {
     gl.enable(gl.STENCIL_TEST);
     gl.stencilFunc(gl.EQUAL, 0, 255);
     gl.stencilOp(gl.KEEP, gl.KEEP, gl.INCR);
+    gl.useProgram(solid.made);
     gl.uniform1i(solid.at("shadow"), 1);
     for (const one of bodies) body({ ...one, alpha: 0.16 * one.alpha, shadow: true });
+    gl.useProgram(solid.made);
     gl.uniform1i(solid.at("shadow"), 0);
     gl.disable(gl.STENCIL_TEST);
   };
@@ -290,7 +306,6 @@ const sceneOf = (canvas, data, smooth = true) => {
   const body = (one) => {
     if (!skin) return rigid(one);
     skin({ ...one, tints: (segment) => tint(segment, one) });
-    gl.useProgram(solid.made);
   };
   // What the skin of a segment is coloured with, and how much: where it is lit, or its drives are strained.
   const tint = (segment, { duty, lit }) => {
@@ -300,14 +315,21 @@ const sceneOf = (canvas, data, smooth = true) => {
     return [...COLOURS.hot.map((value) => value * share), share];
   };
 
-  const rigid = ({ frames: placed, duty, lit, alpha, full }) => {
+  const rigid = ({ view, eye, frames: placed, duty, lit, alpha, full }) => {
+    const fine = full || smooth;
+    const { made, at } = fine ? solid : brisk;
+    gl.useProgram(made);
+    gl.uniformMatrix4fv(at("view"), false, view);
+    gl.uniform3fv(at("eye"), eye);
+    if (!fine) gl.enable(gl.CULL_FACE);
     for (const shape of shapes) {
-      const { first, size } = shape.levels[full || smooth ? 0 : 1];
+      const { first, size } = shape.levels[fine ? 0 : 1];
       const strain = duty ? Math.max(0, ...shape.hinges.map((hinge) => duty[hinge])) : 0;
-      gl.uniformMatrix4fv(solid.at("frame"), false, placed[shape.segment]);
-      gl.uniform4f(solid.at("colour"), ...heated(COLOURS[lit?.has(shape.segment) ? "lit" : shape.colour], strain), alpha);
+      gl.uniformMatrix4fv(at("frame"), false, placed[shape.segment]);
+      gl.uniform4f(at("colour"), ...heated(COLOURS[lit?.has(shape.segment) ? "lit" : shape.colour], strain), alpha);
       gl.drawElements(gl.TRIANGLES, size, gl.UNSIGNED_INT, 4 * first);
     }
+    gl.disable(gl.CULL_FACE);
   };
 
   // Where on the canvas, in percent, the place above a robot is.

@@ -112,12 +112,16 @@ const screenOf = (gl, { picture }, program) => {
   gl.bindVertexArray(null);
   const texture = gl.createTexture();
   const plain = plainFace().paper;
+  let seen = null; // what the texture holds; a picture that is given may be painted anew, this one is not
   return (frame, view, shown) => {
     gl.useProgram(made.made);
     gl.bindTexture(gl.TEXTURE_2D, texture);
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, gl.RGBA, gl.UNSIGNED_BYTE, shown ?? plain);
-    gl.generateMipmap(gl.TEXTURE_2D);
-    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR_MIPMAP_LINEAR);
+    if (shown || seen !== plain) {
+      seen = shown ?? plain;
+      gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, gl.RGBA, gl.UNSIGNED_BYTE, seen);
+      gl.generateMipmap(gl.TEXTURE_2D);
+      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR_MIPMAP_LINEAR);
+    }
     gl.uniformMatrix4fv(made.at("frame"), false, frame);
     gl.uniformMatrix4fv(made.at("view"), false, view);
     gl.bindVertexArray(array);

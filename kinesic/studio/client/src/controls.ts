@@ -1,6 +1,6 @@
 // Buttons, menus and keys of the page, and what each of them does.
 import { byId } from "./dom.ts";
-import { VIEWS, type View } from "./stage.ts";
+import { VIEWS, type View } from "./look.ts";
 
 export interface Actions {
   play(): void;

@@ -7,6 +7,11 @@ export function byId<T extends Element = HTMLElement>(id: string): T {
   return found;
 }
 
+/** Says a text in an element; a page that says it already is not laid out anew. */
+export function say(element: Element, text: string): void {
+  if (element.textContent !== text) element.textContent = text;
+}
+
 /** Makes an element with attributes and children. */
 export function make<K extends keyof HTMLElementTagNameMap>(
   name: K,

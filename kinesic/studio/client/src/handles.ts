@@ -1,8 +1,8 @@
 // What can be dragged on the stage: hands, elbows, the trunk by its neck, and the place that the eyes look at.
+import { make } from "./dom.ts";
 import type { Body, Side } from "./types.ts";
 import { project, type Vector } from "./vectors.ts";
 
-const SVG = "http://www.w3.org/2000/svg";
 const GRIP = 24; // [CSS pixels] around a handle, in which it is taken
 const AHEAD = 0.45; // [m] before the eyes, where the place that they look at is shown
 export const PARTS = ["hand", "elbow", "trunk", "gaze"] as const;
@@ -48,23 +48,18 @@ export function placeOf(body: Body, { part, side }: Handle, frames: Float32Array
   return at(frames[segment]!, [0, 0, 0], 1);
 }
 
-/** Small circles over the stage, so that one sees what can be dragged. */
+/** Small circles over the stage, so that one sees what can be dragged; they are moved without being painted anew. */
 export class Handles {
   readonly all: Handle[];
-  private readonly dots: SVGElement[];
+  private readonly dots: HTMLElement[];
 
   constructor(
-    svg: SVGSVGElement,
+    private readonly cover: HTMLElement,
     private readonly body: Body,
   ) {
     this.all = handlesOf(body);
-    this.dots = this.all.map(({ part }) => {
-      const dot = document.createElementNS(SVG, "circle");
-      dot.setAttribute("class", part);
-      dot.setAttribute("r", part === "hand" ? "7" : "5");
-      return dot;
-    });
-    svg.replaceChildren(...this.dots);
+    this.dots = this.all.map(({ part }) => make("i", { class: part }));
+    cover.replaceChildren(...this.dots);
   }
 
   /** Where they are on the canvas [CSS pixels], from its corner. */
@@ -75,13 +70,19 @@ export class Handles {
     });
   }
 
-  draw(points: readonly Point[], taken: Handle | null): void {
+  /**
+   * Puts the circles where they are.
+   * @param taken what is under the pointer
+   * @param alone whether it is dragged, and nothing else can be taken meanwhile
+   */
+  draw(points: readonly Point[], taken: Handle | null, alone: boolean): void {
+    this.cover.classList.toggle("alone", alone);
     points.forEach(({ x, y }, k) => {
       const dot = this.dots[k]!;
-      dot.setAttribute("cx", x.toFixed(1));
-      dot.setAttribute("cy", y.toFixed(1));
       const { part, side } = this.all[k]!;
-      dot.classList.toggle("taken", taken?.part === part && taken.side === side);
+      const is = taken?.part === part && taken.side === side;
+      dot.classList.toggle("taken", is);
+      if (is || !alone) dot.style.translate = `${x.toFixed(1)}px ${y.toFixed(1)}px`;
     });
   }
 

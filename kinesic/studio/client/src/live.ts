@@ -1,5 +1,5 @@
 // What the robot does now, and what the server tells.
-import { byId, make } from "./dom.ts";
+import { byId, make, say } from "./dom.ts";
 import { Strips } from "./telemetry.ts";
 import type { Body, BodyReport, ServoPlace } from "./types.ts";
 
@@ -27,7 +27,7 @@ export class Live {
       report.volts === null ? "" : `${report.volts.toFixed(1)} V`,
       report.faulty ? "a servo reports an error" : "",
     ];
-    byId("servos").textContent = servos.filter(Boolean).join(", ") || "simulated";
+    say(byId("servos"), servos.filter(Boolean).join(", ") || "simulated");
   }
 
   /** BML feedback, shortened to what people ask. */

@@ -12,7 +12,7 @@ const plain = (name: string) => name.replace(/^l_/, "left ").replace(/^r_/, "rig
 
 export class Reaching {
   found: Reached | null = null;
-  private next: { drag: Drag; at: number } | null = null;
+  private next: Drag | null = null;
   private busy = false;
   private cancelled = 0; // drags; an answer to one of them comes too late
   private posture: number[] | null = null;
@@ -48,7 +48,7 @@ export class Reaching {
     this.side = drag.side;
     this.part = drag.part;
     this.target = drag.target;
-    this.next = { drag, at: performance.now() };
+    this.next = drag;
     if (!this.busy) void this.ask();
   }
 
@@ -87,7 +87,7 @@ export class Reaching {
   private async ask(): Promise<void> {
     this.busy = true;
     while (this.next) {
-      const { drag, at } = this.next;
+      const drag = this.next;
       this.next = null;
       const posture = this.posture ?? this.startPosture();
       const asked = performance.now();
@@ -96,7 +96,7 @@ export class Reaching {
       if (answer?.told !== "reach" || cancelled !== this.cancelled) continue;
       this.found = answer as unknown as Reached;
       this.posture = this.found.angles;
-      this.changed(this.found, at);
+      this.changed(this.found, drag.asked);
       await new Promise((again) => setTimeout(again, asked + PERIOD - performance.now()));
     }
     this.busy = false;

@@ -1,17 +1,17 @@
 // The stage: the robot from any side, and parts of its body that can be dragged.
 import { type Look, type Scene, sceneOf } from "kinesic:scene";
 import { type Handle, Handles, type Part, type Point, placeOf } from "./handles.ts";
+import { lookFrom, turned, type View, zoomed } from "./look.ts";
 import { drawsInSoftware, Pace, type Quality, whenDrawn } from "./pace.ts";
 import { SectorGrid } from "./sectors.ts";
 import type { Body, Side } from "./types.ts";
 import { unproject, type Vector } from "./vectors.ts";
 
-export const VIEWS = ["front", "left", "top", "free"] as const;
-export type View = (typeof VIEWS)[number];
-
 export interface Drag extends Handle {
   /** [m] in the world. */
   target: Vector;
+  /** [ms] when the pointer was there. */
+  asked: number;
 }
 
 export interface Shown {
@@ -25,6 +25,8 @@ export interface Shown {
 }
 
 const KEPT = 500; // latencies
+// A dragged part follows each move of the pointer as it comes, not those before the next frame together, where that is told.
+const MOVES = "onpointerrawupdate" in window ? "pointerrawupdate" : "pointermove";
 
 const alike = (a: readonly number[] | undefined, b: readonly number[] | undefined): boolean =>
   a === b || (a !== undefined && b !== undefined && a.length === b.length && a.every((value, k) => value === b[k]));
@@ -58,7 +60,7 @@ export class Stage {
   constructor(
     private readonly canvas: HTMLCanvasElement,
     grid: SVGSVGElement,
-    dots: SVGSVGElement,
+    dots: HTMLElement,
     private readonly body: Body,
     private readonly listener: { drag(drag: Drag): void; drop(drag: Drag): void },
   ) {
@@ -69,14 +71,14 @@ export class Stage {
     this.sectors = new SectorGrid(grid, body);
     this.handles = new Handles(dots, body);
     this.flat = this.scene === null;
-    this.look = this.lookOf("free");
+    this.look = lookFrom("free", body);
     this.shown = { angles: body.rest, ghost: undefined, lit: new Set() };
     this.listen();
   }
 
   /** Shows the robot from one of the usual sides. */
   view(view: View): void {
-    this.look = this.lookOf(view);
+    this.look = lookFrom(view, this.body);
     this.redraw();
   }
 
@@ -119,18 +121,6 @@ export class Stage {
     return this.handles.points(this.scene.camera(this.look).view, this.scene.frames(this.shown.angles), this.size);
   }
 
-  private lookOf(view: View): Look {
-    const [x, y, z] = this.body.view.from as [number, number, number];
-    const free = { turn: Math.atan2(y, x), rise: Math.asin(z / Math.hypot(x, y, z)), zoom: 1 };
-    const sides: Record<View, Look> = {
-      free,
-      front: { turn: 0, rise: 0.05, zoom: 1 },
-      left: { turn: Math.PI / 2, rise: 0.05, zoom: 1 },
-      top: { turn: 0, rise: 1.5, zoom: 1 },
-    };
-    return sides[view];
-  }
-
   private draw(now: number): void {
     this.due = false;
     if (this.dragged) this.pace.move(now);
@@ -149,7 +139,7 @@ export class Stage {
       const hand = this.last?.part === "hand" ? this.last : null;
       const { side, target } = hand ?? { side: "right", target: null };
       this.sectors.draw(this.scene.camera(this.look).view, this.scene.up, side, target, this.size);
-      this.handles.draw(this.points(), this.dragged ?? this.over);
+      this.handles.draw(this.points(), this.dragged ?? this.over, this.dragged !== null);
     }
     this.drawn += 1;
     this.busy = true;
@@ -224,14 +214,16 @@ export class Stage {
       const handle = this.under(event);
       const frames = this.scene?.frames(this.shown.angles);
       this.dragged = handle && frames ? { ...handle, grip: placeOf(this.body, handle, frames) } : null;
+      if (this.dragged) canvas.addEventListener(MOVES, this.follow);
     });
     canvas.addEventListener("pointermove", (event) => {
-      if (this.dragged) this.dragTo(event, this.dragged);
-      else if (event.buttons & 1 && canvas.hasPointerCapture(event.pointerId)) this.orbit(event);
+      if (this.dragged) return;
+      if (event.buttons & 1 && canvas.hasPointerCapture(event.pointerId)) this.orbit(event);
       else this.hover(this.under(event));
     });
     for (const kind of ["pointerup", "pointercancel"] as const)
       canvas.addEventListener(kind, () => {
+        canvas.removeEventListener(MOVES, this.follow);
         if (this.last) this.listener.drop(this.last);
         this.dragged = this.last = null;
         this.redraw();
@@ -241,6 +233,10 @@ export class Stage {
     canvas.addEventListener("keydown", (event) => this.turnByKey(event));
   }
 
+  private readonly follow = (event: Event): void => {
+    if (this.dragged && event instanceof PointerEvent) this.dragTo(event, this.dragged);
+  };
+
   private dragTo(event: PointerEvent, { part, side, grip }: Handle & { grip: Vector }): void {
     if (!this.scene) return;
     const { eye, view } = this.scene.camera(this.look);
@@ -248,16 +244,12 @@ export class Stage {
     const [ex, ey, ez] = eye as [number, number, number];
     const place = unproject(view, [ex, ey, ez], x, y, grip);
     const [ux, uy, uz] = this.scene.up as [number, number, number];
-    this.last = { part, side, target: [place[0] - ux, place[1] - uy, place[2] - uz] };
+    this.last = { part, side, target: [place[0] - ux, place[1] - uy, place[2] - uz], asked: event.timeStamp };
     this.listener.drag(this.last);
   }
 
   private orbit(event: PointerEvent): void {
-    this.look = {
-      turn: this.look.turn - 0.008 * event.movementX,
-      rise: Math.min(Math.max(this.look.rise + 0.008 * event.movementY, -0.1), 1.5),
-      zoom: this.look.zoom,
-    };
+    this.look = turned(this.look, -0.008 * event.movementX, 0.008 * event.movementY);
     this.redraw();
   }
 
@@ -275,7 +267,7 @@ export class Stage {
   }
 
   private zoomBy(factor: number): void {
-    this.look = { ...this.look, zoom: Math.min(Math.max(this.look.zoom * factor, 0.5), 6) };
+    this.look = zoomed(this.look, factor);
     this.redraw();
   }
 
@@ -290,11 +282,7 @@ export class Stage {
     if (event.key === "+" || event.key === "-") this.zoomBy(event.key === "+" ? 1.1 : 1 / 1.1);
     if (!turn) return;
     event.preventDefault();
-    this.look = {
-      turn: this.look.turn + turn[0],
-      rise: Math.min(Math.max(this.look.rise + turn[1], -0.1), 1.5),
-      zoom: this.look.zoom,
-    };
+    this.look = turned(this.look, ...turn);
     this.redraw();
   }
 }

@@ -1,9 +1,10 @@
 // How each servo is, as a strip and as colour on the body.
-import { byId, make } from "./dom.ts";
+import { byId, make, say } from "./dom.ts";
 import type { Body, BodyReport, ServoPlace, ServoReport } from "./types.ts";
 
 const WIDEST = 0.1; // [rad] of error that is very far
 const COOL = 40; // [C] at which nothing is to be said
+const STEPS = 50; // of a bar
 const SAG = 1; // [V] below the best supplied servo that is very low
 const ERRORS: Record<number, string> = {
   1: "voltage",
@@ -85,20 +86,20 @@ export class Strips {
     const far = tracking(report);
     const { servos } = report;
     this.strips.forEach((strip, k) => {
-      strip.bars.tracking.style.setProperty("--share", String(far[strip.hinge] ?? 0));
+      fill(strip.bars.tracking, far[strip.hinge] ?? 0);
       if (servos && this.places.length) this.tell(strip, servos, k);
-      else strip.texts[0]!.textContent = degrees(report.angles[strip.hinge]);
+      else say(strip.texts[0]!, degrees(report.angles[strip.hinge]));
     });
   }
 
   private tell(strip: Strip, servos: ServoReport, k: number): void {
     const { celsius, volts, errors, load } = servos;
     const bits = errors[k];
-    strip.bars.load.style.setProperty("--share", String(share(Math.abs(load[k] ?? 0))));
-    strip.texts[0]!.textContent = celsius[k]?.toFixed(0) ?? "–";
-    strip.texts[1]!.textContent = volts[k]?.toFixed(1) ?? "–";
+    fill(strip.bars.load, share(Math.abs(load[k] ?? 0)));
+    say(strip.texts[0]!, celsius[k]?.toFixed(0) ?? "–");
+    say(strip.texts[1]!, volts[k]?.toFixed(1) ?? "–");
     strip.line.classList.toggle("faulty", bits === null || Boolean(bits));
-    strip.texts[2]!.textContent = bits === null ? "silent" : bits ? errorWords(bits!) : "";
+    say(strip.texts[2]!, bits === null ? "silent" : bits ? errorWords(bits!) : "");
   }
 
   private strip(name: string, title: string): Strip {
@@ -109,6 +110,12 @@ export class Strips {
     line.append(bars.tracking, bars.load, ...texts);
     return { line, hinge: this.body.hinges.indexOf(name), bars, texts: [...texts, error] };
   }
+}
+
+/** Fills a share of a bar, in steps that are seen: what hardly changes is not painted anew. */
+function fill(bar: HTMLElement, share: number): void {
+  const seen = (Math.round(STEPS * share) / STEPS).toString();
+  if (bar.style.getPropertyValue("--share") !== seen) bar.style.setProperty("--share", seen);
 }
 
 const degrees = (angle: number | undefined): string =>

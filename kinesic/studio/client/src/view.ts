@@ -1,5 +1,5 @@
 // What the stage shows: the plan at a moment, the robot as it is, or the posture of what is dragged.
-import { byId } from "./dom.ts";
+import { byId, say } from "./dom.ts";
 import type { Motion } from "./motion.ts";
 import { Reaching } from "./reaching.ts";
 import type { Robot } from "./robot.ts";
@@ -19,8 +19,8 @@ export class StageView {
     private readonly time: () => number,
     dropped: (drag: Drag) => void,
   ) {
-    const [canvas, grid, dots] = ["canvas", "sectors", "handles"].map((id) => byId<Element>(id));
-    this.stage = new Stage(canvas as HTMLCanvasElement, grid as SVGSVGElement, dots as SVGSVGElement, about.robot, {
+    const [canvas, grid] = ["canvas", "sectors"].map((id) => byId<Element>(id));
+    this.stage = new Stage(canvas as HTMLCanvasElement, grid as SVGSVGElement, byId("handles"), about.robot, {
       drag: (drag) => this.reaching.drag(drag),
       drop: (drag) => {
         this.reaching.drop();
@@ -83,7 +83,7 @@ export class StageView {
   }
 
   private reached(found: Reached | null, asked?: number): void {
-    byId("stops").textContent = this.reaching.words(found);
+    say(byId("stops"), this.reaching.words(found));
     byId("stops").classList.toggle("warning", found !== null && !found.reached);
     this.redraw(asked);
   }
