@@ -10,7 +10,7 @@ from functools import cached_property
 from math import isfinite
 from pathlib import Path
 
-from kinesic.bml.block import Behaviour, Block, Gesture, Modality, modality_of
+from kinesic.bml.block import Behaviour, Block, Gesture, Modality, Mode, modality_of
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.choices import Gathering
 from kinesic.body.config import read_toml, suggestion
@@ -96,6 +96,17 @@ class BlockContext:
 
     def find_gesture(self, behaviour: Behaviour, action: Gesture) -> Match | None:
         """Finds the gesture that a behaviour means, in its place; None when the lexicon has none."""
+        asked = behaviour.id, action.lexeme, action.mode
+        if asked not in self._gestures:
+            self._gestures[asked] = self._find_gesture(behaviour, action)
+        return self._gestures[asked]
+
+    @cached_property
+    def _gestures(self) -> dict[tuple[str, str, Mode], Match | None]:
+        """What was found: each is asked for by its durations, by its hands, and in every round of planning."""
+        return {}
+
+    def _find_gesture(self, behaviour: Behaviour, action: Gesture) -> Match | None:
         match, deviation = self.lexicon.find(action.lexeme, action.mode), self.deviations.get(behaviour.id)
         if match is None or deviation is None:
             return match

@@ -157,23 +157,7 @@ class Keys:
             bonds: between sync points; those without a key are left out.
             room: [rad] that keys keep from the ends of a range.
         """
-        inward = np.minimum(room, (limits.upper - limits.lower) / 2)
-        angles = np.clip([posture.angles for posture in postures], limits.lower + inward, limits.upper - inward)
-        row_of = {sync: row for row, posture in enumerate(postures) for sync in posture.syncs}
-        return cls(
-            asked=sealed([posture.time for posture in postures]),
-            angles=sealed(angles),
-            keyed=np.array([posture.keyed for posture in postures], dtype=np.bool_),
-            manner=np.stack([posture.manner for posture in postures], axis=1),
-            firm=np.array([posture.firm for posture in postures], dtype=np.bool_),
-            syncs=tuple(posture.syncs for posture in postures),
-            limits=limits,
-            bonds={
-                (row_of[bond.earlier], row_of[bond.later]): bond.least
-                for bond in bonds
-                if bond.earlier in row_of and bond.later in row_of and row_of[bond.earlier] != row_of[bond.later]
-            },
-        )
+        return _join_postures(tuple(postures), limits, tuple(bonds), room)
 
     def part(self, rows: Choices, hinges: Choices) -> "Keys":
         """Takes some keys of some hinges, without bonds."""
@@ -236,6 +220,27 @@ class Keys:
     def spread(self, times: Floats) -> Floats:
         """Moves the times (m,) [s] of keys on a path in between those of the firm ones, as evenly as asked."""
         return np.where(self.firm, times, np.interp(self.asked, self.asked[self.firm], times[self.firm]))
+
+
+@lru_cache(maxsize=8)  # each stage of planning asks for the same ones
+def _join_postures(postures: tuple[KeyPosture, ...], limits: Limits, bonds: tuple[Bond, ...], room: float) -> Keys:
+    inward = np.minimum(room, (limits.upper - limits.lower) / 2)
+    angles = np.clip([posture.angles for posture in postures], limits.lower + inward, limits.upper - inward)
+    row_of = {sync: row for row, posture in enumerate(postures) for sync in posture.syncs}
+    return Keys(
+        asked=sealed([posture.time for posture in postures]),
+        angles=sealed(angles),
+        keyed=np.array([posture.keyed for posture in postures], dtype=np.bool_),
+        manner=np.stack([posture.manner for posture in postures], axis=1),
+        firm=np.array([posture.firm for posture in postures], dtype=np.bool_),
+        syncs=tuple(posture.syncs for posture in postures),
+        limits=limits,
+        bonds={
+            (row_of[bond.earlier], row_of[bond.later]): bond.least
+            for bond in bonds
+            if bond.earlier in row_of and bond.later in row_of and row_of[bond.earlier] != row_of[bond.later]
+        },
+    )
 
 
 @lru_cache(maxsize=256)

@@ -44,3 +44,22 @@ def test_targets_of_the_user_go_over_those_of_the_robot(context, robot):
     assert here.find_target("left") is LAMP
     assert here.find_target("right") is robot.targets["right"]
     assert "did you mean right?" in here.unknown_target("rihgt")
+
+
+def test_a_gesture_is_looked_up_once_and_each_mode_of_its_own(context):
+    here = context(block(Gesture("beat")), STYLE)
+    (behaviour,) = here.block.behaviours
+    found = here.find_gesture(behaviour, Gesture("beat"))
+    assert found is not None
+    assert found is here.find_gesture(behaviour, Gesture("beat"))
+    both = here.find_gesture(behaviour, Gesture("beat", "both"))
+    assert both is not None
+    assert both.form.sides == {"l", "r"} != found.form.sides
+
+
+def test_behaviours_that_say_the_same_of_their_manner_share_a_style_and_others_do_not(context):
+    plain = [Behaviour(id, "head", Head("NOD"), Place(1, 1)) for id in ("a", "b")]
+    wide = Behaviour("c", "head", Head("NOD"), Place(1, 1), manner=Manner(spatial=0.5))
+    styles = context(Block("bml1", (*plain, wide)), STYLE).styles
+    assert styles["a"] is styles["b"]
+    assert (styles["a"].head.spatial, styles["c"].head.spatial) == (0.0, 0.5)

@@ -105,3 +105,12 @@ def test_swing_adds_to_the_flow_and_full_tension_takes_all(swing):
     assert flows == sorted(flows, reverse=True)
     assert flows[-1] == 0.0
     assert flows[1] == pytest.approx(1.0 + SWUNG * swing)
+
+
+def test_the_same_postures_are_joined_once_and_again_where_anything_else_is_asked():
+    postures = tuple(KeyPosture.whole(0.5 * k, [0.1 * k] * 2) for k in range(3))
+    first = Keys.of(postures, LIMITS)
+    assert Keys.of(postures, LIMITS) is first
+    alike = tuple(KeyPosture.whole(0.5 * k, [0.1 * k] * 2) for k in range(3))
+    for other in (Keys.of(alike, LIMITS), Keys.of(postures, LIMITS, room=0.0), Keys.of(postures, LIMITS.times(0.5))):
+        assert other is not first

@@ -115,29 +115,47 @@ def poses(form: GestureForm, robot: Robot, manner: Expressivity) -> Poses:
     Returns:
         For each side that takes part, at least two keys; the middle one of each time is a stroke.
     """
-    once, written = _find_repetition(form.keys)
+    put = _put_into_world(form.keys, robot, manner)
     more = round(2 * manner.repetition) if manner.repetition > 0 else -round(-manner.repetition)
-    times = 1 if form.rest else max(1, written + more)
-    keys = [widen_key(key, manner.spatial, robot) for key in form.keys[:once]]
-    hands = {side: _hands_of(keys, side, robot, manner) for side in form.sides}
-    paths = {side: _paths(form.keys[:once], row, side, robot, manner) for side, row in hands.items()}
-    nature = Nature(form.category, form.tempo, dynamic=_travels(hands, paths, robot))
-    if once == 1:
-        hands = {side: (withdrawn(hand, robot, side), hand) for side, (hand,) in hands.items()}
-        paths = {side: (None, *row) for side, row in paths.items()}
-    count = max(once, 2)
-    back = 1 if all(_same_place(row[0], row[-1]) for row in hands.values()) else 0  # it ends where it begins
-    again = tuple(count // 2 + k * (count - back) for k in range(1, times))
-    hands = {side: _lift_shoulder(row, count // 2, form.body.shoulders) for side, row in hands.items()}
+    times = 1 if form.rest else max(1, put.written + more)
+    again = tuple(put.count // 2 + k * (put.count - put.back) for k in range(1, times))
+    hands = {side: _lift_shoulder(row, put.count // 2, form.body.shoulders) for side, row in put.hands.items()}
     return Poses(
-        {side: row + row[back:] * (times - 1) for side, row in hands.items()},
-        count // 2,
-        {side: row + row[back:] * (times - 1) for side, row in paths.items()},
+        {side: row + row[put.back :] * (times - 1) for side, row in hands.items()},
+        put.count // 2,
+        {side: row + row[put.back :] * (times - 1) for side, row in put.paths.items()},
         again,
-        nature,
+        Nature(form.category, form.tempo, dynamic=put.travels),
         form.body,
         form.fingers,
     )
+
+
+@dataclass(frozen=True, eq=False)
+class _InWorld:
+    """One stroke of a form, in the world."""
+
+    hands: Mapping[Side, tuple[Hand, ...]]
+    paths: Mapping[Side, tuple[HandPath | None, ...]]
+    count: int  # keys of the stroke, at least two
+    written: int  # times that the form has it
+    back: int  # 1 where it ends where it begins, else 0
+    travels: bool  # whether a hand goes a way of its own
+
+
+@lru_cache(maxsize=64)  # a gesture is asked for by its durations and by its hands, which differ only in the body's part
+def _put_into_world(written: tuple[StrokeKey, ...], robot: Robot, manner: Expressivity) -> _InWorld:
+    once, times = _find_repetition(written)
+    keys = [widen_key(key, manner.spatial, robot) for key in written[:once]]
+    sides = frozenset(side for key in written for side in key.hands)
+    hands = {side: _hands_of(keys, side, robot, manner) for side in sides}
+    paths = {side: _paths(written[:once], row, side, robot, manner) for side, row in hands.items()}
+    travels = _travels(hands, paths, robot)
+    if once == 1:
+        hands = {side: (withdrawn(hand, robot, side), hand) for side, (hand,) in hands.items()}
+        paths = {side: (None, *row) for side, row in paths.items()}
+    back = 1 if all(_same_place(row[0], row[-1]) for row in hands.values()) else 0
+    return _InWorld(hands, paths, max(once, 2), times, back, travels)
 
 
 def pointing_poses(target: Floats, side: Side, robot: Robot, shape: str = "index") -> Poses:

@@ -1,7 +1,7 @@
 """The lexicon: from a lexeme and a mode to the form of a gesture that means it."""
 
 import difflib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from pathlib import Path
@@ -69,6 +69,14 @@ class Lexicon:
         return {form.id: form for form in reversed(self.forms)}
 
     @cached_property
+    def _forms_by_name(self) -> Mapping[str, Sequence[GestureForm]]:
+        """All forms of each name in small letters, in their order."""
+        found: dict[str, list[GestureForm]] = {}
+        for form in self.forms:
+            found.setdefault(form.id.lower(), []).append(form)
+        return found
+
+    @cached_property
     def as_written(self) -> "Lexicon":
         """The same gestures without others for hands that cannot make their shapes: each is itself on every robot."""
         return replace(self, forms=tuple(replace(form, fallback="") for form in self.forms))
@@ -122,7 +130,7 @@ class Lexicon:
         )
 
     def _entry(self, lexeme: str, category: str | None) -> GestureForm | None:
-        named = [form for form in self.forms if form.id.lower() == lexeme.lower()]
+        named = self._forms_by_name.get(lexeme.lower(), ())
         wanted = (category or "").lower()
         return next((form for form in named if form.category.lower() == wanted), named[0] if named else None)
 

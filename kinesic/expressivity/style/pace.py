@@ -1,11 +1,11 @@
 """What the robot can: the least times of its hands, head and trunk, and how extent and power change a time at ease."""
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
-from kinesic.body.arrays import Floats, sealed
+from kinesic.body.arrays import Floats, Indices, sealed
 from kinesic.body.limits import Limits
 from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.expressivity.keyframes import Turn
@@ -59,6 +59,26 @@ def natural_time(ease: float, least: float, temporal: float, power: float, *, ro
 
 
 @dataclass(frozen=True, eq=False)
+class _Turning:
+    """The hinges of a chain that serve an axis."""
+
+    axes: Indices  # (k,) in `AXES`
+    room: Floats  # (k,) [rad] of each
+    all_room: Floats  # (k,) [rad] of all of its axis
+    limits: Limits  # of the k hinges
+
+
+@lru_cache(maxsize=32)
+def _turning(robot: Robot, limits: Limits, chain: str) -> _Turning:
+    skeleton, every = robot.skeleton, robot.joints(chain)
+    served = [(k, axis) for axis, name in enumerate(AXES) for k in every if skeleton.names[k].endswith(name)]
+    joints, axis = np.array(served, dtype=np.intp).reshape(-1, 2).T
+    room = skeleton.upper[joints] - skeleton.lower[joints]
+    all_room = [max(float(room[axis == own].sum()), _PROBE) for own in axis]
+    return _Turning(axis, sealed(room), sealed(all_room), limits.part(joints))
+
+
+@dataclass(frozen=True, eq=False)
 class Pace:
     """How fast a robot moves from rest to rest; how fast its hands do so at ease is an `Effort`'s."""
 
@@ -100,13 +120,9 @@ class Pace:
 
     def least_turn_time(self, chain: str, turn: Turn) -> float:
         """Finds the shortest time of a rotation from upright [s]; hinges of one axis share it by how far they go."""
-        skeleton = self.robot.skeleton
-        turned = np.zeros(len(skeleton.hinges))
-        for name, angle in zip(AXES, axes(turn), strict=True):
-            joints = [k for k in self.robot.joints(chain) if skeleton.names[k].endswith(name)]
-            room = skeleton.upper[joints] - skeleton.lower[joints]
-            turned[joints] = angle * room / max(float(room.sum()), _PROBE)
-        return float(least_rest_times(turned, self.limits).max(initial=0.0))
+        turning = _turning(self.robot, self.limits, chain)
+        turned = np.array(axes(turn))[turning.axes] * turning.room / turning.all_room
+        return float(least_rest_times(turned, turning.limits).max(initial=0.0))
 
     @cached_property
     def _least_hand_times(self) -> Floats:

@@ -4,7 +4,7 @@ Overall activation, how much movement there is, changes the parameters that make
 """
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from kinesic.bml.block import Behaviour, Block, Manner, Modality
@@ -59,14 +59,14 @@ def resolve_numbers(style: Style, modality: Modality, block: Block, behaviour: B
     Raises:
         ConfigError: a manner names a preset that does not exist.
     """
-    numbers = asdict(style.of(modality))
+    numbers = dict(vars(style.of(modality)))
     sources: dict[str, Source] = dict.fromkeys(numbers, "style")
     layers: tuple[tuple[Source, Manner], ...] = (
         ("block", block.manners.get(modality, Manner())),
         ("behaviour", behaviour.manner),
     )
     for source, manner in layers:
-        said = {} if manner.style is None else asdict(style_preset(manner.style).of(modality))
+        said = {} if manner.style is None else dict(vars(style_preset(manner.style).of(modality)))
         said |= {name: value for name in RANGES if (value := getattr(manner, name)) is not None}
         numbers |= said
         sources |= dict.fromkeys(said, source)
@@ -90,7 +90,11 @@ def resolve_styles(style: Style, block: Block) -> Mapping[str, Style]:
     Raises:
         ConfigError: a manner names a preset that does not exist.
     """
-    return {behaviour.id: _resolve_style(style, block, behaviour) for behaviour in block.behaviours}
+    found: dict[Manner, Style] = {}  # behaviours that say nothing of their manner share one
+    for behaviour in block.behaviours:
+        if behaviour.manner not in found:
+            found[behaviour.manner] = _resolve_style(style, block, behaviour)
+    return {behaviour.id: found[behaviour.manner] for behaviour in block.behaviours}
 
 
 def _resolve_style(style: Style, block: Block, behaviour: Behaviour) -> Style:
