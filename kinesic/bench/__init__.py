@@ -11,6 +11,7 @@ PARTS: Mapping[str, tuple[str, ...]] = {
     "twin": ("twin",),
     "speed": ("speed",),
     "growth": ("growth",),
+    "cluster": ("cluster",),
     "bus": ("bus", "bus.faults"),
     "bml": ("bml", "bml.speech", "bml.merging", "bml.server", "bml.emergency_stop"),
     "face": ("face",),

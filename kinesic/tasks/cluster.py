@@ -5,13 +5,12 @@ import logging
 import pickle
 from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
-from multiprocessing import get_all_start_methods
+from dataclasses import dataclass
 from threading import Lock
 from time import monotonic
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 from kinesic.body.config import ConfigError
-from kinesic.child import child_context
 from kinesic.tasks.processes import WorkerCrash
 from kinesic.tasks.program import program_version
 
@@ -26,8 +25,7 @@ FORMS = "ADDRESS of a dask scheduler, such as tcp://10.0.0.2:8786, or local:N fo
 PATIENCE = 10  # [s] for a scheduler to answer, and for its first worker
 AHEAD = 8  # tasks for each worker that the scheduler has: it never waits for us, and its memory stays small
 ASK_AGAIN = 2.0  # [s] how many workers there are
-NEEDED = "kinesic.controller.perform"  # what most tasks import
-DEATHS = 9  # workers that may die of a task before it is to blame; strangers kill workers, too
+TRIES = 3  # of a task whose workers die; a scheduler gives one up after some deaths, and strangers kill workers, too
 
 
 class Cluster:
@@ -54,37 +52,51 @@ class Cluster:
         from distributed import as_completed  # noqa: PLC0415 - slow to import, and only clusters need it
 
         code, left, workers = pickle.dumps(prepare), iter(tasks), _Count(self._workers)
-        begun: dict[str, tuple[Task, Future]] = {}
+        begun: dict[str, _Begun[Task]] = {}
         ready = as_completed()
         try:
             for future in self._more(code, left, begun, workers.now()):
                 ready.add(future)
             for future in ready:
-                task, _ = begun.pop(future.key)
-                crash = _crash(future)
-                result: Result | WorkerCrash = future.result() if crash is None else crash
+                done = begun.pop(future.key)
+                result: Result | WorkerCrash = _result(future)
                 future.release()
+                if isinstance(result, WorkerCrash) and result.is_killed and done.tries < TRIES:
+                    ready.add(self._begin(code, done.task, begun, done.tries + 1))
+                    continue
                 for more in self._more(code, left, begun, workers.now()):
                     ready.add(more)
-                yield task, result
+                yield done.task, result
         finally:
-            self._client.cancel([future for _, future in begun.values()], force=True)
+            self._client.cancel([one.future for one in begun.values()], force=True)
 
     def _more(
-        self, code: bytes, left: Iterator[Task], begun: "dict[str, tuple[Task, Future]]", workers: int
+        self, code: bytes, left: Iterator[Task], begun: "dict[str, _Begun[Task]]", workers: int
     ) -> "Iterator[Future]":
         """Sends as many of the tasks that are left as the workers want."""
         while len(begun) < AHEAD * max(1, workers):
             task = next(left, None)
             if task is None:
                 return
-            key = f"kinesic-{hashlib.blake2b(code + pickle.dumps(task), digest_size=16).hexdigest()}"
-            future = self._client.submit(_do, code, task, program_version(), key=key, pure=False)
-            begun[key] = (task, future)
-            yield future
+            yield self._begin(code, task, begun, 1)
+
+    def _begin(self, code: bytes, task: Task, begun: "dict[str, _Begun[Task]]", tries: int) -> "Future":
+        key = f"kinesic-{hashlib.blake2b(code + pickle.dumps(task), digest_size=16).hexdigest()}-{tries}"
+        future = self._client.submit(_do, code, task, program_version(), key=key, pure=False)
+        begun[key] = _Begun(task, future, tries)
+        return future
 
     def _workers(self) -> int:
         return len(self._client.scheduler_info(n_workers=-1)["workers"])
+
+
+@dataclass(frozen=True)
+class _Begun(Generic[Task]):
+    """A task that workers have."""
+
+    task: Task
+    future: "Future"
+    tries: int  # this one is counted
 
 
 class _Count:
@@ -117,10 +129,11 @@ def cluster(address: str) -> Iterator[Cluster]:
         raise ConfigError(f"--cluster needs {error.name}: pip install 'kinesic[cluster]'") from None
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what it says of workers that die is said by results
     with ExitStack() as stack:
-        stack.enter_context(dask.config.set({"distributed.scheduler.allowed-failures": DEATHS}))
         where: object = address
         if address.startswith(LOCAL):
-            stack.enter_context(dask.config.set(_quick_start()))
+            from kinesic.tasks.quick_start import quick_start  # noqa: PLC0415 - needs the extra
+
+            stack.enter_context(dask.config.set(quick_start()))
             where = stack.enter_context(
                 distributed.LocalCluster(
                     n_workers=_count(address),
@@ -134,23 +147,6 @@ def cluster(address: str) -> Iterator[Cluster]:
         except (OSError, ValueError) as error:
             raise ConfigError(f"--cluster {address}: no scheduler answers ({error}); it takes {FORMS}") from None
         yield Cluster(client)
-
-
-def _quick_start() -> dict[str, str]:
-    """Has workers begin as forks of a process that holds what they need: a new one is soon there.
-
-    Others import for two seconds of CPU, and on a busy machine they are killed again before they have done anything.
-    """
-    if "forkserver" not in get_all_start_methods():
-        return {}
-    import dask  # noqa: PLC0415 - an extra
-    from distributed.utils import get_mp_context  # noqa: PLC0415 - an extra
-
-    method = {"distributed.worker.multiprocessing-method": "forkserver"}
-    with dask.config.set(method):
-        get_mp_context()  # it names modules of its own, once; ours are named after it
-    child_context("distributed.nanny", "distributed.worker", NEEDED)
-    return method
 
 
 def _count(address: str) -> int:
@@ -179,19 +175,24 @@ def _mismatch(worker: str, theirs: str, ours: str) -> str:
     return f"worker {worker} runs another kinesic, install this one there\n  there: {theirs}\n  here:  {ours}"
 
 
-def _crash(future: "Future") -> WorkerCrash | None:
-    """Says why there is no result; None where there is one.
+def _result(future: "Future[Result]") -> Result | WorkerCrash:
+    """Fetches a result, or says why there is none.
 
     Raises:
         ConfigError: the worker, which came later than the others, runs another program.
     """
-    error = future.exception()  # waits where the worker died that had the result, and another one does the task again
-    if error is None:
-        return None
+    from distributed import KilledWorker  # noqa: PLC0415 - slow to import, and only clusters need it
+
+    while (error := future.exception()) is None:
+        # The worker that has the result may die now: another one does the task again, and that may fail.
+        found: list[Result] = future.client.gather([future], errors="skip")
+        if found:
+            return found[0]
     if isinstance(error, WrongProgramError):
         raise ConfigError(str(error))
     words = str(error).strip().splitlines() or ["no reason is known"]
-    return WorkerCrash(f"it failed on the cluster with {type(error).__name__}: {words[0]}", str(error))
+    reason = f"it failed on the cluster with {type(error).__name__}: {words[0]}"
+    return WorkerCrash(reason, str(error), isinstance(error, KilledWorker))
 
 
 class WrongProgramError(Exception):

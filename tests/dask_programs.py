@@ -1,0 +1,64 @@
+"""A cluster as its owner begins it: `dask scheduler` and `dask worker`, each a process of its own."""
+
+import json
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from time import monotonic, sleep
+
+QUICK = ("--preload-nanny", "kinesic.tasks.quick_start")  # as the guide says
+READY = "Registered to"  # what a worker writes when it is
+PATIENCE = 120.0  # [s] until a program is there
+
+
+@contextmanager
+def dask_scheduler(folder: Path) -> Iterator[str]:
+    """Begins a scheduler, and gives its address."""
+    file = folder / "scheduler.json"
+    options = ("--host", "127.0.0.1", "--port", "0", "--dashboard-address", "127.0.0.1:0", "--scheduler-file", file)
+    with _program(sys.executable, "scheduler", *options, log=folder / "scheduler.log") as program:
+        _wait_for("}", file, program, folder / "scheduler.log")
+        yield json.loads(file.read_text())["address"]
+
+
+@contextmanager
+def dask_workers(address: str, folder: Path, pythons: Sequence[str] = (sys.executable,)) -> Iterator[None]:
+    """Begins a worker of a scheduler for each interpreter, which need not be of the same environment.
+
+    A nanny of dask begins a worker anew that dies.
+    """
+    logs = [folder / f"worker{number}.log" for number in range(len(pythons))]
+    with ExitStack() as stack:
+        programs = []
+        for number, (python, log) in enumerate(zip(pythons, logs, strict=True)):
+            options = ("--nthreads", "1", "--no-dashboard", "--local-directory", folder / str(number), *QUICK)
+            programs.append(stack.enter_context(_program(python, "worker", address, *options, log=log)))
+        for program, log in zip(programs, logs, strict=True):
+            _wait_for(READY, log, program, log)
+        yield
+
+
+def _wait_for(text: str, file: Path, program: subprocess.Popen[bytes], log: Path) -> None:
+    until = monotonic() + PATIENCE
+    while not file.exists() or text not in file.read_text():
+        if program.poll() is not None or monotonic() > until:
+            raise RuntimeError(log.read_text())
+        sleep(0.02)
+
+
+@contextmanager
+def _program(python: str, name: str, *options: str | Path, log: Path) -> Iterator[subprocess.Popen[bytes]]:
+    with log.open("wb") as file:
+        command = [python, "-m", f"distributed.cli.dask_{name}", *map(str, options)]
+        program = subprocess.Popen(command, stdout=file, stderr=subprocess.STDOUT)
+    try:
+        yield program
+    finally:
+        program.terminate()
+        try:
+            program.wait(10.0)
+        except subprocess.TimeoutExpired:
+            program.kill()
+            program.wait()

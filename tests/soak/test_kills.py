@@ -1,0 +1,26 @@
+"""Dry runs whose workers are killed at random moments; `python -m tests.kills` has options."""
+
+import pytest
+
+from kinesic.tasks.cluster import cluster
+from kinesic.tasks.engine import Processes
+
+from ..kills.under_fire import perform_under_fire
+
+pytestmark = [pytest.mark.soak, pytest.mark.filterwarnings("ignore::ResourceWarning")]
+MOST = 300.0  # [MB] of who called
+
+
+def test_processes_lose_and_double_nothing(tmp_path):
+    outcome = perform_under_fire(Processes(2), 300, 2.0, tmp_path)
+    assert outcome.is_good, outcome
+    assert outcome.kills
+
+
+def test_workers_of_dask_lose_and_double_nothing(tmp_path):
+    pytest.importorskip("distributed", reason="the extra cluster is not installed")
+    with cluster("local:2") as engine:
+        outcome = perform_under_fire(engine, 300, 5.0, tmp_path)
+    assert outcome.is_good, outcome
+    assert outcome.kills
+    assert outcome.memory <= MOST, outcome

@@ -1,0 +1,87 @@
+"""A cluster that somebody else has begun: `dask scheduler` here, `dask worker` there, each a program of its own."""
+
+import os
+import signal
+import time
+from functools import partial
+from pathlib import Path
+
+import pytest
+
+from kinesic.body.config import ConfigError
+from kinesic.cli.many.workers import Workers
+from kinesic.tasks import cluster as module
+from kinesic.tasks.cluster import cluster
+
+from ..dask_programs import dask_scheduler, dask_workers
+
+pytest.importorskip("distributed", reason="the extra cluster is not installed")
+pytestmark = [
+    pytest.mark.realtime,
+    pytest.mark.filterwarnings("ignore::ResourceWarning", "ignore::pytest.PytestUnraisableExceptionWarning"),
+]
+EVALUATE = partial(partial, eval)  # tasks are Python expressions
+SQUARE = "(__import__('os').getpid(), __import__('time').sleep(0.02), {} ** 2)"
+HAS_ALL = "'kinesic.report.batch' in __import__('sys').modules"
+
+
+@pytest.fixture(scope="module")
+def address(tmp_path_factory):
+    """Of a scheduler with one worker."""
+    folder: Path = tmp_path_factory.mktemp("dask")
+    with dask_scheduler(folder) as address, dask_workers(address, folder):
+        yield address
+
+
+def test_the_place_of_workers_and_of_their_dashboard_is_told(address, capsys):
+    with Workers(None, address).engine():
+        pass
+    assert capsys.readouterr().err.startswith("cluster: 1 workers, dashboard http://127.0.0.1:")
+
+
+def test_a_worker_that_is_killed_is_begun_anew_as_a_fork_and_nothing_is_lost(address):
+    with cluster(address) as engine:
+        results, killed = {}, 0
+        for task, (pid, _, square) in engine.run([SQUARE.format(k) for k in range(30)], EVALUATE):
+            assert task not in results
+            results[task] = square
+            if len(results) == 5:
+                killed = pid
+                os.kill(pid, signal.SIGKILL)
+        assert results == {SQUARE.format(k): k**2 for k in range(30)}
+        assert killed
+        assert dict(engine.run([HAS_ALL], EVALUATE)) == {HAS_ALL: True}
+
+
+def test_workers_of_another_program_are_refused(address, monkeypatch):
+    monkeypatch.setattr(module, "program_version", lambda: "sources of tomorrow")
+    with pytest.raises(ConfigError, match=r"runs another kinesic.*\n.*there: sources [0-9a-f]{12}"), cluster(address):
+        pass
+
+
+def test_a_scheduler_without_workers_says_how_to_begin_some(tmp_path, monkeypatch):
+    monkeypatch.setattr(module, "PATIENCE", 1)
+    with (
+        dask_scheduler(tmp_path) as lonely,
+        pytest.raises(ConfigError, match=f"no workers.*dask worker {lonely}"),
+        cluster(lonely),
+    ):
+        pass
+
+
+def succeed_once(note: Path) -> int:
+    """Gives a result, and fails when it is asked again."""
+    if note.exists():
+        raise ValueError("asked twice")
+    note.touch()
+    return os.getpid()
+
+
+def test_a_result_that_dies_with_its_worker_is_made_anew_or_is_named(address, tmp_path):
+    with cluster(address) as engine:
+        future = engine._client.submit(succeed_once, tmp_path / "note", pure=False)
+        pid = next(iter(engine._client.run(os.getpid).values()))
+        while not future.done():
+            time.sleep(0.01)
+        os.kill(pid, signal.SIGKILL)
+        assert module._result(future).reason == "it failed on the cluster with ValueError: asked twice"
