@@ -7,10 +7,12 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
 from kinesic.motion import piqp, spline_program
 from kinesic.motion.bspline import grid
+from kinesic.motion.easing import minimum_jerk
 from kinesic.motion.infeasibility import EASY
 from kinesic.motion.segments import SplineSegment
 from kinesic.motion.spline_program import (
     KERNEL,
+    _pull,
     nearest_motion,
     nearest_within_limits,
     nearest_without_limits,
@@ -192,3 +194,24 @@ def test_arrays_that_do_not_fit_are_refused(broken: int):
         _kernel.nearest(*bad)
     with pytest.raises(ValueError, match="do not fit"):
         _kernel.smooth(fixed.first + np.int32(grid_.size), *good[1:5])
+
+
+@compiled
+@pytest.mark.parametrize("begins", [10, 150, 450, 560])
+def test_a_limit_that_is_met_in_one_place_of_a_long_way_moves_nothing_far_from_it(begins: int):
+    """The kernel solves for a part of the way alone, and finds what is nearest for the whole of it."""
+    way = segment(600, 0.0, 0.0, p80=0.1, p300=-0.1, p520=0.1)
+    ends, angles = np.array([0, 80, 300, 520, 600]), np.array([0.0, 0.1, -0.1, 0.1, 0.0])
+    way_of = np.clip(np.searchsorted(ends, np.arange(601), side="right") - 1, 0, 3)
+    shares = (np.arange(601) - ends[way_of]) / np.diff(ends)[way_of]
+    wish = angles[way_of] + np.diff(angles)[way_of] * minimum_jerk(shares)
+    wish[begins : begins + 20] += 0.08 * np.hanning(20)
+    free, found = nearest_without_limits(way, wish), nearest_within_limits(way, wish, LIMITS)
+    assert largest(way, free) > 1.2
+    assert largest(way, found) <= 1.0 + 1e-7
+    changed = np.flatnonzero(np.abs(found - free) > 1e-9)
+    assert 0 < np.ptp(changed) < 300
+    np.testing.assert_allclose(way.fixed.matrix @ found, way.fixed.values, atol=1e-9)
+    theirs = piqp.nearest_within_limits(way, _pull(way, wish), LIMITS, way.corridor(LIMITS, wish))
+    assert distance(way, wish, found) <= distance(way, wish, theirs) + 1e-9
+    np.testing.assert_allclose(found, theirs, atol=1e-5)

@@ -6,7 +6,7 @@
 
 #include <tuple>
 
-#include "tied_system.h"
+#include "nearest_motion.h"
 
 namespace kinesic::motion {
 
@@ -15,7 +15,6 @@ constexpr double AT_REST = 0.02;    // steps in which a hinge that comes to rest
 constexpr int LEAST_HOLD = 40;      // steps of a hold in whose middle the hinge rests
 constexpr int LONG_HOLD = 100;      // steps at either end of a longer hold in which it may swing
 constexpr double TINY = 1e-9;       // [rad] range of a hinge that cannot move
-constexpr double FREE_EXACT = 1e-13;  // share of its right side that a solve may leave
 
 using Rest = std::tuple<int, int, double>;           // knot, the last own key before (-1: none), angle [rad]
 using Beyond = std::tuple<double, int, Rest, Rest>;  // share of a limit, hinge, where its segment begins and ends
@@ -108,17 +107,12 @@ class FreeHinge {
         for (int d = 0; d < 3; ++d) tie(program, size - 4, d + 1, rest);
         program.form.assign(3 * size_t(size), 0.0);
         for (int k = 0; k < 2; ++k) add_squares(program.form, size, all.closeness + 3 * k);
-        TiedSystem system(program);
-        system.add(program.form);
-        system.factorise();
-        Unknowns right(size, program.fixed()), answer = right;
+        program.pull.assign(size, 0.0);
         for (int j = 0; j <= pieces; ++j) {
             const double wish = all.desired[size_t(first + j) * all.hinges + hinge];
-            for (int d = 0; d < 3; ++d) right.points[j + d] += (d == 1 ? 4.0 : 1.0) / 6.0 * wish;
+            for (int d = 0; d < 3; ++d) program.pull[j + d] += (d == 1 ? 4.0 : 1.0) / 6.0 * wish;
         }
-        right.ties = program.values;
-        system.solve(right, answer, FREE_EXACT);
-        return answer.points;
+        return free_optimum(program);
     }
 
     static void tie(SplineProgram& program, int first, int which, double value) {

@@ -6,8 +6,8 @@
 #include <nanobind/stl/vector.h>
 
 #include "free_motion.h"
-#include "interior_point.h"
 #include "limit_peaks.h"
+#include "nearest_motion.h"
 #include "spline_sample.h"
 
 namespace nb = nanobind;
@@ -62,14 +62,7 @@ nb::object smooth(const Places& first, const Numbers& shares, const Numbers& val
     program.size = int(pull.size());
     fix(program, first, shares, values);
     want(program, form, pull);
-    TiedSystem system(program);
-    system.add(program.form);
-    system.factorise();
-    Unknowns right(program.size, program.fixed()), answer = right;
-    right.points = program.pull;
-    right.ties = program.values;
-    system.solve(right, answer, EXACT);
-    return array(answer.points);
+    return array(free_optimum(program));
 }
 
 // Writes the motion of all hinges without limits into control points (k + 3, n); returns the segments beyond a limit.
@@ -96,7 +89,7 @@ nb::object nearest(const Places& first, const Numbers& shares, const Numbers& va
     fix(program, first, shares, values);
     want(program, form, pull);
     limit(program, stencils, lower, upper);
-    InteriorPoint method(program);
+    NearestMotion method(program);
     return method.solve() ? array(method.controls()) : nb::none();
 }
 

@@ -1,0 +1,141 @@
+// The motion of a segment nearest to a desired one within limits: solved where limits are met, and as it is without limits
+// everywhere else.
+//
+// What a limit changes fades by a constant factor from control point to control point, as the inverse of a band does (Demko,
+// Moss and Smith, Decay rates for inverses of band matrices, 1984). So the optimum of the whole segment is that of a window
+// about the limits that the free optimum exceeds, if nothing is left of the change at the window's ends; that is measured.
+
+#pragma once
+
+#include "interior_point.h"
+
+namespace kinesic::motion {
+
+constexpr int MARGINS[] = {40, 96};  // control points beside what is beyond a limit
+constexpr double WORTH = 0.7;    // of the whole, above which a window saves nothing
+constexpr int EDGE = 3;          // control points at either end of a window that stay as they are
+constexpr double FADED = 1e-11;  // [rad] change beside an end with which a window is the whole
+constexpr double LOOSE = 1.0;    // [rad] room of control points that are given
+constexpr double FAINT = 1e-6;   // share of what is free in a key that given control points decide
+
+// The optimum without limits.
+inline std::vector<double> free_optimum(const SplineProgram& program) {
+    TiedSystem system(program);
+    system.add(program.form);
+    system.factorise();
+    Unknowns right(program.size, program.fixed()), answer = right;
+    right.points = program.pull;
+    right.ties = program.values;
+    system.solve(right, answer, EXACT);
+    return answer.points;
+}
+
+class NearestMotion {
+  public:
+    explicit NearestMotion(const SplineProgram& program) : p(program), controls_(free_optimum(program)) {}
+
+    // Whether there is a solution.
+    bool solve() {
+        const auto [first, last] = beyond();
+        if (first > last) return true;
+        for (int margin : MARGINS) {
+            const int begin = first - margin <= 2 * EDGE ? 0 : first - margin;
+            const int end = last + margin >= p.size - 2 * EDGE ? p.size : last + margin;
+            if (end - begin > WORTH * p.size) break;
+            const Outcome outcome = solve_window(begin, end);
+            if (outcome == Outcome::whole) return true;
+            if (outcome == Outcome::none) break;
+        }
+        return solve_whole();
+    }
+
+    const std::vector<double>& controls() const { return controls_; }
+
+  private:
+    enum class Outcome { none, part, whole };  // of a window: no solution, not all that limits change, all of it
+
+    // The first and the last control point of rows that exceed a bound.
+    std::pair<int, int> beyond() const {
+        int first = p.size, last = -1;
+        const auto note = [&](int begin, int end) {
+            first = std::min(first, begin);
+            last = std::max(last, end);
+        };
+        for (int kind = 0; kind < KINDS; ++kind)
+            for (int row = 0; row + WIDTHS[kind] <= p.size; ++row) {
+                double along = 0.0;
+                for (int k = 0; k < WIDTHS[kind]; ++k) along += p.stencils[kind][k] * controls_[row + k];
+                if (std::abs(along) > p.bound(kind, row)) note(row, row + WIDTHS[kind] - 1);
+            }
+        for (int j = 0; j < p.size; ++j)
+            if (controls_[j] > p.upper[j] || controls_[j] < p.lower[j]) note(j, j);
+        return {first, last};
+    }
+
+    bool solve_whole() {
+        InteriorPoint method(p);
+        if (!method.solve()) return false;
+        controls_ = method.controls();
+        return true;
+    }
+
+    // Solves for the control points from `begin` to before `end`.
+    Outcome solve_window(int begin, int end) {
+        const SplineProgram part = window(begin, end);
+        InteriorPoint method(part);
+        if (!method.solve()) return Outcome::none;
+        const std::vector<double>& found = method.controls();
+        for (int d = EDGE; d < 2 * EDGE; ++d) {
+            if (begin > 0 && std::abs(found[d] - controls_[begin + d]) > FADED) return Outcome::part;
+            if (end < p.size && std::abs(found[end - begin - 1 - d] - controls_[end - 1 - d]) > FADED)
+                return Outcome::part;
+        }
+        std::copy(found.begin(), found.end(), controls_.begin() + begin);
+        return Outcome::whole;
+    }
+
+    SplineProgram window(int begin, int end) const {
+        SplineProgram part;
+        part.size = end - begin;
+        std::copy_n(&p.stencils[0][0], KINDS * 4, &part.stencils[0][0]);
+        for (int row = 0, rows = int(p.form.size()) / p.size; row < rows; ++row)
+            part.form.insert(part.form.end(), p.form.begin() + size_t(row) * p.size + begin,
+                             p.form.begin() + size_t(row) * p.size + end);
+        part.pull.assign(p.pull.begin() + begin, p.pull.begin() + end);
+        part.lower.assign(p.lower.begin() + begin, p.lower.begin() + end);
+        part.upper.assign(p.upper.begin() + begin, p.upper.begin() + end);
+        for (int k = 0; k < p.fixed(); ++k) {
+            const int first = p.first[k] - begin;
+            if (first < 0 || first + 4 > part.size) continue;
+            const double* shares = p.shares.data() + 4 * k;
+            const bool given = (begin > 0 && first == 0 && std::abs(shares[3]) < FAINT) ||
+                               (end < p.size && first + 4 == part.size && std::abs(shares[0]) < FAINT);
+            if (!given) tie(part, first, shares, p.values[k]);
+        }
+        for (int d = 0; d < EDGE; ++d) {
+            if (begin > 0) give(part, 0, d, controls_[begin + d]);
+            if (end < p.size) give(part, part.size - 4, d + 1, controls_[end - EDGE + d]);
+        }
+        return part;
+    }
+
+    static void tie(SplineProgram& part, int first, const double* shares, double value) {
+        part.first.push_back(first);
+        part.shares.insert(part.shares.end(), shares, shares + 4);
+        part.values.push_back(value);
+    }
+
+    // Fixes a control point where it is.
+    static void give(SplineProgram& part, int first, int which, double value) {
+        double shares[4] = {};
+        shares[which] = 1.0;
+        tie(part, first, shares, value);
+        part.lower[first + which] = std::min(part.lower[first + which], value - LOOSE);
+        part.upper[first + which] = std::max(part.upper[first + which], value + LOOSE);
+    }
+
+    const SplineProgram& p;
+    std::vector<double> controls_;
+};
+
+}  // namespace kinesic::motion
