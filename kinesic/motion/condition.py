@@ -17,13 +17,12 @@ from kinesic.body.limits import Limits
 from kinesic.motion.bspline import grid
 from kinesic.motion.budget import ENDLESS, Budget
 from kinesic.motion.desired import DesiredMotion, join_keys
-from kinesic.motion.free_motion import find_free_motion
 from kinesic.motion.infeasibility import Bottleneck
 from kinesic.motion.key_times import Search
 from kinesic.motion.keys import Bond, KeyPosture, Keys, Pair
 from kinesic.motion.plane_memory import PlaneMemory
 from kinesic.motion.segments import SplineSegment, pieces
-from kinesic.motion.spline_program import nearest_within_limits
+from kinesic.motion.spline_program import find_free_motion, nearest_within_limits
 from kinesic.motion.trajectory import STEP, Trajectory
 
 LEAD_IN = 0.6  # [s] by which the motion may begin before it is asked to

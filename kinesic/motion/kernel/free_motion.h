@@ -1,4 +1,4 @@
-// The motion of all hinges nearest to a desired one, whatever the limits are: `motion/free_motion.py`, compiled.
+// The motion of all hinges nearest to a desired one, whatever the limits are: `motion/spline_program.py`, compiled.
 //
 // Each hinge is cut where it rests (`motion/segments.py`), and each segment is one banded solve.
 
