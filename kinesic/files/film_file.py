@@ -23,7 +23,9 @@ WEBP, MP4 = ".webp", ".mp4"
 NO_ENCODER = "no encoder for .mp4: pip install imageio-ffmpeg, or apt-get install ffmpeg; .webp needs none"
 ENCODING = (  # what every player plays; it wants even sides
     *("-c:v", "libx264", "-preset", "veryfast", "-crf", "20", "-pix_fmt", "yuv420p"),
-    *("-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2"),
+    *("-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv"),
+    *("-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709", "-color_range", "tv"),
+    *("-movflags", "+faststart"),  # a browser shows its beginning before it has its end
 )
 QUALITY = 80  # of WebP, 0..100
 THREADS, WAITING = 2, 6  # that encode, and pictures that may wait for them

@@ -23,12 +23,13 @@ from kinesic.files.growing_film import GrowingFilm
 from kinesic.planning.captions import captions
 from kinesic.planning.face_track import faces
 from kinesic.planning.plan import Plan
+from kinesic.sim.filming.drawn_face import SCREEN, paint_face
 
 Kind = Literal["twin", "face"]
 FilmProcesses = Mapping[Kind, "subprocess.Popen[bytes]"]
 KINDS: tuple[Kind, Kind] = ("twin", "face")
 FACE_RATE = 30  # [Hz] as the film of the robot, whose head shows it
-FACE_SIZE = (320, 240)  # [pixels]
+FACE_SIZE = (320, 240)  # [pixels] of a face that is no robot's screen
 FACE_FIELD = 12.0  # [deg] from chin to forehead
 FAILED = "failed "  # begins the line of a process that says why it could not draw
 
@@ -101,19 +102,15 @@ class TwinFilm:
 
     def _faces(self) -> Callable[[int, float], Picture] | None:
         """What gives the face of a picture, by its number and its time [s]."""
-        from kinesic.sim.filming.drawn_face import paint_face  # noqa: PLC0415 - as above
-
         if self.after is not None:
             with suppress(OSError):  # it is not there
                 film = GrowingFilm(self.after)
                 return lambda k, time: self._either(film.at(time + 0.5 / FACE_RATE), k)
-        return (lambda k, time: paint_face(self.units[k])) if self.units else None
+        return (lambda k, time: paint_face(self.units[k], size=SCREEN)) if self.units else None
 
     def _either(self, rendered: Picture | None, k: int) -> Picture:
         """The rendered face of a picture, or where there is none a painted one."""
-        from kinesic.sim.filming.drawn_face import paint_face  # noqa: PLC0415 - as above
-
-        return paint_face(self.units[k] if self.units else {}) if rendered is None else rendered
+        return paint_face(self.units[k] if self.units else {}, size=SCREEN) if rendered is None else rendered
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,7 +144,8 @@ class FaceFilm:
         from kinesic.face.render.camera import CLOSE  # noqa: PLC0415 - as above
         from kinesic.face.show.recording import FaceRecording, PortraitSettings  # noqa: PLC0415 - as above
 
-        look = PortraitSettings(size=FACE_SIZE, camera=replace(CLOSE, field_deg=FACE_FIELD))
+        size = SCREEN if self.robot is None else FACE_SIZE
+        look = PortraitSettings(size=size, camera=replace(CLOSE, field_deg=FACE_FIELD))
         try:
             with FaceRecording(path, self.robot, look=look, rate=self.rate, progress=progress) as recording:
                 for command in self.commands:

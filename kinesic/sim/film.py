@@ -15,8 +15,16 @@ from kinesic.body.robot import Robot
 from kinesic.files.caption_band import Spoken, caption_box, words_at, write_caption
 from kinesic.files.film_file import Box, EncodingError, Picture, durations, open_film
 from kinesic.sim.filming.canvas import Canvas, CanvasError
-from kinesic.sim.filming.framing import joined, motion_view, moving_balls, robot_boxes, seen_at, shadow_boxes
-from kinesic.sim.filming.soft_shadow import shade, shadow_outlines, stand_in
+from kinesic.sim.filming.framing import (
+    joined,
+    motion_view,
+    moving_balls,
+    robot_boxes,
+    seen_at,
+    shadow_boxes,
+    sunk_balls,
+)
+from kinesic.sim.filming.soft_shadow import shade, shadow_outlines
 from kinesic.sim.gl import missing_libraries, opengl_fault
 from kinesic.sim.model import turn_order
 from kinesic.sim.scene_layout import View, view_of
@@ -135,8 +143,10 @@ def _draw_frames(
     width, height = (FINER * side for side in size)
     places, radii = moving_balls(robot, postures, [segment.name for segment in robot.skeleton.segments])
     outlines = shadow_outlines(places, radii, view, size=size)
-    boxes = robot_boxes(seen_at(view, places, size=size), radii + REACH * robot.arm_length, size=size)
-    shadows = shadow_boxes(outlines, size=size)
+    seen, reach = seen_at(view, places, size=size), radii + REACH * robot.arm_length
+    boxes, shadows = robot_boxes(seen, reach, size=size), shadow_boxes(outlines, size=size)
+    below, around = sunk_balls(places, reach, view.floor)
+    sunk = robot_boxes(seen_at(view, below, size=size), around, size=size) if len(around) else [None] * len(boxes)
     changing = [joined(*both) for both in zip(boxes, shadows, strict=True)]
     model = styled_model(robot, width=width, height=height, view=view)
     data, order = mujoco.MjData(model), turn_order(robot, model)
@@ -150,15 +160,10 @@ def _draw_frames(
             if face is not None:
                 canvas.show(face)
             picture = empty.copy()
-            floor, part = _part(shadows[k]), _part(box)
-            picture[floor] = shade(picture[floor], shadows[k], outlines[k], size=size)
-            picture[part] = stand_in(*canvas.draw(data, box), picture[part])
-            yield picture, changing[k] if not k else joined(changing[k - 1], changing[k])
-
-
-def _part(box: Box) -> tuple[slice, slice]:
-    left, top, right, low = box
-    return slice(top, low), slice(left, right)
+            shade(picture, shadows[k], outlines[k])
+            drawn = canvas.draw(data, box, sunk=sunk[k])
+            picture.paste(drawn, box[:2], drawn)
+            yield np.array(picture), changing[k] if not k else joined(changing[k - 1], changing[k])
 
 
 def _check_opengl(*, guarded: bool) -> None:

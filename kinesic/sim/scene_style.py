@@ -9,7 +9,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import SIDES, Robot, Side
-from kinesic.sim.filming.drawn_face import paint_face
+from kinesic.sim.filming.drawn_face import SCREEN, paint_face
 from kinesic.sim.filming.scene_screen import add_screen, has_screen, put_face
 from kinesic.sim.model import capsule_name, describe
 from kinesic.sim.scene_layout import SUN, VIEW_ANGLE, VIEW_FROM, Rod, View, rods, stand, view_of
@@ -71,7 +71,7 @@ def styled_model(robot: Robot, *, width: int, height: int, view: View | None = N
     spec.visual.rgba.haze = [*HORIZON, 1.0]
     model = spec.compile()
     if has_screen(model):
-        put_face(model, paint_face({}))
+        put_face(model, paint_face({}, size=SCREEN))
     return model
 
 

@@ -1,8 +1,12 @@
 """Films are written picture by picture, and shown as they were written."""
 
+import json
+import shutil
 import stat
+import subprocess
 import sys
 import threading
+import wave
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +14,7 @@ import pytest
 from PIL import Image
 
 from kinesic.files import film_file
-from kinesic.files.film_file import EncodingError, Mp4Film, Picture, WebpFilm, durations, open_film
+from kinesic.files.film_file import EncodingError, Mp4Film, Picture, WebpFilm, durations, find_encoder, open_film
 from kinesic.files.film_reader import FilmReader
 
 SIZE = (64, 48)
@@ -130,6 +134,33 @@ def test_an_encoder_that_fails_is_quoted(tmp_path: Path):
         Mp4Film(tmp_path / "x.mp4", SIZE, rate=30.0) as film,
     ):
         film.write(spoilt, None, 33)
+
+
+def test_ffmpeg_makes_what_players_show_as_it_was_drawn(tmp_path: Path):
+    """Every picture as long as it is seen, in the encoding that all players know, with the voice and the colours."""
+    ffmpeg, ffprobe = find_encoder(), shutil.which("ffprobe")
+    if ffmpeg is None or ffprobe is None:
+        pytest.skip("ffmpeg and ffprobe are not installed: apt-get install ffmpeg")
+    path, voice = tmp_path / "x.mp4", tmp_path / "voice.wav"
+    with wave.open(str(voice), "wb") as sound:
+        sound.setparams((1, 2, 16000, 0, "NONE", ""))
+        sound.writeframes(bytes(2 * 8000))
+    drawn = np.zeros((46, 62, 3), dtype=np.uint8)
+    drawn[:, :31], drawn[:, 31:] = (220, 60, 40), (40, 130, 210)
+    with open_film(path, (62, 46), rate=30.0, sound=voice) as film:
+        for _ in range(15):
+            film.write(drawn, None, 33)
+    words = [ffprobe, "-v", "error", "-count_frames", "-show_streams", "-of", "json", str(path)]
+    seen, heard = json.loads(subprocess.run(words, capture_output=True, check=True).stdout)["streams"]
+    assert (seen["codec_name"], seen["pix_fmt"], heard["codec_name"]) == ("h264", "yuv420p", "aac")
+    assert (seen["width"], seen["height"], seen["nb_read_frames"], seen["r_frame_rate"]) == (62, 46, "15", "30/1")
+    assert float(seen["duration"]) == pytest.approx(0.5)
+    assert float(heard["duration"]) == pytest.approx(0.5, abs=0.07)
+    assert seen["color_space"] == "bt709"
+    words = [ffmpeg, "-v", "error", "-i", str(path), "-frames:v", "1", "-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
+    shown = np.frombuffer(subprocess.run(words, capture_output=True, check=True).stdout, dtype=np.uint8)
+    apart = np.abs(shown.reshape(drawn.shape).astype(int) - drawn)
+    assert np.median(apart) < 4
 
 
 def test_without_an_encoder_the_packages_are_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

@@ -20,7 +20,7 @@ from kinesic.planning.captions import captions
 from kinesic.planning.face_track import faces
 from kinesic.report.films import FACE_RATE, FACE_SIZE, FaceFilm, FilmProcesses, TwinFilm, draw_films, film_processes
 from kinesic.sim.film import moments
-from kinesic.sim.filming.drawn_face import paint_face
+from kinesic.sim.filming.drawn_face import SCREEN, paint_face
 from kinesic.sim.gl import opengl_fault
 
 ROBOT = Robot.load()
@@ -142,15 +142,15 @@ def test_a_film_has_the_units_and_the_words_of_its_plan_at_the_times_of_its_pict
 
 def test_a_film_of_the_face_that_is_not_whole_is_no_face(tmp_path: Path) -> None:
     whole, spoilt, missing = (tmp_path / f"{name}.webp" for name in ("whole", "spoilt", "missing"))
-    with WebpFilm(whole, (320, 240)) as film:
+    with WebpFilm(whole, SCREEN) as film:
         for k in range(3):
-            film.write(np.full((240, 320, 3), 60 * k, dtype=np.uint8), None, 1000 // FACE_RATE)
-    with suppress(ZeroDivisionError), WebpFilm(spoilt, (320, 240)) as film:
+            film.write(np.full((*SCREEN[::-1], 3), 60 * k, dtype=np.uint8), None, 1000 // FACE_RATE)
+    with suppress(ZeroDivisionError), WebpFilm(spoilt, SCREEN) as film:
         raise ZeroDivisionError
     for path, rendered in ((whole, True), (spoilt, False), (missing, False)):
         faces_of = replace(twin(), units=({"26": 0.8},) * 2, after=path)._faces()
         assert faces_of is not None
-        assert (faces_of(0, 0.0) == paint_face({"26": 0.8})).all() != rendered
+        assert (faces_of(0, 0.0) == paint_face({"26": 0.8}, size=SCREEN)).all() != rendered
     in_step = replace(twin(), after=whole)._faces()
     assert in_step is not None
     shades = [round(float(in_step(k, k / FACE_RATE).mean()) / 60) for k in range(3)]

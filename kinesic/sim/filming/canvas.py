@@ -1,19 +1,21 @@
 """Draws a model off screen, all of a picture or a part of it, as often as it is asked."""
 
 from types import TracebackType
+from typing import Literal
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
+from OpenGL.raw.GL.VERSION.GL_1_0 import glReadPixels
 from PIL import Image
 
 from kinesic.files.film_file import Box, Picture
-from kinesic.sim.filming.drawn_face import SIZE
+from kinesic.sim.filming.drawn_face import SCREEN
 from kinesic.sim.filming.scene_screen import has_screen, put_face
 from kinesic.sim.scene_style import CAMERA, FLOOR_GROUP
 
 MOST_SHAPES = 4000  # that are drawn at once
-NOTHING = 1.0  # the depth where nothing was drawn
+RGBA, BYTES = 0x1908, 0x1401  # of gl.h
 EARLY = "MuJoCo cannot draw ({}): import kinesic.sim before mujoco, or set MUJOCO_GL=egl"
 
 
@@ -49,50 +51,60 @@ class Canvas:
         self._robot.geomgroup[FLOOR_GROUP] = 0
         self._room.geomgroup[:] = np.arange(len(self._room.geomgroup)) == FLOOR_GROUP
         self._camera.type, self._camera.fixedcamid = mujoco.mjtCamera.mjCAMERA_FIXED, model.camera(CAMERA).id
-        self._empty: tuple[Picture, NDArray[np.float32]] | None = None
+        self._drawn = np.empty(4 * width * height, dtype=np.uint8)  # memory that is asked for anew costs more
+        self._floor: NDArray[np.float32] | None = None
         self._screened = has_screen(model)
 
     def show(self, picture: Picture) -> None:
         """Puts a picture on the screen of the head, if there is one."""
         if self._screened:
-            if picture.shape[:2] != SIZE[::-1]:
-                picture = np.asarray(Image.fromarray(picture).resize(SIZE, Image.Resampling.BILINEAR))
+            if picture.shape[:2] != SCREEN[::-1]:
+                picture = np.asarray(Image.fromarray(picture).resize(SCREEN, Image.Resampling.BILINEAR))
             mujoco.mjr_uploadTexture(self._model, self._context, put_face(self._model, picture))
 
-    def draw(self, data: mujoco.MjData, box: Box | None = None) -> tuple[Picture, Picture]:
-        """Draws the robot alone, on black: floor and sky, which stay, would take longer than it.
+    def draw(self, data: mujoco.MjData, box: Box | None = None, *, sunk: Box | None = None) -> Image.Image:
+        """Draws the robot alone, before nothing: floor and sky, which stay, would take longer than it.
 
         Args:
             data: its posture.
             box: the part of the picture that is drawn; None: all.
+            sunk: the part of the picture in which the floor may hide something of it; None: nowhere.
 
         Returns:
-            (h, w, 3) the part, and (h, w) how much of each of its pixels is floor or sky, 0..255.
+            The part as RGBa: colours weighted with how much of each pixel is the robot.
         """
-        left, top, right, low = box = box or (0, 0, *self._size)
-        drawn, near = self._draw(data, self._robot, box)
-        upward, finer = self._size[1], self._finer
-        rows, columns = slice(finer * (upward - low), finer * (upward - top)), slice(finer * left, finer * right)
-        seen = near < self._drawn_empty(data)[1][rows, columns]
-        if (below := (near < NOTHING) & ~seen).any():
-            drawn[below] = 0  # it is behind the floor
-        return self._reduced(drawn), np.uint8(255) - self._reduced(seen.view(np.uint8) * np.uint8(255))
+        box = box or (0, 0, *self._size)
+        common = None if sunk is None else _common(box, sunk)
+        floor = None if common is None else self._floor_depths(data)
+        self._render(data, self._robot, box)
+        drawn = self._pixels(box)
+        if common is not None and floor is not None:
+            there, here = self._area((0, 0, *self._size), common), self._area(box, common)
+            hidden = self._depths(here) >= floor[_part(there)]
+            drawn[_part(here)][hidden] = 0
+        return self._reduced(drawn, "RGBa")
 
-    def draw_empty(self, data: mujoco.MjData) -> Picture:
-        """Draws a picture without the robot."""
-        return self._reduced(self._drawn_empty(data)[0])
+    def draw_empty(self, data: mujoco.MjData) -> Image.Image:
+        """Draws a picture without the robot, RGB."""
+        whole = (0, 0, *self._size)
+        self._render(data, self._room, whole)
+        return self._reduced(self._pixels(whole), "RGBX").convert("RGB")
 
-    def _drawn_empty(self, data: mujoco.MjData) -> "tuple[Picture, NDArray[np.float32]]":
-        if self._empty is None:
-            self._empty = self._draw(data, self._room, (0, 0, *self._size))
-        return self._empty
+    def _floor_depths(self, data: mujoco.MjData) -> NDArray[np.float32]:
+        """How far the floor is at each pixel of the whole picture."""
+        if self._floor is None:
+            whole = (0, 0, *self._size)
+            self._render(data, self._room, whole)
+            self._floor = self._depths(self._area(whole, whole))
+        return self._floor
 
-    def _reduced(self, drawn: Picture) -> Picture:
+    def _reduced(self, drawn: Picture, mode: Literal["RGBa", "RGBX"]) -> Image.Image:
         """From the rows and pixels of OpenGL to those of pictures."""
-        return np.asarray(Image.fromarray(drawn).reduce(self._finer))[::-1]
+        fine = Image.frombuffer("RGBX", (drawn.shape[1], drawn.shape[0]), drawn, "raw", "RGBX", 0, 1)
+        coarse = fine.reduce(self._finer)
+        return Image.frombytes(mode, coarse.size, coarse.tobytes(), "raw", mode, 0, -1)
 
-    def _draw(self, data: mujoco.MjData, option: mujoco.MjvOption, box: Box) -> tuple[Picture, NDArray[np.float32]]:
-        """Colours, and how far the nearest thing is, as OpenGL has it: the first row is the lowest."""
+    def _render(self, data: mujoco.MjData, option: mujoco.MjvOption, box: Box) -> None:
         (width, height), (left, top, right, low) = self._size, box
         mujoco.mjv_updateScene(
             self._model, data, option, None, self._camera, mujoco.mjtCatBit.mjCAT_ALL.value, self._scene
@@ -100,12 +112,25 @@ class Canvas:
         self._scene.flags[mujoco.mjtRndFlag.mjRND_SKYBOX.value] = option is self._room
         for camera in self._scene.camera:
             _narrow(camera, (left / width, top / height, right / width, low / height), width / height)
-        area = mujoco.MjrRect(0, 0, self._finer * (right - left), self._finer * (low - top))
-        drawn = np.empty((area.height, area.width, 3), dtype=np.uint8)
+        mujoco.mjr_render(self._area(box, box), self._scene, self._context)
+
+    def _area(self, box: Box, part: Box) -> mujoco.MjrRect:
+        """Where OpenGL has a part of a box that is drawn; its first row is the lowest."""
+        finer = self._finer
+        (left, _, _, low), (begin, top, end, foot) = box, part
+        return mujoco.MjrRect(finer * (begin - left), finer * (low - foot), finer * (end - begin), finer * (foot - top))
+
+    def _pixels(self, box: Box) -> Picture:
+        """(h, w, 4) what was drawn in a box, the fourth 255 where anything was; the next picture takes its place."""
+        area = self._area(box, box)
+        drawn = self._drawn[: 4 * area.height * area.width].reshape(area.height, area.width, 4)
+        glReadPixels(0, 0, area.width, area.height, RGBA, BYTES, drawn)
+        return drawn
+
+    def _depths(self, area: mujoco.MjrRect) -> NDArray[np.float32]:
         near = np.empty((area.height, area.width), dtype=np.float32)
-        mujoco.mjr_render(area, self._scene, self._context)
-        mujoco.mjr_readPixels(drawn, near, area, self._context)
-        return drawn, near
+        mujoco.mjr_readPixels(None, near, area, self._context)
+        return near
 
     def __enter__(self) -> "Canvas":
         return self
@@ -115,6 +140,16 @@ class Canvas:
     ) -> None:
         self._context.free()
         self._gl.free()
+
+
+def _common(one: Box, other: Box) -> Box | None:
+    """What two boxes have in common; None: nothing."""
+    left, top, right, low = max(one[0], other[0]), max(one[1], other[1]), min(one[2], other[2]), min(one[3], other[3])
+    return (left, top, right, low) if left < right and top < low else None
+
+
+def _part(area: mujoco.MjrRect) -> tuple[slice, slice]:
+    return slice(area.bottom, area.bottom + area.height), slice(area.left, area.left + area.width)
 
 
 def _narrow(camera: mujoco.MjvGLCamera, shares: tuple[float, float, float, float], aspect: float) -> None:

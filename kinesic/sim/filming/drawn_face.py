@@ -10,6 +10,7 @@ from kinesic.files.film_file import Picture
 GROUND, LIGHT, PUPIL = (20, 26, 38), (214, 240, 250), (14, 20, 32)
 FINER = 2  # pixels that are painted along a side of one
 SIZE = (320, 240)  # [pixels] in which the numbers below are
+SCREEN = (240, 180)  # [pixels] of a face on a head's screen, which is a hundred wide or so in a film
 EYE, EYE_HIGH, EYE_APART = (30.0, 38.0), 98.0, 68.0  # half axes, height from the top, from the middle
 ROUND = (16.0, 20.0)  # half axes of a pupil
 LOOKS = (12.0, 15.0)  # that a pupil moves at the end of its range

@@ -11,6 +11,7 @@ from kinesic.sim.scene_layout import VIEW_ANGLE, VIEW_FROM, View, rods, view_of
 
 FRAME = 1.2  # times the hands and the head in a picture: 10 % of its width or height is free on every side
 SPARE = 4.0  # pixels beyond it, as shadows are drawn coarsely
+TINY = 1e-9  # [m]
 BLURRED = 0.04  # heights of the picture that the edge of a shadow reaches
 
 
@@ -88,6 +89,27 @@ def robot_boxes(seen: Floats, reach: Floats, *, size: tuple[int, int]) -> list[B
     """
     grown = (seen[..., 2] * reach)[..., None]
     return _boxes((seen[..., :2] - grown).min(axis=1), (seen[..., :2] + grown).max(axis=1), size)
+
+
+def sunk_balls(places: Floats, reach: Floats, floor: float) -> tuple[Floats, Floats]:
+    """Cuts off what is above the floor, of the shapes that are ever below it: the ends of the rest.
+
+    Args:
+        places: (m, 2 k, 3) [m] the two ends of one shape after another, in m postures.
+        reach: (2 k,) [m] that is drawn around each.
+        floor: [m] its height.
+
+    Returns:
+        (m, 2 j, 3) [m], and (2 j,) [m] that is drawn around each; none where nothing is ever below the floor.
+    """
+    low = np.any(places[..., 2] - reach < floor, axis=0)
+    kept = np.repeat(low[0::2] | low[1::2], 2)
+    ends, level = places[:, kept].reshape(len(places), -1, 2, 3), floor + reach[kept].reshape(-1, 2)
+    others = ends[:, :, ::-1]
+    rise = np.maximum(ends[..., 2] - others[..., 2], TINY)
+    share = np.where(ends[..., 2] > level, np.clip((level - others[..., 2]) / rise, 0.0, 1.0), 1.0)
+    cut = others + share[..., None] * (ends - others)
+    return sealed(cut.reshape(len(places), -1, 3)), sealed(reach[kept])
 
 
 def shadow_boxes(outlines: Floats, *, size: tuple[int, int]) -> list[Box]:

@@ -5,7 +5,7 @@ import numpy as np
 
 from kinesic.body.robot import Robot
 from kinesic.files.film_file import Picture
-from kinesic.sim.filming.drawn_face import SIZE
+from kinesic.sim.filming.drawn_face import SCREEN
 from kinesic.sim.filming.face_screen import Sheet, screen_of
 
 PICTURE = "face"  # the name of the texture
@@ -18,7 +18,7 @@ def add_screen(spec: mujoco.MjSpec, robot: Robot) -> bool:
     screen = screen_of(robot)
     if screen is None:
         return False
-    width, height = SIZE
+    width, height = SCREEN
     spec.add_texture(
         name=PICTURE,
         type=mujoco.mjtTexture.mjTEXTURE_2D,
@@ -45,7 +45,7 @@ def has_screen(model: mujoco.MjModel) -> bool:
 
 
 def put_face(model: mujoco.MjModel, picture: Picture) -> int:
-    """Puts a picture of `SIZE` on the screen of a model; returns the texture that has changed."""
+    """Puts a picture of `SCREEN` on the screen of a model; returns the texture that has changed."""
     texture = model.tex(PICTURE)
     begin = int(texture.adr[0])
     model.tex_data[begin : begin + picture.size] = picture.ravel()

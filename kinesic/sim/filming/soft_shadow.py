@@ -1,10 +1,10 @@
 """The soft shadow of a robot on the floor: the shadows of its capsules, blurred."""
 
 import numpy as np
-from PIL import Image, ImageChops, ImageDraw, ImageFilter
+from PIL import Image, ImageDraw, ImageFilter
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.files.film_file import Box, Picture
+from kinesic.files.film_file import Box
 from kinesic.sim.filming.framing import seen_at
 from kinesic.sim.scene_layout import SUN, View
 
@@ -42,33 +42,20 @@ def shadow_outlines(places: Floats, radii: Floats, view: View, *, size: tuple[in
     return sealed(seen_at(view, corners, size=size)[..., :2])
 
 
-def shade(room: Picture, box: Box, outlines: Floats, *, size: tuple[int, int]) -> Picture:
-    """Darkens a room where the shadow is.
+def shade(picture: Image.Image, box: Box, outlines: Floats) -> None:
+    """Darkens a picture where the shadow is.
 
     Args:
-        room: (h, w, 3) the part of a picture in a box of it.
-        box: that the part fills.
+        picture: RGB, of a room.
+        box: the part of it in which the shadow is.
         outlines: (k, corners, 2) of one posture.
-        size: of the whole picture.
     """
-    width, height = (-(-side // COARSE) for side in size)
+    width, height = (-(-side // COARSE) for side in picture.size)
     coarse = Image.new("L", (width, height))
     pen = ImageDraw.Draw(coarse)
     for outline in outlines / COARSE:
-        pen.polygon([(x, y) for x, y in outline.tolist()], fill=255)
-    soft = coarse.filter(ImageFilter.GaussianBlur(BLUR * height))
+        pen.polygon([(x, y) for x, y in outline.tolist()], fill=round(255 * DARK))
     left, top, right, low = box
     within = (left / COARSE, top / COARSE, right / COARSE, low / COARSE)
-    light = soft.point(lambda share: 255 - round(DARK * share))
-    part = light.resize((right - left, low - top), Image.Resampling.BILINEAR, box=within)
-    return _darkened(room, part)
-
-
-def stand_in(robot: Picture, free: Picture, room: Picture) -> Picture:
-    """Puts a robot that was drawn on black (h, w, 3) before its room, of which it leaves (h, w) 0..255 free."""
-    return np.asarray(ImageChops.add(Image.fromarray(robot), Image.fromarray(_darkened(room, Image.fromarray(free)))))
-
-
-def _darkened(picture: Picture, light: Image.Image) -> Picture:
-    """A picture in which each pixel keeps a share of its light."""
-    return np.asarray(ImageChops.multiply(Image.fromarray(picture), Image.merge("RGB", (light, light, light))))
+    soft = coarse.filter(ImageFilter.GaussianBlur(BLUR * height))
+    picture.paste((0, 0, 0), box, soft.resize((right - left, low - top), Image.Resampling.BILINEAR, box=within))
