@@ -68,8 +68,9 @@ class Guest:
         return json.loads(self.socket.recv(20))
 
     def confirm(self, **more: object) -> dict:
-        code = self.ask(do="arm", token=TOKEN)["code"]
-        return self.ask(do="arm", token=TOKEN, code=code, **more)
+        asked = self.ask(do="arm", token=TOKEN)
+        assert "code" in asked, asked
+        return self.ask(do="arm", token=TOKEN, code=asked["code"], **more)
 
 
 @pytest.fixture(scope="module")
