@@ -26,7 +26,7 @@ def brief(monkeypatch):
     monkeypatch.setattr(plan, "CROWDS", 1)
     monkeypatch.setattr(plan, "THRONGED", 1)
     monkeypatch.setattr(plan, "RHYTHMS", 1)
-    monkeypatch.setattr(plan.hostile, "figures", partial(plan.hostile.figures, ["pile_20"]))
+    monkeypatch.setattr(plan.hostile, "figures", partial(plan.hostile.figures, ["unreachable_times"]))
     monkeypatch.setattr(plan, "crowd", lambda seed, lexemes: crowd(SMALL + seed, lexemes))
     monkeypatch.setattr(first_command, "REPETITIONS", 2)
     monkeypatch.setattr(twin, "REPETITIONS", 2)

@@ -4,6 +4,7 @@ import pytest
 
 from kinesic.bench.expressivity import sweeps
 from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.studies.sweep import series
 from kinesic.studies.sweep.series import MEASURE_OF, Series
 
 
@@ -16,10 +17,11 @@ def test_ten_gestures_of_many_categories():
 
 @pytest.fixture(scope="module")
 def brief():
-    """One gesture is enough to see that the figures are there."""
+    """One gesture at both ends and in the middle is enough to see that the figures are there."""
     sweeps.swept.cache_clear()
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(sweeps, "GESTURES", ("flat_surface",))
+        patch.setattr(series, "COUNT", 3)
         yield
     sweeps.swept.cache_clear()
 
@@ -42,7 +44,7 @@ def test_doubling_counts_where_limits_allow_it(brief):
     assert "0 of 1" in figure.why
     wide = _with(power, allowed_speed=9.0)
     assert sweeps.strength("power", [wide, tight])[0].value == pytest.approx(
-        wide.played[-1].measures.stroke_speed / wide.played[2].measures.stroke_speed
+        wide.played[-1].measures.stroke_speed / wide.played[1].measures.stroke_speed
     )
 
 
@@ -54,7 +56,5 @@ def test_a_stroke_that_never_comes_is_far_off(brief):
     assert figures["expressivity.power_stroke"].why == "flat_surface"
 
 
-def _with(series: Series, **changes: object) -> Series:
-    return replace(
-        series, played=tuple(replace(one, measures=replace(one.measures, **changes)) for one in series.played)
-    )
+def _with(found: Series, **changes: object) -> Series:
+    return replace(found, played=tuple(replace(one, measures=replace(one.measures, **changes)) for one in found.played))

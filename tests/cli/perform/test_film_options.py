@@ -5,24 +5,11 @@ import sys
 
 import numpy as np
 import pytest
-from PIL import Image
 
 from kinesic.body.utterance import Sound
 from kinesic.sim.gl import opengl_fault
 
 NOD = b'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" stroke="0.6"/></bml>'
-
-
-def test_size_and_rate_of_the_film_are_chosen(kinesic, tmp_path):
-    if why := opengl_fault():
-        pytest.skip(why)
-    (tmp_path / "nod.bml").write_bytes(NOD)
-    ended = kinesic("perform", tmp_path / "nod.bml", "--out", "out", "--film-size", "160x90", "--film-rate", "5")
-    assert ended.code == 0
-    with Image.open(tmp_path / "out" / "film.webp") as film:
-        assert film.size == (160, 90)
-        film.load()
-        assert film.info["duration"] % 200 == 0
 
 
 @pytest.mark.parametrize(
@@ -60,7 +47,7 @@ def test_several_robots_are_filmed_as_webp_alone(kinesic, tmp_path):
     assert "--film-format mp4: several robots are filmed side by side as webp alone" in ended.err
 
 
-def test_with_an_encoder_the_page_has_a_film_with_a_voice(kinesic, tmp_path, monkeypatch):
+def test_size_and_rate_are_chosen_and_with_an_encoder_the_page_has_a_film_with_a_voice(kinesic, tmp_path, monkeypatch):
     """The encoder is a program in the place of ffmpeg that says what it was given."""
     if why := opengl_fault():
         pytest.skip(why)
@@ -81,5 +68,6 @@ def test_with_an_encoder_the_page_has_a_film_with_a_voice(kinesic, tmp_path, mon
     assert "film: out/film.mp4" in ended.out
     size, words = ast.literal_eval((tmp_path / "out" / "film.mp4").read_text())
     assert size % (160 * 90 * 3) == 0 < size
+    assert (words[words.index("-s") + 1], words[words.index("-r") + 1]) == ("160x90", "5")
     assert words[words.index("-i", words.index("-i") + 1) + 1].endswith("speech.wav")
     assert '<video controls loop src="data:video/mp4;base64,' in (tmp_path / "out" / "report.html").read_text()
