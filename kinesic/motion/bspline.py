@@ -129,19 +129,31 @@ class Grid:
         """
         return np.asarray(limits.duty - limits.viscous * limits.jerk * self.step**2 / 8)
 
-    def shares(self, controls: Floats, limits: Limits, hinge: int) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-        """Shares that a spline (k + 3,) [rad] takes of the limits of range, speed, acceleration, jerk and duty."""
-        once = controls[1:] - controls[:-1]
-        twice = once[1:] - once[:-1]
+    def shares(
+        self, controls: Floats, limits: Limits, hinge: int | NDArray[np.intp]
+    ) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+        """Shares that splines (..., k + 3) [rad] take of the limits of range, speed, acceleration, jerk and duty.
+
+        Args:
+            controls: of one hinge, or (h, k + 3) of several.
+            limits: of all hinges.
+            hinge: its index, or (h,) theirs.
+        """
+        once = controls[..., 1:] - controls[..., :-1]
+        twice = once[..., 1:] - once[..., :-1]
         speed, acceleration = once / self.step, twice / self.step**2
-        jerk = (twice[1:] - twice[:-1]) / self.step**3
-        pulling = limits.inertial[hinge] * acceleration + limits.viscous[hinge] * (speed[:-1] + speed[1:]) / 2
+        jerk = (twice[..., 1:] - twice[..., :-1]) / self.step**3
+
+        def of(values: Floats) -> Floats:
+            return np.asarray(values[hinge])[..., None]
+
+        pulling = of(limits.inertial) * acceleration + of(limits.viscous) * (speed[..., :-1] + speed[..., 1:]) / 2
         return (
-            (controls - self._middle(limits, hinge)) / self._half(limits, hinge),
-            speed / limits.speed[hinge],
-            acceleration / limits.acceleration[hinge],
-            jerk / limits.jerk[hinge],
-            pulling / self._duty_of(limits, hinge),
+            (controls - of((limits.upper + limits.lower) / 2)) / of(np.maximum(limits.upper - limits.lower, TINY) / 2),
+            speed / of(limits.speed),
+            acceleration / of(limits.acceleration),
+            jerk / of(limits.jerk),
+            pulling / of(self.duty(limits)),
         )
 
     def keeps(self, controls: Floats, limits: Limits, hinge: int, most: float) -> bool:

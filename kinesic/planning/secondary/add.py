@@ -8,7 +8,7 @@ from zlib import crc32
 import numpy as np
 
 from kinesic.bml.block import Head, Pointing, Timeline
-from kinesic.body.arrays import Flags, Floats, sealed
+from kinesic.body.arrays import Flags, Floats, Indices, sealed
 from kinesic.body.dynamics import Clearance
 from kinesic.body.robot import SIDES, Robot
 from kinesic.body.utterance import Utterance
@@ -24,7 +24,7 @@ from kinesic.planning.secondary.changes import Changes, lessened
 from kinesic.planning.secondary.drift import drifts
 from kinesic.planning.secondary.homeward import ways_home
 from kinesic.planning.secondary.succession import later_hinges
-from kinesic.planning.secondary.swells import Change, Swell, spans
+from kinesic.planning.secondary.swells import Change, Swell
 from kinesic.planning.secondary.talking import talking
 from kinesic.planning.setup import Setup
 
@@ -70,7 +70,7 @@ def add_secondary_motion(
         less = met & every.of_arms if np.any(met & every.of_arms) else met
         amounts = every.of.within_limits(lessened(amounts, less), less, setup.limits)
         laid = every.of.added(amounts)
-        chosen = np.any(every.under_way(times)[less], axis=0)
+        chosen = every.touched(times, less)
         found = _measure_again(found, chosen, laid.sample(times[chosen])[0], setup)
         bad = np.where(chosen, _hindered(alone, laid, times, (found, clearance), chosen, setup), bad)
     return replace(motion, trajectory=laid), times, found
@@ -89,13 +89,23 @@ class _Every:
         joints = [joint for side in SIDES for joint in self.robot.arm(side).joints]
         return np.asarray(self.of.moved[:, joints].any(axis=1))
 
-    def under_way(self, times: Floats) -> Flags:
-        """(c, m) which of them are under way at (m,) times [s]."""
-        return np.array([spans(change, times) for change in self.of.every])
+    def under_way(self, times: Floats) -> Indices:
+        """(c, 2) at which of times (m,) [s], in order, each begins to be under way, and at which it no longer is."""
+        begins, ends = np.array([(change.begin, change.end) for change in self.of.every]).T
+        return np.stack([times.searchsorted(begins, side="right"), times.searchsorted(ends)], axis=1)
 
     def met(self, times: Floats, bad: Flags) -> Flags:
         """(c,) which of them are under way when they must not: (m,) at (m,) times [s]."""
-        return np.asarray(np.any(self.under_way(times[bad]), axis=1))
+        first, last = self.under_way(times).T
+        before = np.append(0, np.cumsum(bad))
+        return np.asarray(before[np.maximum(first, last)] > before[first])
+
+    def touched(self, times: Floats, chosen: Flags) -> Flags:
+        """(m,) at which times (m,) [s] any of some changes (c,) is under way."""
+        found: Flags = np.zeros(len(times), dtype=np.bool_)
+        for first, last in self.under_way(times)[chosen].tolist():
+            found[first:last] = True
+        return found
 
 
 def _measure_again(found: Clearance, changed: Flags, angles: Floats, setup: Setup) -> Clearance:

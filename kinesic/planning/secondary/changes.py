@@ -14,6 +14,7 @@ from kinesic.motion.trajectory import EARLY, FEWEST, STEP, Trajectory
 from kinesic.planning.secondary.swells import AHEAD, Change
 
 FULL = 1.0 + 1e-9  # share of a limit
+WIDEST = max(WIDTHS)  # control points that one limit depends on
 LESS = 0.4  # of a change that hinders, before it is left out
 
 
@@ -50,14 +51,23 @@ class Changes:
     def _parts(self) -> Mapping[int, Sequence[_Part]]:
         """Of each hinge that is moved, in the order of the changes."""
         found: dict[int, list[_Part]] = {}
-        for k, change in enumerate(self.every):
-            rows, added = self._rows(change)
+        for k, (change, (rows, added)) in enumerate(zip(self.every, self._rows, strict=True)):
             for hinge, column in zip(change.hinges, added.T, strict=True):
                 found.setdefault(hinge, []).append(_Part(k, rows, column))
         return found
 
-    def _rows(self, change: Change) -> tuple[slice, Floats]:
-        """The control points that a change moves, and by how much (r, h) [rad]."""
+    @cached_property
+    def _spans(self) -> Indices:
+        """(c, 2) the first control point that each moves, and the one after the last."""
+        return np.array([(rows.start, rows.stop) for rows, _ in self._rows], dtype=np.intp)
+
+    @cached_property
+    def _rows(self) -> Sequence[tuple[slice, Floats]]:
+        """The control points that each moves, and by how much (r, h) [rad]."""
+        return [self._moved_rows(change) for change in self.every]
+
+    def _moved_rows(self, change: Change) -> tuple[slice, Floats]:
+        """What `_rows` has of one."""
         start = self.motion.start
         first = max(FEWEST - 1, int((change.begin - start) / STEP))  # before it the motion is at rest
         last = min(ceil((change.end - start) / STEP) + AHEAD, self._size(change.end) - FEWEST + 1)
@@ -73,24 +83,31 @@ class Changes:
         ends = (each.end for each, amount in zip(self.every, amounts.tolist(), strict=True) if amount)
         return self._size(max(ends, default=self.motion.end))
 
-    def _alone(self, hinges: Indices, size: int) -> Floats:
-        """(h, k) [rad] control points of some hinges in the motion alone, which rests on to some size."""
-        own = self.motion.controls.T[hinges]
-        return np.hstack([own, np.repeat(own[:, -1:], size - own.shape[1], axis=1)])
+    def _window(self, amounts: Floats, changed: Flags) -> slice:
+        """Control points that limits have to be looked at after some changes (c,): elsewhere all is as it was."""
+        size, (first, last) = self._whole_size(amounts), self._spans[changed].T
+        return slice(max(0, min(int(first.min()), size) - WIDEST), min(int(last.max()) + WIDEST, size))
 
-    def _laid(self, hinges: Indices, amounts: Floats, size: int) -> Floats:
+    def _alone(self, hinges: Indices, window: slice) -> Floats:
+        """(h, k) [rad] some control points of some hinges in the motion alone, which rests on after its end."""
+        own = self.motion.controls.T[hinges]
+        beyond = max(0, window.stop - max(own.shape[1], window.start))
+        return np.hstack([own[:, window], np.repeat(own[:, -1:], beyond, axis=1)])
+
+    def _laid(self, hinges: Indices, amounts: Floats, window: slice) -> Floats:
         """(h, k) [rad] the same with so much (c,) of each change."""
-        columns, much = self._alone(hinges, size), amounts.tolist()
+        columns, much, first = self._alone(hinges, window), amounts.tolist(), window.start
         for hinge, column in zip(hinges.tolist(), columns, strict=True):
             for part in self._parts.get(hinge, ()):
-                if amount := much[part.change]:
-                    column[part.rows] += amount * part.added
+                begin, end = max(part.rows.start, first), min(part.rows.stop, window.stop)
+                if begin < end and (amount := much[part.change]):
+                    column[begin - first : end - first] += amount * part.added[begin - part.rows.start :][: end - begin]
         return columns
 
     def added(self, amounts: Floats) -> Trajectory:
         """The motion with so much (c,) of each change; it goes on until the last of them is over."""
         every = np.arange(self.motion.controls.shape[1])
-        controls = self._laid(every, amounts, self._whole_size(amounts)).T
+        controls = self._laid(every, amounts, slice(0, self._whole_size(amounts))).T
         return Trajectory(sealed(np.ascontiguousarray(controls)), self.motion.zero, self.motion.start)
 
     def within_limits(self, amounts: Floats, changed: Flags, limits: Limits) -> Floats:
@@ -100,12 +117,13 @@ class Changes:
         broken, all changes of the control points on which it depends become less, so that none is broken in the end.
         """
         while np.any(changed):
-            hinges, size = np.flatnonzero(self.moved[changed].any(axis=0)), self._whole_size(amounts)
-            broken = _broken(self._laid(hinges, amounts, size), self._alone(hinges, size), limits, hinges)
+            hinges, window = np.flatnonzero(self.moved[changed].any(axis=0)), self._window(amounts, changed)
+            broken = _broken(self._laid(hinges, amounts, window), self._alone(hinges, window), limits, hinges)
             changed = np.zeros(len(amounts), dtype=np.bool_)
             for hinge, flags in broken.items():
                 for part in self._parts[hinge]:
-                    changed[part.change] |= bool(amounts[part.change] and flags[part.rows].any())
+                    begin, end = (max(0, row - window.start) for row in (part.rows.start, part.rows.stop))
+                    changed[part.change] |= bool(amounts[part.change] and flags[begin:end].any())
             amounts = lessened(amounts, changed)
         return amounts
 
@@ -113,17 +131,14 @@ class Changes:
 def _broken(laid: Floats, alone: Floats, limits: Limits, hinges: Indices) -> dict[int, Flags]:
     """Finds hinges that break a limit which the motion alone keeps, and (k,) which control points take part in that."""
     own = grid(laid.shape[1] - FEWEST + 1, STEP)
+    every = own.shares(laid, limits, hinges)
     found: dict[int, Flags] = {}
-    for hinge, controls, before in zip(hinges.tolist(), laid, alone, strict=True):
-        if own.keeps(controls, limits, hinge, FULL):
-            continue
-        flags: Flags = np.zeros(len(controls), dtype=np.bool_)
-        shares = own.shares(controls, limits, hinge)
-        if max(float(np.abs(share).max()) for share in shares) <= FULL:
-            continue
-        for width, share, once in zip((1, *WIDTHS), shares, own.shares(before, limits, hinge), strict=True):
-            over = np.flatnonzero(np.abs(share) > np.maximum(FULL, np.abs(once) + FULL - 1.0))
+    for row in np.flatnonzero(np.max([np.abs(share).max(axis=1) for share in every], axis=0) > FULL).tolist():
+        flags: Flags = np.zeros(laid.shape[1], dtype=np.bool_)
+        before = own.shares(alone[row], limits, int(hinges[row]))
+        for width, share, once in zip((1, *WIDTHS), every, before, strict=True):
+            over = np.flatnonzero(np.abs(share[row]) > np.maximum(FULL, np.abs(once) + FULL - 1.0))
             flags[over[:, None] + np.arange(width)] = True
         if flags.any():
-            found[hinge] = flags
+            found[int(hinges[row])] = flags
     return found

@@ -79,8 +79,18 @@ def _aside(
     for joint in arm.joints:
         widest = most[2] if joint in hand else most[1] if joint in forearm else most[0]
         away[joint] = 0.0 if joint in arm.lifting else share * widest * float(chance.uniform(-1.0, 1.0))
-    wrists = robot.skeleton.frames(np.stack([angles, angles + away])).origins[:, arm.wrist, LEFT]
+    both = robot.skeleton.frames(np.stack([angles, angles + away]), without=_beside(robot, arm.wrist))
+    wrists = both.origins[:, arm.wrist, LEFT]
     outward = (wrists[1] - wrists[0]) * (1.0 if side == "l" else -1.0) >= 0.0
     turned = angles + (away if outward else -away)
     inside = np.clip(turned, robot.skeleton.lower + INWARD, robot.skeleton.upper - INWARD)
     return np.where(away == 0.0, 0.0, inside - angles)
+
+
+def _beside(robot: Robot, segment: int) -> frozenset[int]:
+    """The segments that do not carry a segment."""
+    carrying = set()
+    while segment >= 0:
+        carrying.add(segment)
+        segment = robot.skeleton.steps[segment][0]
+    return frozenset(range(len(robot.skeleton.segments))) - carrying

@@ -27,6 +27,8 @@ REST = 0.35  # of the time that an arm stands still, in which it may become so m
 BEYOND = 30  # knots after its end, that a motion may go on where something is late
 SEEN, SAME = 1e-3, 1e-9  # [rad] that is worth it, and that is nothing
 
+ON_TIME = (0.0, 1.0, 0.0, 0.0)  # a part of `_late_at`
+
 Lateness = Sequence[tuple[float, float]]  # times [s], and how late a hinge is at them [s]; smooth in between
 
 
@@ -40,9 +42,9 @@ class Delay:
     away: Floats  # (r, h) [rad] from where the motion has them, at each knot from the first on
 
     def added(self, times: Floats) -> Floats:
-        """(m, h) [rad] what it adds to the angles of its hinges at (m,) times [s]."""
-        rows = np.rint((times - self.begin) / STEP).astype(np.intp) + 1
-        return np.asarray(self._padded[np.minimum(np.maximum(rows, 0), len(self.away) + 1)])
+        """(m, h) [rad] what it adds to the angles of its hinges at (m,) times [s], which are one knot apart."""
+        first = round((float(times[0]) - self.begin) / STEP) + 1
+        return self._padded.take(np.arange(first, first + len(times)), axis=0, mode="clip")
 
     @cached_property
     def _padded(self) -> Floats:
@@ -59,17 +61,31 @@ def later_hinges(courses: Iterable[ArmCourse], motion: Trajectory, robot: Robot)
         motion: through its keys.
         robot: whose arms they are.
     """
-    for course in courses:
-        arm = robot.arm(course.side)
-        hand, forearm = (robot.skeleton.joints_of((name,)) for name in arm.segments[:-3:-1])
-        upper = [joint for joint in arm.joints if joint not in (*forearm, *hand)]
-        moving = _ArmMotion(motion, arm.moving)
-        for stroke, (before, after) in zip(course.strokes, pairwise(course.gaps), strict=True):
-            if stroke.behind:
-                yield from moving.later(arm.moving, _behind(stroke, before, after), together=True)
-            for joints, late in ((upper, -LEAD * stroke.loose), ((*hand, *arm.fingers), (1.0 - LEAD) * stroke.loose)):
-                for lateness in (_coming(late, before, motion.start), _going(late, after)):
-                    yield from moving.later(joints, lateness)
+    wanted = [shift for course in courses for shift in _shifts(course, motion.start, robot)]
+    if wanted:
+        joints = tuple(sorted({joint for shift in wanted for joint in shift.joints}))
+        yield from _Curves(motion, joints).later(wanted)
+
+
+@dataclass(frozen=True, eq=False)
+class _Shift:
+    """How late some joints are to be, each by itself or all together."""
+
+    joints: Sequence[int]
+    lateness: Lateness
+    together: bool = False
+
+
+def _shifts(course: ArmCourse, start: float, robot: Robot) -> Iterator[_Shift]:
+    """All that one arm is to do later in a motion from a start [s] on."""
+    arm = robot.arm(course.side)
+    hand, forearm = (robot.skeleton.joints_of((name,)) for name in arm.segments[:-3:-1])
+    upper = [joint for joint in arm.joints if joint not in (*forearm, *hand)]
+    for stroke, (before, after) in zip(course.strokes, pairwise(course.gaps), strict=True):
+        every = [_Shift(arm.moving, _behind(stroke, before, after), together=True)] if stroke.behind else []
+        for joints, late in ((upper, -LEAD * stroke.loose), ((*hand, *arm.fingers), (1.0 - LEAD) * stroke.loose)):
+            every += [_Shift(joints, _coming(late, before, start)), _Shift(joints, _going(late, after))]
+        yield from (shift for shift in every if shift.joints and shift.lateness)
 
 
 def _behind(stroke: ArmStroke, before: Gap, after: Gap) -> Lateness:
@@ -108,51 +124,63 @@ def _going(late: float, gap: Gap) -> Lateness:
 
 
 @dataclass(frozen=True, eq=False)
-class _ArmMotion:
-    """One arm in a motion, as smooth curves through its control points."""
+class _Curves:
+    """Some joints of a motion, as smooth curves through its control points."""
 
     motion: Trajectory
     joints: tuple[int, ...]
 
-    @cached_property
-    def curves(self) -> "scipy.interpolate.CubicSpline":
-        """(k, h) [rad] control points at places among them."""
-        return scipy.interpolate.CubicSpline(np.arange(len(self.motion.controls)), self._controls)
-
-    @cached_property
-    def _controls(self) -> Floats:
-        return self.motion.controls[:, list(self.joints)]
-
-    def later(self, joints: Sequence[int], lateness: Lateness, *, together: bool = False) -> Iterator[Delay]:
-        """Moves some of its joints later, each by itself or all together, wherever they are not on time."""
-        if not lateness or not joints:
-            return
+    def later(self, shifts: Sequence[_Shift]) -> Iterator[Delay]:
+        """Moves joints later, wherever they are not on time."""
         start, last = self.motion.start, len(self.motion.controls) - 1
-        first, end = (
-            int(min(max((time - start) / STEP, 0.0), last + BEYOND)) for time in (lateness[0][0], lateness[-1][0])
-        )
-        rows = np.arange(first, end + AHEAD + 2)
+        spans = [
+            [int(min(max((shift.lateness[k][0] - start) / STEP, 0.0), last + BEYOND)) for k in (0, -1)]
+            for shift in shifts
+        ]
+        rows = np.concatenate([np.arange(first, end + AHEAD + 2) for first, end in spans])
         times = np.asarray(start + (rows - AHEAD) * STEP, dtype=np.float64)
-        columns = [self.joints.index(joint) for joint in joints]
-        places = np.minimum(np.maximum(rows - _late_at(times, lateness) / STEP, 0.0), last)
-        away = self.curves(places)[:, columns] - self._controls[np.minimum(rows, last)[:, None], columns]
-        far = np.abs(away)
-        seen = (far.max(axis=0) > SEEN).tolist()
-        for group in [[*range(len(joints))]] if together else [[k] for k in range(len(joints))]:
-            if not any(seen[k] for k in group):
-                continue
-            for one, other in runs(np.any(far[:, group] > SAME, axis=1)):
-                found = away[one : other + 1, group]
-                if far[one : other + 1, group].max() > SEEN:
-                    hinges = tuple(joints[k] for k in group)
-                    yield Delay(float(times[one]), float(times[other]) + 2 * STEP, hinges, sealed(found))
+        edges = np.cumsum([0, *(end + AHEAD + 2 - first for first, end in spans)]).tolist()
+        late = _late_at([times[one:other] for one, other in pairwise(edges)], [shift.lateness for shift in shifts])
+        places = np.minimum(np.maximum(rows - late / STEP, 0.0), last)
+        own = self.motion.controls[:, list(self.joints)]
+        away = scipy.interpolate.CubicSpline(np.arange(last + 1), own)(places) - own[np.minimum(rows, last)]
+        columns = {joint: k for k, joint in enumerate(self.joints)}
+        for shift, (one, other) in zip(shifts, pairwise(edges), strict=True):
+            of_joints = away[one:other, [columns[joint] for joint in shift.joints]]
+            yield from _delays(shift, times[one:other], of_joints)
 
 
-def _late_at(times: Floats, lateness: Lateness) -> Floats:
-    """(m,) [s] how late a hinge is at (m,) times [s]."""
-    found = np.zeros(len(times))
-    for (begin, one), (end, other) in pairwise(lateness):
-        inside = (times >= begin) & (times < end)
-        along = minimum_jerk((times[inside] - begin) / (end - begin)) if one != other else 0.0
-        found[inside] = one + along * (other - one)
-    return found
+def _delays(shift: _Shift, times: Floats, away: Floats) -> Iterator[Delay]:
+    """What joints do later, that are (m, h) [rad] away at knots (m,) [s]."""
+    far, count = np.abs(away), len(shift.joints)
+    groups = [tuple(range(count))] if shift.together else [(k,) for k in range(count)]
+    for k, one, other in _seen_runs(far.max(axis=1, keepdims=True) if shift.together else far):
+        hinges = tuple(shift.joints[j] for j in groups[k])
+        yield Delay(float(times[one]), float(times[other]) + 2 * STEP, hinges, sealed(away[one : other + 1, groups[k]]))
+
+
+def _seen_runs(far: Floats) -> Iterator[tuple[int, int, int]]:
+    """Column, first and last row of each run of (m, g) [rad] that is more than nothing, and once worth it."""
+    beside = np.zeros((far.shape[1], len(far) + 1))
+    beside[:, :-1] = far.T
+    flat = beside.ravel()
+    for first, last in runs(flat > SAME):
+        if flat[first : last + 1].max() > SEEN:
+            column, row = divmod(first, len(far) + 1)
+            yield column, row, row + last - first
+
+
+def _late_at(times: Sequence[Floats], latenesses: Sequence[Lateness]) -> Floats:
+    """How late hinges are [s]: each in its own times (m,) [s], one after the other."""
+    parts: list[tuple[float, float, float, float]] = []  # begin [s], how long [s], lateness and how it grows [s]
+    counts: list[int] = []
+    for own, lateness in zip(times, latenesses, strict=True):
+        edges = np.searchsorted(own, [time for time, _ in lateness]).tolist()
+        parts += [
+            ON_TIME,
+            *((begin, end - begin, one, other - one) for (begin, one), (end, other) in pairwise(lateness)),
+            ON_TIME,
+        ]
+        counts += [other - one for one, other in pairwise((0, *edges, len(own)))]
+    begin, lasts, late, growth = np.repeat(np.array(parts).T, counts, axis=1)
+    return np.asarray(late + minimum_jerk((np.concatenate(times) - begin) / lasts) * growth)

@@ -34,7 +34,7 @@ class Change(Protocol):
         """Which ones it moves, in joint order."""
 
     def added(self, times: Floats) -> Floats:
-        """(m, h) [rad] what it adds to the angles of its hinges at (m,) times [s] between its begin and end."""
+        """(m, h) [rad] what it adds to the angles of its hinges at (m,) knots [s], from its begin to its end."""
 
 
 def runs(flags: Flags) -> Iterator[tuple[int, int]]:
@@ -42,11 +42,6 @@ def runs(flags: Flags) -> Iterator[tuple[int, int]]:
     inner = (np.flatnonzero(flags[1:] != flags[:-1]) + 1).tolist()
     edges = [*([0] if flags[:1].any() else []), *inner, *([len(flags)] if flags[-1:].any() else [])]
     yield from ((first, end - 1) for first, end in zip(edges[::2], edges[1::2], strict=True))
-
-
-def spans(change: Change, times: Floats) -> Flags:
-    """(m,) whether a change is under way at times (m,) [s]."""
-    return np.asarray((times > change.begin) & (times < change.end))
 
 
 @dataclass(frozen=True, eq=False)

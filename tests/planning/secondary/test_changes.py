@@ -4,6 +4,7 @@ import numpy as np
 
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
+from kinesic.motion.bspline import Grid
 from kinesic.motion.limit_check import check_limits
 from kinesic.motion.trajectory import STEP, Trajectory
 from kinesic.planning.secondary.changes import LESS, Changes
@@ -54,3 +55,25 @@ def test_a_swell_gives_way_where_it_breaks_a_limit_just_before_it_begins():
     assert largest(motion) < 1.0 < largest(laid)
     assert over.max() * STEP < begun.begin
     assert allowed(motion, [begun]) == [0.0]
+
+
+def test_what_is_too_wide_after_the_end_of_a_motion_is_left_out_and_the_motion_ends_as_before():
+    end = STILL.end
+    over, after = (swell(end + first, end + first + 1.0, end + first + 2.0, degrees=-60.0) for first in (-1.0, 0.5))
+    small = swell(0.5, 1.0, 1.5)
+    assert allowed(STILL, [small, over, after]) == [1.0, 0.0, 0.0]
+    assert Changes(STILL, [small, over, after]).added(np.array([1.0, 0.0, 0.0])).end == end
+
+
+def test_after_something_became_less_limits_are_looked_at_there_alone(monkeypatch):
+    looked_at = []
+
+    def shares(self, controls, *others):
+        looked_at.append(controls.shape[-1])
+        return own(self, controls, *others)
+
+    own = Grid.shares
+    monkeypatch.setattr(Grid, "shares", shares)
+    wide, far = swell(1.0, 1.5, 2.0, degrees=-16.0), swell(3.5, 4.0, 4.5)
+    assert allowed(STILL, [wide, far]) == [LESS, 1.0]
+    assert looked_at[-1] < 1.2 / STEP < looked_at[0], "a second of a swell, and not the whole motion"
