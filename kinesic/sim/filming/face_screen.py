@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import Robot
 from kinesic.body.skeleton import Capsule
+from kinesic.sim.shells.shell import SegmentShell, shell_of
 
 WIDTH, HEIGHT = 0.238, 0.179  # arm lengths: 100 x 75 mm of the default robot; those below are arm lengths, too
 BEND = 0.26  # radius about the upright axis
@@ -41,9 +42,9 @@ class FaceScreen:
 
 
 def screen_of(robot: Robot) -> FaceScreen | None:
-    """Builds the screen of a robot; None where no head turns that has a site `eyes`, or where it has skin."""
-    eyes = robot.sites.get("eyes")
-    if eyes is None or robot.skin is not None or eyes.segment not in robot.chains.get("neck", ()):
+    """Builds the screen of a robot; None where it has no site `eyes`, or one that its neck does not turn, or skin."""
+    eyes, neck = robot.sites.get("eyes"), robot.chains.get("neck", ())
+    if eyes is None or robot.skin is not None or (neck and eyes.segment not in neck):
         return None
     left = np.cross([0.0, 0.0, 1.0], eyes.facing)
     if not left.any():
@@ -53,7 +54,12 @@ def screen_of(robot: Robot) -> FaceScreen | None:
     size, middle = robot.arm_length, eyes.position - BELOW * robot.arm_length * axes[1]
     picture = _sheet(middle, axes, size * np.array([WIDTH, HEIGHT]) / 2, size)
     shapes = robot.skeleton.segments[robot.skeleton.segment(eyes.segment)].capsules
+    half = size * np.array([WIDTH, HEIGHT]) / 2
+    shell = shell_of(robot)
+    seen = None if shell is None else shell.segments.get(eyes.segment)
+    own = 0.0 if seen is None else _before(_points(seen), middle, axes, half, size)
     ahead = STEP * size * _steps(picture.places, shapes, STEP * size * eyes.facing, CLEAR * size)
+    ahead = max(ahead, own)
     picture = _sheet(middle + ahead * eyes.facing, axes, size * np.array([WIDTH, HEIGHT]) / 2, size)
     behind = middle + (ahead - SET_BACK * size) * eyes.facing
     front = _sheet(behind, axes, size * (np.array([WIDTH, HEIGHT]) / 2 + RIM), size)
@@ -110,6 +116,23 @@ def _steps(places: Floats, shapes: tuple[Capsule, ...], step: Floats, clear: flo
         if all(float(np.min(_distances(shape, moved))) >= clear for shape in shapes):
             return count
     return 0
+
+
+def _points(shell: SegmentShell) -> Floats:
+    """(n, 3) [m] corners and middles of triangles."""
+    corners = shell.vertices[shell.triangles]
+    return sealed(np.concatenate([corners.reshape(-1, 3), corners.mean(axis=1)]))
+
+
+def _before(points: Floats, middle: Floats, axes: Floats, half: Floats, size: float) -> float:
+    """[m] by which a sheet comes forward until no point of a head's front comes through it."""
+    across, up, ahead = ((points - middle) @ axes.T).T
+    bend = BEND * size
+    behind = (np.abs(across) < half[0] + RIM * size) & (np.abs(up) < half[1] + RIM * size) & (ahead > -DEEP * size)
+    if not behind.any():
+        return 0.0
+    sheet = np.sqrt(bend**2 - across[behind] ** 2) - bend
+    return max(float(np.max(ahead[behind] - sheet)) + CLEAR * size, 0.0)
 
 
 def _distances(shape: Capsule, places: Floats) -> Floats:

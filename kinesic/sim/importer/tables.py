@@ -16,9 +16,10 @@ from kinesic.body.robot_schema import (
     SiteTable,
     Triple,
 )
+from kinesic.sim.importer.eyes import place_eyes
 from kinesic.sim.importer.hinge_row import foot
 from kinesic.sim.importer.hinges import MappedHinge
-from kinesic.sim.importer.segments import HEAD, HEAD_GIRTH, TRUNK, SegmentLayout, bodies, hand_vector, rounded_triple
+from kinesic.sim.importer.segments import HEAD, TRUNK, SegmentLayout, bodies, carried_parts, hand_vector, rounded_triple
 from kinesic.sim.importer.zero_pose import HumanoidGeometry
 
 CLEARANCE = 0.010  # [m]
@@ -49,7 +50,7 @@ def robot_tables(
         servos: a model for each hinge, named as `servo_of` says.
         rest: hinge -> [deg].
     """
-    eyes = _eyes(figure, where)
+    eyes = place_eyes(figure, where, carried_parts(figure, where, hinges))
     high = float((where.origins[eyes.body] + eyes.at)[2])
     return RobotFile(
         robot=RobotTable(name=figure.tree.name),
@@ -101,14 +102,3 @@ def _palm(figure: HumanoidGeometry, where: SegmentLayout, side: Side) -> SiteTab
     direction = along / np.linalg.norm(along)
     facing = inward - direction * (direction @ inward)
     return SiteTable(f"{side}_wrist", rounded_triple(PALM * along), rounded_triple(facing / np.linalg.norm(facing)))
-
-
-def _eyes(figure: HumanoidGeometry, where: SegmentLayout) -> SiteTable:
-    size = figure.arm_length
-    if figure.neck:
-        centre = figure.tree.lump(figure.tree.below(figure.neck[0])).centre - where.origins[HEAD]
-        return SiteTable(HEAD, rounded_triple(centre + HEAD_GIRTH * size * np.array([1.0, 0.0, 0.2])), (1.0, 0.0, 0.0))
-    shoulder = figure.arms["l"].centres.shoulder
-    between = np.array([shoulder[0], 0.0, shoulder[2]])
-    place = where.inside(where.carrier, between + size * np.array([HEAD_GIRTH, 0.0, 0.35]))
-    return SiteTable(where.carrier, rounded_triple(place), (1.0, 0.0, 0.0))

@@ -1,6 +1,7 @@
 """The screen of the face stands before the head, and only where there is one."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from kinesic.body.robot import Robot
 from kinesic.sim.filming.face_screen import Sheet, screen_of
 from kinesic.sim.model import build_model
 from kinesic.sim.scene_style import styled_model
+from kinesic.sim.shells.shell import shell_of, write_shell
 
 ROBOT = Robot.load()
 
@@ -59,6 +61,34 @@ def test_who_has_no_head_or_skin_has_no_screen():
     assert screen_of(replace(ROBOT, sites=nowhere)) is None
     assert screen_of(replace(ROBOT, sites=on_trunk)) is None
     assert screen_of(Robot.load("human")) is None
+
+
+def test_a_head_that_no_neck_turns_has_one_too():
+    stiff = replace(ROBOT, chains={name: chain for name, chain in ROBOT.chains.items() if name != "neck"})
+    screen = screen_of(stiff)
+    assert screen is not None
+    assert screen.segment == ROBOT.sites["eyes"].segment
+
+
+def test_it_stands_before_a_shell_that_sticks_out(tmp_path: Path):
+    """As the meshes of other robots do, beyond the capsules that stand for them."""
+    own = replace(ROBOT, path=tmp_path / "own.toml")
+    bare, shell, name = screen_of(own), shell_of(ROBOT), ROBOT.sites["eyes"].segment
+    assert bare is not None
+    assert shell is not None
+    head = shell.segments[name]
+    front = bare.picture.places[:, 0].max()
+    stuck_out = replace(head, vertices=head.vertices * [1.3, 1.0, 1.0])
+    assert stuck_out.vertices[:, 0].max() > front + 0.01
+    write_shell(replace(shell, segments=shell.segments | {name: stuck_out}), own.path.with_suffix(".npz"))
+    screen = screen_of(own)
+    assert screen is not None
+    moved = screen.picture.places - bare.picture.places
+    assert moved[0] == pytest.approx(moved[-1]), "it goes straight ahead"
+    assert moved[0, 0] > 0.005
+    near = np.abs(stuck_out.vertices[:, 2] - screen.picture.places[0, 2]) < 0.02
+    ahead = stuck_out.vertices[near & (np.abs(stuck_out.vertices[:, 1]) < 0.01)][:, 0].max()
+    assert screen.picture.places[0, 0] > ahead
 
 
 def test_it_weighs_nothing():
