@@ -1,19 +1,44 @@
-"""Options that switch what the face is drawn with, effect by effect."""
+"""Options of how the face is looked at, and of what it is drawn with, effect by effect."""
 
 from dataclasses import dataclass
 from typing import Annotated, get_args
 
 import click
 
-from kinesic.cli.options import together
+from kinesic.body.choices import Variant
+from kinesic.cli.options import CELL, SIDE, STRIP, together
 from kinesic.face.render.effects import Effects, Marching, Shading, Spreading
-from kinesic.face.render.presets import LARGEST_SIZE, TILES, Estimator, Falloff, Pattern
+from kinesic.face.render.presets import LARGEST_SIZE, PRESETS, TILES, Estimator, Falloff, Pattern
 
+YAW_HELP = "Seen from the side: 90 shows the left side, 180 the back."
+LIGHT_HELP = "How bright the scene is, 0.01 to 4; of a film at first, and from its middle. Pupils follow."
+SIZE_HELP = f"Pixels along a side ({SIDE}; {CELL} each on a sheet, {STRIP} in a strip)."
 MARCHING_HELP = "Along all directions, two that turn from pixel to pixel, or one. With any option of it it is drawn."
 PATTERN_HELP = "How directions turn from pixel to pixel; noise: by chance over the whole picture."
 TILE_HELP = "Pixels along a side of the pattern, and of the blur that takes it out."
 SPREADING_HELP = "Light under the skin: where it is uneven, by levels of occlusion, or everywhere."
 FOCUS_HELP = "What is sharp: none (all), eyes, or what is so far from the camera, also from M:M."
+
+
+@dataclass(frozen=True)
+class FaceView:
+    """How the face is looked at."""
+
+    variant: Annotated[
+        Variant, click.option("--variant", type=click.Choice(get_args(Variant)), default="female", show_default=True)
+    ]
+    preset: Annotated[
+        str,
+        click.option(
+            "--preset", type=click.Choice(list(PRESETS)), default="normal", show_default=True, help="How much is drawn."
+        ),
+    ]
+    yaw: Annotated[float, click.option("--yaw", default=0.0, metavar="DEG", help=YAW_HELP)]  # [deg]
+    size: Annotated[int | None, click.option("--size", type=int, help=SIZE_HELP)]  # [pixels] along a side
+    gain: Annotated[float, click.option("--gain", default=1.0, show_default=True, help="Of the wrinkles, 0 to 4.")]
+    light: Annotated[
+        str, click.option("--light", default="1", show_default=True, metavar="SHARE|SHARE:SHARE", help=LIGHT_HELP)
+    ]
 
 
 @dataclass(frozen=True)
@@ -69,3 +94,4 @@ class EffectOptions:
 
 
 effects = together("effects", EffectOptions)
+face_view = together("view", FaceView)

@@ -11,8 +11,8 @@ import numpy as np
 from kinesic.bml.block import Face
 from kinesic.body.command import Command
 from kinesic.body.config import ConfigError
-from kinesic.cli.effects import EffectOptions
-from kinesic.cli.options import CELL, SIDE, STRIP, ExpressionOptions, FaceView, PictureFile, Planning, read_input
+from kinesic.cli.effects import EffectOptions, FaceView
+from kinesic.cli.options import CELL, SIDE, STRIP, ExpressionOptions, PictureFile, Planning, read_input
 from kinesic.cli.playback import play_whole
 from kinesic.cli.progress import share_of, show_stages
 from kinesic.controller.perform import plan
@@ -21,10 +21,11 @@ from kinesic.controller.soundtrack import sound, write_wav
 from kinesic.expressivity.face.expressions import entries, expression
 from kinesic.face.assets.action_units import intensities
 from kinesic.face.display import DisplayError
-from kinesic.face.render.camera import CLOSE, FRONT, Camera
+from kinesic.face.render.camera import CLOSE, FRONT, LIGHTS, Camera
 from kinesic.face.render.effects import Effects
 from kinesic.face.render.portrait import Pixels, Portrait
 from kinesic.face.render.presets import PRESETS, Preset
+from kinesic.face.render.pupils import Pupils, light_on_eyes
 from kinesic.face.show.controls import HELP as KEYS
 from kinesic.face.show.files import check_ending, check_film, save, save_film
 from kinesic.face.show.preview import Preview
@@ -40,6 +41,8 @@ FILM_RATE = 25.0  # [Hz] of films
 FILM_SAMPLES = 2  # pixels drawn along each side of one of a film, but of a draft
 FILM_SIDE = 2048  # pixels along a side of a film, beyond which there is no room for that
 SECONDS = 2.0  # that a film of one expression lasts
+DIMMEST, BRIGHTEST = 0.01, 4.0  # light of the scene, by the usual one
+LIGHT_HOW = f"write how bright it is by the usual light, {DIMMEST:g} to {BRIGHTEST:g}, or two such as 0.05:1"
 RISE = 0.5  # [s] from rest to the expression, and back
 
 
@@ -50,6 +53,7 @@ class ViewSettings:
     view: FaceView
     camera: Camera
     effects: Effects
+    light: tuple[float, float] = (1.0, 1.0)  # of the scene at first, and from the middle of a film
 
     def side(self, usual: int) -> int:
         """Says how many pixels are drawn along a side: those requested, or else the usual ones."""
@@ -68,14 +72,21 @@ class ViewSettings:
     def portrait(self, usual: int, *, filmed: bool) -> Portrait:
         """Opens a portrait of the requested size, or else of the usual one [pixels]."""
         side = self.side(usual)
-        return Portrait(self.view.variant, preset=self.preset(filmed=filmed), size=(side, side))
+        lights = LIGHTS.scaled(self.light[0])
+        return Portrait(self.view.variant, preset=self.preset(filmed=filmed), size=(side, side), lights=lights)
 
     @property
     def look(self) -> PreviewSettings:
         """The settings of a preview window in this view."""
         view = self.view
         return PreviewSettings(
-            view.variant, view.preset, self.side(SIDE), gain=view.gain, yaw_deg=view.yaw, effects=self.effects
+            view.variant,
+            view.preset,
+            self.side(SIDE),
+            gain=view.gain,
+            light=self.light[0],
+            yaw_deg=view.yaw,
+            effects=self.effects,
         )
 
 
@@ -95,6 +106,7 @@ def draw_face(
     try:
         units = read_units(expression.units) | read_emotion(expression.emotion, expression.amount)
         settings = ViewSettings(view, replace(CLOSE if sheet or bml else FRONT, yaw_deg=view.yaw), effects.effects)
+        settings = replace(settings, light=read_light(view.light, filmed=_changes(out, bml, sheet=sheet)))
         if out is None and (sheet or not has_display()):
             raise DisplayError("no display for a window; --out X.png, X.webp or X.mp4 writes a file")
         if out is not None:
@@ -146,6 +158,28 @@ def read_emotion(name: str | None, amount: float) -> dict[str, float]:
     return dict(found.units)
 
 
+def read_light(text: str, *, filmed: bool) -> tuple[float, float]:
+    """Reads how bright the scene is at first and from the middle of the film, by the usual light: `0.5`, `0.05:1`.
+
+    Raises:
+        DisplayError: it is not written so, too dark or too bright, or there is no film in which it could change.
+    """
+    try:
+        first, *later = (float(each) for each in text.split(":"))
+    except ValueError:
+        raise DisplayError(f"--light {text}: {LIGHT_HOW}") from None
+    if len(later) > 1 or not all(DIMMEST <= each <= BRIGHTEST for each in (first, *later)):
+        raise DisplayError(f"--light {text}: {LIGHT_HOW}")
+    if later and not filmed:
+        raise DisplayError(f"--light {text}: light changes in the film of an expression alone, such as --out X.mp4")
+    return first, later[0] if later else first
+
+
+def _changes(out: Path | None, bml: str | None, *, sheet: bool) -> bool:
+    """Whether what is drawn is a film of an expression."""
+    return out is not None and _is_film(out) and bml is None and not sheet
+
+
 def _is_film(out: Path) -> bool:
     return out.suffix.lower() not in ("", ".png")
 
@@ -179,15 +213,17 @@ def _draw(
 def _film(
     portrait: Portrait, units: Mapping[str, float], settings: ViewSettings, progress: Callable[[float], None]
 ) -> Iterator[Pixels]:
-    """Yields the expression as it rises from rest, stays and goes again."""
+    """Yields the expression as it rises from rest, stays and goes again; pupils follow the light."""
+    pupils = Pupils()
     for frame in range(round(SECONDS * FILM_RATE)):
         progress(frame / (SECONDS * FILM_RATE))
         time = frame / FILM_RATE
         t = min(1.0, time / RISE, (SECONDS - time) / RISE)
         share = t * t * (3 - 2 * t)
-        yield portrait.draw(
-            {name: share * value for name, value in units.items()}, settings.camera, gain=settings.view.gain
-        )
+        shown = {name: share * value for name, value in units.items()}
+        portrait.light(LIGHTS.scaled(settings.light[time >= SECONDS / 2]))
+        wide = pupils.follow(light_on_eyes(portrait.lights, shown, settings.camera), 1.0 / FILM_RATE)
+        yield portrait.draw(shown, settings.camera, gain=settings.view.gain, pupil=wide)
 
 
 def _show(shown: Mapping[str, float] | Plan, settings: ViewSettings) -> None:
@@ -214,6 +250,6 @@ def _film_whole(planned: Plan, settings: ViewSettings, out: Path, progress: Call
         side, rate = (STRIP, FILM_RATE / 2) if is_strip else (SIDE, FILM_RATE)
         pixels = settings.side(side)
         preset = settings.preset(filmed=not is_strip)
-        look = PortraitSettings(view.variant, preset, (pixels, pixels), settings.camera, view.gain)
+        look = PortraitSettings(view.variant, preset, (pixels, pixels), settings.camera, view.gain, settings.light[0])
         recording = FaceRecording(out, robot, look=look, rate=rate, sound=wav, progress=progress)
         play(commands_with_face(planned, times), recording)

@@ -11,12 +11,11 @@ from typing import TYPE_CHECKING, Annotated, cast, get_args
 import click
 
 from kinesic.bml.block import BmlError
-from kinesic.body.choices import Terms, Variant
+from kinesic.body.choices import Terms
 from kinesic.body.config import names_of
 from kinesic.cli.ending_signals import STOPPED, STOPPED_LINE, ended_on_the_spot
 from kinesic.client import PORT
 from kinesic.controller.options import CHOICES, Offer, PlanningOptions, offers
-from kinesic.face.render.presets import PRESETS
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -44,8 +43,6 @@ CORRECTION_HELP = "Goals corrected by what the twin measures."
 PORT_HELP = "Port of a bus, NAME=PATH, or PATH alone if there is one bus. Repeat for more."
 AU_HELP = "Action units of FACS and their intensities: 1=0.8,2=0.8; L or R before one moves that side."
 EMOTION_HELP = "An emotion or a lexeme of BML: joy, surprise, RAISE_BROWS."
-YAW_HELP = "Seen from the side: 90 shows the left side, 180 the back."
-SIZE_HELP = f"Pixels along a side ({SIDE}; {CELL} each on a sheet, {STRIP} in a strip)."
 
 Verb = Callable[..., int]
 Decorator = Callable[[Verb], Verb]
@@ -186,24 +183,6 @@ class ExpressionOptions:
     ]
 
 
-@dataclass(frozen=True)
-class FaceView:
-    """How the face is looked at."""
-
-    variant: Annotated[
-        Variant, click.option("--variant", type=click.Choice(get_args(Variant)), default="female", show_default=True)
-    ]
-    preset: Annotated[
-        str,
-        click.option(
-            "--preset", type=click.Choice(list(PRESETS)), default="normal", show_default=True, help="How much is drawn."
-        ),
-    ]
-    yaw: Annotated[float, click.option("--yaw", default=0.0, metavar="DEG", help=YAW_HELP)]  # [deg]
-    size: Annotated[int | None, click.option("--size", type=int, help=SIZE_HELP)]  # [pixels] along a side
-    gain: Annotated[float, click.option("--gain", default=1.0, show_default=True, help="Of the wrinkles, 0 to 4.")]
-
-
 def done_by(place: str) -> Callable[[Callable[[], None]], Verb]:
     """Has a verb done by a function MODULE:NAME of this package, which is imported when the verb is called.
 
@@ -314,5 +293,4 @@ door = together("door", Door)
 twin_options = together("way", TwinOptions)
 servo_options = together("servos", ServoOptions)
 expression = together("expression", ExpressionOptions)
-face_view = together("view", FaceView)
 picture_file = together("picture", PictureFile)

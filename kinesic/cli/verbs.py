@@ -6,14 +6,13 @@ import click
 
 from kinesic.bench import PARTS
 from kinesic.body.config import names_of
-from kinesic.cli.effects import effects
+from kinesic.cli.effects import effects, face_view
 from kinesic.cli.film_options import film_options
 from kinesic.cli.many.workers import workers
 from kinesic.cli.options import (
     FORCE_HELP,
     done_by,
     expression,
-    face_view,
     force_option,
     output,
     performers,

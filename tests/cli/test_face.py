@@ -8,8 +8,8 @@ import pytest
 from PIL import Image
 
 from kinesic.cli import main
+from kinesic.cli.effects import FaceView
 from kinesic.cli.face import ViewSettings
-from kinesic.cli.options import FaceView
 from kinesic.face.assets.mesh import load_head
 from kinesic.face.gl import egl
 from kinesic.face.render import portrait
@@ -43,9 +43,24 @@ def test_a_film_rises_and_falls(drawable: None, tmp_path: Path, monkeypatch: pyt
         assert film.n_frames > 20  # equal neighbours are one frame of WebP
 
 
+def test_light_is_switched_in_the_middle_of_a_film(drawable: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    out, words = tmp_path / "x.webp", ("--size", "32", "--preset", "draft", "--light", "0.1:1")
+    assert typed(monkeypatch, "--au", "26=1", "--out", str(out), *words) == 0
+    bright = []
+    with Image.open(out) as film:
+        for k in range(film.n_frames):
+            film.seek(k)
+            bright.append(np.asarray(film.convert("L"))[8:24, 8:24].mean())
+    assert max(bright[: len(bright) // 3]) < 0.8 * min(bright[2 * len(bright) // 3 :])
+
+
 def test_a_film_has_several_samples_a_pixel_where_there_is_room_and_a_still_or_a_draft_one():
     def samples(preset: str, size: int | None, *, filmed: bool) -> int:
-        return ViewSettings(FaceView("female", preset, 0.0, size, 1.0), CLOSE, Effects()).preset(filmed=filmed).samples
+        return (
+            ViewSettings(FaceView("female", preset, 0.0, size, 1.0, "1"), CLOSE, Effects())
+            .preset(filmed=filmed)
+            .samples
+        )
 
     assert samples("normal", None, filmed=True) == samples("full", 512, filmed=True) == 2
     assert samples("normal", 512, filmed=False) == samples("draft", 512, filmed=True) == 1
@@ -111,6 +126,9 @@ def test_one_thing_is_drawn_at_a_time(monkeypatch: pytest.MonkeyPatch, capsys: p
         (["--yaw", "inf"], "yaw inf is no angle"),
         (["--focus", "nose"], "focus 'nose': write eyes, a distance such as 0.8"),
         (["--focus", "20"], "focus at 20 m; it may be 0.1 to 7 m"),
+        (["--light", "dim"], "--light dim: write how bright it is by the usual light, 0.01 to 4"),
+        (["--light", "9"], "--light 9: write how bright it is"),
+        (["--light", "0.1:1"], "light changes in the film of an expression alone, such as --out X.mp4"),
     ],
 )
 def test_bad_input_is_one_line(
@@ -151,6 +169,7 @@ def test_a_machine_without_opengl_is_told_what_to_install(
         ["--pattern", "noise", "--pattern-size", "7"],
         ["--scattering", "levels", "--focus", "0.7:0.8"],
         ["--shadow", "coloured", "--eyeshade"],
+        ["--light", "0.5"],
     ],
 )
 def test_effects_are_switched_one_by_one(

@@ -177,6 +177,16 @@ def deform(mesh: Mesh, units: Mapping[str, float]) -> Floats:
     return positions
 
 
+def lid_closure(told: Floats) -> float:
+    """Tells how far the lids are shut, 0..1, in the mean of both eyes.
+
+    Args:
+        told: (c,) intensity of each of `CHANNELS`.
+    """
+    shut = [min(told[_CHANNEL[f"{side}43"]] + told[_CHANNEL[f"{side}45"]], 1.0) for side in SIDES]
+    return float(np.mean(shut))
+
+
 def gaze_rotation(told: Floats, number: int) -> Floats:
     """(3, 3) rotation of the left (0) or the right (1) eyeball.
 

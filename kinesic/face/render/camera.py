@@ -1,7 +1,7 @@
 """Where the face is looked at from, how the head is turned before it, and the lights that stand with the camera."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -103,6 +103,16 @@ class Lights:
     def powers(self) -> Floats:
         """(3, 3) colour of each lamp."""
         return np.array([lamp.power for lamp in (self.key, self.fill, self.rim)])
+
+    def scaled(self, share: float) -> "Lights":
+        """Gives lights of which all are brighter by a factor."""
+
+        def scale(colour: Colour) -> Colour:
+            red, green, blue = colour
+            return share * red, share * green, share * blue
+
+        key, fill, rim = (replace(lamp, power=scale(lamp.power)) for lamp in (self.key, self.fill, self.rim))
+        return Lights(key, fill, rim, scale(self.sky), scale(self.ground))
 
 
 LIGHTS = Lights(

@@ -12,7 +12,7 @@ from kinesic.face.assets.chart import unroll, vertex_chart
 from kinesic.face.assets.eyeshade import eyeshade
 from kinesic.face.assets.hair import Locks
 from kinesic.face.assets.mesh import PARTS, Mesh
-from kinesic.face.assets.paint import Colour
+from kinesic.face.assets.paint import PUPIL, Colour
 from kinesic.face.gl import numbers as gl
 from kinesic.face.gl.context import Context
 from kinesic.face.gl.programs import Buffer, Column, Program, Vertices
@@ -102,6 +102,7 @@ class Geometry:
         self._open = [self.drawn(film, "film")] if shaded else []
         if self.dressed:
             self._open.append(self.drawn(cloths, "cloth"))  # seen from both sides
+        self.pupil = PUPIL  # half as wide as it is, in radii of the eyeball
         eyes = mesh.vertices("eyes")
         self._balls = [eyes[mesh.positions[eyes, 1] > 0.0], eyes[mesh.positions[eyes, 1] < 0.0]]
 
@@ -139,6 +140,7 @@ class Geometry:
         view, projection = camera.view(), camera.projection(self.size[0] / self.size[1])
         for shader in self._shaders:
             set_uniforms(shader, {"view": view.T, "projection": projection.T})
+        set_uniforms(self._shaders[1], {"pupil": self.pupil})
         self._iris.use(0)
         self._shaders[1].sample("iris", 0)
         self._emptied.clear()

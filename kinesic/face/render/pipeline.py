@@ -62,6 +62,8 @@ class Pipeline:
             hair=complexion.hair,
         )
         self._unit = float(mesh.eyes[0, 1] - mesh.eyes[1, 1])
+        balls = mesh.vertices("eyes")
+        self._eyeball = float(np.median(np.linalg.norm(mesh.positions[balls, None] - mesh.eyes, axis=2).min(axis=1)))
         painted = _painted(complexion)
         self._skin = texture(context, painted[0], PAINT)
         self._skin.write_smaller([each.tobytes() for each in painted[1:]])
@@ -73,7 +75,8 @@ class Pipeline:
         self.occlusion = OcclusionPass(context, seen, preset.occlusion) if preset.occlusion else None
         self.shadow = ShadowPass(context, geometry, seen, preset.shadow) if preset.shadow else None
         kept = ("4f4", "4f1") if preset.scattering else ()
-        lit = Target(context, drawn, ("4f1", *kept), geometry.depth)
+        shown = "4f4" if preset.focus else "4f1"  # what is out of focus is mixed between pixels, and so not of bytes
+        lit = Target(context, drawn, (shown, *kept), geometry.depth)
         levels = preset.scattering.levels if preset.scattering else 1
         defines = {"KEPT": len(kept), "LEVELS": levels}
         self._light = ScreenPass(context, lit, "form", "surface", "compose", "light", defines=defines)
@@ -82,6 +85,14 @@ class Pipeline:
         self._backdrop = Target(context, drawn, ("4f1",), None)
         ScreenPass(context, self._backdrop, "compose", "backdrop", where="everywhere").draw({}, {"backdrop": BACKDROP})
         self._finish = PostProcessing(context, geometry, preset, size)
+
+    def light(self, lights: Lights) -> None:
+        """Lights what is drawn next otherwise."""
+        self._lights = lights
+
+    def widen_pupils(self, diameter: float) -> None:
+        """Has what is drawn next look from pupils of a diameter [m]."""
+        self.geometry.pupil = 0.5 * diameter / self._eyeball
 
     def draw(self, units: Mapping[str, float], camera: Camera, gain: float) -> Pixels:
         """Draws the picture and reads it back."""

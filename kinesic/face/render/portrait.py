@@ -21,6 +21,7 @@ from kinesic.face.gl.context import Context
 from kinesic.face.render.camera import FRONT, LIGHTS, Camera, Lights
 from kinesic.face.render.pipeline import DrawnHead, Pipeline
 from kinesic.face.render.presets import NORMAL, Preset
+from kinesic.face.render.pupils import light_on_eyes, settled_diameter
 from kinesic.face.render.shape import HeadShape
 
 Pixels = NDArray[np.uint8]  # (height, width, 3) sRGB, first row on top
@@ -62,7 +63,7 @@ class Portrait:
             limit = LARGEST // preset.samples
             raise DisplayError(f"a picture of {size[0]} x {size[1]} pixels; each side may be 1 to {limit}")
         self.mesh = _mesh(variant, preset.subdivided)
-        self.preset, self.size = preset, size
+        self.preset, self.size, self.lights = preset, size, lights
         with ExitStack() as opened:
             own = opened.enter_context(offscreen()) if context is None else context
             head = DrawnHead(
@@ -75,21 +76,36 @@ class Portrait:
             self._current = own if context is None else nullcontext()  # another portrait may have its own
             self._opened = opened.pop_all()
 
-    def draw(self, units: Mapping[str, float], camera: Camera = FRONT, *, gain: float = 1.0) -> Pixels:
+    def draw(
+        self,
+        units: Mapping[str, float],
+        camera: Camera = FRONT,
+        *,
+        gain: float = 1.0,
+        pupil: float | None = None,
+    ) -> Pixels:
         """Draws a face that shows some action units.
 
         Args:
             units: action unit -> 0..1, as in `Command.face`.
             camera: where it is seen from.
             gain: of the wrinkles; 0 is none, 1 as they were drawn.
+            pupil: [m] across, as `Pupils` has it; None: as it is after a while in this light.
 
         Raises:
             DisplayError: an unknown unit, an intensity outside 0..1, or a gain outside 0..4.
         """
         if not 0.0 <= gain <= LOUDEST:
             raise DisplayError(f"wrinkles {gain:g} times as deep; 0 to {LOUDEST:g} can be drawn")
+        wide = settled_diameter(light_on_eyes(self.lights, {}, camera)) if pupil is None else pupil
         with self._current:
+            self.pipeline.widen_pupils(wide)
             return self.pipeline.draw(units, camera, gain)
+
+    def light(self, lights: Lights) -> None:
+        """Lights what is drawn from now on otherwise."""
+        self.lights = lights
+        self.pipeline.light(lights)
 
     def close(self) -> None:
         """Frees what is the portrait's own; a given context keeps the textures until it is released itself."""

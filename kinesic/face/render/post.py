@@ -111,7 +111,6 @@ class SmoothPass:
         found = picture.textures[0]
         found.filter = (gl.NEAREST, gl.NEAREST)
         self._marks.draw({"picture": found}, {"pixel": self._pixel}, within=within)
-        found.filter = (gl.LINEAR, gl.LINEAR)
         self._smooth.target.copy(picture)
         return self._smooth.draw({"picture": found}, {"pixel": self._pixel})
 

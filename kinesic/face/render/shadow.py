@@ -18,13 +18,15 @@ from kinesic.face.render.geometry import Geometry, PositionBuffer
 from kinesic.face.render.passes import ScreenPass, Target, Value, program, set_uniforms
 from kinesic.face.render.presets import Shadow
 
+REACHED = "4f4"  # between pixels of bytes, drivers round to either side; half floats take longer
+
 
 class ShadowPass:
     """Finds how much of the key's light reaches each pixel of the head."""
 
     def __init__(self, context: Context, geometry: Geometry, seen: PositionBuffer, shadow: Shadow) -> None:
         self.shadow, self._seen = shadow, seen
-        reached = Target(context, seen.position.size, ("4f1",), seen.depth)
+        reached = Target(context, seen.position.size, (REACHED,), seen.depth)
         reached.textures[0].filter = (gl.LINEAR, gl.LINEAR)
         defines = {"COLOURED": int(shadow.coloured), "BLOCKERS": shadow.blockers, "TAPS": shadow.taps}
         self._shade = ScreenPass(context, reached, "shade", where=seen.where, defines=defines)

@@ -13,10 +13,11 @@ import numpy as np
 from kinesic.body.choices import Variant
 from kinesic.face.display import DisplayError, offscreen
 from kinesic.face.gl.context import Context
-from kinesic.face.render.camera import CLOSE
+from kinesic.face.render.camera import CLOSE, LIGHTS
 from kinesic.face.render.effects import Effects
 from kinesic.face.render.portrait import Pixels, Portrait
 from kinesic.face.render.presets import PRESETS
+from kinesic.face.render.pupils import Pupils, light_on_eyes
 from kinesic.face.show.controls import Controls
 from kinesic.face.show.files import SideFilm
 from kinesic.face.show.shared_command import SharedCommand, ShownFace
@@ -63,6 +64,7 @@ class PreviewSettings:
     side: int = 512  # [pixels]
     windowed: bool = True
     gain: float = 1.0  # of the wrinkles
+    light: float = 1.0  # of the scene, by the usual one
     yaw_deg: float = 0.0
     beside: Path | None = None  # a film of the body on the clock of the performance
     effects: Effects = UNCHANGED  # over the preset, whichever it is
@@ -89,7 +91,7 @@ def show_face(shared: SharedCommand, answer: ChildAnswer, look: PreviewSettings)
                 context = framed.context
             else:
                 context = opened.enter_context(offscreen())
-            draw = painter(context, size, body, look.effects)
+            draw = painter(context, size, body, look.effects, light=look.light)
             draw(shared.read(), begun)  # whatever cannot be drawn is told before the performance begins
             answer.send("")
             follow(shared, screen, draw, begun)
@@ -98,18 +100,27 @@ def show_face(shared: SharedCommand, answer: ChildAnswer, look: PreviewSettings)
 
 
 def painter(
-    context: Context, size: tuple[int, int], body: SideFilm | None = None, effects: Effects = UNCHANGED
+    context: Context,
+    size: tuple[int, int],
+    body: SideFilm | None = None,
+    effects: Effects = UNCHANGED,
+    *,
+    light: float = 1.0,
 ) -> Callable[[ShownFace, Controls], Pixels]:
     """Makes a function that draws; it keeps a portrait for each preset and variant."""
     portraits: dict[tuple[str, Variant], Portrait] = {}
+    lights, pupils, last = LIGHTS.scaled(light), Pupils(), 0.0
 
     def draw(shown: ShownFace, controls: Controls) -> Pixels:
+        nonlocal last
         kind = (controls.preset, controls.variant)
         if kind not in portraits:
             preset = effects.applied(PRESETS[controls.preset])
-            portraits[kind] = Portrait(controls.variant, preset=preset, size=size, context=context)
-        camera = replace(CLOSE, yaw_deg=controls.yaw_deg, turn=shown.turn)
-        face = portraits[kind].draw(controls.over(shown.units), camera, gain=controls.gain)
+            portraits[kind] = Portrait(controls.variant, preset=preset, size=size, lights=lights, context=context)
+        camera, units = replace(CLOSE, yaw_deg=controls.yaw_deg, turn=shown.turn), controls.over(shown.units)
+        wide = pupils.follow(light_on_eyes(lights, units, camera), shown.time - last)
+        last = shown.time
+        face = portraits[kind].draw(units, camera, gain=controls.gain, pupil=wide)
         return face if body is None else np.concatenate([face, body.at(shown.time)], axis=1)
 
     return draw

@@ -11,13 +11,15 @@ from kinesic.body.arrays import Floats
 from kinesic.body.choices import Variant
 from kinesic.body.command import Command
 from kinesic.body.robot import Robot
-from kinesic.face.render.camera import CLOSE, Camera
+from kinesic.face.render.camera import CLOSE, LIGHTS, Camera
 from kinesic.face.render.head_pose import turns
 from kinesic.face.render.portrait import Pixels, Portrait
 from kinesic.face.render.presets import NORMAL, Preset
+from kinesic.face.render.pupils import Pupils, light_on_eyes
 from kinesic.face.show.files import check_film, save_film
 
 MOST_PICTURES = 3600  # of one film
+SEEN = 5  # digits of a pupil [m]: a hundredth of a millimetre is not seen
 HALF = 1e-6  # [s] that a command may be early
 
 
@@ -30,6 +32,7 @@ class PortraitSettings:
     size: tuple[int, int] = (384, 384)  # width and height [pixels]
     camera: Camera = CLOSE
     gain: float = 1.0  # of the wrinkles
+    light: float = 1.0  # of the scene, by the usual one
 
 
 PLAIN = PortraitSettings()
@@ -85,12 +88,15 @@ class FaceRecording:
     def _drawn(self, rows: list[tuple[float, Mapping[str, float], Floats]]) -> Iterator[Pixels]:
         angles = np.array([angles for _, _, angles in rows])
         stands = np.zeros((len(rows), 3)) if self._robot is None else turns(self._robot, angles)
-        look, before = self._look, None
-        with Portrait(look.variant, preset=look.preset, size=look.size) as portrait:
-            for k, ((_, units, _), turn) in enumerate(zip(rows, stands.tolist(), strict=True)):
-                if before is None or before != (units, turn):  # a face that holds still is not drawn again
-                    pixels = portrait.draw(units, replace(look.camera, turn=tuple(turn)), gain=look.gain)
-                before = units, turn
+        look, before, last, pupils = self._look, None, rows[0][0], Pupils()
+        lights = LIGHTS.scaled(look.light)
+        with Portrait(look.variant, preset=look.preset, size=look.size, lights=lights) as portrait:
+            for k, ((time, units, _), turn) in enumerate(zip(rows, stands.tolist(), strict=True)):
+                camera = replace(look.camera, turn=tuple(turn))
+                wide = round(pupils.follow(light_on_eyes(lights, units, camera), time - last), SEEN)
+                if before is None or before != (units, turn, wide):  # a face that holds still is not drawn again
+                    pixels = portrait.draw(units, camera, gain=look.gain, pupil=wide)
+                before, last = (units, turn, wide), time
                 yield pixels
                 self._progress((k + 1) / len(rows))
 

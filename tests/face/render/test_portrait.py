@@ -5,6 +5,9 @@ import pytest
 from scipy.ndimage import binary_erosion
 
 from kinesic.face.display import DisplayError, offscreen
+from kinesic.face.gl import numbers as gl
+from kinesic.face.gl.context import Context
+from kinesic.face.gl.textures import Texture
 from kinesic.face.render.camera import Camera
 from kinesic.face.render.portrait import Pixels, Portrait
 from kinesic.face.render.presets import DRAFT, FULL, NORMAL, PRESETS, Preset, Shadow, quality_preset
@@ -188,3 +191,22 @@ def test_the_camera_looks_at_the_head():
     assert left_eye[0] > 0.02  # to the right in the picture
     left_side = Camera(yaw_deg=90.0).view() @ (-0.055, 0.08, 0.0, 1.0)
     assert left_side[2] > -Camera().distance + 0.07  # nearer than the middle
+
+
+def test_nothing_is_mixed_between_pixels_of_bytes(drawable: None, monkeypatch: pytest.MonkeyPatch):
+    """Drivers round such mixtures to either side: another processor would draw edges and shadows otherwise."""
+    made: list[Texture] = []
+    real = Context.texture
+
+    def texture(context: Context, *given: object, **named: object) -> Texture:
+        made.append(real(context, *given, **named))
+        return made[-1]
+
+    monkeypatch.setattr(Context, "texture", texture)
+    for preset in (NORMAL, dataclasses.replace(FULL, eyeshade=True)):
+        with Portrait(preset=preset, size=(32, 32)) as portrait:
+            portrait.draw(GRIN)
+            bytes_ = [each for each in made if each.dtype == "f1"]
+            assert bytes_
+            assert {each.filter for each in bytes_} == {(gl.NEAREST, gl.NEAREST)}
+        made.clear()

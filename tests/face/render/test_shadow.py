@@ -37,8 +37,8 @@ def reached(gallery: Gallery) -> Callable[..., tuple[Floats, NDArray[np.intp]]]:
             seen = portrait.pipeline.geometry.parts()
             pipeline = portrait.pipeline
             texture = pipeline.reach(FRONT, pipeline.around(FRONT))
-            light = np.frombuffer(texture.read(), np.uint8).reshape(256, 256, 4)[::-1, :, :3]
-            return light / 255.0, seen
+            light = np.frombuffer(texture.read(), np.float32).reshape(256, 256, 4)[::-1, :, :3]
+            return light.astype(np.float64), seen
 
     return reach
 

@@ -74,6 +74,23 @@ def test_a_face_that_holds_still_is_drawn_once(drawable: None, tmp_path: Path, m
     assert shown == [400, 200]
 
 
+def test_pupils_follow_the_light_that_lids_let_in(drawable: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """They widen while the eyes are shut, and narrow again when they open, in more pictures than the lids take."""
+    wide: list[float] = []
+
+    def draw(portrait: Portrait, *given: object, pupil: float, **others: object) -> np.ndarray:
+        wide.append(pupil)
+        return np.zeros((*portrait.size[::-1], 3), np.uint8)
+
+    monkeypatch.setattr(Portrait, "draw", draw)
+    shut = [Command(k / 20, NONE, NONE, NONE, NONE, {"43": float(10 <= k < 30)}) for k in range(60)]
+    play(shut, FaceRecording(tmp_path / "x.webp", rate=20.0, look=LOOK))
+    before, narrowest, widest = wide[0], wide[-1], max(wide)
+    assert widest > 1.1 * before
+    assert narrowest == pytest.approx(before, rel=0.02)
+    assert len(wide) > 30  # two changes of the lids alone would be three pictures
+
+
 def test_nothing_performed_is_no_film(tmp_path: Path):
     play([], FaceRecording(tmp_path / "x.webp"))
     assert not (tmp_path / "x.webp").exists()

@@ -1,6 +1,7 @@
 // The G-buffer of what is not skin: eyes, teeth and tongue, with their colours.
 uniform sampler2D iris;  // painted round the axis of an eye
 uniform mat4 view;
+uniform float pupil;     // half as wide as it is, in radii of the eye
 uniform mat3 balls[2];   // how the left and the right eyeball stand in the camera's frame: forward, left, up
 
 in vec3 facing;
@@ -9,6 +10,7 @@ flat in float kind;
 in float detail;  // which of the eyes
 
 const float IRIS = 0.8;    // half the width of the painting, in radii of the eye
+const float LIMBUS = 0.4, PUPIL = 0.17;  // where iris and pupil end in the painting, likewise
 const float CORNEA = 0.2742;  // square of the angle at which it ends, and how far it stands out, as in eyeball.py
 const float BULGE = 0.05;
 const float SUNKEN = 0.12; // how far the iris lies behind it, as it is refracted
@@ -24,13 +26,20 @@ const float WORN[TEETH_ON_A_SIDE] = float[](0.0, 0.8, 0.1, 0.7, 0.9, 1.0, 1.0); 
 layout(location = 0) out vec4 form;
 layout(location = 1) out vec4 place;  // square root of the linear colour; how much it shines
 
+// Where in the painting the iris is that is there, drawn together as the pupil widens.
+vec2 stretched(vec2 at) {
+    float away = max(length(at), 1e-6);
+    float outer = PUPIL + (away - pupil) * (LIMBUS - PUPIL) / (LIMBUS - pupil);
+    return at / away * (away < pupil ? away * PUPIL / pupil : away < LIMBUS ? outer : away);
+}
+
 // The colour of an eye; its normal is bent by the cornea.
 vec4 eye(mat3 ball, inout vec3 n) {
     vec3 own = n * ball, head = n * mat3(view), seen = vec3(0.0, 0.0, 1.0) * ball;
     float short_of = 1.0 - own.x, inside = max(1.0 - short_of * (2.0 + short_of / 3.0) / CORNEA, 0.0);
     n = normalize(n + 4.0 * BULGE / CORNEA * inside * (n - ball[0] * own.x));
     float lid = 1.0 - 0.45 * smoothstep(0.05, 0.5, head.z) - 0.25 * smoothstep(0.4, 0.8, abs(head.y));
-    return vec4(textureLod(iris, (own.yz - SUNKEN * inside * seen.yz) / IRIS * 0.5 + 0.5, 0.0).rgb * lid, mix(DAMP, 1.0, inside));
+    return vec4(textureLod(iris, stretched(own.yz - SUNKEN * inside * seen.yz) / IRIS * 0.5 + 0.5, 0.0).rgb * lid, mix(DAMP, 1.0, inside));
 }
 
 // The colour of teeth and gums, and how much they shine; each tooth bulges. Nothing is between two edges.

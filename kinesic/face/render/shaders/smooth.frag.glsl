@@ -6,11 +6,19 @@ in vec2 uv;
 
 out vec4 smoothed;
 
-vec4 colour(vec2 at) { return textureLod(picture, at, 0.0); }  // and brightness
+// Colour and brightness between pixels; drivers round what they mix of bytes to either side.
+vec4 colour(vec2 at) {
+    vec2 place = at / pixel - 0.5, share = fract(place), low = (floor(place) + 0.5) * pixel;
+    vec4 below = mix(textureLod(picture, low, 0.0), textureLod(picture, low + vec2(pixel.x, 0.0), 0.0), share.x);
+    vec4 above = mix(textureLod(picture, low + vec2(0.0, pixel.y), 0.0), textureLod(picture, low + pixel, 0.0), share.x);
+    return mix(below, above, share.y);
+}
+
+float bright(float x, float y) { return textureLod(picture, uv + vec2(x, y) * pixel, 0.0).a; }
 
 void main() {
-    float nw = colour(uv + vec2(-pixel.x, pixel.y)).a, ne = colour(uv + pixel).a;
-    float sw = colour(uv - pixel).a, se = colour(uv + vec2(pixel.x, -pixel.y)).a, own = colour(uv).a;
+    float nw = bright(-1.0, 1.0), ne = bright(1.0, 1.0), sw = bright(-1.0, -1.0), se = bright(1.0, -1.0);
+    float own = bright(0.0, 0.0);
     float low = min(own, min(min(nw, ne), min(sw, se))), high = max(own, max(max(nw, ne), max(sw, se)));
     vec2 way = vec2(-((nw + ne) - (sw + se)), (nw + sw) - (ne + se));
     float shortest = 1.0 / (min(abs(way.x), abs(way.y)) + max((nw + ne + sw + se) * 0.03125, 0.0078125));

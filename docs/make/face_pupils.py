@@ -1,0 +1,43 @@
+"""Draws docs/face-pupils.png: eyes in the dark, and for a second after the light goes on."""
+
+from pathlib import Path
+
+import numpy as np
+from PIL import Image, ImageDraw
+
+from kinesic.body.choices import Variant
+from kinesic.face.render.camera import LIGHTS, Camera
+from kinesic.face.render.portrait import Pixels, Portrait
+from kinesic.face.render.presets import NORMAL
+from kinesic.face.render.pupils import Pupils, light_on_eyes
+
+SIDE, LABEL = 560, 18
+EYES = np.s_[105:255, 100:460]
+NEAR = Camera(field_deg=11.0)
+DARK, BRIGHT = 0.1, 1.0
+LATER = (0.0, 0.2, 0.4, 0.8)  # [s] after the light went on
+VARIANTS: tuple[Variant, ...] = ("female", "male")
+
+
+def eyes(variant: Variant) -> list[Pixels]:
+    """Pictures of one head, each under what it shows."""
+    pupils, found = Pupils(), []
+    with Portrait(variant, preset=NORMAL, size=(SIDE, SIDE)) as portrait:
+
+        def look(share: float, seconds: float, text: str) -> None:
+            portrait.light(LIGHTS.scaled(share))
+            wide = pupils.follow(light_on_eyes(portrait.lights, {}, NEAR), seconds)
+            pixels = portrait.draw({}, NEAR, pupil=wide)[EYES]
+            paper = Image.new("RGB", (pixels.shape[1], pixels.shape[0] + LABEL), (250, 250, 250))
+            ImageDraw.Draw(paper).text((4, 3), f"{text}: {1e3 * wide:.1f} mm", fill=(40, 40, 40))
+            paper.paste(Image.fromarray(pixels), (0, LABEL))
+            found.append(np.asarray(paper))
+
+        look(DARK, 0.0, f"light {DARK:g}")
+        for before, now in zip((0.0, *LATER), LATER, strict=False):
+            look(BRIGHT, now - before, f"{now:g} s after it is {BRIGHT:g}")
+    return found
+
+
+rows = [np.hstack(eyes(variant)) for variant in VARIANTS]
+Image.fromarray(np.vstack(rows)).save(Path(__file__).parents[1] / "face-pupils.png", optimize=True)
