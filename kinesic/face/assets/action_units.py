@@ -55,7 +55,7 @@ SHAPES: Mapping[int, Mapping[str, float]] = {
     19: {"tongueOut": 1.0, "jawOpen": 0.25},  # the tongue needs the teeth apart
     20: {"mouthStretchSIDE": 1.0, "mouthDimpleSIDE": 0.75},  # together straight outward
     22: {"mouthFunnel": 1.0},
-    23: {"mouthRollLower": 0.45, "mouthRollUpper": 0.35, "mouthPucker": 0.2},  # narrow lips, no corner moves
+    23: {"mouthRollLower": 0.45, "mouthRollUpper": 0.35, "mouthPucker": 0.13},  # narrow lips, no corner moves
     24: {"mouthRollLower": 0.5, "mouthRollUpper": 0.4},  # the pack's mouthPress lifts the corners as a smile would
     25: {"mouthLowerDownLeft": 0.7, "mouthLowerDownRight": 0.7, "mouthUpperUpLeft": 0.3, "mouthUpperUpRight": 0.3},
     26: {"jawOpen": 0.55},  # as far as it falls when its muscle relaxes

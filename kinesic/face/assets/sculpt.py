@@ -1,4 +1,4 @@
-"""What is added to the expression shapes: cheeks that bulge, and brows that go as far as a person's."""
+"""What is added to the expression shapes: cheeks that bulge, brows and rounded lips that go as far as a person's."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -8,8 +8,15 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 
-GAINS: Mapping[str, float] = MappingProxyType(  # of the source's shapes, whose brows stop half-way
-    {"browInnerUp": 1.6, "browOuterUpLeft": 1.6, "browOuterUpRight": 1.6, "noseSneerLeft": 1.25, "noseSneerRight": 1.25}
+GAINS: Mapping[str, float] = MappingProxyType(  # of the source's shapes, whose brows and pursed lips stop half-way
+    {
+        "browInnerUp": 1.6,
+        "browOuterUpLeft": 1.6,
+        "browOuterUpRight": 1.6,
+        "noseSneerLeft": 1.25,
+        "noseSneerRight": 1.25,
+        "mouthPucker": 1.5,
+    }
 )
 
 

@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 
 from kinesic.body.action_units import CHANNELS
+from kinesic.expressivity.face.visemes import viseme_of
 from kinesic.face.assets.action_units import deform
 from kinesic.face.assets.lips import Lips, lips
-from kinesic.face.assets.mesh import VARIANTS, Mesh, load_head
+from kinesic.face.assets.mesh import PARTS, VARIANTS, Mesh, load_head
+from kinesic.face.assets.paint import MOUTH
 
 OUTER = 3  # columns at each end, in the corners of the mouth
 
@@ -57,3 +59,17 @@ def test_parted_lips_open_as_far_as_they_are_told(mesh: Mesh, mouth: Lips):
 def test_a_smile_shows_the_upper_teeth_only_where_lips_part(mesh: Mesh, mouth: Lips):
     assert overlap(mouth, deform(mesh, {"12": 1.0})).min() > 0.0
     assert overlap(mouth, deform(mesh, {"12": 1.0, "25": 0.5})).min() < -4.0
+
+
+def test_w_is_narrower_further_forward_and_less_open_than_the_vowel_of_you(mesh: Mesh, mouth: Lips):
+    """By millimetres, so that they are told apart at a glance."""
+    unit, rest = mesh.eyes[0, 1] - mesh.eyes[1, 1], mesh.positions
+    front = (mesh.parts == PARTS.index("skin")) & (rest[:, 0] > 0.0)
+    around = front & (np.abs(rest[:, 2] / unit - MOUTH) < 0.15) & (np.abs(rest[:, 1] / unit) < 0.45)
+    w, you = (deform(mesh, viseme_of(sound).units) for sound in "wu")
+    wide = [1000.0 * float(np.ptp(each[around, 1])) for each in (rest, w, you)]
+    ahead = [1000.0 * float(each[around, 0].max()) for each in (rest, w, you)]
+    assert wide[1] + 1.5 < wide[2] < wide[0] - 6.0
+    assert ahead[1] - 1.5 > ahead[2] > ahead[0] + 4.0
+    assert overlap(mouth, w).min() > overlap(mouth, you).min() + 1.0
+    assert overlap(mouth, w).min() < -0.5  # not shut
