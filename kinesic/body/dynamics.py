@@ -56,3 +56,6 @@ class Distances(Protocol):
 
     def gaps(self, angles: Floats) -> Floats:
         """Measures (m, p) [m] between the segments of each counted pair, in their order, for (m, n) [rad]."""
+
+    def bounds(self, angles: Floats, turns: Floats) -> Floats:
+        """Bounds the distances (m,) [m] of postures (m, n) [rad] from below, however hinges turn by (m, n) [rad]."""

@@ -35,6 +35,8 @@ class Limits:
 
     def times(self, share: float | Floats) -> "Limits":
         """Scales the limits of acceleration, jerk and duty by a share, or by (n,) shares."""
+        if isinstance(share, float) and share == 1.0:
+            return self
         return replace(
             self,
             acceleration=sealed(self.acceleration * share),

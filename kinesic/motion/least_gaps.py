@@ -1,6 +1,7 @@
 """Finds the times that hinges need from one of their keys to the next: at full speed, and from rest to rest."""
 
 from collections.abc import Mapping
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -24,6 +25,7 @@ def rest_to_rest(keys: Keys, limits: Limits) -> Gaps:
     return {way: float(times[way[0]]) for way, times in zip(ways, every, strict=True)}
 
 
+@lru_cache(maxsize=4)  # clashes and key times ask for those of the same keys
 def full_speed(keys: Keys, limits: Limits) -> Gaps:
     """Computes the time that each hinge needs from key to key at full speed: less is never enough."""
     ways, turns = _turns(keys)

@@ -150,6 +150,21 @@ class CapsuleDistances:
         chosen[stretches[nearer]] = between[nearer]  # of several in a stretch the last, which is the nearest, stays
         return self._named(distances[chosen], pairs[chosen])
 
+    def bounds(self, angles: Floats, turns: Floats) -> Floats:
+        """Bounds the distances of postures from below, by what the hinges between each pair reach.
+
+        Args:
+            angles: (m, n) [rad].
+            turns: (m, n) [rad] by which each hinge may be elsewhere at most, this way or that.
+
+        Returns:
+            (m,) [m].
+        """
+        if not self._names:
+            return np.full(len(angles), np.inf)
+        lowest = self._strips(body_frames(self._robot, angles), angles) - self._reaches @ turns.T
+        return np.asarray(lowest.min(axis=0))
+
     def _suspects(self, angles: Floats, known: Indices, lowest: Floats, limit: float) -> Indices:
         """Postures between known ones that may be nearer than a limit [m], by what the hinges between a pair reach."""
         unknown = np.ones(known[-1] + 1, dtype=bool)

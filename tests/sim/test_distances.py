@@ -207,3 +207,16 @@ def test_a_posture_that_lasts_is_measured_once(monkeypatch):
     expected = DISTANCES.clearance(np.stack([first, second]))
     assert found.distances[[0, 499, 500, 999, 1000]] == pytest.approx(expected.distances[[0, 0, 1, 1, 0]], abs=1e-14)
     assert [found.pairs[k] for k in (499, 500)] == list(expected.pairs)
+
+
+@pytest.mark.parametrize("robot", [ROBOT, Robot.load("upper36")], ids=["upper22", "upper36"])
+def test_bounds_hold_however_hinges_turn_and_are_near_where_they_hardly_do(robot):
+    rng, distances = np.random.default_rng(5), CapsuleDistances(robot)
+    postures = random_postures(robot.skeleton, 30, seed=6)
+    for widest in (0.002, 0.05, 0.4):
+        turns = rng.uniform(0.0, widest, postures.shape)
+        bounds = distances.bounds(postures, turns)
+        for _ in range(8):
+            turned = postures + rng.choice([-1.0, 1.0], postures.shape) * turns
+            assert np.all(distances.clearance(turned).distances >= bounds - 1e-12)
+    assert np.all(distances.clearance(postures).distances - distances.bounds(postures, 0 * postures) < 1e-12)

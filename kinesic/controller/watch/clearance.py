@@ -12,7 +12,7 @@ from math import inf
 
 import numpy as np
 
-from kinesic.body.arrays import Floats, sealed
+from kinesic.body.arrays import Floats, Indices, sealed
 from kinesic.body.dynamics import Distances
 from kinesic.body.robot import Robot
 
@@ -24,7 +24,6 @@ RESERVE = 0.3  # of that clearance, where it ends at once: a quarter of it stays
 CREEP = 0.02  # pace of a performance that waits for its errors to become smaller
 SETTLED = 0.3  # [s] of creeping, after which servos do not swing any more
 PATIENCE = 2.0  # [s] of creeping, after which it ends: errors are forgotten sooner
-
 _COMING, _LATE = round(AHEAD / LOOK), round(MEMORY / LOOK)  # looks
 _SKIPPED = 2  # looks from one error to the next that counts, as they change slowly
 
@@ -91,17 +90,31 @@ def foresee(planned: Floats, measured: Floats, distances: Distances, *, every: i
         every: so many samples a posture and an error are looked at.
 
     Returns:
-        (k,) [m] for each posture looked at: the least, with any error of the last `MEMORY` seconds, this way or that.
+        (k,) [m] for each posture looked at: the least, with any error of the last `MEMORY` seconds, this way or that;
+        where that cannot be the least of all, only a bound from below, which is higher than the least.
     """
     postures = planned[::every]
     strayed = measured[::every] - postures
-    rooms = np.full(len(postures), inf)
     lags = range(0, min(round(MEMORY / (_SKIPPED * LOOK)) + 1, len(postures)), _SKIPPED)
-    strays = [(lag, way * strayed[: len(postures) - lag]) for lag in lags for way in (1.0, -1.0)]
-    expected = distances.clearance(np.concatenate([postures[lag:] + stray for lag, stray in strays])).distances
-    for (lag, _), found in zip(strays, np.split(expected, np.cumsum([len(s) for _, s in strays])[:-1]), strict=True):
-        rooms[lag:] = np.minimum(rooms[lag:], found)
+    most = np.zeros_like(strayed)
+    for lag in lags:
+        most[lag:] = np.maximum(most[lag:], np.abs(strayed[: len(postures) - lag]))
+    rooms = distances.bounds(postures, most)
+    nearest = np.array([rooms.argmin()])
+    rooms[nearest] = _rooms_at(nearest, postures, strayed, lags, distances)
+    nearer = np.setdiff1d(np.flatnonzero(rooms < rooms[nearest]), nearest)
+    if nearer.size:
+        rooms[nearer] = _rooms_at(nearer, postures, strayed, lags, distances)
     return rooms
+
+
+def _rooms_at(asked: Indices, postures: Floats, strayed: Floats, lags: range, distances: Distances) -> Floats:
+    """(a,) [m] the least clearance at some of the postures (k, n), with the errors (k, n) of the looks before."""
+    pairs = [(row, row - lag) for row in asked for lag in lags if lag <= row]
+    rows, sources = np.array(pairs, dtype=np.intp).T
+    expected = [postures[rows] + way * strayed[sources] for way in (1.0, -1.0)]
+    found = distances.clearance(np.concatenate(expected)).distances.reshape(2, -1).min(axis=0)
+    return np.minimum.reduceat(found, np.flatnonzero(np.diff(rows, prepend=-1)))
 
 
 def slows(rooms: Floats, robot: Robot) -> bool:

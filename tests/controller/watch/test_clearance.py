@@ -33,6 +33,9 @@ class Wall:
     def gaps(self, angles):
         return angles
 
+    def bounds(self, angles, turns):
+        return (angles - turns)[:, 0]
+
 
 WALL = Wall()
 
@@ -123,3 +126,24 @@ def test_a_performance_is_judged_with_errors_of_before():
     assert rooms[7] == pytest.approx(0.005)  # the error was before the wall came near
     np.testing.assert_allclose(rooms[:5], 0.05)
     assert rooms[0] == pytest.approx(0.05)
+
+
+class RoughWall(Wall):
+    """The same, whose bounds are a little lower than they could be."""
+
+    def bounds(self, angles, turns):
+        return super().bounds(angles, turns) - 0.001
+
+
+def test_the_least_room_is_that_of_all_postures_with_all_errors():
+    rng = np.random.default_rng(4)
+    for _ in range(20):
+        planned, errors = rng.uniform(0.02, 0.06, (90, 1)), rng.normal(0.0, 0.01, (90, 1))
+        rooms = foresee(planned, planned + errors, RoughWall(), every=10)
+        every = [
+            min(planned[10 * k, 0] + way * errors[10 * j, 0] for j in range(k, -1, -2) for way in (1.0, -1.0))
+            for k in range(9)
+        ]
+        assert rooms.min() == pytest.approx(min(every), abs=1e-15)
+        assert int(rooms.argmin()) == int(np.argmin(every))
+        assert np.all(rooms <= np.array(every) + 1e-15)
