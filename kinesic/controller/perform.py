@@ -37,7 +37,7 @@ from kinesic.planning.setup import IntentionFiles, Setup
 from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.dynamics import MujocoDynamics
 from kinesic.sim.servo_factors import NOMINAL, Factors
-from kinesic.sim.twin import Twin
+from kinesic.sim.twin import STEP, Twin
 from kinesic.speech.voice import voice as make_voice
 
 
@@ -187,6 +187,7 @@ def dry_runs(
     watch: bool = True,
     delay: float = 0.0,
     believed: Factors = NOMINAL,
+    step: float = STEP,
     parse_seconds: float = 0.0,
     progress: Callable[[float], None] = lambda share: None,
 ) -> tuple[Performance, ...]:
@@ -200,6 +201,7 @@ def dry_runs(
         watch: whether a twin whose errors leave too little clearance is slowed down, and stopped before contact.
         delay: [s] of the bus, as feed-forward and correction believe it to be; the twins' own is in their factors.
         believed: how servos are believed to be, by which goals lead; such as an earlier performance told (`learn`).
+        step: [s] of the physics, at most; a watched run has its own.
         parse_seconds: for the report.
         progress: gets the share of the ticks that are over, now and then.
     """
@@ -213,7 +215,7 @@ def dry_runs(
     start = trajectory.at(0.0).angles
 
     def performed(*, touches: bool) -> list[Measurements]:
-        bodies = [Twin(robot, factors=factors, start=start, touches=touches) for factors in twins]
+        bodies = [Twin(robot, factors=factors, step=step, start=start, touches=touches) for factors in twins]
         perform_in_twins(trajectory, times, setpoints, bodies, observers, progress)
         return [body.measurements() for body in bodies]
 

@@ -120,7 +120,7 @@ class CapsuleDistances:
         found: Floats = segment_distances(*axes).reshape(len(first), -1) - self._radii[:, None]
         return found
 
-    def approach(self, angles: Floats, ends: Indices, *, near: float, frames: MotionFrames | None = None) -> Clearance:
+    def approach(self, angles: Floats, ends: Indices, *, near: float, lowest: Floats | None = None) -> Clearance:
         """Finds the closest approach in each stretch of a motion, and measures only postures that may count.
 
         A turn of a hinge brings no two capsules nearer than by its angle times what the hinge can reach, so most
@@ -130,7 +130,7 @@ class CapsuleDistances:
             angles: (s, n) [rad] the postures of the motion.
             ends: (m,) where each stretch ends among them, never decreasing; it begins after the one before.
             near: [m] every approach below this is found.
-            frames: of the m postures at the ends, when they are known already; fingers may be left out.
+            lowest: (p, m) [m] of the postures at the ends, when `lowest` was asked already.
 
         Returns:
             Distance and pair for each stretch: the smallest of all its postures wherever that is below `near` or below
@@ -138,7 +138,8 @@ class CapsuleDistances:
         """
         if not self._names or not len(ends):
             return self.clearance(angles[ends])
-        lowest = self._strips(frames or body_frames(self._robot, angles[ends]), angles[ends])
+        if lowest is None:
+            lowest = self.lowest(body_frames(self._robot, angles[ends]), angles[ends])
         distances, pairs = np.full(len(angles), np.inf), np.zeros(len(angles), dtype=np.intp)
         pairs[ends] = lowest.argmin(axis=0)
         distances[ends] = lowest.min(axis=0)
@@ -201,12 +202,14 @@ class CapsuleDistances:
             _compiled(self).nearest(frames, chosen, np.sin(turns), np.cos(turns), distances, pairs)
             return distances, pairs
         for block in (slice(k, k + BLOCK) for k in range(0, len(angles), BLOCK)):
-            lowest = self._strips(body_frames(self._robot, angles[block]), angles[block])
+            lowest = self.lowest(body_frames(self._robot, angles[block]), angles[block])
             distances[block], pairs[block] = lowest.min(axis=0), lowest.argmin(axis=0)
         return distances, pairs
 
-    def _strips(self, frames: MotionFrames, angles: Floats) -> Floats:
+    def lowest(self, frames: MotionFrames, angles: Floats) -> Floats:
         """(p, m) [m] distance of each pair in m postures; for those that cannot be the closest, a lower bound."""
+        if not self._names:
+            return np.empty((0, len(angles)))
         if KERNEL == "compiled":
             lowest = np.empty((len(self._names), len(angles)))
             _compiled(self).closest(

@@ -96,11 +96,11 @@ def _warming(thermal: tuple[float, float], losses: Floats, spans: Floats) -> Flo
     resistance, capacity = thermal
     settled = losses * resistance  # [K] where each loss alone would lead
     kept = np.exp(-spans / (resistance * capacity))
-    rises, rise = np.empty(len(spans)), 0.0
-    for k, (goal, share) in enumerate(zip(settled, kept, strict=True)):
+    rises, rise = [], 0.0
+    for goal, share in zip(settled.tolist(), kept.tolist(), strict=True):
         rise = goal + (rise - goal) * share
-        rises[k] = rise
-    return rises
+        rises.append(rise)
+    return np.array(rises)
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,6 +19,7 @@ from kinesic.sim.stepping.addresses import TwinParts, function_address, timestep
 from kinesic.sim.stepping.step_log import StepLog, StepRecord
 
 STEP = 0.004  # [s] longest physics step: angles stay within 0.05 deg of those with steps of 1 ms
+WINDOW = 4096  # commands whose frames are looked at together
 SAME_TIME = 1e-9  # [s] below which two times are one
 
 
@@ -168,21 +169,35 @@ class Twin:
         at = np.array(log.counts, dtype=np.intp) - 1
         postures, speeds, spans = log.steps()
         postures, speeds = self._of_hinges(postures), self._of_hinges(speeds)
-        drives = self._robot.drives
+        drives, angles = self._robot.drives, postures[at]
         given = effort(drives, log.goals() - postures, speeds, supplied=log.supplied)
-        angles = postures[at]
-        frames = body_frames(self._robot, angles)
+        duties, loads = given.duties[at], given.loads[at]
+        taken = power(self._robot.skeleton.names, drives, given, spans=spans, counts=log.counts)
+        del given  # the distances need as much memory again
+        hands, lowest = self._places(angles)
         return Measurements(
             times=sealed(log.times),
             angles=sealed(angles),
             speeds=sealed(speeds[at]),
-            torques=sealed(given.loads[at] * drives.stall),
-            duties=sealed(given.duties[at]),
+            torques=sealed(loads * drives.stall),
+            duties=sealed(duties),
             goals=sealed(log.sent()),
-            hands={side: sealed(frames.origins[self._robot.arm(side).wrist].T) for side in SIDES},
-            clearance=self._distances.approach(postures, at, near=self._robot.least_clearance, frames=frames),
+            hands=hands,
+            clearance=self._distances.approach(postures, at, near=self._robot.least_clearance, lowest=lowest),
             latency=self._latency,
-            power=power(self._robot.skeleton.names, drives, given, spans=spans, counts=log.counts),
+            power=taken,
+        )
+
+    def _places(self, angles: Floats) -> tuple[dict[str, Floats], Floats]:
+        """Where the hands are, side -> (m, 3) [m], and (p, m) [m] between segments; frames are never all there."""
+        robot, hands, lowest = self._robot, [], []
+        for block in (angles[k : k + WINDOW] for k in range(0, len(angles), WINDOW)):
+            frames = body_frames(robot, block)
+            hands.append({side: frames.origins[robot.arm(side).wrist].T for side in SIDES})
+            lowest.append(self._distances.lowest(frames, block))
+        return (
+            {side: sealed(np.concatenate([each[side] for each in hands])) for side in SIDES},
+            np.concatenate(lowest, axis=1),
         )
 
     def _advance(self, time: float) -> None:

@@ -59,7 +59,7 @@ def test_approaches_are_the_same_and_so_are_the_postures_that_are_measured(robot
     ends = np.arange(0, len(motion), 3)
     fast, slow = (run(lambda: measure.approach(motion, ends, near=near)) for run in (lambda f: f(), in_python))
     np.testing.assert_allclose(fast.distances, slow.distances, rtol=0, atol=1e-12)
-    lowest = measure._strips(body_frames(robot, motion[ends]), motion[ends])
+    lowest = measure.lowest(body_frames(robot, motion[ends]), motion[ends])
     near = max(near, float(lowest.min()))
     suspects = measure._suspects(motion, ends, lowest, near)
     assert 0 < len(suspects) < len(motion)

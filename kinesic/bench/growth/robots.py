@@ -11,16 +11,21 @@ from kinesic.body.robot_file import robot_from_tables
 from kinesic.body.robot_schema import HingeTable, MountTable, RobotFile
 
 PARTS = (("skullbase", "neck"), ("vl5", "torso"), ("l_sternoclavicular", "clavicles"))  # that a body can do without
+FOREARMS = ("_elbow_twisting", "_wrist_flexion", "_wrist_pivot")  # ends of names of hinges behind the elbow
 FINGER = "xc330_t181"  # the servo that turns a joint in place of a linkage
 
 
 def robots() -> Iterator[Robot]:
-    """Yields robots with more and more hinges: upper22 without parts and whole, upper36, and all its joints driven."""
+    """Yields robots with more and more hinges: upper22 without parts and whole, upper36, and all its joints driven.
+
+    The least of them has shoulders and elbows alone.
+    """
     path = locate("robot", "upper22")
     file = read_robot(path, RobotFile)
     made = [file]
     for body, chain in PARTS:
         made.insert(0, _without(made[0], body, chain))
+    made.insert(0, _stiffened(made[0], {hinge.name for hinge in made[0].hinge if hinge.name.endswith(FOREARMS)}))
     yield from (Robot.of(robot_from_tables(each, path)) for each in made)
     path = locate("robot", "upper36")
     whole = read_robot(path, RobotFile)
@@ -30,10 +35,15 @@ def robots() -> Iterator[Robot]:
 def _without(file: RobotFile, body: str, chain: str) -> RobotFile:
     """Makes the hinges of a body stiff."""
     chains = {name: [each for each in bodies if each != body] for name, bodies in file.chains.items() if name != chain}
-    left = [hinge for hinge in file.hinge if hinge.body != body]
-    names = {hinge.name for hinge in left}
-    rest = {name: angle for name, angle in file.rest.items() if name in names}
-    return msgspec.structs.replace(file, hinge=left, chains=chains, rest=rest)
+    stiff = _stiffened(file, {hinge.name for hinge in file.hinge if hinge.body == body})
+    return msgspec.structs.replace(stiff, chains=chains)
+
+
+def _stiffened(file: RobotFile, names: set[str]) -> RobotFile:
+    """Makes some hinges stiff."""
+    left = [hinge for hinge in file.hinge if hinge.name not in names]
+    rest = {name: angle for name, angle in file.rest.items() if name not in names}
+    return msgspec.structs.replace(file, hinge=left, rest=rest)
 
 
 def _driven(file: RobotFile) -> RobotFile:

@@ -25,12 +25,15 @@ from kinesic.planning.plan import Plan
 from kinesic.report.checks import checks
 from kinesic.sim.servo_factors import NOMINAL, PESSIMISTIC, Factors
 from kinesic.sim.twin import STEP, Twin
+from kinesic.studies.variants.sweep import GROUP, perform_variants
+from kinesic.studies.variants.sweep import STEP as SWEEP_STEP
 
 ONE: tuple[Factors, ...] = (NOMINAL,)
 BOTH: tuple[Factors, ...] = (NOMINAL, PESSIMISTIC)
 REPETITIONS = 15
 BLOCKS = 5  # passages that differ a little
 SHARE_ONE, SHARE_BOTH = 0.6, 0.7  # goals: of the speed of bare physics
+VARIANT, GROUPS = 20.0, 3  # [ms] goal for a variant of servos; groups of them that are measured, the first warms up
 BYTES = 8  # of a number
 ARRAYS = 12  # of the size of all steps' postures that measurements read or write
 COPIED = 32 * 1024 * 1024  # [bytes] of an array that is copied to see what memory gives
@@ -46,7 +49,18 @@ def bench() -> list[Figure]:
         *_shares("", plans, ONE, SHARE_ONE),
         *_shares("_both", plans, BOTH, SHARE_BOTH),
         *stages(plans),
+        *_variants(plans),
     ]
+
+
+def _variants(plans: list[Plan]) -> list[Figure]:
+    """What a variant of the servos takes in a sweep, and what it has to: the same steps of bare physics."""
+    groups = [tuple(Factors(gain=1.0 + (group * GROUP + k) / 1000) for k in range(GROUP)) for group in range(GROUPS)]
+    perform_variants(plans[0], groups[0])
+    spent = [timed(partial(perform_variants, planned, group))[0] for planned in plans for group in groups[1:]]
+    motion = float(command_times(plans[0].duration)[-1])
+    why = f"CPU, {1000 * SWEEP_STEP:g} ms steps of the physics, {motion:.1f} s of motion"
+    return [Figure("speed.variant", 1000 * median(spent) / GROUP, "ms", VARIANT, "lower", why)]
 
 
 def _shares(kind: str, plans: list[Plan], twins: tuple[Factors, ...], goal: float) -> list[Figure]:

@@ -1,0 +1,1 @@
+"""One document, performed with many variants of the servos."""
