@@ -11,7 +11,7 @@ PARTS: Mapping[str, tuple[str, ...]] = {
     "twin": ("twin",),
     "speed": ("speed",),
     "growth": ("growth",),
-    "cluster": ("cluster",),
+    "cluster": ("cluster", "store"),
     "bus": ("bus", "bus.faults"),
     "bml": ("bml", "bml.speech", "bml.merging", "bml.server", "bml.emergency_stop"),
     "face": ("face",),

@@ -85,6 +85,7 @@ def open_store(folder: Path) -> Iterator[Store]:
     except ModuleNotFoundError:
         raise ConfigError("results need duckdb: pip install 'kinesic[store]'") from None
     with duckdb.connect() as connection:
+        connection.execute("SET enable_progress_bar_print = false")  # it would go where rows go
         for source, tables in TABLES.items():
             if (folder / source).exists():
                 for name, select in tables.items():

@@ -54,6 +54,13 @@ def test_a_query_of_the_guide_is_answered(query, folder):
     assert ask(folder, query).columns
 
 
+def test_nothing_is_printed_while_a_question_takes_long(folder, capfd):
+    with open_store(folder) as store:
+        store.ask("SET progress_bar_time = 1")  # [ms]
+        assert store.ask("SELECT count(DISTINCT random()) FROM range(2000000)").rows
+    assert capfd.readouterr().out == ""
+
+
 def test_what_is_added_to_the_journal_is_found(folder):
     ask(folder, "SELECT 1 FROM documents")
     (folder / "finished.jsonl").write_text(line(1, "pass") + line(2, "fail") + line(3, "pass"))
