@@ -163,7 +163,7 @@ class CapsuleDistances:
         """
         if not self._names:
             return np.full(len(angles), np.inf)
-        lowest = self._strips(body_frames(self._robot, angles), angles) - self._reaches @ turns.T
+        lowest = self.lowest(body_frames(self._robot, angles), angles) - self._reaches @ turns.T
         return np.asarray(lowest.min(axis=0))
 
     def _suspects(self, angles: Floats, known: Indices, lowest: Floats, limit: float) -> Indices:
