@@ -119,8 +119,9 @@ what became of it:
 
 What still looks mechanical: in the calm style both arms drop between `full` and `i`, as the left hand folds where the
 right one passes, and one of eight seeds loses `i`, another one `open`; the head follows the hands through a long stroke
-(`fire`, 3.5 s) to its end, and gives up its look at the hands where the document nods (`full`) or looks elsewhere
-(`far`, `mountain`); the left hand stays folded, alone, while the right one counts.
+(`fire`, 3.5 s) to its end; the left hand stays folded, alone, while the right one counts. In three gestures the head
+does not look at the hands, as the document has it: its gaze to the left takes head and eyes from `far` and `mountain`;
+its nod takes the head's tilt from `full`, where eyes alone look down. What a document asks comes first, axis by axis.
 
 The head is off the listener for half of the time: it looks at what hands draw and point at. `still` is less
 than 0.1 deg/s of the trunk, 0.5 deg/s of the head or of everything; a hold is 0.4 s or longer, frozen below 2 mm.
