@@ -1,4 +1,4 @@
-"""Films docs/studio_tour.webp, what a newcomer does in the studio, and pictures its gesture editor, light and dark."""
+"""Films docs/studio_tour.webp, what a newcomer does; pictures the studio and its gesture editor, light and dark."""
 
 import base64
 import io
@@ -15,13 +15,15 @@ sys.path.insert(0, str(ROOT))
 
 from tests import chromium  # noqa: E402 - what a test does is what is filmed
 from tests.studio.conftest import SOFTWARE  # noqa: E402
-from tests.studio.newcomer import STATE, Person, before_the_studio, make_and_perform  # noqa: E402
+from tests.studio.newcomer import STATE, before_the_studio, make_and_perform  # noqa: E402
 
 DOCS = ROOT / "docs"
 WINDOW = (1280, 807)  # [pixels] with the browser's own 87
 SIZE = (960, 540)  # [pixels] of the film
 READ = 1600  # [ms] that one action is shown
 STEP = 125  # [ms] between two frames of the performance
+STILL = 1500  # [ms] until all is drawn finely
+MOMENT = 2.2  # [s] of the greeting that is pictured
 PERFORMED = 9.0  # [s] of it
 PATIENCE = 240.0  # [s] with a busy machine
 INK, PAPER, POINTER = "#23262d", "#fbfaf7", "#b4430f"
@@ -59,12 +61,12 @@ def performance(page: chromium.Page) -> Iterator[Image.Image]:
             yield titled(picture(page), "simulated servos perform it", None)
 
 
-def editor(person: Person) -> None:
-    """Pictures of the gesture editor, light and dark."""
-    for scheme, name in (("dark", "studio_gesture_dark.png"), ("light", "studio_gesture.png")):
-        person.page.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
-        person.page.value("new Promise(done => setTimeout(done, 1500))")
-        picture(person.page).quantize(192).save(DOCS / name, optimize=True)
+def in_both_schemes(page: chromium.Page, name: str) -> None:
+    """Pictures of the page, light and dark."""
+    for scheme, path in (("dark", f"{name}_dark.png"), ("light", f"{name}.png")):
+        page.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
+        page.value(f"new Promise(done => setTimeout(done, {STILL}))")
+        picture(page).quantize(256, kmeans=2).save(DOCS / path, optimize=True)
 
 
 if __name__ == "__main__":
@@ -80,8 +82,13 @@ if __name__ == "__main__":
             frames.append(titled(picture(person.page), f"{len(frames) + 1}. {what}", where))
             times.append(READ)
             if what.startswith("Save as weigh"):
-                editor(person)
+                in_both_schemes(person.page, "studio_gesture")
 
+        slider = "document.querySelector('#time')"
+        person.page.value(f"{slider}.value = {MOMENT}, {slider}.dispatchEvent(new Event('input'))")
+        person.sees("s.report !== null")
+        in_both_schemes(person.page, "studio")
+        person.page.value(f"{slider}.value = 0, {slider}.dispatchEvent(new Event('input'))")
         person.films = film
         make_and_perform(person)
         for frame in performance(person.page):

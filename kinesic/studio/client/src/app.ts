@@ -1,7 +1,7 @@
 // The page: one document, seen as text, as a timeline and on the stage.
 import { listen } from "./controls.ts";
 import { Documents } from "./documents.ts";
-import { byId } from "./dom.ts";
+import { byId, say } from "./dom.ts";
 import { Drafting } from "./drafting.ts";
 import { addGesture, alone, mark, remove, setAttribute, setManner, shift, tie } from "./edits.ts";
 import { Exports } from "./exports.ts";
@@ -59,6 +59,7 @@ class App {
       (time) => this.showAt(time),
     );
     this.drafting = new Drafting(() => this.ask(), {
+      waiting: (on) => say(byId("planning"), on ? "planning …" : ""),
       drafted: (draft) => this.show(draft),
       failed: (fault) => {
         this.text.mark(fault);
@@ -233,6 +234,7 @@ class App {
     byId<HTMLButtonElement>("undo").disabled = !this.history.past.length;
     byId<HTMLButtonElement>("redo").disabled = !this.history.future.length;
     byId<HTMLButtonElement>("perform").disabled = !this.robot?.ready;
+    byId("perform").title = this.robot?.limp ? "Arm the servos first" : "The robot performs it (Ctrl Enter)";
     byId<HTMLButtonElement>("save").disabled = this.robot?.wire.state !== "open";
   }
 

@@ -1,5 +1,5 @@
 // Edits of a document, each a pure function from text to text: whatever it does not change stays byte for byte.
-import { attributeOf, isMark, opens, tagsOf, tagWithId, withAttribute } from "./xml.ts";
+import { attributeOf, escaped, isMark, opens, tagsOf, tagWithId, withAttribute } from "./xml.ts";
 
 /** Sync points in the order in which they happen. */
 export const POINTS = ["start", "ready", "strokeStart", "attackPeak", "stroke", "strokeEnd", "relax", "end"] as const;
@@ -112,6 +112,6 @@ export function addGesture(text: string, lexeme: string, time: number): string {
   const used = tags.flatMap((tag) => tag.attributes.filter((a) => a.name === "id").map((a) => a.value));
   let id = lexeme.toLowerCase().replace(/[^a-z0-9]+/g, "_");
   for (let k = 2, stem = id; used.includes(id); k++) id = `${stem}${k}`;
-  const line = `  <gesture id="${id}" lexeme="${lexeme}" start="${written(time)}"/>\n`;
+  const line = `  <gesture id="${id}" lexeme="${escaped(lexeme)}" start="${written(time)}"/>\n`;
   return text.slice(0, end.from) + line + text.slice(end.from);
 }

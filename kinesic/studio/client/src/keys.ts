@@ -64,7 +64,9 @@ export class KeysPanel {
         title: `${axis}: arm lengths, or a sector`,
       });
       made.addEventListener("change", () => {
-        const all = places.map(({ value }) => (Number.isFinite(Number(value)) && value !== "" ? value : `"${value}"`));
+        const all = places.map(({ value }) =>
+          Number.isFinite(Number(value)) && value !== "" ? value : JSON.stringify(value),
+        );
         this.listener.set(this.chosen, name, "at", `[${all.join(", ")}]`);
       });
       return made;

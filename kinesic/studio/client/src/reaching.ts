@@ -1,5 +1,6 @@
 // A part of the body that is dragged: asks the server for each posture, one question at a time, and says what stops it.
 
+import { readReached } from "./checks.ts";
 import type { Part } from "./handles.ts";
 import { sectorOf } from "./sectors.ts";
 import type { Drag } from "./stage.ts";
@@ -93,8 +94,9 @@ export class Reaching {
       const asked = performance.now();
       const cancelled = this.cancelled;
       const answer = await this.wire.ask("reach", { part: drag.part, side: drag.side, target: drag.target, posture });
-      if (answer?.told !== "reach" || cancelled !== this.cancelled) continue;
-      this.found = answer as unknown as Reached;
+      const found = answer?.told === "reach" && readReached(answer, this.body.hinges.length);
+      if (!found || cancelled !== this.cancelled) continue;
+      this.found = found;
       this.posture = this.found.angles;
       this.changed(this.found, drag.asked);
       await new Promise((again) => setTimeout(again, asked + PERIOD - performance.now()));

@@ -1,5 +1,6 @@
 // The robot behind the server: whether it is there, how it is, whether it is stopped, and what it tells.
 import { Arming } from "./arming.ts";
+import { readReport } from "./checks.ts";
 import { byId } from "./dom.ts";
 import { Live } from "./live.ts";
 import type { Body, BodyReport, ServoPlace } from "./types.ts";
@@ -19,7 +20,7 @@ export class Robot {
   private readonly arming: Arming;
 
   constructor(
-    body: Body,
+    private readonly body: Body,
     private readonly listener: { opened(): void; changed(): void; moved(): void },
   ) {
     this.live = new Live(body);
@@ -40,7 +41,12 @@ export class Robot {
 
   /** Whether it takes documents. */
   get ready(): boolean {
-    return this.wire.state === "open" && !this.stopped && !this.arming.limp;
+    return this.wire.state === "open" && !this.stopped && !this.limp;
+  }
+
+  /** Whether its servos have no torque. */
+  get limp(): boolean {
+    return this.arming.limp;
   }
 
   stop(): void {
@@ -81,11 +87,13 @@ export class Robot {
 
   private told(answer: Answer): void {
     if (answer.told === "body") {
-      this.report = answer as unknown as BodyReport;
-      const { limp } = this.arming;
-      this.arming.show(this.report.servos);
-      if (limp !== this.arming.limp) this.listener.changed();
-      this.live.show(this.report);
+      const report = readReport(answer, this.body.hinges.length);
+      if (!report) return;
+      this.report = report;
+      const { limp } = this;
+      this.arming.show(report.servos);
+      if (limp !== this.limp) this.listener.changed();
+      this.live.show(report);
       this.listener.moved();
     } else if (answer.told === "stopped" || answer.told === "failed") {
       this.halt(true);

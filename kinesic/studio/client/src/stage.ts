@@ -28,12 +28,22 @@ const KEPT = 500; // latencies
 // A dragged part follows each move of the pointer as it comes, not those before the next frame together, where that is told.
 const MOVES = "onpointerrawupdate" in window ? "pointerrawupdate" : "pointermove";
 
-const alike = (a: readonly number[] | undefined, b: readonly number[] | undefined): boolean =>
-  a === b || (a !== undefined && b !== undefined && a.length === b.length && a.every((value, k) => value === b[k]));
+const NEAR = 0.002; // [rad] that nobody sees, a tick of a servo's encoder: a robot that rests is still
+const NEAR_STRAIN = 0.02;
 
-/** Whether two pictures of the robot are the same. */
+const alike = (a: readonly number[] | undefined, b: readonly number[] | undefined, near: number): boolean =>
+  a === b ||
+  (a !== undefined &&
+    b !== undefined &&
+    a.length === b.length &&
+    a.every((value, k) => Math.abs(value - b[k]!) <= near));
+
+/** Whether two pictures of the robot look the same. */
 const same = (a: Shown, b: Shown): boolean =>
-  alike(a.angles, b.angles) && alike(a.ghost, b.ghost) && alike(a.strain, b.strain) && alike([...a.lit], [...b.lit]);
+  alike(a.angles, b.angles, NEAR) &&
+  alike(a.ghost, b.ghost, NEAR) &&
+  alike(a.strain, b.strain, NEAR_STRAIN) &&
+  alike([...a.lit], [...b.lit], 0);
 
 export class Stage {
   readonly flat: boolean;
@@ -82,11 +92,10 @@ export class Stage {
     this.redraw();
   }
 
-  /** Shows the robot in a posture; nothing is drawn where it is the one that is shown. */
+  /** Shows the robot in a posture; nothing is drawn where it looks as the one that is shown. */
   show(shown: Shown): void {
-    const stays = same(shown, this.shown);
+    if (this.drawn && same(shown, this.shown)) return;
     this.shown = shown;
-    if (stays && this.drawn) return;
     this.pace.move(performance.now());
     if (shown.asked === undefined || this.busy) this.redraw();
     else this.draw(performance.now());

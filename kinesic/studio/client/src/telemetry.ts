@@ -70,7 +70,10 @@ export class Strips {
   list(places: readonly ServoPlace[]): void {
     this.places = places;
     const names = places.length
-      ? places.map((place) => ({ name: place.hinge, title: `${place.model} ${place.id} at ${place.bus}` }))
+      ? places.map((place) => ({
+          name: place.hinge,
+          title: `${place.hinge}: ${place.model} ${place.id} at ${place.bus}`,
+        }))
       : this.body.hinges.map((name) => ({ name, title: name }));
     this.strips = names.map(({ name, title }) => this.strip(name, title));
     const heads = places.length ? COLUMNS : ["", "away", "", "angle"];

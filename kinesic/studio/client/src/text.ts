@@ -3,6 +3,8 @@ import { byId, make } from "./dom.ts";
 import type { Fault } from "./types.ts";
 import { attributeOf, tagWithId } from "./xml.ts";
 
+const NUMBERED = 10_000; // lines: a text with more is none to be read
+
 export class TextPane {
   private readonly area = byId<HTMLTextAreaElement>("text");
   private readonly gutter = byId("gutter");
@@ -49,7 +51,7 @@ export class TextPane {
   }
 
   private number(): void {
-    const count = this.area.value.split("\n").length;
+    const count = Math.min(this.area.value.split("\n").length, NUMBERED);
     while (this.gutter.children.length > count) this.gutter.lastElementChild?.remove();
     while (this.gutter.children.length < count)
       this.gutter.append(make("li", {}, String(this.gutter.children.length + 1)));

@@ -6,6 +6,16 @@ export type State = "connecting" | "open" | "locked" | "closed";
 const FIRST_WAIT = 300; // [ms] before the first attempt to connect again
 const LONGEST_WAIT = 4000; // [ms]
 
+/** An answer; null where it is none. */
+function parse(text: string): Answer | null {
+  try {
+    const told: unknown = JSON.parse(text);
+    return typeof told === "object" ? (told as Answer | null) : null;
+  } catch {
+    return null;
+  }
+}
+
 /** A WebSocket that is opened again whenever it closes. */
 class Line {
   private socket: WebSocket | null = null;
@@ -74,9 +84,9 @@ export class Wire {
         this.stopLine.send(JSON.stringify({ do: "stop_line" }));
       },
       (text) => {
-        const told = (JSON.parse(text) as Answer).told;
-        this.stopReady ||= told === "stop_line";
-        if (told === "stopped" || told === "failed") this.listener.told(JSON.parse(text) as Answer);
+        const answer = parse(text);
+        this.stopReady ||= answer?.told === "stop_line";
+        if (answer?.told === "stopped" || answer?.told === "failed") this.listener.told(answer);
       },
       () => {
         this.stopReady = false;
@@ -128,7 +138,8 @@ export class Wire {
       this.listener.feedback(text);
       return;
     }
-    const answer = JSON.parse(text) as Answer;
+    const answer = parse(text);
+    if (!answer) return;
     if (answer.told === "welcome" || (answer.told === "status" && this.state !== "open")) this.become("open");
     if (answer.told === "refused" && String(answer.why).includes("token")) this.become("locked");
     const asked = answer.id === undefined ? undefined : this.waiting.get(answer.id);

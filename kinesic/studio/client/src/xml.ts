@@ -20,7 +20,7 @@ export interface Tag {
   empty: boolean;
 }
 
-const SKIPPED = /<!--[\s\S]*?(?:-->|$)|<!\[CDATA\[[\s\S]*?(?:\]\]>|$)|<\?[\s\S]*?(?:\?>|$)|<![^>]*>/y;
+const SKIPPED = /<!--[\s\S]*?(?:-->|$)|<!\[CDATA\[[\s\S]*?(?:\]\]>|$)|<\?[\s\S]*?(?:\?>|$)|<![^>]*(?:>|$)/y;
 const TAG = /<(\/?)([A-Za-z_][\w:.-]*)((?:\s+[\w:.-]+\s*=\s*(?:"[^"]*"|'[^']*'))*)\s*(\/?)>/y;
 const ATTRIBUTE = /(\s+)([\w:.-]+)(\s*=\s*)(?:"([^"]*)"|'([^']*)')/g;
 
@@ -82,7 +82,8 @@ export function attributeOf(tag: Tag, name: string): Attribute | undefined {
 }
 
 const ESCAPES: Record<string, string> = { "&": "&amp;", "<": "&lt;", '"': "&quot;", "'": "&apos;" };
-const escaped = (value: string) => value.replace(/[&<"']/g, (letter) => ESCAPES[letter]!);
+/** A value as it stands between quotes. */
+export const escaped = (value: string) => value.replace(/[&<"']/g, (letter) => ESCAPES[letter]!);
 const unescaped = (value: string) =>
   value.replace(/&(amp|lt|gt|quot|apos);/g, (whole, name) =>
     name === "gt" ? ">" : (Object.entries(ESCAPES).find(([, code]) => code === `&${name};`)?.[0] ?? whole),

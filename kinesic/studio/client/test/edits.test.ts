@@ -105,3 +105,15 @@ test("comments and quotes confuse nobody, and values are escaped", () => {
   assert.equal(value(after, "g", "lexeme"), `<"'&`);
   assert.equal(remove(text, "g"), `<bml id="b"><!-- <gesture id="g"/> --></bml>`);
 });
+
+test("a hostile text costs no more than its length, and a hostile name stays a value", () => {
+  const begun = performance.now();
+  for (const piece of ["<!", "<!--", "<![CDATA[", "<?", "<a ", '<a b="', "<a b=' "]) tagsOf(piece.repeat(100_000));
+  tagsOf(`<a${" ".repeat(300_000)}<`);
+  assert.ok(performance.now() - begun < 5000); // a hundred times as long where it grows with the square
+  const text = addGesture('<bml id="b"></bml>', `x" start="9"/><speech id="s`, 0);
+  assert.deepEqual(
+    tagsOf(text).map((tag) => tag.name),
+    ["bml", "gesture", "bml"],
+  );
+});

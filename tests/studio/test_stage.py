@@ -1,0 +1,107 @@
+"""The stage in a browser, against the real server: what is dragged, what stops it, and how finely it is drawn."""
+
+import pytest
+
+from .conftest import Studio
+from .test_page import WORDS
+
+pytestmark = pytest.mark.realtime
+
+
+def test_a_hand_that_is_dragged_says_what_stops_it(studio: Studio):
+    studio.write(WORDS)
+    hand = studio.state("right")
+    begin, far = (hand["x"], hand["y"]), (hand["x"] - 120, hand["y"] - 150)
+    studio.page.drag(begin, (hand["x"] - 5, hand["y"] - 20), (hand["x"] - 10, hand["y"] - 40))
+    studio.until("s.reach !== null && s.reach.reached")
+    words = studio.page.value("document.querySelector('#stops').textContent")
+    assert words.startswith("within reach: X")
+    studio.until("document.querySelector('#sectors').hasAttribute('hidden')")  # the hand was let go
+    studio.page.click("#show-sectors")
+    studio.until("!document.querySelector('#sectors').hasAttribute('hidden')")
+    assert studio.page.value("document.querySelectorAll('#sectors polygon').length") == 5 * 7
+    studio.page.click("#show-sectors")
+    hand = studio.state("right")
+    studio.page.call(
+        "Input.dispatchMouseEvent", type="mousePressed", x=hand["x"], y=hand["y"], button="left", clickCount=1
+    )
+    studio.page.call(
+        "Input.dispatchMouseEvent", type="mouseMoved", x=hand["x"], y=hand["y"] - 12, button="left", buttons=1
+    )
+    studio.until("document.querySelector('#sectors .current text') !== null")
+    outward, up = studio.page.value("document.querySelector('#sectors .current text').textContent").split()
+    studio.page.call("Input.dispatchMouseEvent", type="mouseReleased", x=hand["x"], y=hand["y"] - 12, button="left")
+    studio.until(f"document.querySelector('#stops').textContent.includes('{outward} {up} Z')")
+    hand = studio.state("right")
+    studio.page.drag((hand["x"], hand["y"]), far, (far[0] - 300, far[1] - 200))
+    studio.until("s.reach !== null && !s.reach.reached")
+    assert "short" in studio.page.value("document.querySelector('#stops').textContent")
+    assert len(studio.state("latencies")) >= 2
+
+
+def test_a_drag_follows_the_pointer_between_frames_and_shows_its_own_dot_alone(studio: Studio):
+    studio.write(WORDS)
+    studio.page.click("#mode-plan")
+    seen = "[...document.querySelectorAll('#handles i')].filter(dot => getComputedStyle(dot).visibility === 'visible')"
+    studio.until("s.left !== null && s.reach === null")
+    assert studio.page.value(f"{seen}.length") == 6
+    hand = studio.state("left")
+    x, y = hand["x"], hand["y"]
+    studio.page.call("Input.dispatchMouseEvent", type="mousePressed", x=x, y=y, button="left", clickCount=1)
+    # what a browser tells of moves at once; it keeps those of `pointermove` until the next frame
+    raw = f"new PointerEvent('pointerrawupdate', {{clientX: {x + 6}, clientY: {y - 9}}})"
+    studio.page.value(f"document.querySelector('#canvas').dispatchEvent({raw})")
+    studio.until("s.reach !== null")
+    studio.page.until(f"{seen}.length === 1 && {seen}[0].className === 'hand taken'")
+    studio.page.call("Input.dispatchMouseEvent", type="mouseReleased", x=x, y=y, button="left")
+    studio.page.until(f"{seen}.length === 6")
+    studio.page.click("#mode-plan")
+
+
+@pytest.mark.parametrize(
+    ("part", "way", "far", "free", "stops"),
+    [
+        ("trunk", (8, 4), (500, 40), "the trunk leans there", "vl5"),
+        ("gaze", (25, 20), (10, 300), "the eyes look there", "skullbase"),
+        ("elbow", (0, 0), (0, 1), "the elbow swings there", ""),
+    ],
+)
+def test_elbow_trunk_and_gaze_are_dragged_too_and_what_stops_them_is_named(
+    studio: Studio, part: str, way: tuple[float, float], far: tuple[float, float], free: str, stops: str
+):
+    studio.write(WORDS)
+    studio.page.click("#mode-plan")
+    studio.page.click("#view-front")
+    studio.until(f"s.{part} !== null && document.querySelector('#stops').textContent === ''")
+    handle, said = studio.state(part), "document.querySelector('#stops').textContent"
+    x, y = handle["x"], handle["y"]
+    studio.page.drag((x, y), (x + way[0] / 2, y + way[1] / 2), (x + way[0], y + way[1]))
+    studio.until(f"{said} === {free!r}")
+    handle = studio.state(part)
+    studio.page.drag((handle["x"], handle["y"]), (x + far[0] / 2, y + far[1] / 2), (x + far[0], y + far[1]))
+    if stops:
+        studio.until(f"s.reach !== null && !s.reach.reached && {said}.includes('short')")
+        assert any(name.startswith(stops) for name in studio.state("reach")["limits"])
+    studio.page.click("#mode-plan")
+    studio.page.click("#view-free")
+
+
+def test_a_posture_is_drawn_once_finely_when_still_and_coarser_while_software_draws_what_moves(studio: Studio):
+    share = "(c => c.width / c.clientWidth)(document.querySelector('#canvas'))"
+    studio.write(WORDS)
+    studio.page.click("#mode-plan")
+    studio.page.until(f"Math.abs({share} - 2) < 0.01")
+    drawn = studio.state("drawn")
+    for _ in range(3):
+        studio.page.click("#mode-plan")
+    turned = "(s => s.show({...s.shown, angles: s.shown.angles.map(angle => angle + %s)}))(kinesicStudio.view.stage)"
+    for _ in range(3):
+        studio.page.value(turned % 0.001)  # a tick of an encoder is not seen
+    studio.rest(0.1)
+    assert studio.state("drawn") == drawn
+    studio.page.value(turned % 0.01)
+    studio.until(f"s.drawn > {drawn}")
+    studio.page.click("#play")
+    studio.page.until(f"{share} < 1.01")
+    studio.page.click("#play")
+    studio.page.until(f"Math.abs({share} - 2) < 0.01")
