@@ -298,7 +298,7 @@ def _compiled(distances: CapsuleDistances) -> "_kernel.CapsulePairs":
 def _by_size(within: Sequence[Indices], counted: Flags) -> list[tuple[Indices, Indices]]:
     """Puts counted pairs of bodies with as many pairs of capsules within together."""
     sizes = np.array([pairs.shape[1] for pairs in within], dtype=np.intp)
-    rows = [np.flatnonzero((sizes == size) & counted) for size in np.unique(sizes[counted])]
+    rows = [np.flatnonzero((sizes == size) & counted) for size in sorted({*sizes[counted].tolist()})]
     return [(row, np.stack([within[int(k)] for k in row], axis=1)) for row in rows]
 
 
