@@ -7,12 +7,16 @@ from kinesic.tasks.engine import Processes
 
 from ..kills.under_fire import perform_under_fire
 
-pytestmark = [pytest.mark.soak, pytest.mark.filterwarnings("ignore::ResourceWarning")]
+pytestmark = [
+    pytest.mark.soak,
+    pytest.mark.filterwarnings("ignore::ResourceWarning", "ignore::pytest.PytestUnraisableExceptionWarning"),
+]
+COUNT, EVERY = 600, 4.0  # [s] between two kills
 MOST = 300.0  # [MB] of who called
 
 
 def test_processes_lose_and_double_nothing(tmp_path):
-    outcome = perform_under_fire(Processes(2), 300, 2.0, tmp_path)
+    outcome = perform_under_fire(Processes(2), COUNT, EVERY, tmp_path)
     assert outcome.is_good, outcome
     assert outcome.kills
 
@@ -20,7 +24,7 @@ def test_processes_lose_and_double_nothing(tmp_path):
 def test_workers_of_dask_lose_and_double_nothing(tmp_path):
     pytest.importorskip("distributed", reason="the extra cluster is not installed")
     with cluster("local:2") as engine:
-        outcome = perform_under_fire(engine, 300, 5.0, tmp_path)
+        outcome = perform_under_fire(engine, COUNT, EVERY, tmp_path)
     assert outcome.is_good, outcome
     assert outcome.kills
     assert outcome.memory <= MOST, outcome
