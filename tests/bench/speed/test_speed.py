@@ -11,6 +11,8 @@ def figures():
         for module, count in ((dry_runs, 3), (plans, 1), (starting, 1)):
             patch.setattr(module, "REPETITIONS", count)
         patch.setattr(dry_runs, "BLOCKS", 1)
+        patch.setattr(dry_runs, "GROUP", 4)
+        patch.setattr(dry_runs, "GROUPS", 2)
         patch.setattr(plans, "WORST_CROWD", 3)
         return {figure.name: figure for figure in speed.bench()}
 
@@ -27,6 +29,12 @@ def test_a_dry_run_is_near_its_physics(figures):
     assert figures["speed.dry_run_of_bare"].value > 0.4  # 0.2 without the compiled loop
     assert figures["speed.dry_run_both_of_bare"].value > 0.4
     assert figures["speed.bare"].value > figures["speed.dry_run"].value
+
+
+def test_a_variant_of_servos_takes_less_than_a_dry_run(figures):
+    bare = 1000 * 5.3 / figures["speed.bare"].value  # [ms]
+    assert 0.3 * bare < figures["speed.variant"].value < 2.5 * bare
+    assert figures["speed.variant"].goal == 20.0
 
 
 def test_planning_needs_no_more_memory_than_it_promises(figures):
