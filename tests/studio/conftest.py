@@ -64,7 +64,7 @@ class Studio:
         self.until(f"s.planned > {planned} || !document.querySelector('#fault').hidden")
 
 
-@pytest.fixture(scope="package")
+@pytest.fixture(scope="module")
 def studio(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
     """The page in a browser, with a real server and its twin."""
     if binary() is None:

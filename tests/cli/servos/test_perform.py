@@ -1,15 +1,11 @@
-"""A greeting's nod on the servos of a pseudo-terminal, through the supervisor's own process."""
+"""What keeps a performance from servos, told before anything moves."""
 
-import json
-import re
 from pathlib import Path
 
 import pytest
 
-from kinesic.body.robot import Robot
 from kinesic.cli import perform
 from kinesic.report.report import report
-from kinesic.sim.log import read_log
 
 pytestmark = pytest.mark.realtime
 
@@ -21,35 +17,6 @@ def nod(tmp_path: Path) -> Path:
     path = tmp_path / "nod.bml"
     path.write_text(NOD, encoding="utf-8")
     return path
-
-
-def test_servos_perform_what_the_twin_has(kinesic, served, nod: Path, tmp_path: Path):
-    out = tmp_path / "report"
-    options = ("--on", "servos,twin", "--port", f"body={served.port}", "--no-film", "--out", out, "--force")
-    ended = kinesic("perform", nod, *options)
-    assert ended.code == 0, ended.out + ended.err
-    report = json.loads((out / "report.json").read_text(encoding="utf-8"))
-    told = report["servos"]
-    assert served.energised == 0
-    assert (told["ending"], told["why"]) == ("performed", "")
-    checks = {check["name"]: check for check in report["checks"]}
-    assert checks["measured.performed"]["status"] == "pass"
-    if told["full_pace"] == 1.0:  # a machine that comes late slows time, and errors are measured at full pace
-        assert told["rmse_deg"] < 5.0
-    assert told["per_joint"]["skullbase_tilt"] > 0.0
-    assert any(event["text"].endswith("-> closed (done)") for event in told["events"])
-    log = read_log(out / "servos.npz", Robot.load())
-    assert len(log.times) > 50
-    assert (out / "events.jsonl").stat().st_size > 0
-    assert re.search(r"^(all )?\d+ .*checks pass$", ended.out, re.MULTILINE)
-    fitted = kinesic("twin", "fit", out / "servos.npz", "--free", "latency", "--json")
-    assert fitted.code == 0, fitted.err
-    found = json.loads(fitted.out)
-    assert {e["figure"] for e in found["estimates"]} == {"latency"}
-    assert found["after_deg"] <= found["before_deg"]
-    assert f"servos: {report['learned']['text']}" in ended.out
-    assert (out / "learned.toml").exists() == (report["learned"]["why"] == "")
-    assert "On the robot" in (out / "report.html").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(

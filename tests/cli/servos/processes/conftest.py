@@ -201,7 +201,7 @@ class Command:
             os.close(self._keys)
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def served_arms(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Arms]:
     made = Arms(tmp_path_factory.mktemp("arms"))
     yield made
