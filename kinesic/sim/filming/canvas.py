@@ -6,7 +6,6 @@ from typing import Literal
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
-from OpenGL.raw.GL.VERSION.GL_1_0 import glReadPixels
 from PIL import Image
 
 from kinesic.files.film_file import Box, Picture
@@ -43,8 +42,10 @@ class Canvas:
             self._gl = mujoco.GLContext(width, height)
             self._gl.make_current()
             self._context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100.value)
-        except (mujoco.FatalError, RuntimeError, AttributeError) as error:
+            from OpenGL.raw.GL.VERSION.GL_1_0 import glReadPixels  # noqa: PLC0415 - looks for OpenGL, which may not be
+        except (mujoco.FatalError, RuntimeError, AttributeError, ImportError) as error:
             raise CanvasError(EARLY.format(error)) from None
+        self._read_pixels = glReadPixels
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._context)
         self._scene = mujoco.MjvScene(model=model, maxgeom=MOST_SHAPES)
         self._robot, self._room, self._camera = mujoco.MjvOption(), mujoco.MjvOption(), mujoco.MjvCamera()
@@ -124,7 +125,7 @@ class Canvas:
         """(h, w, 4) what was drawn in a box, the fourth 255 where anything was; the next picture takes its place."""
         area = self._area(box, box)
         drawn = self._drawn[: 4 * area.height * area.width].reshape(area.height, area.width, 4)
-        glReadPixels(0, 0, area.width, area.height, RGBA, BYTES, drawn)
+        self._read_pixels(0, 0, area.width, area.height, RGBA, BYTES, drawn)
         return drawn
 
     def _depths(self, area: mujoco.MjrRect) -> NDArray[np.float32]:
