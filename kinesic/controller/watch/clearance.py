@@ -91,7 +91,7 @@ def foresee(planned: Floats, measured: Floats, distances: Distances, *, every: i
 
     Returns:
         (k,) [m] for each posture looked at: the least, with any error of the last `MEMORY` seconds, this way or that;
-        where that cannot be the least of all, only a bound from below, which is higher than the least.
+        where that cannot be the least of all, only a bound from below, which is no lower than the least of all.
     """
     postures = planned[::every]
     strayed = measured[::every] - postures
@@ -99,7 +99,7 @@ def foresee(planned: Floats, measured: Floats, distances: Distances, *, every: i
     most = np.zeros_like(strayed)
     for lag in lags:
         most[lag:] = np.maximum(most[lag:], np.abs(strayed[: len(postures) - lag]))
-    rooms = distances.bounds(postures, most)
+    rooms = distances.bounds(postures, most)  # no room is smaller: what stays above a measured one need not be measured
     nearest = np.array([rooms.argmin()])
     rooms[nearest] = _rooms_at(nearest, postures, strayed, lags, distances)
     nearer = np.setdiff1d(np.flatnonzero(rooms < rooms[nearest]), nearest)

@@ -33,17 +33,17 @@ struct Body {
     Limb limb[2];         // left, right
 };
 
-struct Both {
+struct Both {  // what is found
     double angles[MOST_JOINTS];
     double residual[2];  // [m]
     double travel = 0.0;  // [rad] of the torso
     int rounds = 0;
 };
 
-struct Wanted {  // what is asked
-    Vector target[2];             // [m] in the world
+struct Wanted {  // two hands, left and right, and where the robot is
+    Vector target[2];             // [m] of each wrist's centre, in the world
     double present[MOST_JOINTS];  // [rad] inside the ranges
-    double torso_weight = 0.0;
+    double torso_weight = 0.0;    // how readily the torso moves: 0 it stays, 1 like an arm
     int first = NOBODY;  // the hand that comes first where not both can be had
 };
 
@@ -66,7 +66,7 @@ inline void measure(const Body& body, const Wanted& wanted, double weight, const
     }
 }
 
-// Brings each arm as near to its target as it comes while the torso stays, in place.
+// Brings each arm as near to its target as it comes with the torso as it is; changes the angles.
 inline void reach_apart(const Body& body, const Wanted& wanted, double* angles) {
     double posture[MOST_JOINTS];
     std::copy_n(angles, body.joints, posture);
@@ -87,7 +87,7 @@ inline void reach_apart(const Body& body, const Wanted& wanted, double* angles) 
     }
 }
 
-// The torso's n-th beginning: as it is, then spread over its ranges, the last hinge first.
+// Writes the n-th beginning: the present posture, then the torso at each pair of SPREAD, the last hinge varying fastest.
 inline void begin(const Body& body, const Wanted& wanted, int n, double* angles) {
     std::copy_n(wanted.present, body.joints, angles);
     if (n == 0) return;
@@ -97,7 +97,7 @@ inline void begin(const Body& body, const Wanted& wanted, int n, double* angles)
     }
 }
 
-// How readily each hinge moves: torso and arms, the hands' own hinges not.
+// Writes how readily each hinge moves: torso and arms; those that only turn the hand stay (own() counts those before).
 inline void ease(const Body& body, double torso_weight, double* mobility) {
     std::fill_n(mobility, body.joints, 0.0);
     for (int k = 0; k < body.torso_joints; ++k) mobility[body.torso[k]] = torso_weight;
@@ -105,7 +105,7 @@ inline void ease(const Body& body, double torso_weight, double* mobility) {
         for (int k = 0; k < limb.linkage->own(); ++k) mobility[limb.joint[k]] = limb.mobility[k];
 }
 
-// The first posture found in which both hands are there, else the best; then one hand yields if the other comes first.
+// The first posture found in which both hands are there; else the best, from which one hand yields if the other is first.
 inline Both reach(const Body& body, const Wanted& wanted) {
     double mobility[MOST_JOINTS];
     ease(body, wanted.torso_weight, mobility);
