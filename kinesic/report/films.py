@@ -29,7 +29,7 @@ Kind = Literal["twin", "face"]
 FilmProcesses = Mapping[Kind, "subprocess.Popen[bytes]"]
 KINDS: tuple[Kind, Kind] = ("twin", "face")
 FACE_RATE = 30  # [Hz] as the film of the robot, whose head shows it
-FACE_SIZE = (320, 240)  # [pixels] of a face that is no robot's screen
+FACE_SIZE = (320, 240)  # [pixels]; a screen shows it smaller
 FACE_FIELD = 12.0  # [deg] from chin to forehead
 FAILED = "failed "  # begins the line of a process that says why it could not draw
 
@@ -144,8 +144,7 @@ class FaceFilm:
         from kinesic.face.render.camera import CLOSE  # noqa: PLC0415 - as above
         from kinesic.face.show.recording import FaceRecording, PortraitSettings  # noqa: PLC0415 - as above
 
-        size = SCREEN if self.robot is None else FACE_SIZE
-        look = PortraitSettings(size=size, camera=replace(CLOSE, field_deg=FACE_FIELD))
+        look = PortraitSettings(size=FACE_SIZE, camera=replace(CLOSE, field_deg=FACE_FIELD))
         try:
             with FaceRecording(path, self.robot, look=look, rate=self.rate, progress=progress) as recording:
                 for command in self.commands:
