@@ -23,7 +23,7 @@ from xdist.remote import Producer
 
 from .machine import Watch
 from .nudge import nudge_random_inputs
-from .scheduling import ClockBesideCalculation, begin_elsewhere, rank, step_back
+from .scheduling import CLOCK_WORKERS, ClockBesideCalculation, begin_elsewhere, rank, step_back
 
 if "KINESIC_NUDGE" in os.environ:
     nudge_random_inputs(int(os.environ["KINESIC_NUDGE"]))  # before test modules and rooms draw
@@ -83,7 +83,7 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers() -> int:
-    return (os.cpu_count() or 1) + 1
+    return (os.cpu_count() or 1) + len(CLOCK_WORKERS)
 
 
 @pytest.hookimpl(optionalhook=True)

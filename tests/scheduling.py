@@ -1,9 +1,9 @@
 """Which process runs which file of tests: what waits for a clock runs beside what calculates.
 
-`make test` starts one process more than there are processors. Three quarters of what tests in real time take is
-waiting, so they get a process of their own while there are any; the others calculate, and step back where both want a
-processor. They do not where others calculate too when the tests begin: they would step back behind these as well, and a
-run would hardly go on. Large files come first, so that all processes end together.
+`make test` starts two processes more than there are processors. Three quarters of what tests in real time take is
+waiting, so they get these two while there are any; the others calculate, and step back where both want a processor.
+They do not where others calculate too when the tests begin: they would step back behind these as well, and a run would
+hardly go on. Large files come first, so that all processes end together.
 
 Every process reads all tests. After a change each would compile the same file at the same moment: so each begins
 elsewhere, and finds compiled what the others have read.
@@ -17,7 +17,7 @@ import pytest
 from xdist.scheduler import LoadFileScheduling
 from xdist.workermanage import WorkerController
 
-CLOCK_WORKER = "gw0"
+CLOCK_WORKERS = ("gw0", "gw1")
 LONGEST = ("tests/serve/test_server.py", "tests/bench/bml/test_server.py")  # to wait for, in order
 STEP_BACK = 5  # of niceness
 CROWD = 3  # processes for each processor that want to calculate, from which on nobody steps back
@@ -45,7 +45,7 @@ class ClockBesideCalculation(LoadFileScheduling):
     """Files in order, each process those of its kind first."""
 
     def _assign_work_unit(self, node: WorkerController) -> None:
-        clock, root = node.gateway.id == CLOCK_WORKER, Path(self.config.rootpath)
+        clock, root = node.gateway.id in CLOCK_WORKERS, Path(self.config.rootpath)
         mine = next((file for file in self.workqueue if waits(root / file) == clock), None)
         if mine is not None:
             self.workqueue.move_to_end(mine, last=False)
@@ -54,8 +54,8 @@ class ClockBesideCalculation(LoadFileScheduling):
 
 def step_back(config: pytest.Config) -> None:
     """Lets a process that calculates give way to those that keep time."""
-    worker = getattr(config, "workerinput", {}).get("workerid", CLOCK_WORKER)
-    if worker != CLOCK_WORKER and wanting() < CROWD * (os.cpu_count() or 1):
+    worker = getattr(config, "workerinput", {}).get("workerid", CLOCK_WORKERS[0])
+    if worker not in CLOCK_WORKERS and wanting() < CROWD * (os.cpu_count() or 1):
         os.nice(STEP_BACK)
 
 

@@ -32,7 +32,7 @@ def test_servos_perform_what_the_twin_has(kinesic, arms: Arms, tmp_path: Path):
     assert checks["measured.performed"]["status"] == "pass"
     if told["full_pace"] == 1.0:  # a machine that comes late slows time, and errors are measured at full pace
         assert told["rmse_deg"] < 5.0
-    assert told["per_joint"]["skullbase_tilt"] > 0.0
+        assert told["per_joint"]["skullbase_tilt"] > 0.0
     assert any(event["text"].endswith("-> closed (done)") for event in told["events"])
     log = read_log(out / "servos.npz", Robot.load())
     assert len(log.times) > 50
