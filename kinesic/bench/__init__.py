@@ -16,4 +16,5 @@ PARTS: Mapping[str, tuple[str, ...]] = {
     "bml": ("bml", "bml.speech", "bml.merging", "bml.server", "bml.emergency_stop"),
     "face": ("face",),
     "meaning": ("meaning",),
+    "studio": ("studio",),
 }
