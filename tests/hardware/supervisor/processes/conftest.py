@@ -6,7 +6,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,14 +18,22 @@ from kinesic.body.command import Command
 from kinesic.body.robot import Robot
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.servos import Servos
+from kinesic.hardware.supervisor.address import find_supervisor
+from kinesic.hardware.supervisor.channel import Channel, Status
+from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
 
+from .opening import BUSES, open_servos
+
 HERE = Path(__file__).parent
+ROOT = Path(__file__).parents[4]
 PATIENCE = 60.0  # [s] that a loaded machine may take for anything
 WATCHDOG = 0.2
 SETTINGS = SupervisorSettings(watchdog=WATCHDOG, patient_watchdog=WATCHDOG, pace=3.0)
-BUSES = ("left", "right")
+SERVOS, JOINTS = 5, 4
+NEAR, FAR = 10, 60  # [ticks] of rest: less than a degree; more than five
+ON_THE_WAY = 0.05  # [s] until servos have what was written to them
 
 
 @dataclass
@@ -39,10 +47,25 @@ class Record:
     watchdogs: np.ndarray
     places: np.ndarray
 
+    @property
+    def stopped(self) -> bool:
+        """Whether all were stopped by their bus watchdogs in the end."""
+        return bool((self.watchdogs[-1] == -1).all())
+
     def stall(self, start: float, end: float) -> float:
         """[s] the longest time that the servos' own process did nothing."""
-        times = self.times[(self.times >= start - 0.05) & (self.times <= end + 0.05)]
-        return float(np.diff(times).max())
+        return longest_gap(self.times, start, end)
+
+
+def longest_gap(times: Iterable[float], start: float, end: float) -> float:
+    """[s] between two times that follow one another, from a moment to another."""
+    near = [each for each in times if start - 0.05 <= each <= end + 0.05]
+    return float(np.diff(near).max())
+
+
+def lateness(history: Iterable[Status], start: float, end: float) -> float:
+    """[s] by which the supervisor began a cycle too late at most."""
+    return max(0.0, longest_gap((told.clock for told in history), start, end) - SETTINGS.period)
 
 
 class Table:
@@ -53,6 +76,8 @@ class Table:
         command = [sys.executable, str(HERE / "served.py"), str(robot.path), str(folder)]
         self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
         Rig.wait(lambda: all((folder / name).exists() for name in BUSES))
+        self._file = (folder / "record").open()
+        self._rows, self._begun = np.empty((0, 3 + 4 * SERVOS)), ""  # whole lines; what there is of the next
 
     def tell(self, line: str) -> None:
         assert self._process.stdin is not None
@@ -64,13 +89,15 @@ class Table:
         assert self._process.stdout is not None
         self.tell("show")
         assert self._process.stdout.readline() == b"shown\n"
-        rows = np.loadtxt(self.folder / "record")
-        rows = rows[rows[:, 0] >= since]
-        shown = rows[:, 3:].reshape(len(rows), 5, 4)
+        text, self._begun = (self._begun + self._file.read()).rsplit("\n", 1)
+        news = np.fromstring(text, sep=" ").reshape(-1, 3 + 4 * SERVOS)
+        rows = self._rows = np.concatenate([self._rows[self._rows[:, 0] >= since], news[news[:, 0] >= since]])
+        shown = rows[:, 3:].reshape(len(rows), SERVOS, 4)
         return Record(rows[:, 0], rows[:, 1:3], shown[:, :, 0], shown[:, :, 1], shown[:, :, 2], shown[:, :, 3])
 
     def close(self) -> None:
         self._process.communicate(timeout=PATIENCE)
+        self._file.close()
 
 
 class Rig:
@@ -99,6 +126,11 @@ class Rig:
         """Waits until the performance runs."""
         self.wait(lambda: self.goes_on(servos) and servos.state().time > 0.4)
 
+    def raised(self) -> bool:
+        """Whether some servo is far from where it was when the test began."""
+        places = self.record().places
+        return bool(np.abs(places[-1] - places[0]).max() > FAR)
+
     @staticmethod
     def goes_on(servos: Servos) -> bool:
         """Whether it performs; where this machine stood still for so long that somebody has to consent, we do."""
@@ -119,25 +151,43 @@ class Rig:
     def ports(self) -> dict[str, Path]:
         return {name: self.folder / name for name in BUSES}
 
-    def opened(self) -> Servos:
-        """Opens them, once more where the machine did not let the servos answer in time."""
-        for _ in range(4):
-            try:
-                self._opened.append(Servos(self.robot, self.ports, settings=SETTINGS, log=self.log))
-                return self._opened[-1]
-            except BusError as error:
-                if "no status packet" not in str(error):
-                    raise
-        raise AssertionError("the servos did not answer four times")
+    def opened(self, settings: SupervisorSettings = SETTINGS) -> Servos:
+        self._opened.append(open_servos(self.robot, self.folder, settings=settings, log=self.log))
+        return self._opened[-1]
 
     def planner(self, *seconds: str, **environment: str) -> subprocess.Popen[bytes]:
         """A planner in a process of its own, in the middle of a performance."""
         arguments = [str(self.robot.path), str(self.folder), str(self.log), *seconds]
-        command = [sys.executable, str(HERE / "planner.py"), *arguments]
-        process = subprocess.Popen(command, env=os.environ | environment)
+        command = [sys.executable, "-m", f"{__package__}.planner", *arguments]
+        process = subprocess.Popen(command, env=os.environ | environment, cwd=ROOT)
         self._planners.append(process)
-        self.wait(lambda: self.log.exists() and self.entered(Stage.ACTIVE))
+
+        def performs() -> float | None:
+            assert process.poll() is None, f"the planner ended with {process.returncode} before it performed"
+            return self.entered(Stage.ACTIVE)
+
+        self.wait(performs)
         return process
+
+    def supervisor(self) -> Channel:
+        """What somebody sees who looks on, also after it has ended."""
+        found = find_supervisor(self.ports["left"], JOINTS)
+        assert found is not None
+        return found
+
+    def freeze(self, servos: Servos) -> float:
+        """Stops the supervisor in the middle of its performance, while bus watchdogs watch; when [s].
+
+        They do not for a moment, after they have tripped since this machine was late: it must not stop in that.
+        """
+        while True:
+            self.moving(servos)
+            frozen = time.monotonic()
+            os.kill(servos.pid, signal.SIGSTOP)
+            time.sleep(ON_THE_WAY)
+            if self.record().watchdogs[-1].all() and servos.state().stage is Stage.ACTIVE:
+                return frozen
+            os.kill(servos.pid, signal.SIGCONT)
 
     def strike(self, line: str) -> None:
         self._table.in_order = self._table.in_order and not line.startswith("alert")  # which only a reboot ends
@@ -147,8 +197,16 @@ class Rig:
         """What the servos have done in this test."""
         return self._table.record(self._began)
 
+    def ends_at_rest(self) -> None:
+        """Asserts that the arms are at rest in the end, and no servo has torque."""
+        record, manifest = self.record(), Manifest.of(self.robot)
+        rest = manifest.scale.ticks(manifest.rest[manifest.joints])
+        told = "\n".join(text for _, _, text in self.events()[-20:])
+        assert not record.torque[-1].any(), told
+        assert np.abs(record.places[-1] - rest).max() <= NEAR, f"{record.places[-1] - rest}\n{told}"
+
     def events(self) -> list[tuple[float, str, str]]:
-        lines = [json.loads(line) for line in self.log.read_text().splitlines()]
+        lines = [json.loads(line) for line in self.log.read_text().splitlines()] if self.log.exists() else []
         return [(line["time"], line["kind"], line["text"]) for line in lines]
 
     def entered(self, stage: Stage, after: float = 0.0) -> float | None:

@@ -1,6 +1,6 @@
 """A program for tests: a planner that writes a motion 0.7 s ahead for ever, or all at once so many seconds of it.
 
-`python planner.py ROBOT FOLDER LOG [SECONDS]`
+`python -m tests.hardware.supervisor.processes.planner ROBOT FOLDER LOG [SECONDS]`
 """
 
 import sys
@@ -11,14 +11,15 @@ import numpy as np
 
 from kinesic.body.command import Command
 from kinesic.body.robot import Robot
-from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.settings import SupervisorSettings
+
+from .opening import open_servos
 
 BRISK = SupervisorSettings(pace=3.0, patience=1.0)
 
 
 def main(robot: Robot, folder: Path, log: Path, seconds: float | None) -> None:
-    servos = Servos(robot, {"left": folder / "left", "right": folder / "right"}, settings=BRISK, log=log)
+    servos = open_servos(robot, folder, settings=BRISK, log=log)
     rest, tick, still = robot.skeleton.rest, 0, np.zeros(len(robot.skeleton.rest))
     while seconds is None or tick * 0.01 < seconds:
         time.sleep(0.02)

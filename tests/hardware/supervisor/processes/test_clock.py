@@ -16,7 +16,7 @@ from kinesic.hardware.supervisor.state_machine import Stage
 pytestmark = pytest.mark.realtime
 
 HERE = Path(__file__).parent
-HOUR, SECONDS = 3600, 3.0
+HOUR, SECONDS = 3600, 1.8
 EARLY = 0.1  # [s] that cycles may be off before the supervisor slows time
 SPEED = 0.6  # [rad/s] of the planner's motion at most
 AWAY = 0.3  # [rad] of its amplitude
@@ -38,7 +38,7 @@ def test_a_clock_that_jumps_moves_no_goal_and_no_end(rig, robot: Robot, jumping_
     offset.write_bytes(bytes(8))
     planner = rig.planner(str(SECONDS), LD_PRELOAD=str(jumping_clock), KINESIC_CLOCK=str(offset))
     for jump in (HOUR, -HOUR):
-        time.sleep(0.5)
+        time.sleep(0.4)
         with offset.open("r+b") as file:  # in place: it is mapped
             file.write(jump.to_bytes(8, "little", signed=True))
     assert planner.wait(60.0) == 0

@@ -1,7 +1,5 @@
 """Planner or supervisor end while servos perform. Times are compared with what the machine's own stalls allow."""
 
-import os
-import signal
 import time
 
 import numpy as np
@@ -10,21 +8,23 @@ import pytest
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.state_machine import Stage
 
+from .conftest import lateness
+
 pytestmark = pytest.mark.realtime
 
 PATIENCE = 60.0  # [s] that a loaded machine may take for anything
-WATCHDOG = 0.2
+WATCHDOG, COUNT = 0.2, 0.02  # [s] of the watchdogs where this machine is punctual; of one of their counts
 
 
 def test_the_supervisor_killed_leaves_servos_stopped_with_torque_and_the_next_one_adopts_them(rig):
     servos = rig.opened()
     rig.write(servos, 20.0)
-    rig.moving(servos)
+    rig.freeze(servos)
     killed = rig.kill(servos.pid)
     rig.wait(lambda: not servos.running)
     with pytest.raises(BusError, match="have stopped with torque on"):
         rig.write(servos, 0.0)
-    time.sleep(0.5)
+    rig.wait(lambda: rig.record().stopped)
     with pytest.raises(BusError, match="have stopped with torque on"):
         servos.close()
     heir = rig.opened()
@@ -35,8 +35,9 @@ def test_the_supervisor_killed_leaves_servos_stopped_with_torque_and_the_next_on
     released = time.monotonic()
     heir.close()
     record = rig.record()
-    slack = 2 * record.stall(killed, killed + 0.5)
-    stopped = (record.times >= killed + WATCHDOG + 0.02 + slack) & (record.times < released)
+    armed = COUNT * record.watchdogs[record.times <= killed][-1].max()  # [s], more where this machine is late
+    after = killed + max(armed, WATCHDOG) + 0.02 + 2 * record.stall(killed, killed + 0.5)
+    stopped = (record.times >= after) & (record.times < released)
     assert (record.watchdogs[stopped][0] == -1).all()
     assert np.ptp(record.places[stopped], axis=0).max() <= 2
     assert (record.torque[(record.times >= killed) & (record.times < released)] == 1).all()
@@ -45,40 +46,17 @@ def test_the_supervisor_killed_leaves_servos_stopped_with_torque_and_the_next_on
 
 @pytest.mark.parametrize("handed_over", [(), ("60",)], ids=["0.7 s", "all"])
 def test_the_planner_killed_is_held_and_then_folded_and_released(rig, handed_over: tuple[str, ...]):
-    planner = rig.planner(*handed_over)
-    time.sleep(0.5)
+    planner, supervisor = rig.planner(*handed_over), rig.supervisor()
+    rig.wait(rig.raised)
     killed = rig.kill(planner.pid)
     planner.wait(PATIENCE)
-    rig.wait(lambda: rig.entered(Stage.CLOSED))
-    record = rig.record()
+    rig.wait(lambda: rig.entered(Stage.CLOSED, after=killed))
+    record, history = rig.record(), supervisor.history()
     held, folded = rig.entered(Stage.HOLD, after=killed), rig.entered(Stage.FOLD, after=killed)
     assert held is not None
     assert folded is not None
-    assert held - killed < 0.1 + 2 * record.stall(killed, killed + 0.2)
-    between = (record.times > held + 0.01) & (record.times < folded)
+    assert held - killed < 0.1 + 2 * (record.stall(killed, held) + lateness(history, killed, held))
+    between = (record.times > held + 0.01 + record.stall(held, folded)) & (record.times < folded)
     assert not between.any() or np.ptp(record.goals[between], axis=0).max() <= 1
-    assert not record.torque[-1].any()
+    rig.ends_at_rest()
     assert np.abs(record.goals[-1] - record.places[-1]).max() <= 3
-
-
-def test_ctrl_c_folds_at_once_whatever_was_still_to_be_performed(rig):
-    planner = rig.planner("60")
-    time.sleep(0.5)
-    planner.send_signal(signal.SIGINT)
-    assert planner.wait(PATIENCE) != 0
-    rig.wait(lambda: rig.entered(Stage.CLOSED))
-    assert rig.entered(Stage.FOLD) is not None
-    assert not rig.record().torque[-1].any()
-
-
-def test_a_supervisor_that_is_asked_to_end_folds_and_lets_go(rig):
-    servos = rig.opened()
-    rig.write(servos, 20.0)
-    rig.moving(servos)
-    os.kill(servos.pid, signal.SIGTERM)
-    rig.wait(lambda: not servos.running)
-    assert rig.entered(Stage.FOLD) is not None
-    with pytest.raises(BusError, match="has released the servos and ended"):
-        rig.write(servos, 0.0)
-    servos.close()
-    assert not rig.record().torque[-1].any()

@@ -22,10 +22,10 @@ BUSES = ("left", "right")
 def test_a_performance_ends_at_rest_and_no_servo_is_energised(rig):
     servos = rig.opened()
     assert servos.state().energised == 0
-    rig.write(servos, 2.0)
+    rig.write(servos, 1.2)
     rig.moving(servos)
     assert np.isfinite(servos.positions()).all()
-    time.sleep(0.5)
+    time.sleep(0.2)
     history = servos.history()
     assert all(np.abs(told.angles - told.goals).max() < 0.2 for told in history if told.stage is Stage.ACTIVE)
     assert len({told.time for told in history}) > 30
@@ -40,10 +40,10 @@ def test_a_performance_ends_at_rest_and_no_servo_is_energised(rig):
 
 
 def test_writing_never_waits_for_the_supervisor(rig):
-    """Three times as many commands as fit, while nobody takes any."""
+    """More commands than fit, while nobody takes any."""
     servos = rig.opened()
     os.kill(servos.pid, signal.SIGSTOP)
-    rig.write(servos, 250.0)
+    rig.write(servos, 180.0)
     os.kill(servos.pid, signal.SIGCONT)
     rig.moving(servos)
     servos.release()

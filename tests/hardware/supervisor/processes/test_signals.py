@@ -8,94 +8,113 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from kinesic.body.robot import Robot
+from kinesic.hardware.bus.host import STRETCHES
+from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.servos import Servos
-from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.state_machine import Stage
 
-from .conftest import SETTINGS, Record
+from .conftest import PATIENCE, SETTINGS, WATCHDOG
 
 pytestmark = pytest.mark.realtime
 
-PATIENCE = 60.0  # [s] that a loaded machine may take for anything
-NEAR = 10  # [ticks] of rest: less than a degree
+TOO_LONG = 1.2  # [s] out of hand, after which somebody has to consent
+WATCHED = 0.5  # [s] in which it would begin to move again
+LAG = 20  # [ticks] that a servo in motion is behind its goal, to which it goes when its watchdog lets it
+LONGEST_WATCHDOG = STRETCHES[-1] * WATCHDOG
 
 
-def at_rest_and_limp(robot: Robot, record: Record) -> bool:
-    manifest = Manifest.of(robot)
-    rest = manifest.scale.ticks(manifest.rest[manifest.joints])
-    return not record.torque[-1].any() and bool((np.abs(record.places[-1] - rest) <= NEAR).all())
-
-
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL])
-def test_a_planner_that_gets_a_signal_leaves_the_arms_at_rest(rig, robot: Robot, number: signal.Signals):
-    planner = rig.planner()
-    time.sleep(0.5)
+@pytest.mark.parametrize(
+    ("number", "handed_over"),
+    [(signal.SIGINT, ()), (signal.SIGINT, ("60",)), (signal.SIGTERM, ()), (signal.SIGHUP, ())],
+    ids=["SIGINT", "SIGINT, all handed over", "SIGTERM", "SIGHUP"],
+)
+def test_a_planner_that_gets_a_signal_leaves_the_arms_at_rest(
+    rig, number: signal.Signals, handed_over: tuple[str, ...]
+):
+    planner = rig.planner(*handed_over)
+    rig.wait(rig.raised)
     planner.send_signal(number)
     assert planner.wait(PATIENCE) != 0
     rig.wait(lambda: rig.entered(Stage.CLOSED))
     assert rig.entered(Stage.FOLD) is not None
-    assert at_rest_and_limp(robot, rig.record())
+    rig.ends_at_rest()
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_a_supervisor_that_gets_a_signal_leaves_the_arms_at_rest(rig, robot: Robot, number: signal.Signals):
+def test_a_supervisor_that_gets_a_signal_leaves_the_arms_at_rest(rig):
     servos = rig.opened()
     rig.write(servos, 20.0)
     rig.moving(servos)
+    os.kill(servos.pid, signal.SIGTERM)
+    rig.wait(lambda: not servos.running)
+    assert rig.entered(Stage.FOLD) is not None
+    with pytest.raises(BusError, match="has released the servos and ended"):
+        rig.write(servos, 0.0)
+    servos.close()
+    rig.ends_at_rest()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_to_a_supervisor_that_drives_nobody_ends_it_in_order(rig, number: signal.Signals):
+    servos = rig.opened()
     os.kill(servos.pid, number)
     rig.wait(lambda: not servos.running)
+    with pytest.raises(BusError, match="has released the servos and ended"):  # it has not died
+        rig.write(servos, 0.0)
     servos.close()
-    assert at_rest_and_limp(robot, rig.record())
+    assert rig.entered(Stage.CLOSED)
 
 
-def test_a_planner_that_is_stopped_is_held_and_goes_on_only_with_consent(rig, robot: Robot):
+def test_a_planner_that_is_stopped_is_held_and_goes_on_only_with_consent(rig):
     planner = rig.planner()
-    time.sleep(0.5)
+    rig.wait(rig.raised)
     stopped = time.monotonic()
     planner.send_signal(signal.SIGSTOP)
-    rig.wait(lambda: rig.entered(Stage.HOLD, after=stopped))
-    time.sleep(2.0)
+    for stage in (Stage.HOLD, Stage.FOLD, Stage.HOLD):  # which takes longer than goes on by itself
+        rig.wait(lambda stage=stage, after=stopped: rig.entered(stage, after=after))
+        stopped = rig.entered(stage, after=stopped)
+    supervisor, resumed = rig.supervisor(), time.monotonic()
     planner.send_signal(signal.SIGCONT)
-    resumed = time.monotonic()
-    time.sleep(1.0)
+    rig.wait(lambda: supervisor.status().waits == "consent")
+    time.sleep(WATCHED)
     record = rig.record()
     assert record.torque[record.times >= stopped].all()
     assert np.ptp(record.places[record.times >= resumed], axis=0).max() <= 2, "it moves again, and nobody has consented"
     rig.kill(planner.pid)
     planner.wait(PATIENCE)
     rig.wait(lambda: rig.entered(Stage.CLOSED))
-    assert at_rest_and_limp(robot, rig.record())
+    rig.ends_at_rest()
 
 
-def test_servos_of_a_stopped_supervisor_stop_with_torque_and_go_on_only_with_consent(rig, robot: Robot):
+def test_servos_of_a_stopped_supervisor_stop_with_torque_and_go_on_only_with_consent(rig):
     servos = rig.opened()
-    rig.write(servos, 60.0)
-    rig.moving(servos)
-    os.kill(servos.pid, signal.SIGSTOP)
-    time.sleep(2.0)
+    rig.write(servos, 20.0)
+    stopped = rig.freeze(servos)
+    rig.wait(lambda: rig.record().stopped)
+    time.sleep(TOO_LONG)
     asleep = rig.record()
-    assert (asleep.watchdogs[-1] == -1).all()
+    tripped = asleep.times[(asleep.watchdogs == -1).all(axis=1) & (asleep.times > stopped)][0]
+    assert tripped - stopped < LONGEST_WATCHDOG + 0.1 + 2 * asleep.stall(stopped, tripped)
     assert asleep.torque[-1].all()
     os.kill(servos.pid, signal.SIGCONT)
     resumed = time.monotonic()
     rig.wait(lambda: rig.entered(Stage.HOLD, after=resumed))
-    time.sleep(1.0)
+    time.sleep(WATCHED)
     record = rig.record()
     assert record.torque[record.times >= resumed].all()
-    assert np.ptp(record.places[record.times >= resumed], axis=0).max() <= 5
+    assert np.ptp(record.places[record.times >= resumed], axis=0).max() <= LAG
+    assert servos.state().waits == "consent"
     servos.release()
     servos.close()
-    assert at_rest_and_limp(robot, rig.record())
+    rig.ends_at_rest()
 
 
-def test_a_full_disk_stops_no_robot(rig, robot: Robot):
+def test_a_full_disk_stops_no_robot(rig):
     """/dev/full opens, and refuses every byte."""
-    servos = Servos(robot, rig.ports, settings=SETTINGS, log=Path("/dev/full"))
+    servos = Servos(rig.robot, rig.ports, settings=SETTINGS, log=Path("/dev/full"))
     rig.write(servos, 20.0)
     rig.moving(servos)
     servos.release()
     servos.close()
-    assert at_rest_and_limp(robot, rig.record())
+    rig.ends_at_rest()
     said = [note.text for note in servos.events() if note.kind == "journal"]
     assert said == ["/dev/full: No space left on device; events are lost"]

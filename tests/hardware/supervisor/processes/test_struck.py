@@ -1,6 +1,7 @@
 """Wires and servos fail in the middle of a performance. Times are compared with what the machine's stalls allow."""
 
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,6 +9,8 @@ import pytest
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.address import find_supervisor
 from kinesic.hardware.supervisor.state_machine import Stage
+
+from .conftest import SETTINGS, lateness
 
 pytestmark = pytest.mark.realtime
 
@@ -27,7 +30,8 @@ def test_a_port_that_is_pulled_and_put_back_is_held_and_goes_on(rig):
     away = record.times[(record.plugged[:, 0] == 0) & (record.times > pulled) & (record.times < released)]
     held = rig.entered(Stage.HOLD, after=away[-1])
     assert held is not None
-    assert held - away[-1] < 0.25 + 2 * record.stall(away[-1], held)
+    late = record.stall(away[-1], held) + lateness(servos.history(), away[-1], held)
+    assert held - away[-1] < 0.25 + 2 * late
     assert (record.torque[(record.times >= pulled) & (record.times < released)] == 1).all()
     assert not record.torque[-1].any()
 
@@ -70,10 +74,10 @@ def test_a_port_that_is_away_for_long_is_held_until_somebody_consents(rig):
     rig.write(servos, 30.0)
     rig.moving(servos)
     pulled = time.monotonic()
-    rig.strike("unplug left 1.5")
+    rig.strike("unplug left 1.2")
     rig.wait(lambda: servos.state().waits == "consent")
-    assert time.monotonic() - pulled > 1.4
-    time.sleep(1.0)
+    assert time.monotonic() - pulled > 1.1
+    time.sleep(0.5)
     assert servos.state().waits == "consent"
     assert not servos.state().stage.runs
     assert any(note.kind == "paused" and "a port is gone" in note.text for note in servos.events())
@@ -84,11 +88,11 @@ def test_a_port_that_is_away_for_long_is_held_until_somebody_consents(rig):
     assert not rig.record().torque[-1].any()
 
 
-def test_a_limb_that_cannot_fold_is_held_until_somebody_lets_it_fall(rig, robot):
-    servos = rig.opened()
+def test_a_limb_that_cannot_fold_is_held_until_somebody_lets_it_fall(rig):
+    servos = rig.opened(replace(SETTINGS, patience=0.5))
     rig.write(servos, 20.0)
     rig.moving(servos)
-    rig.wait(lambda: servos.state().time > 1.2)
+    rig.wait(lambda: servos.state().time > 0.8)
     rig.strike("alert left 3 8")  # an encoder error takes no torque
     with pytest.raises(BusError, match=r"cannot fold: l_flexion: shut down.*lets it fall: l_flexion at"):
         servos.close()
