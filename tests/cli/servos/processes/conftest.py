@@ -19,6 +19,8 @@ import numpy as np
 import pytest
 
 from kinesic.body.robot import Robot
+from kinesic.hardware.supervisor.address import find_supervisor
+from kinesic.hardware.supervisor.channel import Channel
 from kinesic.hardware.supervisor.manifest import Manifest
 
 SERVED = Path(__file__).parents[3] / "hardware" / "supervisor" / "processes" / "served.py"
@@ -56,7 +58,7 @@ class Arms:
     def __init__(self, folder: Path) -> None:
         robot = Robot.load()
         manifest = Manifest.of(robot)
-        self.folder, self.port = folder, folder / "body"
+        self.folder, self.port, self._joints = folder, folder / "body", len(manifest.rest)
         self._order = np.argsort(np.argsort([member.id for member in manifest.members]))
         self._rest = manifest.scale.ticks(manifest.rest[manifest.joints])
         command = [sys.executable, str(SERVED), str(robot.path), str(folder), str(EVERY)]
@@ -64,6 +66,7 @@ class Arms:
         wait(self.port.exists)
         self._file = (folder / "record").open()
         self._rows: list[list[float]] = []
+        self._begun = ""  # what there is of a line that is still being written
 
     def forget(self) -> None:
         """Another test begins."""
@@ -77,7 +80,8 @@ class Arms:
         self._process.stdin.write(b"show\n")
         self._process.stdin.flush()
         assert self._process.stdout.readline() == b"shown\n"
-        self._rows += [[float(word) for word in line.split()] for line in self._file]
+        *lines, self._begun = (self._begun + self._file.read()).split("\n")
+        self._rows += [[float(word) for word in line.split()] for line in lines]
         rows = np.array(self._rows)
         shown = rows[:, 2:].reshape(len(rows), -1, 4)[:, self._order]
         return Record(rows[:, 0], shown[:, :, 0], shown[:, :, 1], shown[:, :, 3])
@@ -91,6 +95,12 @@ class Arms:
         """Whether all are at rest and limp."""
         record = self.record()
         return not record.torque[-1].any() and bool((np.abs(record.places[-1] - self._rest) <= NEAR).all())
+
+    def supervisor(self) -> Channel:
+        """What somebody sees who looks on."""
+        found = find_supervisor(self.port, self._joints)
+        assert found is not None
+        return found
 
     def raised(self) -> bool:
         return self.away() > RAISED
