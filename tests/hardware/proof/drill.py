@@ -94,11 +94,11 @@ class Drill(Desk):
             self.cycle()
             assert not self.supervisor.done, self.kinds()[-12:]
 
-    def suffer(self, strike: Strike) -> None:
-        """Lets a fault strike and looks what comes of it."""
+    def suffer(self, strike: Strike, *, after: float = AFTER) -> None:
+        """Lets a fault strike and looks what comes of it, so many seconds after it has passed."""
         self.observer.watching = True
         strike.begin(self)
-        self.run(strike.seconds + AFTER)
+        self.run(strike.seconds + after)
 
     @property
     def called_stuck(self) -> bool:

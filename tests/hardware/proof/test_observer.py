@@ -1,7 +1,6 @@
 """The observer says what was done against the rules: each is broken once, on purpose."""
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,19 +8,29 @@ import pytest
 from kinesic.hardware.protocol.registers import Register
 
 from ...manual_servo import packet as p
+from ..conftest import BUILDERS
 from .drill import Drill, drill
 
 SHOULDER, ELBOW = 2, 3  # ids on both wires
 
 
-@pytest.fixture
-def raised(servos: str, tmp_path: Path) -> Iterator[Drill]:
-    """A robot with raised arms, on which nothing has gone wrong."""
-    made = drill(servos, tmp_path)
+@pytest.fixture(scope="module", params=list(BUILDERS))
+def standing(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Drill]:
+    """A robot with raised arms for all tests, of which the last takes its torque."""
+    made = drill(request.param, tmp_path_factory.mktemp("drill"))
     made.raise_arms()
     assert made.observer.broken == []
     yield made
     made.end()
+
+
+@pytest.fixture
+def raised(standing: Drill) -> Drill:
+    """A robot with raised arms, that goes on after what another test has said, and of which nothing has been told."""
+    standing.run(0.2)
+    standing.observer.watching = False
+    standing.observer.broken.clear()
+    return standing
 
 
 def say(made: Drill, register: Register, value: int, *, bus: str = "left", servo: int = SHOULDER) -> None:
@@ -37,16 +46,6 @@ def test_arms_are_raised_without_a_fault(raised: Drill):
     assert (np.abs(raised.observer.angles(raised.here.astype(float)))[[1, 2, 4, 5]] > np.radians(50)).all()
 
 
-def test_every_broken_rule_is_told(raised: Drill):
-    say(raised, Register.TORQUE_ENABLE, 0)
-    say(raised, Register.GOAL_PWM, 0, servo=ELBOW)
-    say(raised, Register.GOAL_POSITION, 2048, bus="right")
-    raised.wires["right"].write(p.instruct(ELBOW, p.REBOOT))
-    texts = ("l_flexion: torque off at", "l_bend: power 0 at", "r_flexion: goal jumps", "r_bend: reboot at")
-    for line, text in zip(raised.observer.broken, texts, strict=True):
-        assert text in line
-
-
 def test_a_goal_that_comes_to_where_its_servo_stands_is_no_jump(raised: Drill):
     say(raised, Register.GOAL_POSITION, 2048)
     told = len(raised.observer.broken)
@@ -55,6 +54,13 @@ def test_a_goal_that_comes_to_where_its_servo_stands_is_no_jump(raised: Drill):
     assert len(raised.observer.broken) == told == 1
     say(raised, Register.GOAL_POSITION, here + 100)
     assert len(raised.observer.broken) == 2
+
+
+def test_a_wrong_belief_is_told(raised: Drill):
+    believed = raised.status.angles.copy()
+    believed[1] += 0.2
+    raised.observer.look(raised.plant.time, believed, np.full(len(believed), raised.plant.time))
+    assert any("is believed at" in line for line in raised.observer.broken)
 
 
 def test_motion_after_standing_is_told(raised: Drill):
@@ -70,8 +76,11 @@ def test_motion_after_standing_is_told(raised: Drill):
     assert any("nobody has agreed" in line for line in observer.broken)
 
 
-def test_a_wrong_belief_is_told(raised: Drill):
-    believed = raised.status.angles.copy()
-    believed[1] += 0.2
-    raised.observer.look(raised.plant.time, believed, np.full(len(believed), raised.plant.time))
-    assert any("is believed at" in line for line in raised.observer.broken)
+def test_every_broken_rule_is_told(raised: Drill):
+    say(raised, Register.TORQUE_ENABLE, 0)
+    say(raised, Register.GOAL_PWM, 0, servo=ELBOW)
+    say(raised, Register.GOAL_POSITION, 2048, bus="right")
+    raised.wires["right"].write(p.instruct(ELBOW, p.REBOOT))
+    texts = ("l_flexion: torque off at", "l_bend: power 0 at", "r_flexion: goal jumps", "r_bend: reboot at")
+    for line, text in zip(raised.observer.broken, texts, strict=True):
+        assert text in line

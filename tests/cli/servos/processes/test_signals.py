@@ -14,7 +14,7 @@ from .conftest import RAISE
 
 pytestmark = pytest.mark.realtime
 
-LONG = 8.0  # [s] that the hand stays raised
+LONG = 5.0  # [s] that the hand stays raised
 TOO_LONG = 1.2  # [s] out of hand, after which somebody has to consent
 
 
