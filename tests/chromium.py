@@ -1,18 +1,36 @@
-"""Drives a headless Chromium over its debugging protocol: opens a page, asks it things, clicks."""
+"""Drives a headless Chromium over its debugging protocol: opens a page, asks it things, clicks.
 
+A process of tests starts it once and keeps it to its end; each page has a profile of its own there, which goes with it.
+"""
+
+import atexit
 import json
 import shutil
 import subprocess
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from time import monotonic, sleep
-from urllib.request import urlopen
 
 from websockets.sync.client import ClientConnection, connect
 
 BINARIES = ("chromium", "chromium-browser", "google-chrome")
 PATIENCE = 60.0  # [s] with a machine on which others work, too
+FOREIGN = "evil.example"  # which it is told to find on this machine, as a rebinding name server would
+FLAGS = (
+    "--headless=new",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--use-gl=angle",  # WebGL without a graphics card
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--ignore-gpu-blocklist",
+    "--window-size=1000,700",
+    f"--host-resolver-rules=MAP {FOREIGN} 127.0.0.1",
+    "--remote-debugging-port=0",
+)
 
 
 def binary() -> str | None:
@@ -21,10 +39,11 @@ def binary() -> str | None:
 
 
 class Page:
-    """An open page."""
+    """An open page, or the browser itself."""
 
-    def __init__(self, connection: ClientConnection) -> None:
+    def __init__(self, connection: ClientConnection, context: str = "") -> None:
         self._connection, self._calls = connection, 0
+        self.context = context  # its profile
 
     def call(self, method: str, **parameters: object) -> dict:
         self._calls += 1
@@ -72,36 +91,53 @@ class Page:
 
 
 @contextmanager
-def opened(url: str, profile: Path, *more: str) -> Iterator[Page]:
-    """A page in a browser of its own, with more flags, which is gone afterwards."""
-    flags = [
-        "--headless=new",
-        "--no-sandbox",
-        "--disable-gpu",
-        "--remote-debugging-port=0",
-        f"--user-data-dir={profile}",
-    ]
-    with subprocess.Popen(
-        [str(binary()), *flags, *more, url], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    ) as browser:
-        try:
-            with connect(_address(profile, url), max_size=None) as connection:
-                yield Page(connection)
-        finally:
-            browser.terminate()
+def opened(url: str, *more: str) -> Iterator[Page]:
+    """A page with a profile of its own, both gone afterwards, in the browser that has these flags more."""
+    browser = _browser(more)
+    if browser.poll() is not None:  # a page brought it down, and others shall not pay for that
+        _browser.cache_clear()
+        browser = _browser(more)
+    with connect(f"{browser.address}browser/{browser.name}", max_size=None) as connection:
+        door = Page(connection)
+        context = door.call("Target.createBrowserContext", disposeOnDetach=True)["browserContextId"]
+        target = door.call("Target.createTarget", url=url, browserContextId=context)["targetId"]
+        with connect(f"{browser.address}page/{target}", max_size=None) as own:
+            yield Page(own, context)
+        door.call("Target.disposeBrowserContext", browserContextId=context)
 
 
-def _address(profile: Path, url: str) -> str:
-    """Of the socket of the page."""
-    end = monotonic() + PATIENCE
-    while True:
-        try:
-            port = (profile / "DevToolsActivePort").read_text().split()[0]
-            with urlopen(f"http://127.0.0.1:{port}/json") as answer:
-                for target in json.load(answer):
-                    if target["url"] == url and target["type"] == "page":
-                        return target["webSocketDebuggerUrl"]
-        except (OSError, IndexError):
-            pass
-        assert monotonic() < end, "Chromium does not open the page"
-        sleep(0.05)
+class Browser(subprocess.Popen):
+    """A Chromium, which runs until `end`."""
+
+    def __init__(self, more: tuple[str, ...]) -> None:
+        self._profile = TemporaryDirectory(prefix="kinesic-chromium-", ignore_cleanup_errors=True)
+        folder = Path(self._profile.name)
+        super().__init__(
+            [str(binary()), *FLAGS, f"--user-data-dir={folder}", *more, "about:blank"],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        end = monotonic() + PATIENCE
+        while not (found := _lines(folder / "DevToolsActivePort"))[1:]:
+            assert monotonic() < end, "Chromium does not open"
+            sleep(0.02)
+        self.address, self.name = f"ws://127.0.0.1:{found[0]}/devtools/", found[1].rpartition("/")[2]
+
+    def end(self) -> None:
+        """Ends it, and removes what it has written."""
+        self.terminate()
+        self.wait(PATIENCE)
+        self._profile.cleanup()
+
+
+@cache
+def _browser(more: tuple[str, ...]) -> Browser:
+    """The browser of this process that has these flags."""
+    browser = Browser(more)
+    atexit.register(browser.end)
+    return browser
+
+
+def _lines(file: Path) -> list[str]:
+    """Of a file, none as long as it is not there."""
+    return file.read_text().split() if file.exists() else []

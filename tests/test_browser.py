@@ -13,7 +13,7 @@ import pytest
 
 from kinesic.serve.wire.quotas import Quotas
 
-from .chromium import Page, binary, opened
+from .chromium import FOREIGN, Page, binary, opened
 from .serve.conftest import running
 
 pytestmark = [
@@ -22,8 +22,6 @@ pytestmark = [
 ]
 
 NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="smuggled"><head id="h" lexeme="NOD" start="0"/></bml>'
-FOREIGN = "evil.example"  # which the browser is told to find on this machine, as a rebinding name server would
-REBIND = f"--host-resolver-rules=MAP {FOREIGN} 127.0.0.1"
 TRY = """
 const port = {port}, hosts = {hosts}, bml = {bml};
 function attempt(host) {{
@@ -93,9 +91,11 @@ def web_server(folder: Path) -> Iterator[int]:
     with ThreadingHTTPServer(("127.0.0.1", 0), partial(Quiet, directory=folder)) as server:
         thread = threading.Thread(target=server.serve_forever)
         thread.start()
-        yield server.server_port
-        server.shutdown()
-        thread.join()
+        try:
+            yield server.server_port
+        finally:
+            server.shutdown()
+            thread.join()
 
 
 def settled(page: Page) -> object:
@@ -121,7 +121,7 @@ def test_a_foreign_page_and_its_sandboxed_iframe_are_refused(plain, reached, tmp
     inner = page.replace("const mine = all();", "all().then(found => parent.postMessage(found, '*'));")
     with (
         web_server(tmp_path) as port,
-        opened(f"http://{FOREIGN}:{port}/", tmp_path / "profile", REBIND) as shown,
+        opened(f"http://{FOREIGN}:{port}/") as shown,
     ):
         assert settled(shown) == ["refused", "refused"]
         assert shown.value(IFRAME.format(inner=json.dumps(inner))) == ["refused", "refused"]
@@ -134,19 +134,19 @@ def test_a_page_without_a_server_is_refused(plain, reached, tmp_path, scheme):
     file.write_text(page)
     data = f"data:text/html;base64,{b64encode(page.encode()).decode()}"
     url = {"file": file.as_uri(), "data": data}[scheme]
-    with opened(url, tmp_path / "profile") as shown:
+    with opened(url) as shown:
         assert settled(shown) == ["refused", "refused"]
     assert reached == []
 
 
 def test_a_name_that_is_made_to_point_here_is_refused(plain, reached, tmp_path):
     """The browser believes that the page and the robot are of one server: no rule of its own would stop it."""
-    with opened(f"http://{FOREIGN}:{plain.port}/", tmp_path / "profile", REBIND) as shown:
+    with opened(f"http://{FOREIGN}:{plain.port}/") as shown:
         assert attempts(shown, attack(plain.port, FOREIGN)) == ["refused"]
     assert reached == []
 
 
 def test_the_own_page_may_connect(plain, reached, tmp_path):
-    with opened(f"http://localhost:{plain.port}/", tmp_path / "profile") as shown:
+    with opened(f"http://localhost:{plain.port}/") as shown:
         assert attempts(shown, attack(plain.port)) == ["open", "open"]
     assert reached == [NOD.encode(), b'{"do": "stop"}'] * 2

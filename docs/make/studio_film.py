@@ -14,7 +14,6 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
 from tests import chromium  # noqa: E402 - what a test does is what is filmed
-from tests.studio.conftest import SOFTWARE  # noqa: E402
 from tests.studio.newcomer import STATE, before_the_studio, make_and_perform  # noqa: E402
 
 DOCS = ROOT / "docs"
@@ -74,7 +73,7 @@ if __name__ == "__main__":
     frames, times = list[Image.Image](), list[int]()
     with (
         TemporaryDirectory() as folder,
-        before_the_studio(Path(folder), *SOFTWARE, f"--window-size={WINDOW[0]},{WINDOW[1]}") as person,
+        before_the_studio(Path(folder), f"--window-size={WINDOW[0]},{WINDOW[1]}") as person,
     ):
 
         def film(what: str, where: tuple[float, float] | None) -> None:

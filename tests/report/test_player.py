@@ -2,6 +2,8 @@
 
 import json
 import wave
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,6 +21,7 @@ from ..chromium import Page, binary, opened
 RATE = 20.0  # [Hz] of the film
 FRAMES = 40
 SECONDS = 1.0  # of sound
+SMALL = (480, 400)  # [pixels] of the window: what is drawn in software takes its time
 
 pytestmark = [
     pytest.mark.realtime,
@@ -47,6 +50,35 @@ def url(hurried: Performance, tmp_path_factory: pytest.TempPathFactory) -> str:
     return path.as_uri()
 
 
+def resize(page: Page, width: int, height: int) -> None:
+    page.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
+
+
+@contextmanager
+def ready(url: str) -> Iterator[Page]:
+    """A page whose robot is drawn, in a small window."""
+    with opened(url) as page:
+        resize(page, *SMALL)
+        page.until("document.querySelector('#stage')?.hidden === false")
+        yield page
+
+
+@pytest.fixture(scope="module")
+def page(url: str) -> Iterator[Page]:
+    """For tests that choose the moment themselves, and let nothing play."""
+    with ready(url) as found:
+        yield found
+
+
+@pytest.fixture(scope="module")
+def plain(hurried: Performance, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Page]:
+    """A page without a film of the face and without a voice."""
+    path = tmp_path_factory.mktemp("plain") / "plain.html"
+    write_page(hurried, report(hurried, source="x.bml"), path=path)
+    with ready(path.as_uri()) as found:
+        yield found
+
+
 def seek(page: Page, time: float) -> None:
     slider = "document.querySelector('[data-part=time]')"
     page.value(f"{slider}.value = {time}; {slider}.dispatchEvent(new Event('input'))")
@@ -57,19 +89,16 @@ def shade(page: Page) -> str:
     return "document.querySelector('[data-part=face]').getContext('2d').getImageData(50, 50, 1, 1).data[0]"
 
 
-def test_the_face_shows_the_moment_of_the_replay_forwards_and_backwards(url: str, tmp_path: Path):
-    with opened(url, tmp_path) as page:
-        page.until("document.querySelector('#stage')?.hidden === false")
-        for frame in (3, 20, 31, 30, 5, 0, 39):
-            seek(page, (frame + 0.5) / RATE)
-            page.until(f"Math.abs({shade(page)} - {grey(frame)}) < 3")
-            rest = "document.querySelector('[data-part=face]').getContext('2d').getImageData(10, 10, 1, 1).data[0]"
-            assert abs(int(str(page.value(rest))) - 30) < 4
+def test_the_face_shows_the_moment_of_the_replay_forwards_and_backwards(page: Page):
+    for frame in (3, 20, 31, 30, 5, 0, 39):
+        seek(page, (frame + 0.5) / RATE)
+        page.until(f"Math.abs({shade(page)} - {grey(frame)}) < 3")
+        rest = "document.querySelector('[data-part=face]').getContext('2d').getImageData(10, 10, 1, 1).data[0]"
+        assert abs(int(str(page.value(rest))) - 30) < 4
 
 
-def test_the_voice_is_the_clock_and_stops_with_the_replay(url: str, tmp_path: Path):
-    with opened(url, tmp_path) as page:
-        page.until("document.querySelector('#stage')?.hidden === false")
+def test_the_voice_is_the_clock_and_stops_with_the_replay(url: str):
+    with ready(url) as page:
         page.call("Runtime.evaluate", expression="window.voice = document.querySelector('audio')")
         clock = "Number(document.querySelector('[data-part=clock]').textContent.split(' ')[0])"
         look(
@@ -99,15 +128,11 @@ def look(page: Page, name: str, condition: str) -> None:
     page.call("Runtime.evaluate", expression=f"window.{name} = new Promise({watch}), 0")
 
 
-def test_a_page_without_them_has_neither(hurried: Performance, tmp_path: Path):
-    path = tmp_path / "plain.html"
-    write_page(hurried, report(hurried, source="x.bml"), path=path)
-    with opened(path.as_uri(), tmp_path / "profile") as page:
-        page.until("document.querySelector('#stage')?.hidden === false")
-        assert page.value("document.querySelector('[data-part=face]').hidden")
-        assert page.value("document.querySelector('audio') === null")
-        page.click("[data-part=play]")
-        page.until("Number(document.querySelector('[data-part=clock]').textContent.split(' ')[0]) > 0.2")
+def test_a_page_without_them_has_neither(plain: Page):
+    assert plain.value("document.querySelector('[data-part=face]').hidden")
+    assert plain.value("document.querySelector('audio') === null")
+    plain.click("[data-part=play]")
+    plain.until("Number(document.querySelector('[data-part=clock]').textContent.split(' ')[0]) > 0.2")
 
 
 def picture(page: Page, ghost: str, time: float) -> object:
@@ -125,8 +150,7 @@ def test_a_ghost_appears_where_the_twin_strays_by_more_than_a_degree(hurried: Pe
     astray[:, elbow] += np.radians(np.where(measured.times < 0.5, 0.8, 3.0))
     path, changed = tmp_path / "astray.html", replace(measured, angles=astray)
     write_page(replace(hurried, measured=changed), report(hurried, source="x.bml"), path=path)
-    with opened(path.as_uri(), tmp_path / "profile") as page:
-        page.until("document.querySelector('#stage')?.hidden === false")
+    with ready(path.as_uri()) as page:
         for time, seen in ((0.3, False), (0.7, True)):
             without = picture(page, "", time)
             assert (picture(page, "plan over astray", time) != without) == seen
@@ -138,35 +162,32 @@ def edges(selector: str) -> str:
     return f"(() => {{ const r = document.querySelector('{selector}').getBoundingClientRect(); return [r.x, r.y]; }})()"
 
 
-def test_the_time_line_stands_over_the_score_and_first_on_a_telephone(url: str, tmp_path: Path):
-    with opened(url, tmp_path) as page:
-        page.until("document.querySelector('#stage')?.hidden === false")
-        for width, style in ((360, "narrow"), (390, "narrow"), (560, "narrow"), (700, "broad"), (1180, "broad")):
-            page.call("Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1, mobile=False)
-            for time in (0.0, 1.0):
-                seek(page, time)
-                mark = f"document.querySelector('.line').getBoundingClientRect().x + 8 + {time} / Number(max) * track"
-                share = "const max = document.querySelector('[data-part=time]').max;"
-                track = "const track = document.querySelector('.line').getBoundingClientRect().width - 16;"
-                thumb = float(str(page.value(f"(() => {{ {share} {track} return {mark}; }})()")))
-                assert thumb == pytest.approx(page.value(edges(f".{style} .playhead"))[0], abs=2.0)
-            above = page.value(edges("#stage"))[1] < page.value(edges(".tiles"))[1]
-            assert above == (style == "narrow")
-            hidden = "broad" if style == "narrow" else "narrow"
-            assert page.value(f"document.querySelector('.{hidden}').getBoundingClientRect().width") == 0
-            assert page.value("document.documentElement.scrollWidth <= document.documentElement.clientWidth")
+def test_the_time_line_stands_over_the_score_and_first_on_a_telephone(page: Page):
+    for width, style in ((360, "narrow"), (390, "narrow"), (560, "narrow"), (700, "broad"), (1180, "broad")):
+        resize(page, width, 900)
+        for time in (0.0, 1.0):
+            seek(page, time)
+            mark = f"document.querySelector('.line').getBoundingClientRect().x + 8 + {time} / Number(max) * track"
+            share = "const max = document.querySelector('[data-part=time]').max;"
+            track = "const track = document.querySelector('.line').getBoundingClientRect().width - 16;"
+            thumb = float(str(page.value(f"(() => {{ {share} {track} return {mark}; }})()")))
+            assert thumb == pytest.approx(page.value(edges(f".{style} .playhead"))[0], abs=2.0)
+        above = page.value(edges("#stage"))[1] < page.value(edges(".tiles"))[1]
+        assert above == (style == "narrow")
+        hidden = "broad" if style == "narrow" else "narrow"
+        assert page.value(f"document.querySelector('.{hidden}').getBoundingClientRect().width") == 0
+        assert page.value("document.documentElement.scrollWidth <= document.documentElement.clientWidth")
+    resize(page, *SMALL)
 
 
-def test_the_face_is_on_the_head_and_in_step_with_the_film_of_it(url: str, tmp_path: Path):
+def test_the_face_is_on_the_head_and_in_step_with_the_film_of_it(page: Page):
     """A film that grows brighter makes the robot's head brighter, and there is no other picture of it."""
-    with opened(url, tmp_path) as page:
-        page.until("document.querySelector('#stage')?.hidden === false")
-        lights = []
-        for frame in (2, 20, 38):
-            seek(page, (frame + 0.5) / RATE)
-            page.until(f"Math.abs({shade(page)} - {grey(frame)}) < 3")
-            lights.append(brightest_change(page))
-        assert page.value("document.querySelector('[data-part=face]').getBoundingClientRect().width") == 0
+    lights = []
+    for frame in (2, 20, 38):
+        seek(page, (frame + 0.5) / RATE)
+        page.until(f"Math.abs({shade(page)} - {grey(frame)}) < 3")
+        lights.append(brightest_change(page))
+    assert page.value("document.querySelector('[data-part=face]').getBoundingClientRect().width") == 0
     assert lights[0] < lights[1] < lights[2]
 
 
@@ -182,14 +203,10 @@ def brightest_change(page: Page) -> float:
     return float(str(page.value(f"new Promise(done => {{ {seek} {drawn} }})")))
 
 
-def test_without_a_film_the_page_paints_the_face_that_the_film_of_the_robot_has(hurried: Performance, tmp_path: Path):
-    path = tmp_path / "plain.html"
-    write_page(hurried, report(hurried, source="x.bml"), path=path)
+def test_without_a_film_the_page_paints_the_face_that_the_film_of_the_robot_has(plain: Page):
     faces = ({}, {"26": 0.8}, {"12": 1.0, "6": 0.5, "61": 0.7}, {"L45": 1.0, "4": 1.0, "15": 0.6})
-    with opened(path.as_uri(), tmp_path / "profile") as page:
-        page.until("document.querySelector('#stage')?.hidden === false")
-        for units in faces:
-            painted = f"const {{ paper, pen }} = plainFace(); paintFace(pen, {json.dumps(units)});"
-            pixels = page.value(f"(() => {{ {painted} return [...pen.getImageData(0, 0, 320, 240).data]; }})()")
-            seen = np.array(pixels).reshape(240, 320, 4)[..., :3]
-            assert np.abs(seen - paint_face(units).astype(int)).mean() < 4.0
+    for units in faces:
+        painted = f"const {{ paper, pen }} = plainFace(); paintFace(pen, {json.dumps(units)});"
+        pixels = plain.value(f"(() => {{ {painted} return [...pen.getImageData(0, 0, 320, 240).data]; }})()")
+        seen = np.array(pixels).reshape(240, 320, 4)[..., :3]
+        assert np.abs(seen - paint_face(units).astype(int)).mean() < 4.0

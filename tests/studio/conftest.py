@@ -18,14 +18,6 @@ from ..serve.conftest import Running, running
 
 PATIENT = Quotas(planning=60.0)  # others work on the machine, too
 STEP = 10.0  # [s] that the browser may be silent
-# WebGL without a graphics card
-SOFTWARE = (
-    "--use-gl=angle",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--ignore-gpu-blocklist",
-    "--window-size=1000,700",
-)
 
 
 @dataclass
@@ -74,6 +66,6 @@ def studio(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
     make_setup = replace(StudioPlanning.of(Planning("upper22", "neutral", {"voice": "auto"})), folder=folder).set_up
     with running(PATIENT, files=files, folder=folder, make_setup=make_setup) as server:
         url = f"http://localhost:{server.port}/"
-        with opened(url, tmp_path_factory.mktemp("profile"), *SOFTWARE) as page:
+        with opened(url) as page:
             page.until("window.kinesicStudio !== undefined && kinesicStudio.state().planned > 0")
             yield Studio(page, server, folder)

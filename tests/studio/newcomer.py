@@ -74,7 +74,7 @@ def before_the_studio(folder: Path, *flags: str) -> Iterator[Person]:
             with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=folder) as studio:
                 try:
                     url = next(found[1] for line in studio.stderr if (found := re.search(r"the studio: (\S+)", line)))
-                    with opened(url.replace("127.0.0.1", "localhost"), folder / "profile", *flags) as page:
+                    with opened(url.replace("127.0.0.1", "localhost"), *flags) as page:
                         page.until(f"window.kinesicStudio !== undefined && {STATE}.planned > 0")
                         yield Person(page)
                 finally:

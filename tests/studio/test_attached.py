@@ -19,7 +19,7 @@ from kinesic.studio.relay import open_relay
 from ..chromium import binary, opened
 from ..serve.conftest import running
 from ..serve.sinks.test_arming import TOKEN, Limp
-from .conftest import PATIENT, SOFTWARE, Studio
+from .conftest import PATIENT, Studio
 
 pytestmark = pytest.mark.realtime
 
@@ -60,7 +60,7 @@ def attached(tmp_path, limp: Limp) -> Iterator[Studio]:
     with (
         running(PATIENT, Access(TOKEN), more=[limp]) as server,
         relay(server.port, page_files(setup.robot, setup.lexicon)) as door,
-        opened(f"http://{door}/", tmp_path / "profile", *SOFTWARE) as page,
+        opened(f"http://{door}/") as page,
     ):
         page.until("window.kinesicStudio !== undefined && kinesicStudio.state().connection === 'locked'")
         yield Studio(page, server, tmp_path)

@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 from ..chromium import binary
-from .conftest import SOFTWARE
 from .newcomer import STATE, Person, before_the_studio, make_and_perform
 
 pytestmark = pytest.mark.realtime
@@ -20,7 +19,7 @@ MOST_ACTIONS = 25
 def person(tmp_path: Path) -> Iterator[Person]:
     if binary() is None:
         pytest.skip("no Chromium: apt-get install chromium")
-    with before_the_studio(tmp_path, *SOFTWARE) as found:
+    with before_the_studio(tmp_path) as found:
         yield found
 
 

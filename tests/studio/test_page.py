@@ -99,7 +99,12 @@ def test_the_voice_is_seen_and_heard_from_where_it_is_played_and_goes_before_the
 
 def test_a_performance_is_exported_to_the_browser(studio: Studio, tmp_path):
     studio.write(WORDS)
-    studio.page.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(tmp_path))
+    studio.page.call(
+        "Browser.setDownloadBehavior",
+        behavior="allow",
+        downloadPath=str(tmp_path),
+        browserContextId=studio.page.context,
+    )
     menu = "document.querySelector('#export')"
     studio.page.value(f"{menu}.value = 'csv', {menu}.dispatchEvent(new Event('change'))")
     end, file = monotonic() + PATIENCE, tmp_path / "doc.csv"

@@ -23,7 +23,6 @@ HUMAN = Robot.load("human")
 FIGURE = load_figure()
 MOST = 1.5e6  # [bytes] that a page grows by
 SIDE = 300  # [pixels]
-SOFTWARE = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist")
 BONES = """
 const { skin, placed, angles } = JSON.parse(require("fs").readFileSync(0));
 process.stdout.write(JSON.stringify(angles.map((row, k) => Array.from(bonesOf(skin, placed[k], row)))));
@@ -104,7 +103,7 @@ def test_the_page_shows_skin_and_clothes_and_what_is_lit_or_strained(tmp_path: P
     text = PAGE.replace("SIDE", str(SIDE)).replace("SCRIPTS", read_scripts(SCENE_SCRIPTS))
     (tmp_path / "page.html").write_text(text.replace("DATA", json.dumps(data)), encoding="utf-8")
     rest = json.dumps(HUMAN.skeleton.rest.tolist())
-    with opened((tmp_path / "page.html").as_uri(), tmp_path / "profile", *SOFTWARE) as page:
+    with opened((tmp_path / "page.html").as_uri()) as page:
         page.until("typeof shown === 'function' && document.readyState === 'complete'")
         if page.value("scene === null"):
             pytest.skip("this Chromium has no WebGL")

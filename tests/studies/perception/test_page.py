@@ -28,7 +28,7 @@ def page(tmp_path: Path):
     path = tmp_path / "index.html"
     write_study_page(path)
     path.write_text(path.read_text().replace('"seconds": 2.2', '"seconds": 0.05'))  # films are not the matter here
-    with opened(path.as_uri(), tmp_path / "profile") as page:
+    with opened(path.as_uri()) as page:
         page.until("document.readyState === 'complete' && typeof state === 'object'")
         yield page
 
