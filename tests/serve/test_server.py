@@ -19,7 +19,7 @@ pytestmark = pytest.mark.realtime
 BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}">{}</bml>'
 BEATS = 2
 NOD = '<head id="h" lexeme="NOD" start="0" end="0.5"/>'
-LONG = "".join(f'<gesture id="g{k}" lexeme="BEAT" mode="LEFT_HAND" stroke="{1 + 1.2 * k}"/>' for k in range(BEATS))
+LONG = "".join(f'<gesture id="g{k}" lexeme="BEAT" mode="LEFT_HAND" stroke="{0.8 + 0.4 * k}"/>' for k in range(BEATS))
 POINTS = ["start", "h:start", "h:ready", "h:strokeStart", "h:stroke", "h:strokeEnd", "h:relax", "relax", "h:end", "end"]
 
 
@@ -276,7 +276,7 @@ def test_a_block_that_takes_too_long_to_plan_is_given_up(server, becomes, monkey
 
 def test_a_large_block_begins_at_once_and_is_planned_better_while_it_plays(server):
     many = "".join(
-        f'<gesture id="g{k}" lexeme="BEAT" mode="{("LEFT", "RIGHT")[k % 2]}_HAND" stroke="{0.8 + 0.9 * k}"/>'
+        f'<gesture id="g{k}" lexeme="BEAT" mode="{("LEFT", "RIGHT")[k % 2]}_HAND" stroke="{0.8 + 0.5 * k}"/>'
         for k in range(6)
     )
     with server.client() as client:

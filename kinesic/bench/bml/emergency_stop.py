@@ -40,6 +40,7 @@ TICK = 2.0 * np.pi / 4096.0  # [rad] by which a goal of a servo can change at al
 MOVING = 0.01  # [rad] in two commands: half a radian a second
 STARTING = 3.0  # [s] that a motion is waited for
 PATIENCE = 30.0  # [s]
+RISING = 1.0  # [s] until a flood is one
 
 
 @dataclass(frozen=True)
@@ -108,7 +109,7 @@ def flooding(name: str, port: int) -> Iterator[None]:
         return
     with subprocess.Popen([sys.executable, flood.__file__, name, str(port)]) as process:
         try:
-            sleep(1.0)
+            sleep(RISING)
             yield
         finally:
             process.kill()

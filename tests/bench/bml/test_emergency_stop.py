@@ -10,7 +10,7 @@ from time import monotonic
 import numpy as np
 import pytest
 
-from kinesic.bench.bml import flood
+from kinesic.bench.bml import emergency_stop, flood
 from kinesic.bench.bml.emergency_stop import IDLE, Stopping, flooding, measure_stops, stop_figures, watched_server
 from kinesic.bench.bml.witnessed_server import GoalRecorder, read_goals
 from kinesic.body.command import Command
@@ -18,13 +18,19 @@ from kinesic.client import Client
 
 pytestmark = pytest.mark.realtime
 
-STOPS = 8  # each way twice
+STOPS = 4  # each way once
 
 
 @pytest.fixture(scope="module")
 def server():
     with watched_server() as found:
         yield found
+
+
+@pytest.fixture
+def at_once(monkeypatch):
+    """For tests that see themselves when a flood has come."""
+    monkeypatch.setattr(emergency_stop, "RISING", 0.0)
 
 
 @pytest.mark.parametrize("name", [IDLE, "fragments"])
@@ -45,6 +51,7 @@ def test_every_stop_is_acknowledged_and_goals_come_to_rest(server, name):
         ("questions", b'{"do": "watch", "rate": 50}\0{"do": "plan", '),
     ],
 )
+@pytest.mark.usefixtures("at_once")
 def test_floods_say_what_they_are_to_say(name, first):
     with socket.create_server(("127.0.0.1", 0)) as listener, flooding(name, listener.getsockname()[1]):
         connection, _ = listener.accept()
@@ -66,6 +73,7 @@ def test_a_flood_of_questions_asks_what_is_answered(server):
         assert not answers
 
 
+@pytest.mark.usefixtures("at_once")
 def test_a_crowd_connects_and_comes_again():
     with (
         socket.create_server(("127.0.0.1", 0), backlog=16) as listener,

@@ -7,7 +7,7 @@ from kinesic.bench.bml.server import FLAT, RATE, SMALL, _grown, endurance, laten
 
 pytestmark = pytest.mark.realtime
 
-SECONDS = 6.0
+SECONDS = 3.0
 
 
 @pytest.fixture(scope="module")
