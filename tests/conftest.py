@@ -16,6 +16,7 @@ import signal
 import tempfile
 from collections.abc import Generator
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -96,6 +97,12 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     for item in items:
         if item.get_closest_marker("realtime"):
             item.add_marker(pytest.mark.flaky(reruns=1))
+
+
+@pytest.fixture(scope="session")
+def trimesh() -> ModuleType:
+    """A library of meshes, which takes half a second to import: by whoever has tests that read them."""
+    return pytest.importorskip("trimesh")
 
 
 _watch = Watch()

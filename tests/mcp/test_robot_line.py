@@ -9,8 +9,6 @@ from time import monotonic, sleep
 
 import pytest
 
-pytest.importorskip("mcp", reason="pip install 'kinesic[mcp]'")
-
 from kinesic.mcp import robot_line
 from kinesic.mcp.robot_line import RobotError, RobotLine
 

@@ -6,23 +6,24 @@ import sys
 import threading
 from collections.abc import Awaitable, Callable, Iterator
 from contextlib import closing
+from importlib import import_module
+from importlib.util import find_spec
 from time import monotonic
 
 import pytest
 
 from kinesic.controller.perform import set_up
 from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.mcp.robot_line import RobotLine
+from kinesic.mcp.teaching import BML_SCHEMA, TEACHING
 from kinesic.serve.wire.quotas import Quotas
 
 from ..serve.conftest import Running, running
 
-mcp = pytest.importorskip("mcp", reason="pip install 'kinesic[mcp]'")
-
-from kinesic.mcp.robot_line import RobotLine  # noqa: E402 - after the extra is known to be there
-from kinesic.mcp.server import make_server  # noqa: E402
-from kinesic.mcp.teaching import BML_SCHEMA, TEACHING  # noqa: E402
-
-pytestmark = pytest.mark.realtime
+pytestmark = [
+    pytest.mark.realtime,
+    pytest.mark.skipif(find_spec("mcp") is None, reason="pip install 'kinesic[mcp]'"),
+]
 
 STORY = {
     "id": "story1",
@@ -31,7 +32,7 @@ STORY = {
         {"type": "gesture", "id": "g", "lexeme": "large", "stroke": "s:m1"},
     ],
 }
-Act = Callable[["mcp.Client"], Awaitable[object]]
+Act = Callable[[object], Awaitable[object]]  # with a client of the protocol
 
 
 @pytest.fixture(scope="module")
@@ -43,9 +44,11 @@ def server() -> Iterator[Running]:
 def within(server: Running, act: Act, *, resumes: bool = True) -> object:
     """Lets a client in memory act before the tools of a server."""
 
+    mcp, made = import_module("mcp"), import_module("kinesic.mcp.server")  # by whoever runs these tests alone
+
     async def run() -> object:
         with closing(RobotLine("127.0.0.1", server.port)) as robot:
-            async with mcp.Client(make_server(robot, set_up(), resumes=resumes)) as client:
+            async with mcp.Client(made.make_server(robot, set_up(), resumes=resumes)) as client:
                 return await act(client)
 
     return asyncio.run(run())
@@ -101,7 +104,7 @@ def test_what_is_wrong_is_answered_and_moves_nothing(server: Running, tool: str,
     try:
         result = within(server, act)
         answer = text(result) if result.is_error else "nothing is wrong"
-    except mcp.MCPError as error:  # the protocol's own answer to a call that it does not know
+    except import_module("mcp").MCPError as error:  # the protocol's own answer to a call that it does not know
         answer = str(error)
     assert answer != "nothing is wrong"
     assert told in answer
@@ -162,6 +165,8 @@ def test_what_a_model_reads_is_small_and_its_example_is_performed(server: Runnin
 
 
 def test_a_client_over_standard_input_performs_and_its_end_ends_the_server(tmp_path):
+    mcp = import_module("mcp")
+
     async def run():
         begun = mcp.StdioServerParameters(
             command=sys.executable, args=["-m", "kinesic", "mcp", "--voice", "durations"], cwd=tmp_path

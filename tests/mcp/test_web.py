@@ -5,17 +5,15 @@ import json
 import socket
 import threading
 from collections.abc import Iterator
+from importlib import import_module
+from importlib.util import find_spec
 
 import pytest
 
-pytest.importorskip("mcp", reason="pip install 'kinesic[mcp]'")
-
-import uvicorn
-from mcp.server import MCPServer
-
-from kinesic.mcp.web import web_app
-
-pytestmark = pytest.mark.realtime
+pytestmark = [
+    pytest.mark.realtime,
+    pytest.mark.skipif(find_spec("mcp") is None, reason="pip install 'kinesic[mcp]'"),
+]
 
 HELLO = {
     "jsonrpc": "2.0",
@@ -32,7 +30,8 @@ def port(request: pytest.FixtureRequest) -> Iterator[int]:
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         number: int = free.getsockname()[1]
-    app = web_app(MCPServer("test"), "127.0.0.1", number, token=request.param)
+    uvicorn, mcp, web = map(import_module, ("uvicorn", "mcp.server", "kinesic.mcp.web"))  # by whoever runs this alone
+    app = web.web_app(mcp.MCPServer("test"), "127.0.0.1", number, token=request.param)
     server = uvicorn.Server(uvicorn.Config(app, host="127.0.0.1", port=number, log_level="error"))
     thread = threading.Thread(target=server.run)
     thread.start()

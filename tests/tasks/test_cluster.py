@@ -2,6 +2,7 @@ import os
 import signal
 import time
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -13,9 +14,9 @@ from kinesic.tasks.engine import Processes
 from kinesic.tasks.journal import Journal, run_once
 from kinesic.tasks.processes import WorkerCrash
 
-pytest.importorskip("distributed", reason="the extra cluster is not installed")
 pytestmark = [
     pytest.mark.realtime,
+    pytest.mark.skipif(find_spec("distributed") is None, reason="the extra cluster is not installed"),
     pytest.mark.filterwarnings("ignore::ResourceWarning", "ignore::pytest.PytestUnraisableExceptionWarning"),
 ]
 EVALUATE = partial(partial, eval)  # tasks are Python expressions

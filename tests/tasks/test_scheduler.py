@@ -4,6 +4,7 @@ import os
 import signal
 import time
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -15,9 +16,9 @@ from kinesic.tasks.cluster import cluster
 
 from ..dask_programs import dask_scheduler, dask_workers
 
-pytest.importorskip("distributed", reason="the extra cluster is not installed")
 pytestmark = [
     pytest.mark.realtime,
+    pytest.mark.skipif(find_spec("distributed") is None, reason="the extra cluster is not installed"),
     pytest.mark.filterwarnings("ignore::ResourceWarning", "ignore::pytest.PytestUnraisableExceptionWarning"),
 ]
 EVALUATE = partial(partial, eval)  # tasks are Python expressions

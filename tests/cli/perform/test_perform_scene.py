@@ -4,7 +4,6 @@ import json
 
 import numpy as np
 import pytest
-import trimesh
 
 from kinesic.body.robot import Robot
 
@@ -19,7 +18,7 @@ def folder(tmp_path_factory):
     return made
 
 
-def test_the_performance_of_the_twin_is_a_scene(kinesic_in, folder):
+def test_the_performance_of_the_twin_is_a_scene(trimesh, kinesic_in, folder):
     ended = kinesic_in(folder, "perform", "nod.bml", "--out", "nod.glb", "--idle", "0")
     assert ended.code == 0, ended.err
     assert ended.out.splitlines()[-1] == "scene: nod.glb"

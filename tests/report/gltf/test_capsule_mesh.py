@@ -1,13 +1,14 @@
+from types import ModuleType
+
 import numpy as np
 import pytest
-import trimesh
 
 from kinesic.body.skeleton import Capsule
 from kinesic.report.gltf.capsule_mesh import capsule_mesh, joined
 
 
 @pytest.mark.parametrize("end", [(0.0, 0.0, 0.3), (0.2, -0.1, 0.0), (0.0, 0.0, 0.0)], ids=["upright", "across", "ball"])
-def test_a_capsule_is_closed_and_faces_outward(end: tuple[float, float, float]):
+def test_a_capsule_is_closed_and_faces_outward(trimesh: ModuleType, end: tuple[float, float, float]):
     capsule = Capsule(np.zeros(3), np.array(end), 0.05)
     surface = capsule_mesh(capsule)
     mesh = trimesh.Trimesh(surface.positions, surface.corners)

@@ -4,10 +4,10 @@ import json
 import struct
 from dataclasses import replace
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
-import trimesh
 
 from kinesic.body.robot import Robot
 from kinesic.controller.perform import plan, set_up
@@ -49,7 +49,7 @@ def values(tables: dict, block: bytes, index: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize("robot", ROBOTS.values(), ids=ROBOTS)
-def test_another_library_finds_every_segment_where_it_is(robot: Robot, tmp_path: Path):
+def test_another_library_finds_every_segment_where_it_is(trimesh: ModuleType, robot: Robot, tmp_path: Path):
     angles = wild(robot, 1)
     scene = trimesh.load(written(robot, angles, tmp_path / "robot.glb"))
     stand = robot.skeleton.frames(angles[0])
@@ -60,7 +60,7 @@ def test_another_library_finds_every_segment_where_it_is(robot: Robot, tmp_path:
 
 
 @pytest.mark.parametrize("name", ["upper22", "upper36"])
-def test_another_library_finds_the_shell(name: str, tmp_path: Path):
+def test_another_library_finds_the_shell(trimesh: ModuleType, name: str, tmp_path: Path):
     robot = ROBOTS[name]
     shell = shell_of(robot)
     assert shell is not None
@@ -74,7 +74,7 @@ def test_another_library_finds_the_shell(name: str, tmp_path: Path):
     np.testing.assert_allclose(scene.extents[1], 0.62 + 0.5, atol=0.15)  # y is up
 
 
-def test_another_library_finds_the_capsules_of_a_robot_without_shell(tmp_path: Path):
+def test_another_library_finds_the_capsules_of_a_robot_without_shell(trimesh: ModuleType, tmp_path: Path):
     robot = replace(ROBOTS["upper22"], path=tmp_path / "robot.toml")
     scene = trimesh.load(written(robot, robot.skeleton.rest[None], tmp_path / "robot.glb"))
     head = next(segment for segment in robot.skeleton.segments if segment.name == "skullbase").capsules[0]
@@ -85,7 +85,7 @@ def test_another_library_finds_the_capsules_of_a_robot_without_shell(tmp_path: P
 
 
 @pytest.mark.parametrize("robot", ROBOTS.values(), ids=ROBOTS)
-def test_the_animation_has_every_posture(robot: Robot, tmp_path: Path):
+def test_the_animation_has_every_posture(trimesh: ModuleType, robot: Robot, tmp_path: Path):
     angles = wild(robot)
     tables, block = read(written(robot, angles, tmp_path / "robot.glb"))
     (animation,) = tables["animations"]
@@ -117,7 +117,7 @@ def test_the_animation_has_every_posture(robot: Robot, tmp_path: Path):
     np.testing.assert_allclose(times.ravel(), np.arange(len(angles)) / RATE, atol=1e-6)
 
 
-def test_the_skin_moves_as_it_is_drawn(tmp_path: Path):
+def test_the_skin_moves_as_it_is_drawn(trimesh: ModuleType, tmp_path: Path):
     """Joints, inverse bind matrices and weights of the file put the vertices of hands and clothes where they are."""
     human, figure = ROBOTS["human"], load_figure()
     angles = wild(human, 1)
