@@ -26,6 +26,13 @@ def test_both_hands_are_looked_at(known):
     assert max(lacks) < 1e-6
 
 
+@pytest.mark.parametrize("gesture", ["relief", "vase"])
+def test_hands_that_pass_near_one_another_have_room_for_their_fingers(known, gesture):
+    found = judge_fingers(known.lexicon.forms_by_id[gesture], known)
+    assert not found.dropped
+    assert found.clearance >= known.robot.least_clearance
+
+
 def test_figures_name_what_is_late_or_left_out():
     results = [
         FingerResult("a", False, (0.0, 0.01), 0.02),

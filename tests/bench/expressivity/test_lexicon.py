@@ -3,6 +3,7 @@
 import pytest
 
 from kinesic.bench.expressivity.lexicon import (
+    MOST_MISS,
     NEUTRAL_STYLE,
     GestureResult,
     every,
@@ -28,6 +29,12 @@ def test_a_sample_is_seeded_and_in_order():
     assert chosen == sample(TASKS, share=SHARE, seed=3) != sample(TASKS, share=SHARE, seed=4)
     assert len(chosen) == len(set(chosen)) == round(SHARE * len(TASKS))
     assert [TASKS.index(task) for task in chosen] == sorted(TASKS.index(task) for task in chosen)
+
+
+def test_hands_that_point_at_one_another_reach_their_places(known):
+    result = judge_gesture("link_rings", NEUTRAL_STYLE, known)
+    assert not result.dropped
+    assert 1000 * result.miss <= MOST_MISS
 
 
 @pytest.mark.parametrize(("gesture", "style"), sample(TASKS, share=SHARE, seed=1))
