@@ -1,10 +1,13 @@
 """What the bench of fingers finds in a few gestures, and how it sums up."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from kinesic.bench.expressivity.fingers import COMPLETE, FingerResult, finger_figures, judge_fingers
 from kinesic.controller.perform import set_up
+from kinesic.expressivity.style.style import Style
 
 
 @pytest.fixture(scope="module")
@@ -26,9 +29,19 @@ def test_both_hands_are_looked_at(known):
     assert max(lacks) < 1e-6
 
 
-@pytest.mark.parametrize("gesture", ["relief", "vase"])
-def test_hands_that_pass_near_one_another_have_room_for_their_fingers(known, gesture):
-    found = judge_fingers(known.lexicon.forms_by_id[gesture], known)
+@pytest.mark.parametrize(
+    ("gesture", "style"),
+    [
+        ("relief", "neutral"),
+        ("vase", "neutral"),
+        ("vase", "calm"),
+        ("house", "calm"),
+        ("scratch_arm", "joyful"),
+        ("crossed_out", "shy"),
+    ],
+)
+def test_hands_that_pass_near_one_another_have_room_for_their_fingers(known, gesture, style):
+    found = judge_fingers(known.lexicon.forms_by_id[gesture], replace(known, style=Style.load(style)))
     assert not found.dropped
     assert found.clearance >= known.robot.least_clearance
 
