@@ -36,7 +36,7 @@ HAIRLINE = (  # [deg] round from the front, height
 MOUTH = (0.6, -1.45, -0.8)  # where its inside is looked for: to the side, from below, to above
 THROAT = -1.0  # and how far back; the neck is behind
 BEFORE = 0.1  # how far the face is in front of it
-LIP = 0.5  # times that, and less: what is no deeper is the red of the lips
+LIP = 0.35  # times that, and less: what is no deeper is the red of the lips
 DEEP = 6.0  # times that: what is deeper in the mouth is as dark
 CROWN = -1.15  # how far forward the middle is that the hairline goes round
 
@@ -49,7 +49,7 @@ def chart_window() -> tuple[float, float, float, float]:
 
 @lru_cache(maxsize=4)
 def vertex_chart(mesh: Mesh) -> Floats:
-    """(v, 4) of each vertex: chart's a and y, front mask minus 3 x depth in the mouth, height over the hairline.
+    """(v, 4) of each vertex: chart's a and y, front mask minus 6 x depth in the mouth, height over the hairline.
 
     For the eyes: direction at rest from the centre of the eyeball as left, up, forward; then 0. For the tongue the
     third is how far forward it is. For teeth: `teeth_chart`. For cloth: its colour, and how much it shines.
@@ -57,7 +57,7 @@ def vertex_chart(mesh: Mesh) -> Floats:
     rest = mesh.positions / (mesh.eyes[0, 1] - mesh.eyes[1, 1])
     forward, left, up = rest.T
     mask = np.clip((forward - FRONT[0]) / (FRONT[1] - FRONT[0]), 0.0, 1.0)
-    mask = mask * mask * (3 - 2 * mask) - 3 * np.maximum(mouth(mesh, DEEP) - LIP, 0.0)
+    mask = mask * mask * (3 - 2 * mask) - 6 * np.maximum(mouth(mesh, DEEP) - LIP, 0.0)
     found = np.stack([2 * np.arctan2(left, forward + AXIS), up, mask, hair(rest)], axis=1)
     eyes = mesh.vertices("eyes")
     spokes = mesh.positions[eyes] - mesh.eyes[np.where(mesh.positions[eyes, 1] > 0.0, 0, 1)]

@@ -17,6 +17,8 @@ const float SUNKEN = 0.12; // how far the iris lies behind it, as it is refracte
 const float DAMP = 0.2;    // how much the white of the eye shines beside the cornea
 const vec3 GUMS = vec3(0.42, 0.12, 0.11), IVORY = vec3(0.80, 0.74, 0.64), TONGUE_RED = vec3(0.50, 0.135, 0.125);
 const vec3 THROAT = vec3(0.032, 0.008, 0.007);  // what is far back is as dark as the skin there
+const float LEVEL = 0.85;  // of how far teeth lean up or down, which is left out: their mesh turns over at the cutting edge
+const float INNER = 3.0;  // [mm] that a crown is shorter on the side of the tongue
 const int TEETH_ON_A_SIDE = 7;
 const float UPPER[TEETH_ON_A_SIDE] = float[](8.6, 6.6, 7.6, 7.0, 7.0, 10.0, 10.0);  // [mm] along the row
 const float LOWER[TEETH_ON_A_SIDE] = float[](5.4, 5.9, 6.8, 7.0, 7.0, 11.0, 11.0);
@@ -51,13 +53,14 @@ vec4 teeth(inout vec3 n) {
     float wide = upper ? UPPER[k] : LOWER[k], crown = CROWN[k] - (upper ? 0.0 : 1.0);
     float u = clamp(2.0 * from / wide - 1.0, -1.0, 1.0), round_off = u * u * u * u;
     if (placed.y >= 0.0 && placed.y < 0.5 * WORN[k] + round_off) discard;
-    float gum = smoothstep(-0.35, 0.35, placed.y - crown + 2.2 * u * u);
+    float gum = smoothstep(-0.35, 0.35, (placed.y < 0.0 ? INNER - placed.y : placed.y) - crown + 2.2 * u * u);
     float between = smoothstep(0.78, 1.0, abs(u)) * (1.0 - gum);
     vec3 up = mat3(view)[2], aside = normalize(cross(up, n)) * sign(placed.x);
+    n -= LEVEL * dot(n, up) * up;
     n = normalize(n + (1.0 - gum) * (0.5 * u * abs(u) * aside - 0.25 * sign(placed.w) * (placed.y / crown - 0.5) * up));
     vec3 ivory = IVORY * mix(vec3(1.0), vec3(0.93, 0.84, 0.70), smoothstep(0.3, 1.0, placed.y / crown));
     vec3 colour = mix(ivory * (1.0 - 0.5 * between), GUMS * (1.0 - 0.35 * smoothstep(2.0, 6.0, placed.y - crown)), gum);
-    float light = smoothstep(-0.25, 0.36, placed.z) * (placed.y < 0.0 ? 0.4 : 1.0);
+    float light = smoothstep(-0.25, 0.36, placed.z) * (placed.y < 0.0 ? 0.55 : 1.0);
     return vec4(mix(THROAT, colour, light), (1.0 - gum * 0.4) * light);
 }
 

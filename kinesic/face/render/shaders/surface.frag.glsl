@@ -7,7 +7,8 @@ uniform float level;     // of detail of the painting, whose pixels are about as
 
 const vec3 CHEEKS = vec3(0.20, 0.055, 0.048);  // the inside of the lips
 const vec3 THROAT = vec3(0.032, 0.008, 0.007);  // deep in the mouth
-const float DEEP = 14.0;  // in the chart's measure of it
+const float DEEP = 28.0;  // in the chart's measure of it
+const float DULL = 0.8;   // of the gloss of skin, which no lamp's image reaches inside the mouth
 const float LOCK = 3.0;  // strands
 const vec2 STRANDS = vec2(150.0, 9.0);  // per unit of the chart
 
@@ -25,9 +26,9 @@ vec4 surface(vec2 uv, bool is_skin, float height) {
                  + clamp(1.6 - dense / LOCK, 0.0, 1.0) * clamp(dense - 0.6, 0.0, 1.0) * (noise(comb / vec2(LOCK, 1.0)) - 0.5);
     float head = smoothstep(-0.06, 0.12, where.w + 0.09 * (strand - 0.5));
     vec3 base = mix(painted.rgb * painted.rgb, hair * (0.6 + 0.8 * strand), head);
-    float inside = max(-where.z, 0.0), far = min(inside / DEEP, 1.0);
-    base = mix(base, mix(CHEEKS, THROAT, far), min(inside, 1.0));
+    float inside = max(-where.z, 0.0), within = min(inside, 1.0), near = 1.0 - min(inside / DEEP, 1.0);
+    base = mix(base, mix(THROAT, CHEEKS, near * near), within);
     base *= 1.0 + 0.18 * min(height, 0.0);
-    vec4 skinned = vec4(sqrt(base), mix(mix(0.75, 0.30, painted.a), 0.35, head) * (1.0 - far));
+    vec4 skinned = vec4(sqrt(base), mix(mix(0.75, 0.30, painted.a), 0.35, head) * near * (1.0 - DULL * within));
     return is_skin ? skinned : where;
 }
