@@ -1,12 +1,18 @@
-"""What is added to the expression shapes: cheeks that bulge, brows and rounded lips that go as far as a person's."""
+"""What is added to the expression shapes: cheeks that bulge, brows and rounded lips that go as far as a person's.
+
+What a smile does beside the mouth is evened out: the source crushes the skin there into a dent.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
+import scipy
 
 from kinesic.body.arrays import Floats
+from kinesic.face.assets.chart import mouth
+from kinesic.face.assets.mesh import PARTS, Mesh
 
 GAINS: Mapping[str, float] = MappingProxyType(  # of the source's shapes, whose brows and pursed lips stop half-way
     {
@@ -37,6 +43,12 @@ BULGES: Mapping[str, tuple[Bulge, ...]] = MappingProxyType(  # of the left side;
         "cheekSquint": (Bulge(0.58, -0.40, 0.34, 0.0032, 0.0015),),
     }
 )
+EVENED = "mouthSmile"  # the shape of which neighbours move alike beside the mouth
+BESIDE = (0.68, -1.0)  # where that is, aside and up, in distances between the eyes
+AROUND = 0.5  # how far from there it ends, after half of which it is less
+CORNER = (0.42, 0.56)  # from where to where, going aside, it begins: the corner of the mouth keeps its way
+AT_LEAST = -0.3  # how far forward
+TIMES = 24  # that each vertex takes the mean of its neighbours
 SIDES = {"Left": 1.0, "Right": -1.0}
 
 
@@ -55,3 +67,34 @@ def bulge(shape: str, rest: Floats, normals: Floats) -> Floats:
             share = np.where(rest[:, 0] > 0.0, np.maximum(1.0 - away * away, 0.0) ** 2, 0.0)
             found += share[:, None] * (each.outward * normals + (0.0, 0.0, each.upward))
     return found
+
+
+def even_out(shape: str, moves: Floats, head: Mesh) -> Floats:
+    """(v, 3) [m] what a shape adds, without a dent beside the mouth.
+
+    Args:
+        shape: its name.
+        moves: (v, 3) [m] what it adds so far.
+        head: at rest.
+    """
+    side = shape.removeprefix(EVENED)
+    if side not in SIDES:
+        return moves
+    forward, left, up = (head.positions / (head.eyes[0, 1] - head.eyes[1, 1])).T
+    aside = SIDES[side] * left
+    share = np.clip(2.0 * (1.0 - np.hypot(aside - BESIDE[0], up - BESIDE[1]) / AROUND), 0.0, 1.0)
+    share *= np.clip((aside - CORNER[0]) / (CORNER[1] - CORNER[0]), 0.0, 1.0)
+    outside = (head.parts == PARTS.index("skin")) & (mouth(head) == 0.0) & (forward > AT_LEAST)
+    share = np.where(outside, share, 0.0)[:, None]
+    mean = _mean_of_neighbours(head)
+    for _ in range(TIMES):
+        moves = moves + share * (mean @ moves - moves)
+    return moves
+
+
+def _mean_of_neighbours(mesh: Mesh) -> "scipy.sparse.csr_array":
+    """(v, v) which takes the mean over the vertices at the other ends of edges."""
+    ends = np.stack([mesh.faces, np.roll(mesh.faces, -1, axis=1)], axis=2).reshape(-1, 2)
+    pairs = np.unique(np.concatenate([ends, ends[:, ::-1]]), axis=0)
+    count = np.bincount(pairs[:, 0], minlength=len(mesh.positions))
+    return scipy.sparse.csr_array((1.0 / count[pairs[:, 0]], tuple(pairs.T)), shape=2 * (len(mesh.positions),))

@@ -1,0 +1,49 @@
+import numpy as np
+import pytest
+
+from kinesic.body.choices import Variant
+from kinesic.face.assets.action_units import deform
+from kinesic.face.assets.chart import mouth
+from kinesic.face.assets.mesh import VARIANTS, Mesh, load_head
+from kinesic.face.assets.sculpt import even_out
+
+BESIDE = (0.68, -1.0)  # the mouth, to either side and up, in distances between the eyes
+NEAR = 0.22
+
+
+def edges_beside_the_mouth(mesh: Mesh) -> np.ndarray:
+    """(e, 2) vertices at the ends of edges of the skin there."""
+    ends = np.sort(np.stack([mesh.faces, np.roll(mesh.faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
+    ends = np.unique(ends, axis=0)
+    woman = load_head()
+    middle = woman.positions[ends].mean(axis=1) / (woman.eyes[0, 1] - woman.eyes[1, 1])
+    near = np.hypot(np.abs(middle[:, 1]) - BESIDE[0], middle[:, 2] - BESIDE[1]) < NEAR
+    outside = (mesh.parts[ends] == 0).all(axis=1) & (mouth(mesh)[ends] == 0.0).all(axis=1)
+    return np.asarray(ends[near & outside & (middle[:, 0] > 0.0)])
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+@pytest.mark.parametrize("units", [{"12": 1.0}, {"6": 0.8, "12": 0.9, "25": 0.8}], ids=["12", "6+12+25"])
+def test_a_smile_neither_dents_nor_crushes_the_skin_beside_the_mouth(variant: Variant, units: dict[str, float]):
+    """In the source neighbours turned by 23 degrees there, and edges shrank to less than half."""
+    mesh = load_head(variant)
+    one, other = edges_beside_the_mouth(mesh).T
+    smiling = deform(mesh, units)
+    lengths = [np.linalg.norm(each[one] - each[other], axis=1) for each in (mesh.positions, smiling)]
+    assert len(one) > 50
+    assert np.min(lengths[1] / lengths[0]) > 0.6
+    normals = mesh.normals(smiling)
+    assert np.degrees(np.arccos(np.sum(normals[one] * normals[other], axis=1))).max() < 13.0
+
+
+def test_only_a_smile_is_evened_out_and_the_corner_of_the_mouth_goes_as_far():
+    head = load_head()
+    moves = np.random.default_rng(5).normal(size=head.positions.shape)
+    np.testing.assert_array_equal(even_out("mouthFrownLeft", moves, head), moves)
+    evened = even_out("mouthSmileLeft", moves, head)
+    changed = np.flatnonzero((evened != moves).any(axis=1))
+    unit = head.eyes[0, 1] - head.eyes[1, 1]
+    assert len(changed) > 50
+    assert (head.parts[changed] == 0).all()
+    assert head.positions[changed, 1].min() > 0.42 * unit
+    assert evened[changed].std() < 0.7 * moves[changed].std()
