@@ -24,7 +24,9 @@ SEED = 11
 GOLDEN = np.pi * (3.0 - np.sqrt(5.0))
 FREE = 0.1  # height under which locks are seen from inside, too
 EACH = 2  # of so many of them one
-POINTED, TIP = 0.6, 0.15  # of the way, from where a lock becomes narrower, and how wide it ends
+ROOT, GROWN = 0.3, 0.2  # how wide a lock begins, so that a hairline has no steps, and of the way, where it is wide
+POINTED, TIP = 0.6, 0.3  # of the way, from where a lock becomes narrower, and how wide it ends
+EVEN = (0.93, 1.07)  # of its length that a lock has
 LAYERS = (0.7, 1.0)  # of how far locks stand off
 LET_GO = (-0.7, -0.1)  # height at which hair hangs free, and over which it lies on the skull
 TURNING = 0.55  # share of the comb's direction in that of a step
@@ -47,7 +49,7 @@ class Style:
 STYLES: Mapping[Variant, Style] = MappingProxyType(
     {
         "female": Style(540, 0.02, 7, (1.5, 2.7), 0.16, 0.16, 0.2, 0.9),
-        "male": Style(900, 0.03, 4, (0.45, 1.3), 0.13, 0.10, None, 0.10),
+        "male": Style(900, 0.03, 4, (0.33, 1.3), 0.13, 0.10, None, 0.10),
     }
 )
 
@@ -110,7 +112,7 @@ def _combed(skull: _Skull, roots: Floats, style: Style, random: np.random.Genera
     """(r, s + 1, 3) the middle lines of locks."""
     count = len(roots)
     high = np.clip((roots[:, 2] + 0.1) / 1.2, 0.0, 1.0)
-    lengths = (style.length[0] + (style.length[1] - style.length[0]) * high) * random.uniform(0.85, 1.1, count)
+    lengths = (style.length[0] + (style.length[1] - style.length[0]) * high) * random.uniform(*EVEN, count)
     points, lines = roots.copy(), [roots]
     way = _comb(roots, style)
     layer = np.sort(random.uniform(*LAYERS, count))[::-1]  # those on top first, for the depth test
@@ -137,7 +139,8 @@ def _comb(points: Floats, style: Style) -> Floats:
     top = np.clip(up / 1.2, 0.0, 1.0)
     front = np.clip((forward + 0.9) / 0.8, 0.0, 1.0)
     if style.part is None:
-        ways = [-0.9 + 0.3 * front, np.full(len(points), 0.3) * top, -0.05 - 0.8 * (1.0 - top)]
+        nape = np.clip((-1.4 - forward) / 0.6, 0.0, 1.0) * (1.0 - top)  # where hair lies on the neck
+        ways = [-0.9 + 0.3 * front + 0.8 * nape, 0.3 * top, -0.05 - 0.5 * (1.0 - top) - 0.4 * nape]
     else:
         ways = [-0.75 * front - 0.05, 1.2 * side * top**1.5, -0.35 - style.falls * (1.0 - top)]
     found = np.stack([np.broadcast_to(each, left.shape) for each in ways], axis=1)
@@ -157,6 +160,7 @@ def _ribbons(lines: Floats, style: Style, random: np.random.Generator, unit: flo
     wide = (
         style.width
         * (0.55 + 0.45 * np.sin(np.pi * along**0.7))
+        * np.minimum(ROOT + (1.0 - ROOT) * along / GROWN, 1.0)
         * np.where(along > POINTED, 1.0 - (1.0 - TIP) * ((along - POINTED) / (1.0 - POINTED)) ** 2, 1.0)
     )
     wide = wide[None, :, None] * random.uniform(0.75, 1.25, (count, 1, 1))

@@ -4,6 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+import scipy
 
 from kinesic.body.choices import Variant
 from kinesic.face.assets.hair import INSIDE, STYLES, Locks, grow
@@ -61,3 +62,20 @@ def test_the_two_styles_differ_in_length():
 def test_hair_is_the_same_every_time():
     mesh = load_head("male")
     np.testing.assert_array_equal(grow(mesh, STYLES["male"]).positions, locks("male")[0].positions)
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_locks_begin_narrow_and_end_neither_in_a_point_nor_far_off(variant: Variant):
+    """Wide roots are steps along the hairline, and thin tips are dots in small pictures."""
+    points = locks(variant)[1].reshape(-1, STYLES[variant].steps + 1, 2, 3)
+    widths = np.linalg.norm(points[:, :, 0] - points[:, :, 1], axis=2) / STYLES[variant].width
+    assert widths[:, 0].max() < 0.5
+    assert widths[:, -1].min() > 0.1
+
+
+def test_short_hair_lies_on_the_neck():
+    mesh = load_head("male")
+    skin = mesh.positions[mesh.vertices("skin")] / (mesh.eyes[0, 1] - mesh.eyes[1, 1])
+    tips = locks("male")[1].reshape(-1, STYLES["male"].steps + 1, 2, 3)[:, -1].mean(axis=1)
+    away, _ = scipy.spatial.cKDTree(skin).query(tips[tips[:, 2] < -0.3])
+    assert np.percentile(away, 90) < 0.28

@@ -1,4 +1,4 @@
-// The G-buffer of locks of hair: strands, frayed at the edges and at the tip, each of which bends the normal.
+// The G-buffer of locks of hair: strands, each of which bends the normal.
 uniform vec3 colour;
 
 in vec3 facing;
@@ -6,7 +6,6 @@ in vec4 placed;  // across -1..1, along 0..1, number of the lock, how bright it 
 flat in float kind;
 
 const float STRANDS = 6.0;  // on each half of a lock
-const float TUFT = 1.5;  // strands that end together
 
 layout(location = 0) out vec4 form;
 layout(location = 1) out vec4 place;  // square root of the linear colour; how much it shines
