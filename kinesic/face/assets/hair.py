@@ -24,8 +24,12 @@ SEED = 11
 GOLDEN = np.pi * (3.0 - np.sqrt(5.0))
 FREE = 0.1  # height under which locks are seen from inside, too
 EACH = 2  # of so many of them one
-ROOT, GROWN = 0.3, 0.2  # how wide a lock begins, so that a hairline has no steps, and of the way, where it is wide
-POINTED, TIP = 0.6, 0.3  # of the way, from where a lock becomes narrower, and how wide it ends
+ROOT, GROWN = (
+    0.3,
+    0.2,
+)  # how wide a lock at the hairline begins, which has no steps so, and of its way, where it is wide
+HAIRLINE = 0.3  # how far over it locks begin at their width
+POINTED = 0.6  # of the way, from where a lock becomes narrower
 EVEN = (0.93, 1.07)  # of its length that a lock has
 LAYERS = (0.7, 1.0)  # of how far locks stand off
 LET_GO = (-0.7, -0.1)  # height at which hair hangs free, and over which it lies on the skull
@@ -41,6 +45,7 @@ class Style:
     steps: int  # of a lock
     length: tuple[float, float]  # of a lock over the temple, and on top
     width: float  # half of a lock
+    tip: float  # how wide it ends
     off: float  # from the skull, in the middle of a lock
     part: float | None  # to the left, where it is parted; else it is combed back
     falls: float  # how much it hangs
@@ -48,8 +53,8 @@ class Style:
 
 STYLES: Mapping[Variant, Style] = MappingProxyType(
     {
-        "female": Style(540, 0.02, 7, (1.5, 2.7), 0.16, 0.16, 0.2, 0.9),
-        "male": Style(900, 0.03, 4, (0.33, 1.3), 0.13, 0.10, None, 0.10),
+        "female": Style(540, 0.02, 7, (1.5, 2.7), 0.16, 0.3, 0.16, 0.2, 0.9),
+        "male": Style(900, 0.03, 4, (0.35, 1.3), 0.13, 0.1, 0.10, None, 0.10),
     }
 )
 
@@ -160,10 +165,11 @@ def _ribbons(lines: Floats, style: Style, random: np.random.Generator, unit: flo
     wide = (
         style.width
         * (0.55 + 0.45 * np.sin(np.pi * along**0.7))
-        * np.minimum(ROOT + (1.0 - ROOT) * along / GROWN, 1.0)
-        * np.where(along > POINTED, 1.0 - (1.0 - TIP) * ((along - POINTED) / (1.0 - POINTED)) ** 2, 1.0)
+        * np.where(along > POINTED, 1.0 - (1.0 - style.tip) * ((along - POINTED) / (1.0 - POINTED)) ** 2, 1.0)
     )
-    wide = wide[None, :, None] * random.uniform(0.75, 1.25, (count, 1, 1))
+    begun = ROOT + (1.0 - ROOT) * np.clip(hair(lines[:, 0]) / HAIRLINE, 0.0, 1.0)[:, None]
+    wide = wide * np.minimum(begun + (1.0 - begun) * along / GROWN, 1.0)
+    wide = wide[:, :, None] * random.uniform(0.75, 1.25, (count, 1, 1))
     across = np.array([-1.0, 1.0])
     points = lines[:, :, None] + across[:, None] * (wide * aside)[:, :, None]
     normals = out[:, :, None] + BENT * across[:, None] * aside[:, :, None]

@@ -1,0 +1,69 @@
+"""Draws docs/face.png and docs/face-close.png: a smile and raised brows, and thirty stills of both heads."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import get_args
+
+import numpy as np
+from PIL import Image, ImageDraw
+
+from kinesic.body.choices import Variant
+from kinesic.cli.face import read_emotion
+from kinesic.expressivity.face.visemes import viseme_of
+from kinesic.face.render.camera import CLOSE, FRONT, Camera
+from kinesic.face.render.portrait import Pixels, Portrait
+from kinesic.face.render.presets import NORMAL
+
+SIDE, LABEL, COLUMNS = 170, 16, 8
+LARGE = 512  # pixels along a side of those two in docs/face.png
+EMOTIONS = ("joy", "laugh", "surprise", "fear", "disgust")
+UNITS: Mapping[str, Mapping[str, float]] = {
+    "rest": {},
+    **{name: read_emotion(name, 1.0) for name in EMOTIONS},
+    **{f"AU {number}": {number: 1.0} for number in ("6", "9", "15", "17", "20")},
+    "AU 27 + 25": {"27": 1.0, "25": 1.0},
+    "m": viseme_of("m").units,
+    "f": viseme_of("f").units,
+}
+ASIDE = "-90 degrees"
+DOCS = Path(__file__).parents[1]
+
+
+def labelled(pixels: Pixels, text: str) -> Pixels:
+    """A picture under its name."""
+    paper = Image.new("RGB", (SIDE, SIDE + LABEL), (250, 250, 250))
+    ImageDraw.Draw(paper).text((4, 2), text, fill=(40, 40, 40))
+    paper.paste(Image.fromarray(pixels), (0, LABEL))
+    return np.asarray(paper)
+
+
+def stills(variant: Variant) -> list[Pixels]:
+    """One head in every expression, and from the side."""
+    with Portrait(variant, preset=replace(NORMAL, samples=2), size=(SIDE, SIDE)) as portrait:
+        faces = [labelled(portrait.draw(units, CLOSE), name) for name, units in UNITS.items()]
+        return [*faces, labelled(portrait.draw({}, replace(FRONT, yaw_deg=-90.0)), ASIDE)]
+
+
+def one(variant: Variant, units: Mapping[str, float], camera: Camera) -> Pixels:
+    """A large picture."""
+    with Portrait(variant, preset=replace(NORMAL, samples=2), size=(LARGE, LARGE)) as portrait:
+        return portrait.draw(units, camera)
+
+
+def sheet(heads: list[list[Pixels]]) -> Pixels:
+    """Rows of stills, those of one head under those of the other."""
+    blank = np.full_like(heads[0][0], 250)
+    rows = []
+    for first in range(0, len(heads[0]), COLUMNS):
+        for head in heads:
+            row = head[first : first + COLUMNS]
+            rows.append(np.concatenate([*row, *[blank] * (COLUMNS - len(row))], axis=1))
+    return np.concatenate(rows)
+
+
+smile = one("female", {"6": 0.8, "12": 0.9, "25": 0.6}, FRONT)
+brows = one("male", {"1": 1.0, "2": 1.0, "26": 0.4}, replace(FRONT, yaw_deg=45.0))
+Image.fromarray(np.concatenate([smile, brows], axis=1)).save(DOCS / "face.png", optimize=True)
+both = sheet([stills(variant) for variant in get_args(Variant)])
+Image.fromarray(both).save(DOCS / "face-close.png", optimize=True)
