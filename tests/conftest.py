@@ -82,6 +82,14 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
     return True if collection_path.name == "soak" and config.getoption("markexpr") == "not soak" else None
 
 
+def pytest_pycollect_makeitem(collector: pytest.Collector, name: str, obj: object) -> list[pytest.Item] | None:
+    """Leaves out in other folders what `make soak` runs: a function that is marked so, with all its parameters."""
+    marks = getattr(obj, "pytestmark", None) if name.startswith("test_") else None
+    if marks and collector.config.getoption("markexpr") == "not soak" and any(mark.name == "soak" for mark in marks):
+        return []
+    return None
+
+
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers() -> int:
     return (os.cpu_count() or 1) + len(CLOCK_WORKERS)

@@ -23,6 +23,7 @@ STEP_BACK = 5  # of niceness
 CROWD = 3  # processes for each processor that want to calculate, from which on nobody steps back
 
 
+@cache
 def rank(file: Path, root: Path) -> tuple[int, int, str]:
     """Ranks files of tests, the one to begin first lowest: the longest by their times, the others by their sizes."""
     name = file.relative_to(root).as_posix()

@@ -21,6 +21,8 @@ from kinesic.motion.spline_program import (
 )
 from kinesic.motion.trajectory import STEP
 
+from ..naming import about
+
 LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
 
 
@@ -118,12 +120,19 @@ compiled = pytest.mark.skipif(KERNEL == "numpy", reason="there is no compiled ke
 
 
 @compiled
-@pytest.mark.parametrize("seed", range(60))
-def test_the_kernel_finds_what_piqp_finds(monkeypatch: pytest.MonkeyPatch, seed: int):
-    way, wish = random_segment(seed)
-    ours, relaxed = nearest_within_limits(way, wish, LIMITS), relax_limits(way, LIMITS, easy=EASY)
-    monkeypatch.setattr(spline_program, "KERNEL", "numpy")
-    theirs, other = nearest_within_limits(way, wish, LIMITS), relax_limits(way, LIMITS, easy=EASY)
+def test_the_kernel_finds_what_piqp_finds(monkeypatch: pytest.MonkeyPatch):
+    for seed in range(60):
+        with about(f"seed {seed}"):
+            way, wish = random_segment(seed)
+            ours = nearest_within_limits(way, wish, LIMITS), relax_limits(way, LIMITS, easy=EASY)
+            with monkeypatch.context() as patched:
+                patched.setattr(spline_program, "KERNEL", "numpy")
+                theirs = nearest_within_limits(way, wish, LIMITS), relax_limits(way, LIMITS, easy=EASY)
+            compare(way, wish, *ours, *theirs)
+
+
+def compare(way: SplineSegment, wish: Floats, ours, relaxed, theirs, other) -> None:
+    """The same motion, or none, and limits as far relaxed."""
     assert relaxed is not None
     if other is not None:
         assert relaxed.amount == pytest.approx(other.amount, abs=2e-6)

@@ -51,14 +51,14 @@ def test_the_kernel_knows_the_methods_by_the_same_names() -> None:
 
 @compiled
 @every_method
-@pytest.mark.parametrize("bones", [6, 10, 20, 32])
-def test_each_solves_its_share_of_reachable_targets(method: Method, bones: int) -> None:
-    rest = curved(bones, bend=min(np.pi / 18.0, np.pi / (2 * bones)))
-    runs = run_chain(method, rest, targets(200, 0.1, 0.97, 71))
-    assert (runs.residuals <= TOLERANCE).mean() >= SHARES.get(method, {}).get(bones, 0.995)
-    assert (runs.residuals < 0.1).mean() >= 0.99
-    assert runs.iterations.max() <= MOST
-    assert (runs.nanoseconds > 0.0).all()
+def test_each_solves_its_share_of_reachable_targets(method: Method) -> None:
+    for bones in (6, 10, 20, 32):
+        rest = curved(bones, bend=min(np.pi / 18.0, np.pi / (2 * bones)))
+        runs = run_chain(method, rest, targets(200, 0.1, 0.97, 71))
+        assert (runs.residuals <= TOLERANCE).mean() >= SHARES.get(method, {}).get(bones, 0.995), bones
+        assert (runs.residuals < 0.1).mean() >= 0.99, bones
+        assert runs.iterations.max() <= MOST, bones
+        assert (runs.nanoseconds > 0.0).all(), bones
 
 
 @compiled
@@ -101,13 +101,13 @@ def test_unreachable_targets_end_near_the_stretched_chain(method: Method) -> Non
 
 @compiled
 @every_method
-@pytest.mark.parametrize("bones", [1, 2, 3])
-def test_short_chains_are_served(method: Method, bones: int) -> None:
+def test_short_chains_are_served(method: Method) -> None:
     """A single bone can but point at its target; two and three reach any of the middle distance."""
-    runs = run_chain(method, curved(bones, bend=np.pi / (2 * bones)), targets(50, 0.4, 0.8, 4))
-    assert np.isfinite(runs.residuals).all()
-    assert np.median(runs.residuals) < (0.7 if bones == 1 else TOLERANCE)
-    assert runs.residuals.max() < (1.0 if bones == 1 else 0.1)
+    for bones in (1, 2, 3):
+        runs = run_chain(method, curved(bones, bend=np.pi / (2 * bones)), targets(50, 0.4, 0.8, 4))
+        assert np.isfinite(runs.residuals).all(), bones
+        assert np.median(runs.residuals) < (0.7 if bones == 1 else TOLERANCE), bones
+        assert runs.residuals.max() < (1.0 if bones == 1 else 0.1), bones
 
 
 @compiled

@@ -56,24 +56,24 @@ def test_nothing_is_the_face_at_rest_to_the_last_bit(mesh: Mesh):
     assert np.array_equal(deform(mesh, {"12": 0.0, "L45": 0.0}), mesh.positions)
 
 
-@pytest.mark.parametrize("channel", CHANNELS)
-def test_every_unit_moves_something_and_stays_in_its_place(mesh: Mesh, channel: str):
-    change = np.linalg.norm(deform(mesh, {channel: 1.0}) - mesh.positions, axis=1)
-    assert 1e-3 < change.max() < 0.05
+def test_every_unit_moves_something_and_stays_in_its_place(mesh: Mesh):
     back = mesh.positions[:, 0] < -0.08
-    assert change[back].max() < 1e-3
-    if channel[0] in "LR" and channel[1:] != "30":  # the jaw goes aside as a whole
-        other = mesh.positions[:, 1] < -0.02 if channel[0] == "L" else mesh.positions[:, 1] > 0.02
-        assert change[other].max() < 0.35 * change.max()
+    for channel in CHANNELS:
+        change = np.linalg.norm(deform(mesh, {channel: 1.0}) - mesh.positions, axis=1)
+        assert 1e-3 < change.max() < 0.05, channel
+        assert change[back].max() < 1e-3, channel
+        if channel[0] in "LR" and channel[1:] != "30":  # the jaw goes aside as a whole
+            other = mesh.positions[:, 1] < -0.02 if channel[0] == "L" else mesh.positions[:, 1] > 0.02
+            assert change[other].max() < 0.35 * change.max(), channel
 
 
-@pytest.mark.parametrize("number", [number for number, unit in UNITS.items() if unit.sided and number != 30])
-def test_left_and_right_are_alike(mesh: Mesh, number: int):
-    left = np.linalg.norm(moved(mesh, **{f"L{number}": 1.0}), axis=1)
-    right = np.linalg.norm(moved(mesh, **{f"R{number}": 1.0}), axis=1)
-    assert left.max() == pytest.approx(right.max(), rel=0.05)
-    both = moved(mesh, **{f"_{number}": 1.0})
-    np.testing.assert_allclose(np.linalg.norm(both, axis=1).max(), left.max(), rtol=0.3)
+def test_left_and_right_are_alike(mesh: Mesh):
+    for number in (number for number, unit in UNITS.items() if unit.sided and number != 30):
+        left = np.linalg.norm(moved(mesh, **{f"L{number}": 1.0}), axis=1)
+        right = np.linalg.norm(moved(mesh, **{f"R{number}": 1.0}), axis=1)
+        assert left.max() == pytest.approx(right.max(), rel=0.05), number
+        both = moved(mesh, **{f"_{number}": 1.0})
+        np.testing.assert_allclose(np.linalg.norm(both, axis=1).max(), left.max(), rtol=0.3, err_msg=str(number))
 
 
 def test_muscles_pull_where_anatomy_says(mesh: Mesh):
