@@ -75,17 +75,17 @@ def _agreement(chain: Chain, count: int, seed: int) -> int:
 
 @pytest.mark.parametrize("chain", [LEFT, RIGHT], ids=["left", "right"])
 def test_whole_solves_agree_with_the_specification(chain: Chain) -> None:
-    assert _agreement(chain, 500, 21) >= 0.999 * 500
+    assert _agreement(chain, 200, 21) >= 0.999 * 200
 
 
 def test_whole_solves_of_other_arms_agree_too() -> None:
     random = default_rng(22)
-    assert sum(_agreement(random_arm(random), 20, seed) for seed in range(25)) >= 0.999 * 500
+    assert sum(_agreement(random_arm(random), 8, seed) for seed in range(25)) >= 0.999 * 200
 
 
 def test_in_limit_targets_are_reached_to_a_tenth_of_a_millimetre() -> None:
     random = default_rng(23)
-    for chain in (LEFT, RIGHT, *(random_arm(random) for _ in range(20))):
+    for chain in (LEFT, RIGHT, *(random_arm(random) for _ in range(8))):
         count, precise = 200, 0
         for _ in range(count):
             position = chain.hand(random.uniform(chain.lower, chain.upper))

@@ -1,6 +1,7 @@
 """The figures of the face: names everywhere, values where something can be drawn."""
 
 import dataclasses
+from functools import partial
 from time import perf_counter
 
 import numpy as np
@@ -36,10 +37,11 @@ def test_without_opengl_every_figure_has_a_reason(monkeypatch: pytest.MonkeyPatc
 
 
 @drawable
-def test_the_laws_of_wrinkles_hold():
-    from kinesic.bench.face.wrinkles import measure_law_violations  # noqa: PLC0415 - where it can be drawn
+def test_the_laws_of_wrinkles_hold(monkeypatch: pytest.MonkeyPatch):
+    from kinesic.bench.face import wrinkles as laws  # noqa: PLC0415 - where it can be drawn
 
-    found = measure_law_violations()
+    monkeypatch.setattr(laws, "SIZE", (256, 256))
+    found = laws.measure_law_violations()
     wanted = {name: goal for name, _, goal, _ in face.expected_figures() if name.startswith("face.wrinkle.")}
     assert found.keys() == wanted.keys()
     for name, goal in wanted.items():
@@ -48,10 +50,11 @@ def test_the_laws_of_wrinkles_hold():
 
 
 @drawable
-def test_lids_close_evenly_and_no_eyeball_shows_through_them():
-    from kinesic.bench.face.eyes import measure_eyes  # noqa: PLC0415 - where it can be drawn
+def test_lids_close_evenly_and_no_eyeball_shows_through_them(monkeypatch: pytest.MonkeyPatch):
+    from kinesic.bench.face import eyes  # noqa: PLC0415 - where it can be drawn
 
-    found = measure_eyes(40)
+    monkeypatch.setattr(eyes, "SIDE", 384)
+    found = eyes.measure_eyes(20)
     assert 0.0 < found["face.lids.uneven"] <= 0.1
     assert found["face.lids.outside"] == 0.0
 
@@ -60,7 +63,8 @@ def test_lids_close_evenly_and_no_eyeball_shows_through_them():
 def test_scattering_keeps_most_of_what_is_seen(monkeypatch: pytest.MonkeyPatch):
     from kinesic.bench.face import scattering  # noqa: PLC0415 - where it can be drawn
 
-    monkeypatch.setattr(scattering, "REPETITIONS", 2)
+    monkeypatch.setattr(scattering, "REPETITIONS", 1)
+    monkeypatch.setattr(scattering, "Portrait", partial(Portrait, size=(256, 256)))
     found = scattering.scattering()
     assert 0.0 < found["face.scattering.filtered"] < 50.0
     assert found["face.scattering.kept"] > 50.0

@@ -21,7 +21,9 @@ def test_every_stroke_of_the_passage_meets_its_word(known):
     assert all(len(known.lexicon.find(each.behaviour, "unspecified").form.keys) > 1 for each in lags)
 
 
-@pytest.mark.parametrize(("style", "most"), [("neutral", 0.1), ("calm", 0.16), ("joyful", 0.1)])
+@pytest.mark.parametrize(
+    ("style", "most"), [("neutral", 0.1), pytest.param("calm", 0.16, marks=pytest.mark.soak), ("joyful", 0.1)]
+)
 def test_a_story_that_nobody_wrote_for_it_meets_its_words_in_every_manner(style, most):
     lags = story_lags(style)
     assert len(lags) == 16

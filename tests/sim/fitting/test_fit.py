@@ -56,7 +56,7 @@ def true_value(unknown, factors):
 @pytest.fixture(scope="module")
 def worn():
     """A log of worn servos, finer than the twin's own steps, and what was fitted to it."""
-    return fit_factors(recorded(WORN, seconds=1.0, step=0.001), ROBOT, free=MOVING)
+    return fit_factors(recorded(WORN, seconds=0.7, step=0.001), ROBOT, free=MOVING)
 
 
 def test_what_is_told_is_recovered_within_five_percent(worn):

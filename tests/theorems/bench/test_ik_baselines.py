@@ -2,12 +2,14 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kinesic.bench.ik.baselines import METHODS, Method, solve_chain
 from kinesic.body.arrays import Floats
 from kinesic.ik import KERNEL
+
+from ...examples import examples
 
 pytestmark = pytest.mark.skipif(KERNEL != "compiled", reason="the baselines exist only in the compiled kernel")
 
@@ -17,7 +19,7 @@ bones = st.lists(vectors.filter(lambda v: np.linalg.norm(v) > 0.05), min_size=1,
 chains = st.tuples(vectors, bones).map(lambda parts: np.cumsum([parts[0], *parts[1]], axis=0))
 
 
-@settings(max_examples=150, deadline=None, derandomize=True)
+@examples(150, derandomize=True)
 @given(method=st.sampled_from(METHODS), rest=chains, target=vectors, most=st.integers(1, 60))
 def test_bones_keep_their_length_and_the_residual_is_true(
     method: Method, rest: Floats, target: Floats, most: int
@@ -34,7 +36,7 @@ def test_bones_keep_their_length_and_the_residual_is_true(
     assert 0 <= solved.iterations <= most
 
 
-@settings(max_examples=60, deadline=None, derandomize=True)
+@examples(60, derandomize=True)
 @given(method=st.sampled_from(METHODS), rest=chains, target=vectors)
 def test_it_ends_at_the_target_or_after_its_last_iteration(method: Method, rest: Floats, target: Floats) -> None:
     solved = solve_chain(method, rest, target, tolerance=1e-3, most=100)

@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kinesic.bml.block import Behaviour, Block, Precedence, Speech, Synchronize, SyncRef, Timeline
@@ -15,6 +15,7 @@ from kinesic.bml.schedule import schedule
 from kinesic.bml.timing.constraints import point_of, ties
 from kinesic.body.utterance import Utterance
 
+from ...examples import examples
 from ...naming import about
 
 CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[4] / "shared" / "corpus"))
@@ -82,7 +83,7 @@ def documents(draw: st.DrawFn) -> str:
     return f'<bml id="b" xmlns="http://www.bml-initiative.org/bml/bml-1.0">{"".join(parts)}</bml>'
 
 
-@settings(max_examples=200, deadline=None)
+@examples(200)
 @given(documents())
 def test_equalities_are_exact_and_points_never_go_back(text: str) -> None:
     block = parse(text)
@@ -100,7 +101,7 @@ def test_equalities_are_exact_and_points_never_go_back(text: str) -> None:
         assert left == pytest.approx(right, abs=EXACT)
 
 
-@settings(max_examples=120, deadline=None)
+@examples(120)
 @given(documents())
 def test_constraints_hold_when_nothing_is_dropped(text: str) -> None:
     block = parse(text)
@@ -117,7 +118,7 @@ def test_constraints_hold_when_nothing_is_dropped(text: str) -> None:
             assert all(_time(constraint.earlier, times) <= _time(ref, times) + EXACT for ref in constraint.later)
 
 
-@settings(max_examples=80, deadline=None)
+@examples(80)
 @given(documents(), st.permutations([f"n{i}" for i in range(5)]))
 def test_names_do_not_matter(text: str, names: list[str]) -> None:
     block = parse(text)
@@ -125,7 +126,7 @@ def test_names_do_not_matter(text: str, names: list[str]) -> None:
     _assert_same(_scheduled(block), _scheduled(_renamed(block, new)), new, shift=0.0)
 
 
-@settings(max_examples=80, deadline=None)
+@examples(80)
 @given(documents(), st.integers(0, 400).map(lambda quarter: quarter / 4))
 def test_the_origin_of_time_does_not_matter(text: str, shift: float) -> None:
     """Behaviours that hang on an absolute time move with it; the others stay."""
@@ -202,7 +203,7 @@ def _shifted(block: Block, shift: float) -> Block:
     return _changed(block, refs)
 
 
-@settings(max_examples=120, deadline=None)
+@examples(120)
 @given(documents(), st.lists(st.tuples(st.sampled_from(POINTS), offsets, st.booleans()), min_size=1, max_size=3))
 def test_whatever_hangs_on_the_end_of_the_block_finds_its_time(text: str, ends: list[tuple[str, float, bool]]) -> None:
     refs = [f"bml:end{-abs(offset):+}" for _, offset, _ in ends]

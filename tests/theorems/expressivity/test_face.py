@@ -1,7 +1,7 @@
 """What holds for whatever a face is asked to show."""
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kinesic.bml.block import FACE_SYNCS, Behaviour, Block, Face, Place, Speech, TimedBehaviour, Timeline
@@ -13,6 +13,8 @@ from kinesic.expressivity.face.tracks import Channels, face_track
 from kinesic.expressivity.face.visemes import SHORTEST, SOONER
 from kinesic.expressivity.style.resolve import resolve_styles
 from kinesic.expressivity.style.style import Style
+
+from ...examples import examples
 
 TIMES = np.arange(0.0, 6.0, 0.02)
 LEXEMES = ("joy", "anger", "surprise", "RAISE_LEFT_BROW", "CLOSE_EYES", "REPEATED_BLINK", "Qwrtz")
@@ -65,7 +67,7 @@ def show(timeline: Timeline, said: Utterance, times: Floats = TIMES, **eyes) -> 
     return face_track(timeline, {"s": said}, times, styles=resolve_styles(Style(), timeline.block), eyes=Eyes(**eyes))
 
 
-@settings(max_examples=80, deadline=None)
+@examples(80)
 @given(timelines(), utterances(), gazes, st.integers(0, 9))
 def test_intensities_are_shares_of_known_units(
     timeline: Timeline, said: Utterance, looks: list[GazeDirection], seed: int
@@ -80,7 +82,7 @@ def test_intensities_are_shares_of_known_units(
         assert not values.flags.writeable
 
 
-@settings(max_examples=40, deadline=None)
+@examples(40)
 @given(timelines(), utterances(), st.integers(0, 9))
 def test_a_face_is_a_function_of_time(timeline: Timeline, said: Utterance, seed: int):
     whole = show(timeline, said, TIMES, habits=Habits(seed))
@@ -93,7 +95,7 @@ def test_a_face_is_a_function_of_time(timeline: Timeline, said: Utterance, seed:
         np.testing.assert_allclose(values, every[channel][::2], atol=1e-12)
 
 
-@settings(max_examples=60, deadline=None)
+@examples(60)
 @given(timelines(), utterances())
 def test_lips_close_on_p_b_and_m_whatever_is_felt(timeline: Timeline, said: Utterance):
     begin = timeline.timed[-1].times["start"]

@@ -37,6 +37,8 @@ from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import Expressivity, Style
 from kinesic.sim.dynamics import MujocoDynamics
 
+from ...examples import examples
+
 ROBOT = Robot.load()
 PACE = Pace(ROBOT, Limits.of(ROBOT, MujocoDynamics(ROBOT).load))
 LEXICON = Lexicon.load()
@@ -101,7 +103,7 @@ def same(a: Hand, b: Hand) -> bool:
     return np.array_equal(a.reach.position, b.reach.position)
 
 
-@settings(max_examples=100, deadline=None)
+@examples(100)
 @given(timelines(), styles)
 def test_every_sync_point_of_what_moves_is_on_a_key(timeline, style):
     found = performed(timeline, style)
@@ -133,7 +135,7 @@ def test_every_sync_point_of_what_moves_is_on_a_key(timeline, style):
         )
 
 
-@settings(max_examples=100, deadline=None)
+@examples(100)
 @given(timelines(), styles)
 def test_frames_are_whole_apart_and_between_rests(timeline, style):
     found = performed(timeline, style)
@@ -158,7 +160,7 @@ def test_frames_are_whole_apart_and_between_rests(timeline, style):
             assert any(notice.id == f"bml1:{id}" for notice in found.notices)
 
 
-@settings(max_examples=50, deadline=None)
+@examples(50)
 @given(timelines(), styles)
 def test_realising_twice_gives_the_same(timeline, style):
     first, second = performed(timeline, style), performed(timeline, style)
@@ -170,7 +172,7 @@ def test_realising_twice_gives_the_same(timeline, style):
     assert first.notices == second.notices
 
 
-@settings(max_examples=60, deadline=None)
+@examples(60)
 @given(st.sampled_from([form for form in LEXICON.forms if len(form.sides) == 1]), manners)
 def test_left_mirrors_right(form, manner):
     flip = np.array([1.0, -1.0, 1.0])

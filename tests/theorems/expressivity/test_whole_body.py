@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kinesic.bml.block import GESTURE_SYNCS, Behaviour, Block, Gesture, Head, Place, TimedBehaviour, Timeline
@@ -20,6 +20,8 @@ from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import Style, style_preset
 from kinesic.expressivity.turns import axes
 from kinesic.sim.dynamics import MujocoDynamics
+
+from ...examples import examples
 
 ROBOT = Robot.load()
 PACE = Pace(ROBOT, Limits.of(ROBOT, MujocoDynamics(ROBOT).load))
@@ -58,7 +60,7 @@ def told_hands(frame: KeyFrame) -> list[object]:
     ]
 
 
-@settings(max_examples=40, deadline=None)
+@examples(40)
 @given(names, spans, styles)
 def test_at_weight_zero_the_hands_move_alone(name, spans_, style):
     gesture, off = timed("g", Gesture(name), spans_), style.changed(["whole_body=0"])
@@ -67,7 +69,7 @@ def test_at_weight_zero_the_hands_move_alone(name, spans_, style):
     assert found.bodies == {}
 
 
-@settings(max_examples=40, deadline=None)
+@examples(40)
 @given(names, spans, styles)
 def test_it_moves_no_sync_point_and_no_hand(name, spans_, style):
     gesture = timed("g", Gesture(name), spans_)
@@ -87,7 +89,7 @@ def test_it_moves_no_sync_point_and_no_hand(name, spans_, style):
                 np.testing.assert_array_equal(other.reach.position, hand.reach.position)
 
 
-@settings(max_examples=40, deadline=None)
+@examples(40)
 @given(names, spans, styles)
 def test_a_mirrored_gesture_has_a_mirrored_body(name, spans_, style):
     gesture = timed("g", Gesture(name), spans_)
@@ -101,7 +103,7 @@ def test_a_mirrored_gesture_has_a_mirrored_body(name, spans_, style):
             assert b.hands[OTHER_SIDE[side]].lift == pytest.approx(hand.lift)
 
 
-@settings(max_examples=40, deadline=None)
+@examples(40)
 @given(names, spans, spans, styles, st.sampled_from(("NOD", "SHAKE")))
 def test_a_head_that_the_document_moves_does_just_that(name, spans_, nodding, style, lexeme):
     gesture, head = timed("g", Gesture(name), spans_), timed("h", Head(lexeme), nodding)
@@ -116,7 +118,7 @@ def test_a_head_that_the_document_moves_does_just_that(name, spans_, nodding, st
                 assert getattr(heads[frame.time], axis) == pytest.approx(getattr(frame.head, axis), abs=1e-9)
 
 
-@settings(max_examples=40, deadline=None)
+@examples(40)
 @given(names, spans, styles)
 def test_it_stays_inside_the_ranges_and_comes_home(name, spans_, style):
     found = performed(timed("g", Gesture(name), spans_), style=style)

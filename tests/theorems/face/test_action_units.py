@@ -8,11 +8,13 @@ from kinesic.body.action_units import CHANNELS
 from kinesic.face.assets.action_units import deform, intensities, shape_weights
 from kinesic.face.assets.mesh import load_head
 
+from ...examples import examples
+
 MESH = load_head("female")
 units = st.dictionaries(st.sampled_from(CHANNELS), st.floats(0.0, 1.0), max_size=8)
 
 
-@settings(max_examples=60, deadline=None)
+@examples(60)
 @given(units)
 def test_weights_are_shares_and_the_face_stays_a_face(told: dict[str, float]):
     found = shape_weights(MESH, told)
@@ -23,7 +25,7 @@ def test_weights_are_shares_and_the_face_stays_a_face(told: dict[str, float]):
     assert away.max() < 0.08
 
 
-@settings(max_examples=60, deadline=None)
+@examples(60)
 @given(units, st.sampled_from(CHANNELS), st.floats(0.0, 0.99))
 def test_a_little_more_moves_a_little(told: dict[str, float], channel: str, value: float):
     before, after = (deform(MESH, {**told, channel: each}) for each in (value, value + 0.01))

@@ -12,6 +12,8 @@ from kinesic.ik.arm.nearest import finish
 from kinesic.ik.pose import solve_pose
 from kinesic.ik.two_hands import reach_both
 
+from ...examples import examples
+
 ROBOT = Robot.load()
 LEFT, RIGHT = ROBOT.arms["l"], ROBOT.arms["r"]
 FLIP = np.array([1.0, -1.0, 1.0])
@@ -28,7 +30,7 @@ def _posture(share: Floats) -> Floats:
     return LEFT.lower + share * (LEFT.upper - LEFT.lower)
 
 
-@settings(max_examples=50, deadline=None, derandomize=True)
+@examples(50, derandomize=True)
 @given(share=inner, start=shares)
 def test_what_a_posture_inside_the_ranges_holds_is_held(share, start):
     rotations, centres = LEFT.frames(_posture(share))
@@ -58,7 +60,7 @@ def test_any_pair_of_targets_has_an_answer_in_the_ranges(left, right, weight):
     assert np.all(np.isfinite(found.angles))
 
 
-@settings(max_examples=100, deadline=None, derandomize=True)
+@examples(100, derandomize=True)
 @given(place=places, start=shares, far=st.floats(0.1, 10.0))
 def test_finishing_never_loses_ground(place, start, far):
     linkage, posture = linkage_of(LEFT), _posture(start)

@@ -1,7 +1,7 @@
 """What holds for every reach."""
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kinesic.body.arrays import Floats
@@ -12,6 +12,8 @@ from kinesic.ik.arm.masses import settle_masses
 from kinesic.ik.scalar3 import distance
 from kinesic.ik.solve import solve
 from kinesic.ik.torso import MOST, lean_torso
+
+from ...examples import examples
 
 ROBOT = Robot.load()
 LEFT, RIGHT = ROBOT.arms["l"], ROBOT.arms["r"]
@@ -35,7 +37,7 @@ def _mirrored(reach: Reach) -> Reach:
     return Reach(reach.position * FLIP, flipped(reach.pointing), flipped(reach.palm), reach.swivel)
 
 
-@settings(max_examples=150, deadline=None, derandomize=True)
+@examples(150, derandomize=True)
 @given(reach=reaches, start=shares)
 def test_ranges_hold_and_the_residual_is_that_of_the_angles(reach: Reach, start: Floats) -> None:
     solution = solve(LEFT, reach, start=_posture(start))
@@ -46,7 +48,7 @@ def test_ranges_hold_and_the_residual_is_that_of_the_angles(reach: Reach, start:
     assert (solution.palm_error is None) == (reach.palm is None)
 
 
-@settings(max_examples=80, deadline=None, derandomize=True)
+@examples(80, derandomize=True)
 @given(reach=reaches, start=shares)
 def test_the_right_arm_mirrors_the_left_and_asking_twice_changes_nothing(reach: Reach, start: Floats) -> None:
     left = solve(LEFT, reach, start=_posture(start))
@@ -55,14 +57,14 @@ def test_the_right_arm_mirrors_the_left_and_asking_twice_changes_nothing(reach: 
     assert solve(LEFT, reach, start=_posture(start)).angles.tobytes() == left.angles.tobytes()
 
 
-@settings(max_examples=150, deadline=None, derandomize=True)
+@examples(150, derandomize=True)
 @given(share=shares, start=shares)
 def test_what_a_posture_holds_is_reached(share: Floats, start: Floats) -> None:
     solution = solve(LEFT, Reach(LEFT.hand(_posture(share))), start=_posture(start))
     assert solution.residual < 2e-3
 
 
-@settings(max_examples=80, deadline=None, derandomize=True)
+@examples(80, derandomize=True)
 @given(start=shares, target=positions)
 def test_masses_keep_both_ends_and_never_take_more_than_their_rounds(start: Floats, target: Floats) -> None:
     linkage = linkage_of(LEFT)
@@ -74,7 +76,7 @@ def test_masses_keep_both_ends_and_never_take_more_than_their_rounds(start: Floa
     assert np.all(np.isfinite(settled.points))
 
 
-@settings(max_examples=60, deadline=None, derandomize=True)
+@examples(60, derandomize=True)
 @given(left=positions, right=positions)
 def test_the_torso_never_turns_further_than_allowed(left: Floats, right: Floats) -> None:
     turn = np.array(lean_torso(ROBOT, {"l": left, "r": right}))

@@ -2,12 +2,14 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kinesic.ik.thesis.boxes import EulerBoxes
 from kinesic.ik.thesis.chain import BallChain
 from kinesic.ik.thesis.solve import Method, solve_ball_chain
+
+from ...examples import examples
 
 number = st.floats(-1.0, 1.0)
 lengths = st.lists(st.floats(0.05, 1.0), min_size=1, max_size=8)
@@ -17,7 +19,7 @@ boxes = st.tuples(*[st.floats(0.05, 1.5)] * 3).map(np.array)
 MIRROR = np.array([1.0, -1.0, 1.0])
 
 
-@settings(max_examples=80, deadline=None, derandomize=True)
+@examples(80, derandomize=True)
 @given(sizes=lengths, share=places, method=methods)
 def test_bones_keep_their_lengths_and_the_residual_is_true(sizes: list[float], share: np.ndarray, method: Method):
     chain = BallChain.curved(sizes)
@@ -32,7 +34,7 @@ def test_bones_keep_their_lengths_and_the_residual_is_true(sizes: list[float], s
     )
 
 
-@settings(max_examples=40, deadline=None, derandomize=True)
+@examples(40, derandomize=True)
 @given(sizes=lengths, share=places, method=methods, box=boxes)
 def test_limits_hold(sizes: list[float], share: np.ndarray, method: Method, box: np.ndarray):
     limits = EulerBoxes.of(-box, box, joints=len(sizes))
@@ -41,7 +43,7 @@ def test_limits_hold(sizes: list[float], share: np.ndarray, method: Method, box:
     assert limits.excess(relaxed.rotations) < 1e-9
 
 
-@settings(max_examples=40, deadline=None, derandomize=True)
+@examples(40, derandomize=True)
 @given(sizes=lengths, share=places, method=methods)
 def test_solving_twice_gives_the_same_and_left_is_the_mirror_of_right(
     sizes: list[float], share: np.ndarray, method: Method

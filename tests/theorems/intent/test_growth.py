@@ -37,8 +37,16 @@ def test_a_text_of_whatever_words(piece: str, lexicon: Lexicon) -> None:
     assert growth(lambda text: author(text, lexicon, style), lambda size: size * piece, size=SIZE) < STRAIGHT
 
 
-@pytest.mark.parametrize("time", ["s:m{k}", "{k}", "s:start", "nowhere"])
-@pytest.mark.parametrize("kind", ['emotion type="joy"', 'performative type="agree"', 'certainty type="x"'])
+@pytest.mark.parametrize(
+    ("kind", "time"),
+    [
+        ('emotion type="joy"', "s:m{k}"),
+        ('performative type="agree"', "{k}"),
+        ('certainty type="x"', "s:start"),
+        ('emotion type="joy"', "nowhere"),
+        ('performative type="agree"', "s:m{k}"),
+    ],
+)
 def test_intentions_wherever_they_are(kind: str, time: str) -> None:
     def document(count: int) -> str:
         inside = "".join(f'word <tm id="m{k}"/><pitchaccent start="s:m{k}" end="s:m{k}+0.2"/>' for k in range(count))

@@ -1,7 +1,7 @@
 """Whatever is laid on a motion: it breaks no limit that the motion keeps, and what breaks none is laid on it whole."""
 
 import numpy as np
-from hypothesis import Phase, given, settings
+from hypothesis import Phase, given
 from hypothesis import strategies as st
 
 from kinesic.body.arrays import sealed
@@ -11,6 +11,8 @@ from kinesic.motion.trajectory import STEP, Trajectory
 from kinesic.planning.secondary.changes import Changes
 from kinesic.planning.secondary.succession import Delay
 from kinesic.planning.secondary.swells import Swell
+
+from ...examples import examples
 
 # of a trunk, a shoulder and an elbow with common servos
 BOXES = ([-0.26, -0.87, 0.0], [0.61, 2.97, 2.36], [1.26, 4.44, 6.45], [17.5, 58.9, 80.6])
@@ -56,7 +58,7 @@ def largest(motion: Trajectory) -> float:
     return max(float(peak.ratios.max()) for peak in check_limits(motion, LIMITS).shares.values())
 
 
-@settings(max_examples=60, deadline=None, phases=[Phase.generate])
+@examples(60, phases=[Phase.generate])
 @given(motions(), st.data())
 def test_what_is_added_never_leaves_the_limits(motion, data):
     every = data.draw(st.lists(changes(motion), min_size=1, max_size=4))

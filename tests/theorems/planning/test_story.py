@@ -9,8 +9,10 @@ from kinesic.controller.perform import plan, set_up
 STORY = (CONFIGS / "bml" / "story.bml").read_text(encoding="utf-8")
 LATE = {"joyful": 0.4}  # [s] by which a stroke may miss its word where gestures are large and near; else 0.2
 
+OTHERS = [pytest.param(style, marks=pytest.mark.soak) for style in ("angry", "proud")]
 
-@pytest.mark.parametrize("style", ["neutral", "calm", "joyful", "angry", "proud"])
+
+@pytest.mark.parametrize("style", ["neutral", "calm", "joyful", *OTHERS])
 def test_nothing_is_left_out_and_strokes_stay_on_their_words(style: str):
     planned = plan(STORY, set_up(style=style, **LIVELY))
     assert [name for name, outcome in planned.keyframes.outcomes.items() if outcome.kind == "dropped"] == []

@@ -2,11 +2,13 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from kinesic.sim.segment_distances import segment_distances
+
+from ...examples import examples
 
 ENDS = arrays(np.float64, (4, 3), elements=st.floats(-1.0, 1.0, width=32))
 SHARES = np.linspace(0.0, 1.0, 41)
@@ -17,7 +19,7 @@ def distance(a0, a1, b0, b1):
 
 
 @given(ENDS)
-@settings(max_examples=300, deadline=None)
+@examples(300)
 def test_no_two_points_are_closer_and_some_are_as_close(ends):
     a0, a1, b0, b1 = ends
     first = a0 + SHARES[:, None] * (a1 - a0)
@@ -30,7 +32,7 @@ def test_no_two_points_are_closer_and_some_are_as_close(ends):
 
 
 @given(ENDS)
-@settings(max_examples=200, deadline=None)
+@examples(200)
 def test_the_distance_does_not_depend_on_order_or_direction(ends):
     a0, a1, b0, b1 = ends
     found = distance(a0, a1, b0, b1)

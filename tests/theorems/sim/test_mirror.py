@@ -2,13 +2,15 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from kinesic.body.robot import Robot
 from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.dynamics import MujocoDynamics
+
+from ...examples import examples
 
 ROBOT = Robot.load()
 SKELETON = ROBOT.skeleton
@@ -31,7 +33,7 @@ def posture(shares):
 
 
 @given(SHARES)
-@settings(max_examples=100, deadline=None)
+@examples(100)
 def test_mirror_postures_have_equal_torques_and_distances(shares):
     angles = posture(shares)
     mirrored = SIGNS * angles[PARTNERS]
@@ -42,7 +44,7 @@ def test_mirror_postures_have_equal_torques_and_distances(shares):
 
 
 @given(SHARES, SHARES)
-@settings(max_examples=100, deadline=None)
+@examples(100)
 def test_distance_changes_no_faster_than_points_move(one, other):
     """No pair comes closer than both its segments moved: what makes sampled clearance trustworthy."""
     a, b = posture(one), posture(one + 0.05 * (other - one))
@@ -58,7 +60,7 @@ def test_distance_changes_no_faster_than_points_move(one, other):
 
 
 @given(SHARES, SHARES, SHARES)
-@settings(max_examples=50, deadline=None)
+@examples(50)
 def test_inertia_is_positive_along_every_motion(shares, speeds, accelerations):
     """Torque for an acceleration, beyond what the same motion needs without it, does positive work along it."""
     angles = posture(shares)[None]
