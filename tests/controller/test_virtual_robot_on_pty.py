@@ -24,7 +24,7 @@ from kinesic.planning.plan import Plan
 
 pytestmark = pytest.mark.realtime
 
-SEEN = 350  # commands: the first wave
+SEEN = 240  # commands: most of the first wave
 SLACK = 0.002  # [s] that a command may be late before the rest of the performance is late with it
 STALL = 0.015  # [s] between two cycles, beyond which the machine was busy with others
 AFTER = 0.15  # [s] in which a robot catches up after that

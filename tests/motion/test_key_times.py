@@ -162,7 +162,7 @@ def measured(monkeypatch) -> list[int]:
     return seen
 
 
-@pytest.mark.parametrize("gap", [0.15, 0.2])
+@pytest.mark.parametrize("gap", [0.15, pytest.param(0.2, marks=pytest.mark.soak)])
 def test_repeated_strokes_are_stretched_at_once(gap, monkeypatch):
     """Planes take forty rounds and find no better times."""
     seen = measured(monkeypatch)

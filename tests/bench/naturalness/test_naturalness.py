@@ -104,4 +104,3 @@ def test_pictures_show_all_manners_and_the_neutral_one_beside_people(few, tmp_pa
     for path in pictures:
         with Image.open(path) as drawn:
             assert np.asarray(drawn.convert("L")).std() > 5
-    assert len(draw([each for each in few if each.style == "calm"], tmp_path)) == 1
