@@ -5,8 +5,8 @@ a robot: here nobody has. A shell lets what it runs in the background ignore Ctr
 which programs would inherit that tests start and interrupt. Machines are shared: an example may take as long as it
 likes; what needs real time looks first whether the machine keeps time, and is skipped where it does not (`machine too
 slow`). Where it fails, the machine is looked at again: the test is skipped as well if the machine is too slow, and else
-tried again once, which the summary tells. Examples of theorems are the same in every run; `make soak` has new ones each
-time.
+tried again once, which the summary tells. Examples of theorems are few and the same in every run; `make soak` has more,
+and new ones each time.
 """
 
 import atexit
@@ -36,7 +36,7 @@ from .performances import calm, hurried, known, through  # noqa: F401  # fixture
 gl.prepare()
 
 settings.register_profile("soak", max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
-settings.register_profile("kinesic", settings.get_profile("soak"), derandomize=True)
+settings.register_profile("kinesic", settings.get_profile("soak"), derandomize=True, max_examples=24)
 settings.load_profile("kinesic")
 
 _nobody = tempfile.TemporaryDirectory(prefix="kinesic-tests-")  # removed when the interpreter ends

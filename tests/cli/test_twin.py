@@ -60,7 +60,7 @@ def test_stall_and_mass_together_are_refused_in_one_line(kinesic, log):
 
 NODS = (
     b'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">'
-    b'<head id="h" lexeme="NOD" repetition="3" start="0.2" end="2.2"/></bml>'
+    b'<head id="h" lexeme="NOD" repetition="2" start="0.2" end="1.6"/></bml>'
 )
 
 

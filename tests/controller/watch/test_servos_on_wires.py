@@ -123,6 +123,7 @@ def test_hands_that_would_touch_are_slowed_down_and_keep_the_reserve(pleading, t
     assert seen.performed == pytest.approx(1.0)
 
 
+@pytest.mark.soak
 def test_it_keeps_the_hands_of_other_servos_apart_too(pleading, tmp_path):
     """Nothing weighs on them, so that they only lag."""
     free, seen = (

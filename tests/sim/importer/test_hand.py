@@ -204,6 +204,7 @@ def urdf_hand(side: str, y: int) -> str:
     return text
 
 
+@pytest.mark.soak
 def test_a_robot_with_fingers_is_the_same_each_time(robots, written, puppets):
     mapped, _ = robots["four"]
     again = import_humanoid(written("four.xml", with_hands(puppets.puppet(), 4, flexions=2, spread=True)))

@@ -1,6 +1,6 @@
 """Any sequence of writes and reads leaves a servo's registers as a plain table of values says."""
 
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kinesic.hardware.protocol.models import MODELS, Model
@@ -9,6 +9,8 @@ from kinesic.hardware.protocol.registers import Mode, Register
 from kinesic.hardware.virtual.control_table import TURNS_MAX, RefusalError
 from kinesic.hardware.virtual.physics import Shaft
 from kinesic.hardware.virtual.servo import VirtualServo
+
+from ...examples import examples
 
 # Registers whose value changes only when they are written, and whose range is all there is to know about them.
 PLAIN = (
@@ -75,7 +77,7 @@ def fits(register: Register, value: int) -> bool:
     return -(1 << bits - 1) <= value < 1 << bits - 1 if register.field.signed else 0 <= value < 1 << bits
 
 
-@settings(max_examples=100, deadline=None)
+@examples(100)
 @given(st.sampled_from(sorted(MODELS)), STEPS)
 def test_any_sequence_of_writes_and_reads(name: str, steps: list[tuple[Register, int]]):
     servo = VirtualServo(MODELS[name])
@@ -89,7 +91,7 @@ def test_any_sequence_of_writes_and_reads(name: str, steps: list[tuple[Register,
             assert field.unpack(servo.read(field.address, field.size)) == expected
 
 
-@settings(max_examples=100, deadline=None)
+@examples(100)
 @given(st.integers(0, 700), st.binary(max_size=40))
 def test_no_write_whatever_breaks_a_servo_or_changes_what_is_read_only(address: int, data: bytes):
     servo = VirtualServo(MODELS["xm540_w270"])
@@ -107,7 +109,7 @@ def test_no_write_whatever_breaks_a_servo_or_changes_what_is_read_only(address: 
     assert lower <= servo.memory[Register.PROFILE_VELOCITY] <= upper
 
 
-@settings(max_examples=100, deadline=None)
+@examples(100)
 @given(st.integers(0, 300), st.binary(max_size=40), st.integers(0, 4))
 def test_a_refused_write_changes_nothing(address: int, data: bytes, mode: int):
     servo = VirtualServo(MODELS["xm540_w270"])

@@ -1,10 +1,12 @@
 """Whatever is asked of goals, they keep range, speed and acceleration."""
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kinesic.hardware.supervisor.goal_limits import GoalBounds, GoalCourse, limit_goals
+
+from ...examples import examples
 
 STEP = 0.01
 wishes = st.lists(st.floats(-1e5, 1e5), min_size=1, max_size=60)
@@ -13,7 +15,7 @@ wishes = st.lists(st.floats(-1e5, 1e5), min_size=1, max_size=60)
 @given(
     wishes, st.floats(0, 4095), st.floats(100, 1e4), st.floats(20, 600), st.lists(st.floats(-5000, 9000), max_size=5)
 )
-@settings(max_examples=200)
+@examples(200)
 def test_goals_never_jump(wanted: list[float], start: float, speed: float, lead: float, present: list[float]):
     bounds = GoalBounds(np.array([0.0]), np.array([4095.0]), np.array([speed]), np.array([lead]))
     course = GoalCourse.still(np.array([start]))

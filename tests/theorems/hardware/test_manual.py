@@ -9,12 +9,13 @@ which kinesic's servos do not answer at all, those of the manual with an error.
 from dataclasses import dataclass
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
 
+from ...examples import examples
 from ...hardware.manual.adapter import ManualWire, build_manual
 from ...manual_servo import packet as p
 from ...manual_servo.table import MODELS, items
@@ -126,7 +127,7 @@ def compare(own: Host, manual: Host, data: bytes) -> None:
         assert one.agrees(other, exact=whole(data)), (data.hex(), one, other)
 
 
-@settings(max_examples=80)
+@examples(80)
 @given(st.sampled_from(ASKED), st.lists(instructions(), max_size=25))
 def test_both_virtual_servos_answer_alike(model: str, stream: list[bytes]):
     cable = Cable("body", tuple(ServoFitting(servo, model=model) for servo in IDS))

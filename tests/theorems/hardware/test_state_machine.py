@@ -9,12 +9,14 @@ from random import Random
 from typing import NamedTuple, get_args
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kinesic.hardware.supervisor.observation import Observation
 from kinesic.hardware.supervisor.state_machine import MOVING, POWERED, Action, Event, Stage, SupervisorState, step
 from kinesic.hardware.supervisor.status import awaited
+
+from ...examples import examples
 
 EVENTS: tuple[Event, ...] = get_args(Event)
 ENERGISING = {"arm", "adopt"}
@@ -91,7 +93,7 @@ facts = st.builds(drawn_facts, st.randoms(use_true_random=False))
 
 
 @given(st.lists(st.tuples(st.sampled_from(EVENTS), facts), max_size=25))
-@settings(max_examples=100)
+@examples(100)
 def test_no_story_leads_to_what_is_called_impossible(story: list[tuple[Event, Observation]]):
     state = SupervisorState()
     for event, known in [("open", Observation()), *story]:
