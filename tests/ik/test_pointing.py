@@ -60,7 +60,7 @@ def test_the_errors_are_those_of_the_angles():
 @pytest.mark.parametrize("widest", [np.pi, 0.6])
 def test_both_kernels_swing_alike(side, widest):
     random, swung, chain = default_rng(36), 0, ARMS[side]
-    for k in range(36):
+    for k in range(18):
         held = _held(chain, random.uniform(chain.lower, chain.upper), palm=k % 3 != 1)
         reach = Reach(held.position, held.pointing if k % 3 else None, held.palm)
         rest = random.uniform(chain.lower - 0.1, chain.upper + 0.1) if k % 4 == 0 else None
@@ -71,7 +71,7 @@ def test_both_kernels_swing_alike(side, widest):
         assert np.array_equal(one.angles, two.angles)
         assert (one.residual, one.pointing_error, one.palm_error) == (two.residual, two.pointing_error, two.palm_error)
         swung += not np.array_equal(two.angles, solve(chain, reach, start=chain.rest, rest=rest).angles)
-    assert swung > 10
+    assert swung > 4
 
 
 def test_a_first_answer_that_satisfies_is_kept():

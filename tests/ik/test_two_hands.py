@@ -92,7 +92,7 @@ def test_the_answer_is_the_same_twice():
 def test_the_kernel_gives_the_answers_of_its_specification(name: str):
     robot, random = Robot.load(name), default_rng(53)
     lower, upper = robot.skeleton.lower, robot.skeleton.upper
-    for k in range(24):
+    for k in range(12):
         origins = robot.skeleton.frames(random.uniform(lower, upper)).origins
         targets = {side: origins[robot.arm(side).wrist] * (1.3 if k % 4 == 3 else 1.0) for side in SIDES}
         start = lower * 0.4 + upper * 0.3 if k % 2 else robot.skeleton.rest

@@ -28,8 +28,8 @@ def test_a_document_has_a_gesture_every_two_seconds():
 def test_what_a_document_takes_is_measured():
     known = set_up()
     measure(known, 1.0, 1.0)
-    cost = measure(known, 4.0, 4.0)
-    assert cost.size == 4.0
+    cost = measure(known, 2.0, 2.0)
+    assert cost.size == 2.0
     assert min(cost.planning, cost.running, cost.memory) > 0.0
 
 

@@ -16,8 +16,8 @@ def few(monkeypatch):
     monkeypatch.setattr(reach, "ARMS", 6)
     monkeypatch.setattr(reach, "TARGETS_OF_ARM", 40)
     monkeypatch.setattr(reach, "BATCH", 2000)
-    monkeypatch.setattr(tasks, "POSES", 40)
-    monkeypatch.setattr(tasks, "PAIRS", 10)
+    monkeypatch.setattr(tasks, "POSES", 20)
+    monkeypatch.setattr(tasks, "PAIRS", 6)
     monkeypatch.setattr(tasks, "BEYOND", 6)
 
 
