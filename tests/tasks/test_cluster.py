@@ -15,6 +15,7 @@ from kinesic.tasks.journal import Journal, run_once
 from kinesic.tasks.processes import WorkerCrash
 
 pytestmark = [
+    pytest.mark.skipif(find_spec("distributed") is None, reason="the extra cluster is not installed"),
     pytest.mark.realtime,
     pytest.mark.skipif(find_spec("distributed") is None, reason="the extra cluster is not installed"),
     pytest.mark.filterwarnings("ignore::ResourceWarning", "ignore::pytest.PytestUnraisableExceptionWarning"),

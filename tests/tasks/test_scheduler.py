@@ -17,6 +17,7 @@ from kinesic.tasks.cluster import cluster
 from ..dask_programs import dask_scheduler, dask_workers
 
 pytestmark = [
+    pytest.mark.skipif(find_spec("distributed") is None, reason="the extra cluster is not installed"),
     pytest.mark.realtime,
     pytest.mark.skipif(find_spec("distributed") is None, reason="the extra cluster is not installed"),
     pytest.mark.filterwarnings("ignore::ResourceWarning", "ignore::pytest.PytestUnraisableExceptionWarning"),
