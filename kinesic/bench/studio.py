@@ -29,7 +29,7 @@ EDITED = (
 )  # about 5 s
 EDIT, REACH, WATCH, BUNDLE = 700.0, 33.0, 5.0, 200.0  # [ms], [ms], [% of a core], [kB]
 STEP, CIRCLE = 0.01, 0.08  # [s] later at each edit; [m] on which a hand is dragged
-RATE = 20  # [1/s] of watching
+RATE, MOVES = 20, 60  # [1/s] of watching, and of moves of a pointer
 EDITS, REACHES, SECONDS = 40, 200, 10.0
 PATIENCE = 60.0  # [s] until anything is answered
 
@@ -57,12 +57,16 @@ def time_edits(client: Client, count: int) -> list[float]:
 
 
 def time_reaches(client: Client, count: int) -> list[float]:
-    """Times the answer to a hand that is dragged round a circle [ms], so many times after a first one."""
+    """Times the answers while a hand is dragged round a circle [ms], so many after a first one."""
     robot = Robot.load(ROBOT)
     wrist = robot.skeleton.frames(robot.skeleton.rest).origins[robot.arm("r").wrist] + (0.15, 0.0, 0.2)
     angles = np.linspace(0.0, 2 * np.pi, count + 1)
     places = wrist + CIRCLE * np.stack([np.zeros(count + 1), np.cos(angles), np.sin(angles)], axis=1)
-    return [_ask(client, "reach", side="right", target=place.tolist()) for place in places][1:]
+    found = []
+    for place in places:
+        sleep(1 / MOVES)
+        found.append(_ask(client, "reach", side="right", target=place.tolist()))
+    return found[1:]
 
 
 def watching_share(server: Server, client: Client, seconds: float) -> float | None:
