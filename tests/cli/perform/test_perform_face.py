@@ -60,7 +60,7 @@ def test_without_opengl_the_page_says_why_there_is_no_face(kinesic, smile, tmp_p
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(tmp_path / "empty"), os.environ.get("PYTHONPATH", "")]))
     ended = kinesic("perform", smile, "--out", "there", "--voice", "durations", *SMALL)
     assert ended.code == 0, ended.err
-    missing = r"no OpenGL: libEGL\.so\.1( and libOpenGL\.so\.0)? cannot be loaded; apt-get install libegl1 libgl1"
+    missing = r"no OpenGL: libEGL\.so\.1( and libGL\.so\.1)? cannot be loaded; apt-get install libegl1 libgl1"
     told = re.search(rf"face: none \(({missing})\)", ended.out)
     assert told is not None, ended.out
     why = told[1]
