@@ -52,20 +52,19 @@ def bench() -> list[Figure]:
 
 def time_edits(client: Client, count: int) -> list[float]:
     """Times the new plan of a document of 5 s in which a stroke was moved [ms], so many times after a first one."""
-    _ask(client, "plan", bml=EDITED.format(0.0))
-    return [_ask(client, "plan", bml=EDITED.format(STEP * (1 + k))) for k in range(count)]
+    return [_ask(client, "plan", k, bml=EDITED.format(STEP * k)) for k in range(count + 1)][1:]
 
 
 def time_reaches(client: Client, count: int) -> list[float]:
     """Times the answers while a hand is dragged round a circle [ms], so many after a first one."""
     robot = Robot.load(ROBOT)
-    wrist = robot.skeleton.frames(robot.skeleton.rest).origins[robot.arm("r").wrist] + (0.15, 0.0, 0.2)
+    centre = robot.skeleton.frames(robot.skeleton.rest).origins[robot.arm("r").wrist] + (0.15, 0.0, 0.2)
     angles = np.linspace(0.0, 2 * np.pi, count + 1)
-    places = wrist + CIRCLE * np.stack([np.zeros(count + 1), np.cos(angles), np.sin(angles)], axis=1)
+    places = centre + CIRCLE * np.stack([np.zeros(count + 1), np.cos(angles), np.sin(angles)], axis=1)
     found = []
-    for place in places:
+    for k, place in enumerate(places):
         sleep(1 / MOVES)
-        found.append(_ask(client, "reach", side="right", target=place.tolist()))
+        found.append(_ask(client, "reach", k, side="right", target=place.tolist()))
     return found[1:]
 
 
@@ -83,13 +82,13 @@ def bundle_size() -> float:
     return sum(len(gzip.compress(path.read_bytes())) for path in PAGE.glob("*.js")) / 1000
 
 
-def _ask(client: Client, question: Asked, **values: object) -> float:
-    """[ms] from a question to its answer."""
-    client.do(question, **values)
+def _ask(client: Client, question: Asked, number: int, **values: object) -> float:
+    """[ms] from a question to the answer with its number."""
     began = monotonic()
+    client.do(question, id=number, **values)
     while (message := client.receive(PATIENCE)) is not None:
         told = msgspec.json.decode(message) if message.startswith("{") else {}
-        if told.get("told") == question and "error" not in told:
+        if told.get("told") == question and told.get("id") == number and "error" not in told:
             return 1000 * (monotonic() - began)
         if told.get("told") in (question, "refused"):
             raise RuntimeError(f"{question}: {told.get('why') or told.get('error')}")
@@ -114,9 +113,12 @@ def _processor_time(pid: int) -> float | None:
 
 
 def _listen(client: Client, seconds: float) -> None:
-    end = monotonic() + seconds
+    """Hears how the body is, at most as long as asked; who hears nothing measures nothing."""
+    end, heard = monotonic() + seconds, 0
     while (left := end - monotonic()) > 0.0:
-        client.receive(left)
+        heard += (client.receive(left) or "").startswith('{"told":"body"')
+    if not heard:
+        raise RuntimeError("watch: the server tells nothing of the body")
 
 
 def _p95(name: str, values: list[float], goal: float) -> Figure:

@@ -7,10 +7,6 @@ import pytest
 
 from kinesic.body.robot import Robot
 
-from ...late import LateModule
-
-trimesh = LateModule("trimesh")
-
 NOD = b'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" start="0.2"/></bml>'
 TO_GLTF = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # y up, z forward
 

@@ -6,10 +6,6 @@ import pytest
 from kinesic.body.skeleton import Capsule
 from kinesic.report.gltf.capsule_mesh import capsule_mesh, joined
 
-from ...late import LateModule
-
-trimesh = LateModule("trimesh")
-
 
 @pytest.mark.parametrize("end", [(0.0, 0.0, 0.3), (0.2, -0.1, 0.0), (0.0, 0.0, 0.0)], ids=["upright", "across", "ball"])
 def test_a_capsule_is_closed_and_faces_outward(trimesh: ModuleType, end: tuple[float, float, float]):

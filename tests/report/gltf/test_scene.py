@@ -16,10 +16,6 @@ from kinesic.face.assets.skinning import Skin
 from kinesic.report.gltf.scene import RATE, Motion, key_times, save_scene, smooth_quaternions, write_scene
 from kinesic.sim.shells.shell import shell_of
 
-from ...late import LateModule
-
-trimesh = LateModule("trimesh")
-
 TO_GLTF = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # y up, z forward
 ROBOTS = {name: Robot.load(name) for name in ("upper22", "upper36", "human")}
 
