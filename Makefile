@@ -20,7 +20,8 @@ demo: .venv/.stamp-demo
 
 # Tests start many processes: compiled modules are kept for them, whatever the caller's environment says. Files in an
 # order of their own, the longest first (tests/scheduling.py): sorted by their number of tests, they would come last.
-TEST := PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder
+# What had to be tried twice is named at the end.
+TEST := PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder -rR
 test: .venv/.stamp-test
 	@$(TEST)
 
