@@ -1,7 +1,8 @@
 """kinesic performs BML on humanoids with servos."""
 
-from importlib import import_module
 from typing import TYPE_CHECKING
+
+from kinesic.importing import import_at_once
 
 __all__ = [
     "BmlError",
@@ -60,11 +61,11 @@ _PLACES = {
 def __getattr__(name: str) -> object:
     """Imports what is public when it is first asked for: `import kinesic` stays fast."""
     if name in _MODULES:
-        return import_module(f"kinesic.{name}")
+        return import_at_once(f"kinesic.{name}")
     if name not in _PLACES:
         raise AttributeError(f"module kinesic has no attribute {name}")
     module, own = _PLACES[name]
-    return getattr(import_module(module), own)
+    return getattr(import_at_once(module), own)
 
 
 def __dir__() -> list[str]:

@@ -4,7 +4,6 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from functools import wraps
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, cast, get_args
 
@@ -16,6 +15,7 @@ from kinesic.body.config import names_of
 from kinesic.cli.ending_signals import STOPPED, STOPPED_LINE, ended_on_the_spot
 from kinesic.client import PORT
 from kinesic.controller.options import CHOICES, Offer, PlanningOptions, offers
+from kinesic.importing import import_at_once
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -194,7 +194,7 @@ def done_by(place: str) -> Callable[[Callable[[], None]], Verb]:
         @wraps(verb)
         def begin(**given: object) -> int:
             with ended_on_the_spot():
-                function: Verb = getattr(import_module(f"{__package__}.{module}"), name)
+                function: Verb = getattr(import_at_once(f"{__package__}.{module}"), name)
             try:
                 return function(**given)
             except KeyboardInterrupt:

@@ -3,11 +3,11 @@
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import count
-from xml.sax.saxutils import escape, quoteattr
 
 from kinesic.intent.behaviour_sets import DIRECTIONS, Channel
 from kinesic.intent.choosing import ChosenBehaviour
 from kinesic.intent.intents import shift
+from kinesic.intent.markup import escape, quote
 from kinesic.intent.reading.passage import SPEECH, Passage, mark
 
 NAMESPACES = 'xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:kinesic="urn:kinesic"'
@@ -44,10 +44,10 @@ def write_text(
     """
     elements = list(write_behaviours(behaviours))
     used = "\n".join(elements)
-    beginning = f" start={quoteattr(start)}" if start else ""
+    beginning = f" start={quote(start)}" if start else ""
     lines = [
         f'<bml {NAMESPACES} id="{block}">',
-        f'  <speech id="{SPEECH}" language={quoteattr(passage.language)}{beginning}>',
+        f'  <speech id="{SPEECH}" language={quote(passage.language)}{beginning}>',
         f"    <text>{_spoken(passage, used, words or range(len(passage.words)))}</text>",
         "  </speech>",
         *(f"  {element}" for element in elements),
@@ -106,7 +106,7 @@ def _element(each: ChosenBehaviour, id: str) -> str:
     if intent.style and each.channel == "gesture":
         written["kinesic:style"] = intent.style
     written["kinesic:reason"] = f"{intent.reason} ({intent.name}, {intent.certainty:.2f})"
-    return f"<{name} {' '.join(f'{key}={quoteattr(value)}' for key, value in written.items())}/>"
+    return f"<{name} {' '.join(f'{key}={quote(value)}' for key, value in written.items())}/>"
 
 
 def _numbers(each: ChosenBehaviour) -> dict[str, str]:

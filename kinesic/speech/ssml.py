@@ -2,10 +2,13 @@
 
 import re
 from io import StringIO
-from xml.sax.saxutils import XMLGenerator
+from typing import TYPE_CHECKING
 from xml.sax.xmlreader import AttributesImpl
 
 from kinesic.body.utterance import Emphasis, Mark, Script
+
+if TYPE_CHECKING:
+    from xml.sax.saxutils import XMLGenerator
 
 _FORBIDDEN = re.compile("[\x00-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")  # in XML, or of no sound
 _FULL_STOP = re.compile(r"\.\s*$")
@@ -18,6 +21,8 @@ def ssml(script: Script) -> str:
     Between a full stop and an element there is the end of a line: espeak-ng 1.52 passes over elements that stand
     between a full stop and a capital letter.
     """
+    from xml.sax.saxutils import XMLGenerator  # noqa: PLC0415 - brings clients of the web with it, and few scripts speak
+
     written = StringIO()
     writer = XMLGenerator(written, encoding="utf-8", short_empty_elements=True)
     text = _FORBIDDEN.sub(" ", script.text)
@@ -55,6 +60,6 @@ def _is_swallowed(text: str, place: int) -> bool:
     return bool(first and _FULL_STOP.search(text[:place])) and not (first.islower() or is_decimal)
 
 
-def _empty(writer: XMLGenerator, name: str, attributes: dict[str, str]) -> None:
+def _empty(writer: "XMLGenerator", name: str, attributes: dict[str, str]) -> None:
     writer.startElement(name, AttributesImpl(attributes))
     writer.endElement(name)

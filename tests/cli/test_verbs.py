@@ -150,7 +150,7 @@ def test_a_verb_is_done_by_a_function_that_takes_its_options(words, monkeypatch)
             signature = inspect.signature(getattr(self.module, name))
             return lambda **given: len(signature.bind(**given).arguments)
 
-    monkeypatch.setattr(options, "import_module", Checked)
+    monkeypatch.setattr(options, "import_at_once", Checked)
     assert command.callback(**{option.name: None for option in command.params}) <= max(1, len(command.params))
 
 

@@ -40,4 +40,6 @@ class FrozenPlanning:
     def set_up(self) -> Setup:
         """Makes what planning needs."""
         known = set_up(self.robot, style=self.style, **self.options)
-        return known if self.gestures is None else replace(known, lexicon=Lexicon.load(self.gestures))
+        lexicon = known.lexicon if self.gestures is None else Lexicon.load(self.gestures)
+        lexicon.read_all()  # who asks a server does not wait for it
+        return replace(known, lexicon=lexicon)

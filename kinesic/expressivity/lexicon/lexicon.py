@@ -1,16 +1,17 @@
 """The lexicon: from a lexeme and a mode to the form of a gesture that means it."""
 
 import difflib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache, cached_property
+from functools import cached_property
 from pathlib import Path
 
 from kinesic.bml.block import Mode
-from kinesic.body.config import CONFIGS, ConfigError
+from kinesic.body.config import ConfigError
 from kinesic.body.robot import OTHER_SIDE, Side
 from kinesic.expressivity.lexicon.body_form import NO_BODY, BodyForm
 from kinesic.expressivity.lexicon.body_table import body_form
+from kinesic.expressivity.lexicon.entries import ChangedEntry, FormsById, LexiconEntry, ReadEntry, own_gestures
 from kinesic.expressivity.lexicon.form import GestureForm, Match, StrokeKey
 from kinesic.expressivity.lexicon.gestuary import is_enabled, read_gestuary
 from kinesic.expressivity.lexicon.names import read_name, split_words
@@ -19,6 +20,7 @@ from kinesic.expressivity.lexicon.space import spread_hands
 from kinesic.expressivity.lexicon.synonyms import Found, GestureClass, NameTable, check_names
 from kinesic.expressivity.lexicon.toml_file import LexiconPart, join_parts, read_gestures
 
+UNKNOWN = "unknown"  # means no gesture
 NAMELESS = "beat"  # what a gesture without a lexeme most likely is
 MOST_NEAR = 3  # gestures that are named when a lexeme is unknown
 LONGEST = 120  # characters of a name that are read; a longer one is none
@@ -29,10 +31,9 @@ COMPARED = 40  # characters of a name that are compared with others
 class Lexicon:
     """Gestures, and the names that mean them; of two gestures with one name, the first counts."""
 
-    forms: tuple[GestureForm, ...]
-    senses: tuple[Sense, ...]  # of the forms, in the same order
-    synonyms: tuple[tuple[str, str], ...] = ()  # (name, gesture); of two with one name, the first counts
-    classes: tuple[GestureClass, ...] = ()  # in the order in which they are tried
+    entries: tuple[LexiconEntry, ...]  # those of the user first
+    users_names: tuple[tuple[str, str], ...] = ()  # (name, gesture) that the user's files say
+    users_classes: tuple[GestureClass, ...] = ()
     bodies: Mapping[str, BodyForm] = field(default_factory=dict)  # what the body does, by category
 
     @classmethod
@@ -46,44 +47,72 @@ class Lexicon:
         Raises:
             ConfigError: a file is missing or wrong.
         """
-        own = _own()
+        own = own_gestures()
         given = [each for each in users_own if each is not None]
         parts = [each if isinstance(each, LexiconPart) else read_part(each) for each in given]
         users = join_parts(parts, {name: table for part in reversed(parts) for name, table in part.bodies.items()})
-        forms, senses = zip(*users.entries, *own.entries, strict=True)
-        names = (
-            *users.synonyms,
-            *users.meanings,
-            *own.synonyms,
-        )  # our meanings are too loose: many gestures share them
         bodies = {name: body_form(table) for name, table in {**own.bodies, **users.bodies}.items()}
-        lexicon = cls(forms, senses, names, (*users.classes, *own.classes), bodies)
-        for problem in check_names(users.synonyms, users.classes, lexicon.forms_by_id):
+        entries: tuple[LexiconEntry, ...] = (*(ReadEntry(*entry) for entry in users.entries), *own.entries)
+        lexicon = cls(entries, (*users.synonyms, *users.meanings), users.classes, bodies)
+        problems = check_names(users.synonyms, users.classes, lexicon.forms_by_id) if given else ()
+        for problem in problems:
             files = [str(each) for each in given if not isinstance(each, LexiconPart)]
             raise ConfigError(f"{', '.join(files) or 'gestures'}: {problem}")
         return lexicon
 
     @cached_property
-    def forms_by_id(self) -> dict[str, GestureForm]:
-        """Gesture forms by their names; of two with one name, the first."""
-        return {form.id: form for form in reversed(self.forms)}
+    def forms(self) -> tuple[GestureForm, ...]:
+        """All gesture forms, which are read for it."""
+        return tuple(entry.form for entry in self.entries)
 
     @cached_property
-    def _forms_by_name(self) -> Mapping[str, Sequence[GestureForm]]:
-        """All forms of each name in small letters, in their order."""
-        found: dict[str, list[GestureForm]] = {}
-        for form in self.forms:
-            found.setdefault(form.id.lower(), []).append(form)
+    def senses(self) -> tuple[Sense, ...]:
+        """Of the forms, in the same order."""
+        return tuple(entry.sense for entry in self.entries)
+
+    @property
+    def synonyms(self) -> tuple[tuple[str, str], ...]:
+        """(name, gesture); of two with one name, the first counts."""
+        return (
+            *self.users_names,
+            *own_gestures().names.synonyms,
+        )  # our meanings are too loose: many gestures share them
+
+    @property
+    def classes(self) -> tuple[GestureClass, ...]:
+        """Of gestures, in the order in which they are tried."""
+        return (*self.users_classes, *own_gestures().names.classes)
+
+    def read_all(self) -> None:
+        """Reads all gestures and names now, and nothing any more when they are asked for."""
+        self.near(UNKNOWN)
+        self.find(UNKNOWN)
+
+    @cached_property
+    def forms_by_id(self) -> Mapping[str, GestureForm]:
+        """Gesture forms by their names; of two with one name, the first."""
+        return FormsById(self.entries)
+
+    @cached_property
+    def _entries_by_name(self) -> Mapping[str, Sequence[LexiconEntry]]:
+        """All entries of each name in small letters, in their order."""
+        found: dict[str, list[LexiconEntry]] = {}
+        for entry in self.entries:
+            found.setdefault(entry.id.lower(), []).append(entry)
         return found
+
+    def changed(self, change: Callable[[GestureForm], GestureForm]) -> "Lexicon":
+        """Changes the form of every gesture, but neither its name nor its category."""
+        return replace(self, entries=tuple(ChangedEntry(entry, change) for entry in self.entries))
 
     @cached_property
     def as_written(self) -> "Lexicon":
         """The same gestures without others for hands that cannot make their shapes: each is itself on every robot."""
-        return replace(self, forms=tuple(replace(form, fallback="") for form in self.forms))
+        return self.changed(_without_fallback)
 
     @cached_property
     def _names(self) -> NameTable:
-        return NameTable({form.id: form.category for form in self.forms}, self.synonyms, self.classes)
+        return NameTable({entry.id: entry.category for entry in self.entries}, self.synonyms, self.classes)
 
     def find(self, lexeme: str, mode: Mode = "unspecified", category: str | None = None) -> Match | None:
         """Finds the gesture of a lexeme, with the hands that the mode asks for.
@@ -115,7 +144,7 @@ class Lexicon:
         scores = [len(words.intersection((*sense.words, sense.category))) for sense in self.senses]
         likely = sorted((k for k, score in enumerate(scores) if score), key=lambda k: (-scores[k], k))
         alike = difflib.get_close_matches("_".join(read_name(lexeme).words)[:COMPARED], self.forms_by_id, n=MOST_NEAR)
-        return tuple(dict.fromkeys([*alike, *(self.forms[k].id for k in likely)]))[:MOST_NEAR]
+        return tuple(dict.fromkeys([*alike, *(self.entries[k].id for k in likely)]))[:MOST_NEAR]
 
     def names_of(self, gesture: str) -> tuple[str, ...]:
         """Lists the names that mean a gesture, beside its own."""
@@ -123,16 +152,13 @@ class Lexicon:
 
     def sense(self, form: GestureForm) -> Sense:
         """Returns the words that describe a gesture form, whichever hands perform it."""
-        return next(
-            sense
-            for own, sense in zip(self.forms, self.senses, strict=True)
-            if (own.id, own.category) == (form.id, form.category)
-        )
+        return next(e.sense for e in self.entries if (e.id, e.category) == (form.id, form.category))
 
     def _entry(self, lexeme: str, category: str | None) -> GestureForm | None:
-        named = self._forms_by_name.get(lexeme.lower(), ())
+        named = self._entries_by_name.get(lexeme.lower(), ())
         wanted = (category or "").lower()
-        return next((form for form in named if form.category.lower() == wanted), named[0] if named else None)
+        found = next((entry for entry in named if entry.category.lower() == wanted), named[0] if named else None)
+        return None if found is None else found.form
 
     def _match(self, found: Found, mode: Mode) -> Match:
         """Gives what a name means the hands that are asked for, and says what of the name it does not show."""
@@ -172,10 +198,8 @@ def _doubled(key: StrokeKey) -> StrokeKey:
     return spread_hands(StrokeKey({"l": pose, "r": pose}))
 
 
-@cache
-def _own() -> LexiconPart:
-    """What `configs/gestures/` holds, which is much and does not change while a program runs."""
-    return read_gestures(CONFIGS / "gestures")
+def _without_fallback(form: GestureForm) -> GestureForm:
+    return replace(form, fallback="")
 
 
 def read_part(path: str | Path) -> LexiconPart:
@@ -184,7 +208,7 @@ def read_part(path: str | Path) -> LexiconPart:
     Raises:
         ConfigError: a file is missing or wrong.
     """
-    path, bodies = Path(path), _own().bodies
+    path, bodies = Path(path), own_gestures().bodies
     if path.suffix.lower() != ".xml":
         return read_gestures(path, bodies)
     usual = {name: body_form(table) for name, table in bodies.items()}

@@ -139,7 +139,7 @@ def read_gestures(path: Path, bodies: Bodies = NO_BODIES) -> LexiconPart:
     known: dict[str, BodyTable] = {**bodies}
     for _, file in files:
         known |= {str(category): table for category, table in file.bodies.items()}
-    return join_parts([_part(each, file, known) for each, file in files], known)
+    return join_parts([make_part(each, file, known) for each, file in files], known)
 
 
 def join_parts(parts: Sequence[LexiconPart], bodies: Bodies) -> LexiconPart:
@@ -153,7 +153,17 @@ def join_parts(parts: Sequence[LexiconPart], bodies: Bodies) -> LexiconPart:
     )
 
 
-def _part(path: Path, file: GestureFile, bodies: Bodies) -> LexiconPart:
+def make_part(path: Path, file: GestureFile, bodies: Bodies) -> LexiconPart:
+    """Makes what one file says of its tables.
+
+    Args:
+        path: of the file, for messages.
+        file: its tables.
+        bodies: what the body does in the gestures of each category.
+
+    Raises:
+        ConfigError: a gesture is wrong; says which, and what would have worked.
+    """
     if file.gesture and file.category is None:
         raise ConfigError(f"{path}: has gestures and no category; {', '.join(get_args(Category))} are known")
     return LexiconPart(

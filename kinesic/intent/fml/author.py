@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from xml.sax.saxutils import escape, quoteattr
 
 from kinesic.bml.block import Block, Notice, NoticeType
 from kinesic.bml.parse import parse
@@ -16,6 +15,7 @@ from kinesic.intent.fml.intentions import IN_SPEECH, Unreadable, read_intentions
 from kinesic.intent.fml.mark_times import estimate_mark_times
 from kinesic.intent.greta.agent import Agent
 from kinesic.intent.intents import Intent
+from kinesic.intent.markup import escape, quote
 from kinesic.intent.writing import write_behaviours
 
 START = 4096  # letters within which a document says what it is
@@ -126,4 +126,4 @@ def _written(content: Sequence[Element | str]) -> str:
 
 
 def _tag(name: str, attributes: Mapping[str, str]) -> str:
-    return " ".join([f"<{name}", *(f"{key}={quoteattr(value)}" for key, value in attributes.items())])
+    return " ".join([f"<{name}", *(f"{key}={quote(value)}" for key, value in attributes.items())])

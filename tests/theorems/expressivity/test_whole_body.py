@@ -26,8 +26,8 @@ from ...examples import examples
 ROBOT = Robot.load()
 PACE = Pace(ROBOT, Limits.of(ROBOT, MujocoDynamics(ROBOT).load))
 LEXICON = Lexicon.load()
-HANDS = replace(LEXICON, forms=tuple(replace(form, body=NO_BODY) for form in LEXICON.forms))
-MIRRORED = replace(LEXICON, forms=tuple(mirror_form(form) for form in LEXICON.forms))
+HANDS = LEXICON.changed(lambda form: replace(form, body=NO_BODY))
+MIRRORED = LEXICON.changed(mirror_form)
 OFF = Style().changed(["whole_body=0"])
 
 names = st.sampled_from([form.id for form in LEXICON.forms])

@@ -12,9 +12,7 @@ from kinesic.expressivity.lexicon.lexicon import mirror_form
 from kinesic.studies.gestures.isolated import plan_gesture
 
 KNOWN = set_up()
-MIRRORED = replace(
-    KNOWN, lexicon=replace(KNOWN.lexicon, forms=tuple(mirror_form(form) for form in KNOWN.lexicon.forms))
-)
+MIRRORED = replace(KNOWN, lexicon=KNOWN.lexicon.changed(mirror_form))
 NAMES = list(KNOWN.robot.skeleton.names)
 ONE_HANDED = [form for form in KNOWN.lexicon.forms if len(form.sides) == 1]
 ALIKE = [

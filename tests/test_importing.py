@@ -1,0 +1,44 @@
+import gc
+import subprocess
+import sys
+
+import pytest
+
+from kinesic.importing import import_at_once
+
+
+@pytest.fixture
+def watching(tmp_path, monkeypatch):
+    (tmp_path / "watching.py").write_text("import gc\nWATCHED = gc.isenabled()\n")
+    (tmp_path / "failing.py").write_text("import what_nobody_has\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    yield
+    sys.modules.pop("watching", None)
+
+
+def test_nobody_looks_for_garbage_meanwhile_and_then_again(watching):
+    assert import_at_once("watching").WATCHED is False
+    assert gc.isenabled()
+
+
+def test_garbage_is_looked_for_again_where_an_import_fails(watching):
+    with pytest.raises(ModuleNotFoundError, match="what_nobody_has"):
+        import_at_once("failing")
+    assert gc.isenabled()
+
+
+def test_who_looks_for_no_garbage_goes_on_so(watching):
+    gc.disable()
+    try:
+        import_at_once("watching")
+        assert not gc.isenabled()
+    finally:
+        gc.enable()
+
+
+def test_a_performer_is_there_without_what_only_some_documents_need():
+    """Seen in a process of its own; each of these takes longer to import than a robot to be read."""
+    late = ("scipy.interpolate", "scipy.optimize", "scipy.sparse", "casadi", "urllib.request", "jinja2", "PIL.Image")
+    code = f"import sys, kinesic; kinesic.Performer(); print([name for name in {late} if name in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
