@@ -9,7 +9,7 @@ from multiprocessing.process import parent_process
 from threading import Thread
 from typing import TypeVarTuple
 
-SLOW = ("scipy.interpolate", "scipy.optimize", "scipy.spatial.transform")  # to import, and all that plans needs them
+SLOW = ("scipy.interpolate", "scipy.optimize", "scipy.spatial.transform")  # to import; plans need them where times move
 
 ORPHANED = 1  # the exit code of a child whose parent has gone
 

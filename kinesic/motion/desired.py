@@ -14,12 +14,12 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
-import scipy
 
 from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.easing import OVERSHOOT, PARTS, Easing, soften_easing
 from kinesic.motion.keys import EASINGS, EVEN, HOLD, SMOOTHEST, SOFTEST, Choices, Keys, flow
+from kinesic.motion.piecewise import PiecewisePolynomial
 
 Hinges = tuple[int, ...]  # in joint order
 
@@ -165,32 +165,35 @@ class DesiredMotion:
     """The desired angles over performance time; at rest before the start and after the end."""
 
     # Of hinges with the same keys, over performance time, all from 0 to the same end.
-    curves: Mapping[Hinges, "scipy.interpolate.PPoly"]
+    curves: Mapping[Hinges, PiecewisePolynomial]
     zero: float  # [s] performance time of the block's zero
 
     @property
     def duration(self) -> float:
         """[s]."""
-        return float(next(iter(self.curves.values())).x[-1])
+        return float(next(iter(self.curves.values())).times[-1])
 
     def sample(self, times: Floats) -> tuple[Floats, Floats, Floats]:
         """Angles, speeds and accelerations, each (m, n), at (m,) performance times."""
         still = (times < 0.0) | (times > self.duration)
-        angles, speeds, accelerations = (self._values(times, order) for order in range(3))
+        angles, speeds, accelerations = self._derivatives(times, 3)
         speeds[still] = 0.0
         accelerations[still] = 0.0
         return angles, speeds, accelerations
 
     def angles(self, times: Floats) -> Floats:
         """(m, n) [rad] at (m,) performance times: the first part of `sample` alone."""
-        return self._values(times, 0)
+        angles: Floats = self._derivatives(times, 1)[0]
+        return angles
 
-    def _values(self, times: Floats, order: int) -> Floats:
+    def _derivatives(self, times: Floats, count: int) -> Floats:
+        """(count, m, n)."""
         inside = np.clip(times, 0.0, self.duration)
-        values = np.empty((len(times), sum(map(len, self.curves))))
+        found = np.empty((count, len(times), sum(map(len, self.curves))))
         for hinges, curve in self.curves.items():
-            values[:, hinges] = curve(inside, nu=order)
-        return values
+            for values, of_hinges in zip(found, curve.derivatives(inside, count), strict=True):
+                values[:, hinges] = of_hinges
+        return found
 
 
 def join_keys(times: Floats, keys: Keys, *, zero: float = 0.0) -> DesiredMotion:
@@ -234,28 +237,27 @@ class _Ways:
 
 
 @lru_cache(maxsize=REMEMBERED)
-def _curve(ways: _Ways) -> "scipy.interpolate.PPoly":
+def _curve(ways: _Ways) -> PiecewisePolynomial:
     """Joins hinges, or remembers them: while a course changes, and is conditioned, most of them stay as they are."""
     times, keys, rows, hinges = ways.asked
     return _join(times, keys.part(rows, hinges))
 
 
-def _join(times: Floats, keys: Keys) -> "scipy.interpolate.PPoly":
+def _join(times: Floats, keys: Keys) -> PiecewisePolynomial:
     """Joins hinges that all have the same keys, at (k,) times."""
     steps, passed = np.diff(times), _choose_speeds(times, keys)
-    plain = scipy.interpolate.PPoly(
-        _quintics(steps, keys.angles, passed, _choose_accelerations(times, keys, passed)), times
-    )
+    accelerations = _choose_accelerations(times, keys, passed)
+    plain = PiecewisePolynomial(sealed(times), sealed(_quintics(steps, keys.angles, passed, accelerations)))
     if np.all(keys.manner[4, 1:] == SMOOTHEST):
         return plain
     ways, carried = np.diff(keys.angles, axis=0), steps[:, None] * (passed[:-1] + passed[1:]) / 2
     left = np.where((ways - carried) * ways > 0.0, ways - carried, 0.0)
     fine = np.append((times[:-1, None] + steps[:, None] * SHARES).ravel(), times[-1])
-    states = np.stack([plain(fine, nu=order) for order in range(3)])
+    states = np.stack(plain.derivatives(fine, 3))
     along = states[:, :-1].reshape(3, len(steps), PARTS, -1).transpose(0, 1, 3, 2)
     added = _ease(left, along, steps, keys)
     states[:, :-1] += added.transpose(0, 1, 3, 2).reshape(3, len(fine) - 1, -1)
-    return scipy.interpolate.PPoly(_quintics(np.diff(fine), *states), fine)
+    return PiecewisePolynomial(sealed(fine), sealed(_quintics(np.diff(fine), *states)))
 
 
 def _quintics(steps: Floats, angles: Floats, speeds: Floats, accelerations: Floats) -> Floats:

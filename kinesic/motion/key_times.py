@@ -18,6 +18,7 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.body.limits import Limits
 from kinesic.motion.budget import ENDLESS, Budget
+from kinesic.motion.double_s import Gaps, Way, full_speed, rest_to_rest
 from kinesic.motion.infeasibility import (
     MARGIN,
     Bottleneck,
@@ -28,7 +29,6 @@ from kinesic.motion.infeasibility import (
 )
 from kinesic.motion.key_time_lp import CuttingPlane, KeyTimeProblem, relax_key_times, strain
 from kinesic.motion.keys import SAME, Keys, Pair
-from kinesic.motion.least_gaps import Gaps, Way, full_speed, rest_to_rest
 from kinesic.motion.plane_memory import PlaneMemory
 from kinesic.motion.segments import SplineSegment, tight_segments
 from kinesic.motion.stretching import stretch_until_enough

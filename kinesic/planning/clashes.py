@@ -19,10 +19,9 @@ from kinesic.expressivity.hands.engaged import Clash
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.motion.budget import Budget
 from kinesic.motion.condition import condition
-from kinesic.motion.double_s import least_rest_times
+from kinesic.motion.double_s import Gaps, full_speed, least_rest_times
 from kinesic.motion.key_time_lp import KeyTimeProblem, relax_key_times
 from kinesic.motion.keys import HOLD, Choices, KeyPosture, Keys, Pair
-from kinesic.motion.least_gaps import Gaps, full_speed
 from kinesic.planning.setup import Setup
 
 APART = 0.2  # [s] by which strokes may move apart; more is seen beside a word

@@ -10,11 +10,11 @@ from kinesic.controller.perform import plan
 from kinesic.motion import key_times
 from kinesic.motion.budget import Budget
 from kinesic.motion.condition import condition
+from kinesic.motion.double_s import full_speed, rest_to_rest
 from kinesic.motion.infeasibility import measure_shortage
 from kinesic.motion.key_time_lp import strain
 from kinesic.motion.key_times import Search
 from kinesic.motion.keys import KeyPosture, Keys
-from kinesic.motion.least_gaps import full_speed, rest_to_rest
 from kinesic.motion.segments import segments
 from kinesic.motion.trajectory import STEP
 

@@ -3,8 +3,8 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
+from kinesic.motion.double_s import rest_to_rest
 from kinesic.motion.keys import KeyPosture, Keys
-from kinesic.motion.least_gaps import rest_to_rest
 from kinesic.motion.segments import pieces, segments, tight_segments
 from kinesic.motion.trajectory import STEP
 

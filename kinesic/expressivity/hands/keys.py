@@ -21,6 +21,7 @@ from kinesic.expressivity.keyframes import Hand
 from kinesic.expressivity.lexicon.paths import HandPath
 from kinesic.expressivity.turns import MERGE
 from kinesic.motion.keys import PLAIN, Passage
+from kinesic.motion.piecewise import PiecewisePolynomial
 
 PARALLEL = 0.99  # cosine of pointing and palm from which on they say no rotation
 SAMPLING = 0.01  # [arm lengths] that a path may be off the straight way between two of its samples
@@ -46,7 +47,7 @@ class Turning:
 
     times: Floats  # (k,) [s]
     keys: "scipy.spatial.transform.Rotation"  # k of them
-    turns: "scipy.interpolate.PPoly"  # (3,) rotation vector from the key before, in that key's frame
+    turns: PiecewisePolynomial  # (3,) rotation vector from the key before, in that key's frame
 
     @classmethod
     def through(
@@ -74,13 +75,14 @@ class Turning:
         ends = np.einsum("kij,kj->ki", _inverse_jacobians(ways), speeds[1:])
         square = (3 * ways / steps - 2 * speeds[:-1] - ends) / steps
         cube = (speeds[:-1] + ends - 2 * ways / steps) / steps**2
-        return cls(at, keys, scipy.interpolate.PPoly(np.stack([cube, square, speeds[:-1], np.zeros_like(ways)]), at))
+        turns = np.stack([cube, square, speeds[:-1], np.zeros_like(ways)])
+        return cls(at, keys, PiecewisePolynomial(sealed(at), sealed(turns)))
 
     def at(self, times: Floats) -> "scipy.spatial.transform.Rotation":
         """The rotations at (m,) times [s]."""
         inside = np.clip(times, self.times[0], self.times[-1])
         way = np.clip(np.searchsorted(self.times, inside, side="right") - 1, 0, len(self.times) - 2)
-        return self.keys[way] * scipy.spatial.transform.Rotation.from_rotvec(self.turns(inside))
+        return self.keys[way] * scipy.spatial.transform.Rotation.from_rotvec(self.turns.at(inside))
 
 
 def facing_rotations(pointing: Floats, palm: Floats) -> "scipy.spatial.transform.Rotation":

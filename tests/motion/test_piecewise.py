@@ -1,0 +1,46 @@
+from math import perm
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.interpolate import PPoly
+
+from kinesic.motion.piecewise import PiecewisePolynomial
+
+LONGEST = 3.0  # [s] since a piece began, the last one and what is beyond it
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(1, 9), st.integers(1, 6), st.integers(1, 4))
+def test_values_and_derivatives_are_those_of_scipy_within_the_pieces_and_beyond(
+    seed: int, pieces: int, powers: int, curves: int
+):
+    random = np.random.default_rng(seed)
+    times = random.normal() + np.cumsum(random.uniform(0.01, LONGEST - 1.0, pieces + 1))
+    scales = 10.0 ** random.uniform(-3.0, 3.0, (powers, 1, 1))
+    coefficients = scales * random.normal(size=(powers, pieces, curves))
+    asked = np.concatenate([times, random.uniform(times[0] - 1.0, times[-1] + 1.0, 20)])
+    own, known = PiecewisePolynomial(times, coefficients), PPoly(coefficients, times)
+    most = np.abs(coefficients[::-1]).max(axis=(1, 2))  # of each power, from the constant on
+    for order, values in enumerate(own.derivatives(asked, powers)):
+        largest = sum(most[k] * perm(k, order) * LONGEST ** (k - order) for k in range(order, powers))
+        assert np.all(np.abs(values - known(asked, nu=order)) <= 1e-14 * largest)
+    assert np.array_equal(own.at(asked), own.derivatives(asked, 1)[0])
+
+
+def test_a_piece_begins_where_its_time_does():
+    steps = PiecewisePolynomial(np.array([0.0, 1.0, 3.0]), np.array([[[1.0], [2.0]]]))
+    assert steps.at(np.array([-1.0, 0.0, np.nextafter(1.0, 0.0), 1.0, 3.0, 9.0]))[:, 0].tolist() == [1, 1, 1, 2, 2, 2]
+
+
+@pytest.mark.parametrize("order", range(4))
+def test_derivatives_of_a_cubic(order: int):
+    cubic = PiecewisePolynomial(np.array([2.0, 5.0]), np.array([[[2.0]], [[-3.0]], [[5.0]], [[7.0]]]))
+    since = np.array([0.0, 0.5, 2.0])
+    exact = (
+        2 * since**3 - 3 * since**2 + 5 * since + 7,
+        6 * since**2 - 6 * since + 5,
+        12 * since - 6,
+        np.full(3, 12.0),
+    )
+    np.testing.assert_allclose(cubic.derivatives(2.0 + since, 4)[order][:, 0], exact[order], rtol=1e-14)
