@@ -5,7 +5,6 @@ Where people talk, the hand is fastest about when the accented syllable sounds (
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from statistics import median
 
 import numpy as np
 
@@ -72,7 +71,7 @@ def measure_lags(plan: Plan, times: Floats, hands: Mapping[str, Floats]) -> tupl
 
 def median_lag(lags: Sequence[StrokeLag]) -> float | None:
     """Finds the median of how far the fastest moments are from their words, either way [s]; None without strokes."""
-    return median(abs(each.lag) for each in lags) if lags else None
+    return float(np.median([abs(each.lag) for each in lags])) if lags else None
 
 
 def _window(stroke: SyncTime, times: Mapping[str, float]) -> tuple[float, float]:
