@@ -18,6 +18,7 @@ from kinesic.files.film_file import WebpFilm
 from kinesic.files.film_settings import FilmSettings
 from kinesic.planning.captions import captions
 from kinesic.planning.face_track import faces
+from kinesic.report import films
 from kinesic.report.films import FACE_RATE, FACE_SIZE, FaceFilm, FilmProcesses, TwinFilm, draw_films, film_processes
 from kinesic.sim.film import moments
 from kinesic.sim.filming.drawn_face import SCREEN, paint_face
@@ -50,7 +51,10 @@ def twin(seconds: float = 0.5) -> TwinFilm:
 
 
 @pytest.fixture
-def processes() -> Iterator[FilmProcesses]:
+def processes(monkeypatch: pytest.MonkeyPatch) -> Iterator[FilmProcesses]:
+    """Both make ready for a robot's film: opening a face takes a second, and none is drawn by them."""
+    begin = films._process
+    monkeypatch.setattr(films, "_process", lambda kind: begin("twin"))
     with film_processes() as begun:
         yield begun
 
@@ -64,15 +68,15 @@ def drawing() -> None:
 @pytest.fixture(scope="module")
 def drawn(drawing: None, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Drawn]:
     """The robot's film, which waits for that of its face: once with it, and once where the face cannot be drawn."""
-    films = {}
+    found = {}
     for name, units in (("with", {"12": 0.5, "26": 0.9}), ("without", {"99": 0.5})):
         folder, shares = tmp_path_factory.mktemp(name), list[float]()
         film, portrait = folder / "film.webp", folder / "face.webp"
         job = replace(twin(), units=({},) * 6, after=portrait)
         with film_processes() as begun:
             whys = draw_films({film: job, portrait: face(units)}, begun, shares.append)
-        films[name] = Drawn(film, portrait, whys, shares)
-    return films
+        found[name] = Drawn(film, portrait, whys, shares)
+    return found
 
 
 def test_both_are_drawn_and_the_share_that_is_done_grows_to_all(drawn: dict[str, Drawn]):

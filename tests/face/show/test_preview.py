@@ -108,18 +108,11 @@ def robot() -> Robot:
     return Robot.load("upper22")
 
 
-def test_commands_go_on_when_nothing_is_drawn_any_more(drawable: None, robot: Robot):
-    """As after somebody has closed the window."""
-    with Preview(robot, look=SMALL, windowed=False) as preview:
-        preview.write(command(0.0, {"12": 0.5}, robot.skeleton.rest))
-        assert not preview.closed
-        preview._child.kill()
-        assert preview.closed
-        play((command(k / 100, {"12": 0.5}, robot.skeleton.rest) for k in range(100)), preview)
+def test_the_loop_is_not_held_up_and_goes_on_when_nothing_is_drawn_any_more(portrait: Portrait, robot: Robot):
+    """A command costs a small part of a picture, so that pictures are dropped and commands are not.
 
-
-def test_the_loop_is_not_held_up_and_the_last_command_is_shown(portrait: Portrait, robot: Robot):
-    """A command costs a small part of a picture, so that pictures are dropped and commands are not."""
+    In the end nothing is drawn any more, as after somebody has closed the window.
+    """
     began = time.perf_counter()
     for k in range(5):
         portrait.draw({"12": k / 5})
@@ -129,9 +122,12 @@ def test_the_loop_is_not_held_up_and_the_last_command_is_shown(portrait: Portrai
         for k in range(1000):
             preview.write(command(k / 100, {"26": k / 1000}, robot.skeleton.rest))
         spent = (time.perf_counter() - began) / 1000
+        assert not preview.closed
     assert spent < picture / 5
     shown = preview._shared.read()
     assert (shown.number, shown.time, shown.units) == (1000, 9.99, {"26": 0.999})
+    assert preview.closed
+    play((command(k / 100, {"12": 0.5}, robot.skeleton.rest) for k in range(100)), preview)
 
 
 def test_the_body_is_shown_beside_in_step(drawable: None, tmp_path: Path):
