@@ -1,9 +1,8 @@
 """Changes that are laid on a motion together, each as much as limits allow it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import ceil
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from kinesic.planning.secondary.swells import AHEAD, Change
 FULL = 1.0 + 1e-9  # share of a limit
 WIDEST = max(WIDTHS)  # control points that one limit depends on
 LESS = 0.4  # of a change that hinders, before it is left out
+NOTHING = sealed([])
 
 
 def lessened(amounts: Floats, less: Flags) -> Floats:
@@ -24,12 +24,13 @@ def lessened(amounts: Floats, less: Flags) -> Floats:
 
 
 @dataclass(frozen=True, eq=False)
-class _Part:
-    """What one change adds to the control points of one hinge."""
+class _Cells:
+    """What changes add to single control points, one change after the other."""
 
-    change: int
-    rows: slice
-    added: Floats  # (r,) [rad]
+    change: Indices  # (p,) whose it is
+    hinge: Indices  # (p,)
+    row: Indices  # (p,) of the control point
+    added: Floats  # (p,) [rad]
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,66 +49,70 @@ class Changes:
         return found
 
     @cached_property
-    def _parts(self) -> Mapping[int, Sequence[_Part]]:
-        """Of each hinge that is moved, in the order of the changes."""
-        found: dict[int, list[_Part]] = {}
-        for k, (change, (rows, added)) in enumerate(zip(self.every, self._rows, strict=True)):
-            for hinge, column in zip(change.hinges, added.T, strict=True):
-                found.setdefault(hinge, []).append(_Part(k, rows, column))
-        return found
+    def _cells(self) -> _Cells:
+        """All that is added."""
+        parts = [
+            (k, hinge, first, last - first)
+            for k, (change, (first, last)) in enumerate(zip(self.every, self._spans.tolist(), strict=True))
+            for hinge in change.hinges
+        ]
+        change, hinge, first, count = np.array(parts, dtype=np.intp).reshape(-1, 4).T
+        row = np.arange(count.sum()) + np.repeat(first - (np.cumsum(count) - count), count)
+        added = np.concatenate([NOTHING, *(own.ravel(order="F") for own in self._rows)])
+        return _Cells(np.repeat(change, count), np.repeat(hinge, count), row, added)
 
     @cached_property
     def _spans(self) -> Indices:
         """(c, 2) the first control point that each moves, and the one after the last."""
-        return np.array([(rows.start, rows.stop) for rows, _ in self._rows], dtype=np.intp)
+        begins, ends = np.array([(change.begin, change.end) for change in self.every]).reshape(-1, 2).T
+        start = self.motion.start
+        first = np.maximum(FEWEST - 1, ((begins - start) / STEP).astype(np.intp))  # before it the motion is at rest
+        last = np.minimum(np.ceil((ends - start) / STEP) + AHEAD, self._sizes - FEWEST + 1).astype(np.intp)
+        return np.stack([first, np.maximum(first, last)], axis=1)
 
     @cached_property
-    def _rows(self) -> Sequence[tuple[slice, Floats]]:
-        """The control points that each moves, and by how much (r, h) [rad]."""
-        return [self._moved_rows(change) for change in self.every]
+    def _sizes(self) -> Floats:
+        """(c,) how many control points there are where each is over."""
+        ends = np.array([change.end for change in self.every])
+        return len(self.motion.controls) + np.maximum(0.0, np.ceil((ends - self.motion.end) / STEP - EARLY))
 
-    def _moved_rows(self, change: Change) -> tuple[slice, Floats]:
-        """What `_rows` has of one."""
-        start = self.motion.start
-        first = max(FEWEST - 1, int((change.begin - start) / STEP))  # before it the motion is at rest
-        last = min(ceil((change.end - start) / STEP) + AHEAD, self._size(change.end) - FEWEST + 1)
-        times = np.asarray(start + (np.arange(first, last) - AHEAD) * STEP, dtype=np.float64)
-        return slice(first, last), change.added(times)
-
-    def _size(self, end: float) -> int:
-        """How many control points there are where the last change is over at an end [s]."""
-        return len(self.motion.controls) + max(0, ceil((end - self.motion.end) / STEP - EARLY))
+    @cached_property
+    def _rows(self) -> Sequence[Floats]:
+        """By how much each moves its control points (r, h) [rad]."""
+        times: Floats = np.asarray(self.motion.start + (np.arange(self._alone.shape[1]) - AHEAD) * STEP)
+        spans = self._spans.tolist()
+        return [change.added(times[first:last]) for change, (first, last) in zip(self.every, spans, strict=True)]
 
     def _whole_size(self, amounts: Floats) -> int:
-        """How many there are with so much (c,) of each."""
-        ends = (each.end for each, amount in zip(self.every, amounts.tolist(), strict=True) if amount)
-        return self._size(max(ends, default=self.motion.end))
+        """How many control points there are with so much (c,) of each."""
+        return int(self._sizes[amounts > 0.0].max(initial=len(self.motion.controls)))
 
     def _window(self, amounts: Floats, changed: Flags) -> slice:
         """Control points that limits have to be looked at after some changes (c,): elsewhere all is as it was."""
         size, (first, last) = self._whole_size(amounts), self._spans[changed].T
         return slice(max(0, min(int(first.min()), size) - WIDEST), min(int(last.max()) + WIDEST, size))
 
-    def _alone(self, hinges: Indices, window: slice) -> Floats:
-        """(h, k) [rad] some control points of some hinges in the motion alone, which rests on after its end."""
-        own = self.motion.controls.T[hinges]
-        beyond = max(0, window.stop - max(own.shape[1], window.start))
-        return np.hstack([own[:, window], np.repeat(own[:, -1:], beyond, axis=1)])
+    @cached_property
+    def _alone(self) -> Floats:
+        """(n, k) [rad] the motion alone, which rests on after its end until all changes are over."""
+        own = self.motion.controls.T
+        beyond = self._whole_size(np.ones(len(self.every))) - own.shape[1]
+        return np.hstack([own, np.repeat(own[:, -1:], beyond, axis=1)])
 
-    def _laid(self, hinges: Indices, amounts: Floats, window: slice) -> Floats:
-        """(h, k) [rad] the same with so much (c,) of each change."""
-        columns, much, first = self._alone(hinges, window), amounts.tolist(), window.start
-        for hinge, column in zip(hinges.tolist(), columns, strict=True):
-            for part in self._parts.get(hinge, ()):
-                begin, end = max(part.rows.start, first), min(part.rows.stop, window.stop)
-                if begin < end and (amount := much[part.change]):
-                    column[begin - first : end - first] += amount * part.added[begin - part.rows.start :][: end - begin]
+    def _laid(self, amounts: Floats) -> Floats:
+        """(n, k) [rad] the same with so much (c,) of each change."""
+        columns, cells = self._alone.copy(), self._cells
+        np.add.at(columns.reshape(-1), self._places, amounts[cells.change] * cells.added)
         return columns
+
+    @cached_property
+    def _places(self) -> Indices:
+        """(p,) where each cell is in what `_laid` returns, when it is flat."""
+        return np.asarray(self._cells.hinge * self._alone.shape[1] + self._cells.row)
 
     def added(self, amounts: Floats) -> Trajectory:
         """The motion with so much (c,) of each change; it goes on until the last of them is over."""
-        every = np.arange(self.motion.controls.shape[1])
-        controls = self._laid(every, amounts, slice(0, self._whole_size(amounts))).T
+        controls = self._laid(amounts)[:, : self._whole_size(amounts)].T
         return Trajectory(sealed(np.ascontiguousarray(controls)), self.motion.zero, self.motion.start)
 
     def within_limits(self, amounts: Floats, changed: Flags, limits: Limits) -> Floats:
@@ -118,27 +123,26 @@ class Changes:
         """
         while np.any(changed):
             hinges, window = np.flatnonzero(self.moved[changed].any(axis=0)), self._window(amounts, changed)
-            broken = _broken(self._laid(hinges, amounts, window), self._alone(hinges, window), limits, hinges)
-            changed = np.zeros(len(amounts), dtype=np.bool_)
-            for hinge, flags in broken.items():
-                for part in self._parts[hinge]:
-                    begin, end = (max(0, row - window.start) for row in (part.rows.start, part.rows.stop))
-                    changed[part.change] |= bool(amounts[part.change] and flags[begin:end].any())
+            broken = np.zeros(self._alone.shape, dtype=np.bool_)
+            broken[hinges, window] = _broken(
+                self._laid(amounts)[hinges, window], self._alone[hinges, window], limits, hinges
+            )
+            met = self._cells.change[broken.reshape(-1)[self._places]]
+            changed = (np.bincount(met, minlength=len(amounts)) > 0) & (amounts > 0.0)
             amounts = lessened(amounts, changed)
         return amounts
 
 
-def _broken(laid: Floats, alone: Floats, limits: Limits, hinges: Indices) -> dict[int, Flags]:
-    """Finds hinges that break a limit which the motion alone keeps, and (k,) which control points take part in that."""
+def _broken(laid: Floats, alone: Floats, limits: Limits, hinges: Indices) -> Flags:
+    """Finds (h, k) which control points take part in breaking a limit that the motion alone keeps."""
     own = grid(laid.shape[1] - FEWEST + 1, STEP)
-    every = own.shares(laid, limits, hinges)
-    found: dict[int, Flags] = {}
-    for row in np.flatnonzero(np.max([np.abs(share).max(axis=1) for share in every], axis=0) > FULL).tolist():
-        flags: Flags = np.zeros(laid.shape[1], dtype=np.bool_)
-        before = own.shares(alone[row], limits, int(hinges[row]))
-        for width, share, once in zip((1, *WIDTHS), every, before, strict=True):
-            over = np.flatnonzero(np.abs(share[row]) > np.maximum(FULL, np.abs(once) + FULL - 1.0))
-            flags[over[:, None] + np.arange(width)] = True
-        if flags.any():
-            found[int(hinges[row])] = flags
+    found: Flags = np.zeros(laid.shape, dtype=np.bool_)
+    taken = [np.abs(share) for share in own.shares(laid, limits, hinges)]
+    rows = np.flatnonzero(np.max([share.max(axis=1) for share in taken], axis=0) > FULL)
+    if rows.size:
+        before = own.shares(alone[rows], limits, hinges[rows])
+        for width, share, once in zip((1, *WIDTHS), taken, before, strict=True):
+            over = share[rows] > np.maximum(FULL, np.abs(once) + FULL - 1.0)
+            for k in range(width):
+                found[rows, k : k + over.shape[1]] |= over
     return found

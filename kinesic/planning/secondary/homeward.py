@@ -4,7 +4,8 @@ On its way home an arm bows aside, never towards the body's middle. Where it res
 a little beside its usual rest; after the last one of a block it comes to rest as it began.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from math import inf, radians
 from zlib import crc32
 
@@ -41,56 +42,77 @@ def ways_home(
     """
     if variation.amount == 0.0:
         return
-    for course in courses:
-        for stroke, gap in zip(course.strokes, course.gaps[1:], strict=True):
-            way = gap.way_home
-            if way is None or way[1] - way[0] < LEAST_WAY:
-                continue
-            chance = np.random.default_rng((variation.seed, crc32(f"{block}:{stroke.id}:{course.side}:home".encode())))
-            peak = way[0] + float(chance.uniform(*FARTHEST)) * (way[1] - way[0])
-            share = variation.amount * min(1.0, (way[1] - way[0]) / WHOLE)
-            bow = _aside(share, BOW, motion.at(peak).angles, course.side, robot, chance)
-            yield Swell(way[0], peak, way[1], bow)
-            yield from _settled(gap, variation.amount, motion.at(way[1]).angles, course.side, robot, chance)
+    bends = [bend for course in courses for bend in _bends(course, motion, variation, block, robot)]
+    if bends:
+        yield from _outward(bends, robot)
 
 
-def _settled(
-    gap: Gap, amount: float, angles: Floats, side: Side, robot: Robot, chance: np.random.Generator
-) -> Iterator[Swell]:
-    """Lets a hand hang beside its usual rest until it leaves for its next stroke, where it has its place again."""
+@dataclass(frozen=True, eq=False)
+class _Bend:
+    """What an arm does aside, and where it is (n,) [rad] at its peak without that."""
+
+    swell: Swell
+    angles: Floats
+    side: Side
+
+
+def _bends(course: ArmCourse, motion: Trajectory, variation: Variation, block: str, robot: Robot) -> Iterator[_Bend]:
+    """By chance, towards either side."""
+    for stroke, gap in zip(course.strokes, course.gaps[1:], strict=True):
+        way, side = gap.way_home, course.side
+        if way is None or way[1] - way[0] < LEAST_WAY:
+            continue
+        chance = np.random.default_rng((variation.seed, crc32(f"{block}:{stroke.id}:{side}:home".encode())))
+        peak = way[0] + float(chance.uniform(*FARTHEST)) * (way[1] - way[0])
+        share = variation.amount * min(1.0, (way[1] - way[0]) / WHOLE)
+        there, home = motion.sample(np.array([peak, way[1]]))[0]
+        yield _Bend(Swell(way[0], peak, way[1], _aside(share, BOW, side, robot, chance)), there, side)
+        if _hangs(gap, home, side, robot):  # beside its usual rest until its next stroke, where it has its place again
+            until, aside = gap.rests[-1][1], _aside(variation.amount, SETTLED, side, robot, chance)
+            yield _Bend(Swell(way[0], way[1], gap.end, aside, until - way[1]), home, side)
+
+
+def _hangs(gap: Gap, angles: Floats, side: Side, robot: Robot) -> bool:
+    """Whether a hand hangs for a while after a way home to (n,) [rad], until it leaves for its next stroke."""
     (there, until), joints = gap.rests[-1], list(robot.arm(side).joints)
-    if gap.end == inf or until - there < LEAST_REST or np.abs(angles - robot.skeleton.rest)[joints].max() > AT_REST:
-        return
-    begin = gap.way_home[0] if gap.way_home else there
-    yield Swell(begin, there, gap.end, _aside(amount, SETTLED, angles, side, robot, chance), until - there)
+    return (
+        gap.end < inf
+        and until - there >= LEAST_REST
+        and float(np.abs(angles - robot.skeleton.rest)[joints].max()) <= AT_REST
+    )
 
 
 def _aside(
-    share: float,
-    most: tuple[float, float, float],
-    angles: Floats,
-    side: Side,
-    robot: Robot,
-    chance: np.random.Generator,
+    share: float, most: tuple[float, float, float], side: Side, robot: Robot, chance: np.random.Generator
 ) -> Floats:
-    """(n,) [rad] by chance, within the ranges of an arm, and the hand no nearer to the body's middle."""
-    arm, away = robot.arm(side), np.zeros(len(angles))
+    """(n,) [rad] by chance."""
+    arm, away = robot.arm(side), np.zeros(len(robot.skeleton.hinges))
     hand, forearm = (robot.skeleton.joints_of((name,)) for name in arm.segments[:-3:-1])
     for joint in arm.joints:
         widest = most[2] if joint in hand else most[1] if joint in forearm else most[0]
         away[joint] = 0.0 if joint in arm.lifting else share * widest * float(chance.uniform(-1.0, 1.0))
-    both = robot.skeleton.frames(np.stack([angles, angles + away]), without=_beside(robot, arm.wrist))
-    wrists = both.origins[:, arm.wrist, LEFT]
-    outward = (wrists[1] - wrists[0]) * (1.0 if side == "l" else -1.0) >= 0.0
-    turned = angles + (away if outward else -away)
-    inside = np.clip(turned, robot.skeleton.lower + INWARD, robot.skeleton.upper - INWARD)
-    return np.where(away == 0.0, 0.0, inside - angles)
+    return away
 
 
-def _beside(robot: Robot, segment: int) -> frozenset[int]:
-    """The segments that do not carry a segment."""
+def _outward(bends: Sequence[_Bend], robot: Robot) -> Iterator[Swell]:
+    """All of them within the ranges of the arms, and the hands no nearer to the body's middle."""
+    angles, away = np.stack([bend.angles for bend in bends]), np.stack([bend.swell.away for bend in bends])
+    wrists = {bend.side: robot.arm(bend.side).wrist for bend in bends}
+    both = robot.skeleton.frames(np.stack([angles, angles + away]), without=_beside(robot, wrists.values()))
+    for k, bend in enumerate(bends):
+        before, after = both.origins[:, k, wrists[bend.side], LEFT]
+        outward = (after - before) * (1.0 if bend.side == "l" else -1.0) >= 0.0
+        turned = angles[k] + (away[k] if outward else -away[k])
+        inside = np.clip(turned, robot.skeleton.lower + INWARD, robot.skeleton.upper - INWARD)
+        yield replace(bend.swell, away=np.where(away[k] == 0.0, 0.0, inside - angles[k]))
+
+
+def _beside(robot: Robot, segments: Iterable[int]) -> frozenset[int]:
+    """The segments that carry none of some segments."""
     carrying = set()
-    while segment >= 0:
-        carrying.add(segment)
-        segment = robot.skeleton.steps[segment][0]
+    for end in segments:
+        segment = end
+        while segment >= 0:
+            carrying.add(segment)
+            segment = robot.skeleton.steps[segment][0]
     return frozenset(range(len(robot.skeleton.segments))) - carrying

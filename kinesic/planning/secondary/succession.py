@@ -8,7 +8,6 @@ is nearer than before.
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -19,7 +18,7 @@ from kinesic.body.robot import Robot
 from kinesic.motion.easing import minimum_jerk
 from kinesic.motion.trajectory import STEP, Trajectory
 from kinesic.planning.secondary.arm_times import ArmCourse, ArmStroke, Gap
-from kinesic.planning.secondary.swells import AHEAD, runs
+from kinesic.planning.secondary.swells import AHEAD
 
 LEAD = 0.5  # of what the wrist is later than the shoulder, that the shoulder is sooner than the elbow
 CAUGHT_UP = 0.15  # of a way, that a hinge makes up for at most
@@ -43,14 +42,11 @@ class Delay:
 
     def added(self, times: Floats) -> Floats:
         """(m, h) [rad] what it adds to the angles of its hinges at (m,) times [s], which are one knot apart."""
-        first = round((float(times[0]) - self.begin) / STEP) + 1
-        return self._padded.take(np.arange(first, first + len(times)), axis=0, mode="clip")
-
-    @cached_property
-    def _padded(self) -> Floats:
-        """`away` between nothing and nothing."""
-        nothing = np.zeros((1, self.away.shape[1]))
-        return np.vstack([nothing, self.away, nothing])
+        first = round((self.begin - float(times[0])) / STEP)
+        found, own = np.zeros((len(times), len(self.hinges))), self.away[max(0, -first) :]
+        end = max(0, first) + len(own)
+        found[max(0, first) : end] = own[: max(0, len(times) - max(0, first))]
+        return found
 
 
 def later_hinges(courses: Iterable[ArmCourse], motion: Trajectory, robot: Robot) -> Iterator[Delay]:
@@ -143,31 +139,58 @@ class _Curves:
         late = _late_at([times[one:other] for one, other in pairwise(edges)], [shift.lateness for shift in shifts])
         places = np.minimum(np.maximum(rows - late / STEP, 0.0), last)
         own = self.motion.controls[:, list(self.joints)]
-        away = scipy.interpolate.CubicSpline(np.arange(last + 1), own)(places) - own[np.minimum(rows, last)]
+        away = _spline(own)(places) - own[np.minimum(rows, last)]
         columns = {joint: k for k, joint in enumerate(self.joints)}
-        for shift, (one, other) in zip(shifts, pairwise(edges), strict=True):
-            of_joints = away[one:other, [columns[joint] for joint in shift.joints]]
-            yield from _delays(shift, times[one:other], of_joints)
+        blocks = [
+            away[one:other, [columns[joint] for joint in shift.joints]]
+            for shift, (one, other) in zip(shifts, pairwise(edges), strict=True)
+        ]
+        for shift, hinge, first, end in _seen_runs(shifts, blocks):
+            columns_of = slice(None) if shifts[shift].together else slice(hinge, hinge + 1)
+            hinges, moved = tuple(shifts[shift].joints[columns_of]), blocks[shift][first : end + 1, columns_of]
+            begin, until = (float(times[edges[shift] + row]) for row in (first, end))
+            yield Delay(begin, until + 2 * STEP, hinges, sealed(moved))
 
 
-def _delays(shift: _Shift, times: Floats, away: Floats) -> Iterator[Delay]:
-    """What joints do later, that are (m, h) [rad] away at knots (m,) [s]."""
-    far, count = np.abs(away), len(shift.joints)
-    groups = [tuple(range(count))] if shift.together else [(k,) for k in range(count)]
-    for k, one, other in _seen_runs(far.max(axis=1, keepdims=True) if shift.together else far):
-        hinges = tuple(shift.joints[j] for j in groups[k])
-        yield Delay(float(times[one]), float(times[other]) + 2 * STEP, hinges, sealed(away[one : other + 1, groups[k]]))
+def _spline(points: Floats) -> "scipy.interpolate.PPoly":
+    """The cubic spline through (k, h) points that are 1 apart; its third derivative goes on at the first and last."""
+    steps = np.diff(points, axis=0)
+    ends = np.array([5.0, 1.0]) / 2.0
+    pull = np.vstack([ends @ steps[:2], 3.0 * (steps[:-1] + steps[1:]), ends @ steps[:-3:-1]])
+    beside, middle = np.ones(len(steps)), np.full(len(points), 4.0)
+    before, after = beside.copy(), beside
+    middle[[0, -1]], after[0], before[-1] = 1.0, 2.0, 2.0
+    slopes = scipy.linalg.lapack.dgtsv(before, middle, after, pull)[3]
+    bend = slopes[:-1] + slopes[1:] - 2.0 * steps
+    coefficients = np.stack([bend, steps - slopes[:-1] - bend, slopes[:-1], points[:-1]])
+    return scipy.interpolate.PPoly.construct_fast(coefficients, np.arange(float(len(points))))
 
 
-def _seen_runs(far: Floats) -> Iterator[tuple[int, int, int]]:
-    """Column, first and last row of each run of (m, g) [rad] that is more than nothing, and once worth it."""
-    beside = np.zeros((far.shape[1], len(far) + 1))
-    beside[:, :-1] = far.T
-    flat = beside.ravel()
-    for first, last in runs(flat > SAME):
-        if flat[first : last + 1].max() > SEEN:
-            column, row = divmod(first, len(far) + 1)
-            yield column, row, row + last - first
+def _seen_runs(shifts: Sequence[_Shift], blocks: Sequence[Floats]) -> Iterator[tuple[int, int, int, int]]:
+    """Where joints are away by more than nothing, and once by what is worth it: shift, joint, first and last row.
+
+    Each joint counts by itself, or all of a shift together as its first.
+
+    Args:
+        shifts: of the joints.
+        blocks: (r, h) [rad] by which the joints of each are away.
+    """
+    far = [np.abs(block).T for block in blocks]
+    far = [own.max(axis=0, keepdims=True) if shift.together else own for shift, own in zip(shifts, far, strict=True)]
+    owners = [(k, hinge) for k, own in enumerate(far) for hinge in range(len(own))]
+    starts = np.cumsum([0, *(own.shape[1] for own in far for _ in own)])
+    flat = np.concatenate([own.ravel() for own in far])
+    away, edge = flat > SAME, np.zeros(len(flat) + 1, dtype=np.bool_)
+    edge[starts] = True
+    firsts = np.flatnonzero(away & (edge[:-1] | ~np.append(False, away[:-1])))
+    lasts = np.flatnonzero(away & (edge[1:] | ~np.append(away[1:], False)))
+    if not firsts.size:
+        return
+    seen = np.maximum.reduceat(flat, firsts) > SEEN
+    columns = np.searchsorted(starts, firsts[seen], side="right") - 1
+    rows = np.stack([firsts[seen], lasts[seen]]) - starts[columns]
+    for column, first, last in zip(columns.tolist(), *rows.tolist(), strict=True):
+        yield *owners[column], first, last
 
 
 def _late_at(times: Sequence[Floats], latenesses: Sequence[Lateness]) -> Floats:
