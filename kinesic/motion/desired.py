@@ -22,6 +22,7 @@ from kinesic.motion.keys import EASINGS, EVEN, HOLD, SMOOTHEST, SOFTEST, Choices
 from kinesic.motion.piecewise import PiecewisePolynomial
 
 Hinges = tuple[int, ...]  # in joint order
+_Asked = tuple[tuple[Easing, float, float], ...]  # easing, overshoot and steepness of each hinge
 
 SWING = 0.05  # [rad] beyond its keys that any hinge may swing to pass them smoothly: what conditioning allows, too
 BULGE = 5.0  # speed, in distance / duration, that a quintic may have beside a still key to swing out by the distance
@@ -110,18 +111,20 @@ def _ease(left: Floats, states: Floats, steps: Floats, keys: Keys) -> Floats:
     shares = np.minimum(OVERSHOOT, room / np.maximum(np.abs(left), 1e-9))
     steepness, easings = keys.manner[3:5, 1:]
     moved = (easings != SMOOTHEST) & (left != 0.0)
+    limits = keys.limits
+    most = np.stack([limits.speed, limits.acceleration, limits.duty, limits.inertial, limits.viscous])
     for k in np.flatnonzero(moved.any(axis=1)):
         hinges = np.flatnonzero(moved[k])
         scales = left[k, hinges] / (steps[k] ** np.arange(3))[:, None]
-        asked = [
+        asked = tuple(
             (*_easing(EASINGS[int(easings[k, hinge])], shares[k, hinge]), float(steepness[k, hinge]))
             for hinge in hinges
-        ]
-        limits = keys.limits.part(hinges)
+        )
+        plain, bounds = states[:, k, hinges], most[:, hinges]
         for added in _offers(asked):
-            eased = states[:, k, hinges] + scales[:, :, None] * added
-            if _allowed(eased, limits):
-                found[:, k, hinges] = scales[:, :, None] * added
+            change = scales[:, :, None] * added
+            if _allowed(plain + change, bounds):
+                found[:, k, hinges] = change
                 break
     return found
 
@@ -133,11 +136,17 @@ def _easing(easing: Easing, room: float) -> tuple[Easing, float]:
     return easing, FINEST * int(room / FINEST + ROUNDING) if easing == "out_back" else OVERSHOOT
 
 
-def _offers(asked: list[tuple[Easing, float, float]]) -> Iterator[Floats]:
+def _offers(asked: _Asked) -> Iterator[Floats]:
     """(3, h, p) what the easings of some hinges add to minimum jerk, from as steep as is asked to ever softer."""
     steepest = max(steepness for _, _, steepness in asked)
-    for softer in np.arange(0.0, steepest - SOFTEST, GRADE):
-        yield np.stack([_change(*row[:2], max(row[2] - softer, SOFTEST)) for row in asked], axis=1)
+    for softer in np.arange(0.0, steepest - SOFTEST, GRADE).tolist():
+        yield _changes(asked, softer)
+
+
+@lru_cache(maxsize=512)
+def _changes(asked: _Asked, softer: float) -> Floats:
+    """(3, h, p) what they add, so much softer than is asked."""
+    return sealed(np.stack([_change(*row[:2], max(row[2] - softer, SOFTEST)) for row in asked], axis=1))
 
 
 @lru_cache(maxsize=4096)
@@ -148,16 +157,16 @@ def _change(easing: Easing, overshoot: float, steepness: float) -> Floats:
     return sealed((soften_easing(easing, steepness, overshoot) - soften_easing("minimum_jerk", SOFTEST))[:, :-1])
 
 
-def _allowed(states: Floats, limits: Limits) -> bool:
-    """Whether (3, h, p) angles, speeds and accelerations of hinges keep the limits of speed, acceleration and duty."""
-    _, speeds, accelerations = np.abs(states).max(axis=2)
-    pulling = limits.inertial[:, None] * states[2] + limits.viscous[:, None] * states[1]
-    duties = np.abs(pulling).max(axis=1)
-    return bool(
-        np.all(speeds <= ROOM * limits.speed)
-        and np.all(accelerations <= ROOM * limits.acceleration)
-        and np.all(duties <= ROOM * limits.duty)
-    )
+def _allowed(states: Floats, most: Floats) -> bool:
+    """Whether (3, h, p) angles, speeds and accelerations of hinges keep the limits of speed, acceleration and duty.
+
+    Args:
+        states: of the hinges.
+        most: (5, h) these limits, and the shares of the duty per acceleration and per speed.
+    """
+    inertial, viscous = most[3:, :, None]
+    taken = np.stack([states[1], states[2], inertial * states[2] + viscous * states[1]])
+    return bool((np.abs(taken).max(axis=2) <= ROOM * most[:3]).all())
 
 
 @dataclass(frozen=True, eq=False)

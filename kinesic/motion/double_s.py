@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinesic.body.arrays import Floats
+from kinesic.body.arrays import Floats, Indices, sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.keys import Keys, Pair
 
@@ -60,10 +60,31 @@ def least_rest_times(turns: Floats, limits: Limits) -> Floats:
     Returns:
         (..., n) [s].
     """
+    speed, acceleration = _speeds(limits)
+    return np.asarray(least_time(turns[..., None, :], speed, acceleration, limits.jerk).min(axis=-2))
+
+
+def least_rest_times_of(hinges: Indices, turns: Floats, limits: Limits) -> Floats:
+    """Computes the same for single turns of some hinges.
+
+    Args:
+        hinges: (p,) which hinge each turn is of.
+        turns: (p,) [rad].
+        limits: of all hinges.
+
+    Returns:
+        (p,) [s].
+    """
+    speed, acceleration = _speeds(limits)
+    return np.asarray(least_time(turns, speed[:, hinges], acceleration[:, hinges], limits.jerk[hinges]).min(axis=0))
+
+
+@lru_cache(maxsize=64)
+def _speeds(limits: Limits) -> tuple[Floats, Floats]:
+    """(9, n) speeds [rad/s], and accelerations [rad/s^2] that the duty allows with each of them."""
     speed = np.minimum(limits.speed, SPEEDS[:, None] * limits.duty / limits.viscous)
     spare = limits.duty - limits.viscous * speed
-    acceleration = np.minimum(limits.acceleration, spare / limits.inertial)
-    return np.asarray(least_time(turns[..., None, :], speed, acceleration, limits.jerk).min(axis=-2))
+    return sealed(speed), sealed(np.minimum(limits.acceleration, spare / limits.inertial))
 
 
 def least_stop(speed: ArrayLike, acceleration: ArrayLike, most: ArrayLike, jerk: ArrayLike) -> Floats:
@@ -92,21 +113,21 @@ def least_stop(speed: ArrayLike, acceleration: ArrayLike, most: ArrayLike, jerk:
 
 def rest_to_rest(keys: Keys, limits: Limits) -> Gaps:
     """Computes the time in which each hinge can stop at each of its keys: always enough."""
-    ways, turns = _turns(keys)
-    every = RESERVE * least_rest_times(turns, limits) + GRID
-    return {way: float(times[way[0]]) for way, times in zip(ways, every, strict=True)}
+    ways, hinges, turns = _turns(keys)
+    every = RESERVE * least_rest_times_of(hinges, turns, limits) + GRID
+    return dict(zip(ways, every.tolist(), strict=True))
 
 
 @lru_cache(maxsize=4)  # clashes and key times ask for those of the same keys
 def full_speed(keys: Keys, limits: Limits) -> Gaps:
     """Computes the time that each hinge needs from key to key at full speed: less is never enough."""
-    ways, turns = _turns(keys)
-    every = np.abs(turns) / np.minimum(limits.speed, limits.duty / limits.viscous)
-    return {way: float(times[way[0]]) for way, times in zip(ways, every, strict=True)}
+    ways, hinges, turns = _turns(keys)
+    every = np.abs(turns) / np.minimum(limits.speed, limits.duty / limits.viscous)[hinges]
+    return dict(zip(ways, every.tolist(), strict=True))
 
 
-def _turns(keys: Keys) -> tuple[list[tuple[int, Pair]], Floats]:
-    """Hinges with two keys that follow one another, and (p, n) [rad] from the one to the other."""
+def _turns(keys: Keys) -> tuple[list[Way], Indices, Floats]:
+    """Hinges with two keys that follow one another, (p,) the same hinges, and (p,) [rad] from the one to the other."""
     ways = [(hinge, pair) for hinge, own in enumerate(keys.own) for pair in pairwise(own)]
-    before, after = (keys.angles[[pair[end] for _, pair in ways]] for end in (0, 1))
-    return ways, after - before
+    hinges, before, after = np.array([(hinge, i, j) for hinge, (i, j) in ways], dtype=np.intp).reshape(-1, 3).T
+    return ways, hinges, keys.angles[after, hinges] - keys.angles[before, hinges]

@@ -290,10 +290,10 @@ class Search:
         return [np.array([self._all_rests[way] for way in own]) for own in ways]
 
     def _lengthen_to_full_speed(self) -> None:
-        keys, limits = self._keys, self._limits
+        keys, limits, times = self._keys, self._limits, self._keys.asked.tolist()
         for (hinge, pair), gap in full_speed(keys, limits).items():
             self._gaps[pair] = max(self._gaps[pair], gap)
-            asked = float(keys.asked[pair[1]] - keys.asked[pair[0]])
+            asked = times[pair[1]] - times[pair[0]]
             if gap > max(asked, keys.gaps[pair]) + SAME:
                 rated = limits.speed[hinge] <= limits.duty[hinge] / limits.viscous[hinge]
                 self._meet(pair, Bottleneck(hinge, "speed" if rated else "duty", gap / max(asked, keys.gaps[pair])))

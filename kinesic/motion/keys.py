@@ -1,6 +1,6 @@
 """Key postures, how each is passed, and the same as arrays, with what it costs to move a key in time."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
@@ -17,6 +17,7 @@ Choices = NDArray[np.intp]
 Sync = tuple[str, str]  # behaviour id, sync point
 Pair = tuple[int, int]  # two keys, the earlier first
 Amount = TypeVar("Amount", float, Floats)
+Found = TypeVar("Found")
 
 EASINGS: tuple[Easing, ...] = get_args(Easing)
 SMOOTHEST = EASINGS.index("minimum_jerk")
@@ -207,7 +208,7 @@ class Keys:
     @cached_property
     def own(self) -> tuple[list[int], ...]:
         """(n,) rows of the firm keys of each hinge, in order."""
-        return tuple(np.flatnonzero(column & self.firm).tolist() for column in self.keyed.T)
+        return _of_columns(self.keyed, lambda column: np.flatnonzero(column & self.firm).tolist())
 
     def led(self, hinge: int) -> Flags:
         """(k - 1,) whether there are path keys between a hinge's k successive firm keys."""
@@ -215,7 +216,7 @@ class Keys:
 
     @cached_property
     def _led(self) -> tuple[Flags, ...]:
-        return tuple(np.diff(np.flatnonzero(self.firm[column])) > 1 for column in self.keyed.T)
+        return _of_columns(self.keyed, lambda column: np.diff(np.flatnonzero(self.firm[column])) > 1)
 
     def spread(self, times: Floats) -> Floats:
         """Moves the times (m,) [s] of keys on a path in between those of the firm ones, as evenly as asked."""
@@ -251,6 +252,13 @@ def _manner(passages: tuple[Passage, ...], count: int) -> Floats:
         for each in passages or (PLAIN,) * count
     ]
     return sealed(np.transpose(rows))
+
+
+def _of_columns(keyed: Flags, find: Callable[[Flags], Found]) -> tuple[Found, ...]:
+    """What is found of each column (m,); once for those that are alike, as are those of most hinges of a part."""
+    every = [column.tobytes() for column in keyed.T]
+    known = {told: find(column) for told, column in dict(zip(every, keyed.T, strict=True)).items()}
+    return tuple(known[told] for told in every)
 
 
 def _followers(keys: Keys) -> tuple[set[Pair], set[Pair]]:

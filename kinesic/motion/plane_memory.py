@@ -74,8 +74,9 @@ class PlaneMemory:
         """
         cuts: dict[int, list[CuttingPlane]] = {}
         met: dict[Pair, Bottleneck] = {}
-        marks = [_marks(keys, hinge, own) for hinge, own in enumerate(keys.own)]
-        parts = [limits.part(np.array([hinge])) for hinge in range(len(keys.own))]
+        hinges = {plane.hinge for plane in self._planes}
+        marks = {hinge: _marks(keys, hinge, keys.own[hinge]) for hinge in hinges}
+        parts = {hinge: limits.part(np.array([hinge])) for hinge in hinges}
         self._recalled = []
         for plane in self._planes:
             own, here, count = keys.own[plane.hinge], marks[plane.hinge], len(plane.marks)

@@ -191,7 +191,7 @@ class SplineSegment:
             np.maximum((high + swing)[first], (high + swing)[last]),
         )
         if desired is not None:
-            padded = np.pad(desired, 1, mode="edge")
+            padded = np.concatenate([desired[:1], desired, desired[-1:]])
             lower, upper = np.minimum(lower, padded - LEAST_SWING), np.maximum(upper, padded + LEAST_SWING)
         return np.maximum(lower, lowest), np.minimum(upper, highest)
 

@@ -19,7 +19,7 @@ from kinesic.expressivity.hands.engaged import Clash
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.motion.budget import Budget
 from kinesic.motion.condition import condition
-from kinesic.motion.double_s import Gaps, full_speed, least_rest_times
+from kinesic.motion.double_s import Gaps, full_speed, least_rest_times_of
 from kinesic.motion.key_time_lp import KeyTimeProblem, relax_key_times
 from kinesic.motion.keys import HOLD, Choices, KeyPosture, Keys, Pair
 from kinesic.planning.setup import Setup
@@ -156,11 +156,9 @@ def least_times_between_turns(keys: Keys) -> Gaps:
     That is mostly more than it needs, as it may turn round while it brakes.
     """
     ways = [(hinge, pair) for hinge, own in enumerate(keys.own) for pair in _ways(keys.angles[own, hinge], own)]
-    turns = np.zeros((len(ways), keys.angles.shape[1]))
-    for row, (hinge, (i, j)) in enumerate(ways):
-        turns[row, hinge] = keys.angles[j, hinge] - keys.angles[i, hinge]
-    least = least_rest_times(turns, keys.limits)
-    return {(hinge, pair): float(least[row, hinge]) for row, (hinge, pair) in enumerate(ways)}
+    hinges, begins, ends = np.array([(hinge, i, j) for hinge, (i, j) in ways], dtype=np.intp).reshape(-1, 3).T
+    turns = keys.angles[ends, hinges] - keys.angles[begins, hinges]
+    return dict(zip(ways, least_rest_times_of(hinges, turns, keys.limits).tolist(), strict=True))
 
 
 def _gaps(keys: Keys) -> dict[Pair, float]:

@@ -11,9 +11,8 @@ from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.config import ConfigError
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.motion.condition import Conditioned
-from kinesic.motion.desired import join_keys
 from kinesic.motion.double_s import least_rest_times
-from kinesic.motion.keys import KeyPosture, Keys
+from kinesic.motion.keys import KeyPosture
 from kinesic.planning.bap import BapFrames
 from kinesic.planning.clearance import keep_clear
 from kinesic.planning.plan import Plan
@@ -50,20 +49,19 @@ def plan_imported(frames: BapFrames, setup: Setup, *, source: str) -> Plan:
     timeline = schedule(block, {}, {})
     asked = Postures(_keys(frames, setup), {})
     solved, motion, times, clearance = keep_clear(asked, setup)
-    keys = Keys.of(asked.postures, setup.limits)
     return Plan(
         setup=setup,
         timeline=timeline,
         utterances={},
         keyframes=KeyFrames(timeline, (), {}),
         postures=solved,
-        desired=join_keys(keys.asked, keys),
         motion=motion,
         clearance=clearance,
         clearance_times=times,
         syncs=Syncs(),
         notices=_notices(frames, motion, setup),
         seconds=perf_counter() - began,
+        asked=asked.postures,
     )
 
 

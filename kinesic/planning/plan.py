@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 from time import perf_counter
 
@@ -62,18 +62,29 @@ class Plan:
     utterances: Mapping[str, Utterance]
     keyframes: KeyFrames
     postures: Postures
-    desired: DesiredMotion
     motion: Conditioned
     clearance: Clearance  # of the reference, at 100 Hz
     clearance_times: Floats  # (m,) [s] performance time
     syncs: Syncs[SyncTime]
     notices: tuple[Notice, ...]
     seconds: float  # [s] that planning took
+    asked: tuple[KeyPosture, ...]  # before detours
 
     @property
     def trajectory(self) -> Trajectory:
         """The motion that will be performed."""
         return self.motion.trajectory
+
+    @cached_property
+    def desired(self) -> DesiredMotion:
+        """The motion as it was asked for, without limits and detours."""
+        if len(self.asked) < 2:
+            rest = self.setup.robot.skeleton.rest
+            still = (KeyPosture.whole(0.0, rest), KeyPosture.whole(STILL, rest))
+            keys = Keys.of(still, self.setup.limits, room=0.0)
+        else:
+            keys = Keys.of(self.asked, self.setup.limits)
+        return join_keys(keys.asked, keys)
 
     @property
     def duration(self) -> float:
@@ -222,7 +233,6 @@ def _plan_once(
         utterances=utterances,
         keyframes=frames,
         postures=solved,
-        desired=_desired(asked, setup),
         motion=motion,
         clearance=clearance,
         clearance_times=times,
@@ -233,15 +243,5 @@ def _plan_once(
             *path_notices(context.block, solved.postures, frames, motion, setup.robot),
         ),
         seconds=0.0,
+        asked=asked.postures,
     )
-
-
-def _desired(asked: Postures, setup: Setup) -> DesiredMotion:
-    """Without limits and detours."""
-    rest = setup.robot.skeleton.rest
-    if len(asked.postures) < 2:
-        still = (KeyPosture.whole(0.0, rest), KeyPosture.whole(STILL, rest))
-        keys = Keys.of(still, setup.limits, room=0.0)
-    else:
-        keys = Keys.of(asked.postures, setup.limits)
-    return join_keys(keys.asked, keys)

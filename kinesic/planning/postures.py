@@ -65,10 +65,10 @@ def _bodies(keyframes: KeyFrames, leans: Sequence[Floats], robot: Robot) -> Floa
 def _tasks(keyframes: KeyFrames, leans: Sequence[Floats], bodies: Floats, robot: Robot) -> Iterator[ArmsTask]:
     """What the arms do in every key."""
     held: dict[Side, tuple[Hand, Floats]] = {}  # last target of each hand, and the torso [rad] at which it was met
+    leaning = np.any(leans, axis=1).tolist() if leans else []
     frames, torsos = robot.body_frames(bodies), bodies[:, list(robot.joints("torso"))]
     for k, frame in enumerate(keyframes.frames):
-        leaning = any(bool(np.any(leans[j])) for j in range(max(0, k - 1), min(len(leans), k + 2)))
-        keyed = _keyed(frame, robot, leaning, ends=k in (0, len(leans) - 1))
+        keyed = _keyed(frame, robot, any(leaning[max(0, k - 1) : k + 2]), ends=k in (0, len(leans) - 1))
         body = Frames(frames.rotations[k], frames.origins[k])
         hands = {side: hand for side, hand in frame.hands.items() if keyed[robot.arm(side).joints[0]]}
         wanted = {side: _in_world(hand, frame, robot) for side, hand in hands.items()}
@@ -132,7 +132,8 @@ def _keyed(frame: KeyFrame, robot: Robot, leaning: bool, *, ends: bool) -> list[
         holding = hand.reach is not None and (leaning or (torso and hand.aim is not None))
         if ends or f"{side}_hand" in frame.given or (holding and f"{side}_hand" in frame.known):
             keyed[list(robot.arm(side).joints)] = True
-    return [bool(key) for key in keyed]
+    flags: list[bool] = keyed.tolist()
+    return flags
 
 
 def _firm(frame: KeyFrame) -> bool:

@@ -5,7 +5,9 @@ points. A better plan goes on with it while it runs: see `replan`.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
+from math import sqrt
 
 import numpy as np
 
@@ -13,16 +15,15 @@ from kinesic.bml.block import Block
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
 from kinesic.expressivity.hands.engaged import Engaged
-from kinesic.motion.bspline import grid
 from kinesic.motion.budget import ENDLESS, Budget
-from kinesic.motion.condition import Conditioned
-from kinesic.motion.desired import join_keys
+from kinesic.motion.condition import Conditioned, NearestFinder
+from kinesic.motion.desired import DesiredMotion, join_keys
 from kinesic.motion.key_time_lp import KeyTimeProblem, relax_key_times
 from kinesic.motion.keys import Bond, KeyPosture, Keys, Passage
+from kinesic.motion.least_gaps import Gaps, Way
 from kinesic.motion.plane_memory import PlaneMemory
-from kinesic.motion.segments import pieces, segments
-from kinesic.motion.spline_program import nearest_motion
-from kinesic.motion.trajectory import STEP, Trajectory
+from kinesic.motion.segments import SplineSegment
+from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.setup import Setup
 
@@ -65,18 +66,33 @@ def rest_at_keys(
     """
     limits = setup.limits.times(ease)
     keys = Keys.of(postures, limits, bonds)
-    gaps = dict(keys.gaps)
-    for hinge, own in enumerate(keys.own):
-        for i, j in pairwise(own):
-            way = float(keys.angles[j, hinge] - keys.angles[i, hinge])
-            gaps[i, j] = max(gaps[i, j], duration(way, limits, hinge))
-    motion = None
-    while motion is None:
+    gaps, finder = dict(keys.gaps), NearestFinder(keys, limits, _resting)
+    for (_, pair), least in _rest_times(keys, limits).items():
+        gaps[pair] = max(gaps[pair], least)
+    while True:
         budget.spend(len(keys.asked))
         times = relax_key_times(KeyTimeProblem(keys, gaps, lead_in=0.0))
-        motion = _stepwise(times, keys, limits)
+        found = finder.find(times)
+        if not isinstance(found, SplineSegment):
+            break
         gaps = {pair: LONGER * gap for pair, gap in gaps.items()}
+    motion = Trajectory(sealed(found[1]), -float(times[0]))
     return Conditioned(motion, keys.asked, sealed(times), {}, sealed(np.zeros(len(limits.lower))))
+
+
+def _resting(times: Floats, keys: Keys) -> DesiredMotion:
+    """The motion that rests at every key."""
+    return join_keys(times, keys.passed(STOPPING))
+
+
+def _rest_times(keys: Keys, limits: Limits) -> Gaps:
+    """The `duration` of every hinge from each of its keys to the next."""
+    found, every = dict[Way, float](), [_Hinge.of(limits, hinge) for hinge in range(len(limits.lower))]
+    for hinge, own in enumerate(keys.own):
+        angles = keys.angles[own, hinge].tolist()
+        for pair, (before, after) in zip(pairwise(own), pairwise(angles), strict=True):
+            found[hinge, pair] = every[hinge].duration(after - before)
+    return found
 
 
 def duration(way: float, limits: Limits, hinge: int) -> float:
@@ -84,25 +100,32 @@ def duration(way: float, limits: Limits, hinge: int) -> float:
 
     Its duty is bounded by that of its greatest speed and its greatest acceleration together.
     """
-    size = abs(way)
-    if size == 0.0:
-        return 0.0
-    inertial, viscous = limits.inertial[hinge] / limits.duty[hinge], limits.viscous[hinge] / limits.duty[hinge]
-    fast = max(PEAK_SPEED * size / limits.speed[hinge], (PEAK_JERK * size / limits.jerk[hinge]) ** (1 / 3))
-    strong = np.sqrt(PEAK_ACCELERATION * size / limits.acceleration[hinge])
-    half = viscous * PEAK_SPEED * size / 2
-    loaded = half + np.sqrt(half**2 + inertial * PEAK_ACCELERATION * size)
-    return float(RESERVE * max(fast, strong, loaded, LEAST_GAP))
+    return _Hinge.of(limits, hinge).duration(way)
 
 
-def _stepwise(times: Floats, keys: Keys, limits: Limits) -> Trajectory | None:
-    """Quintics on the grid; None where one exceeds a limit after all."""
-    count = pieces(times, STEP)
-    desired = join_keys(times, keys.passed(STOPPING)).angles(grid(count, STEP).knots)
-    controls = np.empty((count + 3, keys.angles.shape[1]))
-    for segment in segments(times, keys, STEP):
-        found = nearest_motion(segment, desired[segment.knots, segment.hinge], limits)
-        if found is None:
-            return None
-        controls[segment.controls, segment.hinge] = found
-    return Trajectory(sealed(controls), -float(times[0]))
+@dataclass(frozen=True)
+class _Hinge:
+    """The limits of one hinge, as plain numbers: several times faster than arrays of one."""
+
+    speed: float  # [rad/s]
+    acceleration: float  # [rad/s^2]
+    jerk: float  # [rad/s^3]
+    inertial: float  # [s^2/rad] share of the duty per acceleration
+    viscous: float  # [s/rad] share of the duty per speed
+
+    @classmethod
+    def of(cls, limits: Limits, hinge: int) -> "_Hinge":
+        rows = (limits.speed, limits.acceleration, limits.jerk, limits.inertial, limits.viscous, limits.duty)
+        speed, acceleration, jerk, inertial, viscous, duty = (float(row[hinge]) for row in rows)
+        return cls(speed, acceleration, jerk, inertial / duty, viscous / duty)
+
+    def duration(self, way: float) -> float:
+        """What the function of this name computes."""
+        size = abs(way)
+        if size == 0.0:
+            return 0.0
+        fast = max(PEAK_SPEED * size / self.speed, float((PEAK_JERK * size / self.jerk) ** (1 / 3)))
+        strong = sqrt(PEAK_ACCELERATION * size / self.acceleration)
+        half = self.viscous * PEAK_SPEED * size / 2
+        loaded = half + sqrt(half**2 + self.inertial * PEAK_ACCELERATION * size)
+        return RESERVE * max(fast, strong, loaded, LEAST_GAP)

@@ -6,7 +6,7 @@ import pytest
 from kinesic.body.dynamics import Load
 from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
-from kinesic.motion.double_s import SPEEDS, least_rest_times, least_time
+from kinesic.motion.double_s import SPEEDS, least_rest_times, least_rest_times_of, least_time
 
 
 def simulated(distance, speed, acceleration, jerk):
@@ -88,3 +88,20 @@ def test_hinges_take_any_shape_of_turns(limits):
     found = least_rest_times(turns, limits)
     assert found.shape == turns.shape
     np.testing.assert_allclose(found[2, 1], least_rest_times(turns[2, 1], limits))
+
+
+def test_single_turns_take_what_they_take_among_those_of_all_hinges(robot_limits):
+    chance, limits = np.random.default_rng(4), robot_limits
+    hinges = chance.integers(0, len(limits.lower), 200)
+    turns = chance.uniform(-2.0, 2.0, len(hinges))
+    among = np.zeros((len(hinges), len(limits.lower)))
+    among[np.arange(len(hinges)), hinges] = turns
+    every = least_rest_times(among, limits)[np.arange(len(hinges)), hinges]
+    np.testing.assert_array_equal(least_rest_times_of(hinges, turns, limits), every)
+
+
+@pytest.fixture
+def robot_limits():
+    robot = Robot.load()
+    count = len(robot.skeleton.hinges)
+    return Limits.of(robot, Load(holding=np.full(count, 0.3), inertia=np.linspace(0.01, 0.1, count)))

@@ -1,3 +1,5 @@
+import sys
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,8 @@ from kinesic.motion.limit_check import check_limits
 from kinesic.planning.quick_plan import duration, plan_quickly
 
 from ..passage import passage_text
+
+condition = sys.modules["kinesic.motion.condition"]  # the package has a function of this name
 
 LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
 
@@ -52,3 +56,24 @@ def test_what_it_says_about_times_is_so(slow):
     for row, posture in enumerate(slow.postures.postures):
         keyed = list(posture.keyed)
         np.testing.assert_allclose(reached[row, keyed], posture.angles[keyed], atol=1.1e-3)
+
+
+def test_all_hinges_are_solved_in_one_call_for_each_try(known, monkeypatch):
+    solved = []
+
+    def find(*given):
+        solved.append(given)
+        return find_free_motion(*given)
+
+    find_free_motion = condition.find_free_motion
+    monkeypatch.setattr(condition, "find_free_motion", find)
+    plan_quickly(parse(passage_text(2)), known)
+    assert 1 <= len(solved) <= 3
+
+
+def test_what_was_asked_for_is_joined_once_somebody_looks_at_it(slow):
+    assert "desired" not in vars(slow)
+    asked = slow.asked[3]
+    there = slow.desired.angles(np.array([asked.time + slow.desired.zero]))[0]
+    np.testing.assert_allclose(there[list(asked.keyed)], asked.angles[list(asked.keyed)], atol=1.1e-3)
+    assert slow.desired is slow.desired

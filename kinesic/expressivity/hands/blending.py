@@ -1,6 +1,6 @@
 """Blends two poses of a hand."""
 
-import numpy as np
+from math import acos, pi, sin, sqrt
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.reach import Reach
@@ -9,7 +9,7 @@ from kinesic.expressivity.keyframes import Hand
 
 def angle_between(a: Floats | None, b: Floats | None) -> float:
     """Measures the angle between two directions (3,) [rad]; 0 where one is missing."""
-    return 0.0 if a is None or b is None else float(np.arccos(np.clip(a @ b, -1.0, 1.0)))
+    return 0.0 if a is None or b is None else acos(min(max(float(a @ b), -1.0), 1.0))
 
 
 def between(a: Hand, b: Hand, share: float, rest: Reach) -> Hand:
@@ -51,7 +51,7 @@ def _turn_between(a: Floats | None, b: Floats | None, share: float, nearest: Flo
     if a is None or b is None:
         return nearest
     angle = angle_between(a, b)
-    if angle < 1e-9 or angle > np.pi - 1e-6:
+    if angle < 1e-9 or angle > pi - 1e-6:
         return nearest
-    mixed = (np.sin((1 - share) * angle) * a + np.sin(share * angle) * b) / np.sin(angle)
-    return sealed(mixed / np.linalg.norm(mixed))
+    mixed = (sin((1 - share) * angle) * a + sin(share * angle) * b) / sin(angle)
+    return sealed(mixed / sqrt(mixed @ mixed))

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from math import sqrt
 from types import MappingProxyType
 
 import numpy as np
@@ -199,7 +200,8 @@ def pose_distance(a: Hand, b: Hand, rest: Reach) -> float:
     """
     start, end = a.reach or rest, b.reach or rest
     turn = max(angle_between(start.palm, end.palm), angle_between(start.pointing, end.pointing))
-    return max(float(np.linalg.norm(start.position - end.position)), _LEVER * turn)
+    way = start.position - end.position
+    return max(sqrt(way @ way), _LEVER * turn)
 
 
 def _travels(

@@ -78,6 +78,13 @@ def _turning(robot: Robot, limits: Limits, chain: str) -> _Turning:
     return _Turning(axis, sealed(room), sealed(all_room), limits.part(joints))
 
 
+@lru_cache(maxsize=256)  # a movement is asked for by its durations, its layers and what goes along with it
+def _least_turn_time(robot: Robot, limits: Limits, chain: str, turn: Turn) -> float:
+    turning = _turning(robot, limits, chain)
+    turned = np.array(axes(turn))[turning.axes] * turning.room / turning.all_room
+    return float(least_rest_times(turned, turning.limits).max(initial=0.0))
+
+
 @dataclass(frozen=True, eq=False)
 class Pace:
     """How fast a robot moves from rest to rest; how fast its hands do so at ease is an `Effort`'s."""
@@ -120,9 +127,7 @@ class Pace:
 
     def least_turn_time(self, chain: str, turn: Turn) -> float:
         """Finds the shortest time of a rotation from upright [s]; hinges of one axis share it by how far they go."""
-        turning = _turning(self.robot, self.limits, chain)
-        turned = np.array(axes(turn))[turning.axes] * turning.room / turning.all_room
-        return float(least_rest_times(turned, turning.limits).max(initial=0.0))
+        return _least_turn_time(self.robot, self.limits, chain, turn)
 
     @cached_property
     def _least_hand_times(self) -> Floats:

@@ -77,3 +77,9 @@ def test_after_something_became_less_limits_are_looked_at_there_alone(monkeypatc
     wide, far = swell(1.0, 1.5, 2.0, degrees=-16.0), swell(3.5, 4.0, 4.5)
     assert allowed(STILL, [wide, far]) == [LESS, 1.0]
     assert looked_at[-1] < 1.2 / STEP < looked_at[0], "a second of a swell, and not the whole motion"
+
+
+def test_what_is_over_before_a_motion_may_move_changes_nothing():
+    early, late = swell(0.0, 0.004, 0.008), swell(1.0, 1.5, 2.0)
+    alone, both = (Changes(STILL, every).added(np.ones(len(every))) for every in ([late], [early, late]))
+    np.testing.assert_array_equal(both.controls, alone.controls)
