@@ -7,7 +7,7 @@ x points forward, y left, z up. Every length is in metres, every angle in radian
 """
 
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -161,6 +161,17 @@ class Skeleton:
     def segment(self, name: str) -> int:
         """Finds the index of a segment."""
         return self._segment_of[name]
+
+    @lru_cache(maxsize=64)  # noqa: B019  the few skeletons of a process live as long as it
+    def beside(self, ends: frozenset[int]) -> frozenset[int]:
+        """Finds the segments that carry none of some segments, and are none of them."""
+        carrying = set[int]()
+        for end in ends:
+            segment = end
+            while segment >= 0:
+                carrying.add(segment)
+                segment = self.steps[segment][0]
+        return frozenset(range(len(self.segments))) - carrying
 
     def clamp(self, angles: Floats) -> Floats:
         """Finds the nearest angles inside the ranges, for (..., n) [rad]."""

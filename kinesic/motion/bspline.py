@@ -22,6 +22,15 @@ SMOOTHNESS = 1e-9  # [s^4] weight of the acceleration beside the distance from w
 
 
 @dataclass(frozen=True, eq=False)
+class FreeRows:
+    """Rows of limits that no ends of a spline decide."""
+
+    places: Floats  # (r,) of each, in pieces from the first knot
+    kinds: NDArray[np.intp]  # (r,) 0 speed, 1 acceleration, 2 jerk, 3 duty
+    powers: Floats  # (r,) of `Grid.powers`
+
+
+@dataclass(frozen=True, eq=False)
 class Grid:
     """The grid of a uniform cubic B-spline (number and length of its pieces), with the matrices that follow."""
 
@@ -120,6 +129,14 @@ class Grid:
             group[:ends] = group[count - ends :] = ROOMY
             bounds.append(group)
         return np.concatenate(bounds)
+
+    @cached_property
+    def free_rows(self) -> "FreeRows":
+        """Those of the rows that leave a choice."""
+        some = self.bounds == 1.0
+        places = np.concatenate([np.linspace(0, self.pieces, count) for count in self.counts])
+        kinds = np.repeat(np.arange(len(self.counts)), self.counts)
+        return FreeRows(places[some], kinds[some], self.powers[some])
 
     def duty(self, limits: Limits) -> Floats:
         """(n,) bounds of the duty at the knots.

@@ -40,19 +40,36 @@ ROOM = 3.0  # times the limits that an eased way may take: what is beyond them i
 SHARES = np.arange(PARTS) / PARTS  # of a way, at which an easing is given
 
 
-def _choose_speeds(times: Floats, keys: Keys) -> Floats:
-    """Chooses the speeds (k, h) [rad/s] at the keys of some hinges, at (k,) times that all of them have.
+@dataclass(frozen=True, eq=False)
+class _Course:
+    """Keys (k, h) of some hinges, at times that all of them have, and what lies between them."""
+
+    keys: Keys
+    steps: Floats  # (k - 1, 1) [s]
+    ways: Floats  # (k - 1, h) [rad]
+    flow: Floats  # (k - 2, h) how much of its speed a hinge keeps at each inner key
+    resting: Flags  # (k - 2, h) whether it is still before or after each of them
+
+    @classmethod
+    def of(cls, times: Floats, keys: Keys) -> "_Course":
+        steps, ways = (times[1:] - times[:-1])[:, None], keys.angles[1:] - keys.angles[:-1]
+        still = np.abs(ways) < HOLD
+        tension, continuity, swing = keys.manner[[0, 1, 5], 1:-1]
+        return cls(keys, steps, ways, flow(tension, continuity, swing), still[:-1] | still[1:])
+
+
+def _choose_speeds(course: _Course) -> Floats:
+    """Chooses the speeds (k, h) [rad/s] at the keys of some hinges.
 
     Zero at the ends and beside holds. A speed that would carry the hinge beyond its keys by more than `SWING` is cut,
     unless the tension is negative or the key has a swing: at -1 and 1 only the ends of the range cut it.
     """
+    keys, steps, ways = course.keys, course.steps, course.ways
     found = np.zeros_like(keys.angles)
-    steps = np.diff(times)[:, None]
-    ways = np.diff(keys.angles, axis=0)
     tension, _, bias = keys.manner[:3, 1:-1]
     before, after = ways[:-1], ways[1:]
     earlier, later = before / steps[:-1] * steps[1:], after / steps[1:] * steps[:-1]
-    free = _flow(keys) * ((1 + bias) * earlier + (1 - bias) * later) / (steps[:-1] + steps[1:])
+    free = course.flow * ((1 + bias) * earlier + (1 - bias) * later) / (steps[:-1] + steps[1:])
     slower = np.minimum(np.abs(before) / steps[:-1], np.abs(after) / steps[1:])
     inside = np.where(before * after < 0.0, 0.0, STEEPEST * slower)
     smooth = BULGE * SWING / np.maximum(steps[:-1], steps[1:])
@@ -64,37 +81,24 @@ def _choose_speeds(times: Floats, keys: Keys) -> Floats:
     kept = np.maximum(inside, np.minimum(smooth, room))
     opened = np.minimum(np.maximum(-tension, 0.0) + keys.manner[5, 1:-1], 1.0)
     bound = kept + opened * np.maximum(room - kept, 0.0)
-    found[1:-1] = np.where(_resting(ways), 0.0, np.clip(free, -bound, bound))
+    found[1:-1] = np.where(course.resting, 0.0, np.minimum(np.maximum(free, -bound), bound))
     return found
 
 
-def _choose_accelerations(times: Floats, keys: Keys, passed: Floats) -> Floats:
+def _choose_accelerations(course: _Course, passed: Floats) -> Floats:
     """Chooses the accelerations (k, h) [rad/s^2] at the keys: the mean of what cubics have before and after a key.
 
     So keys that lie on a smooth curve are passed along it. Zero at the ends, beside holds, and where a hinge stops.
     """
-    found = np.zeros_like(passed)
-    steps = np.diff(times)[:, None]
-    ways = np.diff(keys.angles, axis=0)
+    steps, ways, found = course.steps, course.ways, np.zeros_like(passed)
     ends = (-6 * ways + steps * (2 * passed[:-1] + 4 * passed[1:])) / steps**2
     begins = (6 * ways - steps * (4 * passed[:-1] + 2 * passed[1:])) / steps**2
     bends = np.abs(ways) / steps**2
     longer = np.maximum(steps[:-1], steps[1:])
     bound = np.maximum(BEND * np.minimum(bends[:-1], bends[1:]), BOW * SWING / longer**2)
-    middle = np.minimum(_flow(keys), 1.0) * (ends[:-1] + begins[1:]) / 2
-    found[1:-1] = np.where(_resting(ways), 0.0, np.clip(middle, -bound, bound))
+    middle = np.minimum(course.flow, 1.0) * (ends[:-1] + begins[1:]) / 2
+    found[1:-1] = np.where(course.resting, 0.0, np.minimum(np.maximum(middle, -bound), bound))
     return found
-
-
-def _flow(keys: Keys) -> Floats:
-    """(k - 2, h) how much of its speed a hinge keeps at each inner key."""
-    return flow(keys.manner[0, 1:-1], keys.manner[1, 1:-1], keys.manner[5, 1:-1])
-
-
-def _resting(ways: Floats) -> Flags:
-    """(k - 2, h) whether the hinge is still before or after each inner key."""
-    still = np.abs(ways) < HOLD
-    return np.asarray(still[:-1] | still[1:])
 
 
 def _ease(left: Floats, states: Floats, steps: Floats, keys: Keys) -> Floats:
@@ -254,19 +258,20 @@ def _curve(ways: _Ways) -> PiecewisePolynomial:
 
 def _join(times: Floats, keys: Keys) -> PiecewisePolynomial:
     """Joins hinges that all have the same keys, at (k,) times."""
-    steps, passed = np.diff(times), _choose_speeds(times, keys)
-    accelerations = _choose_accelerations(times, keys, passed)
-    plain = PiecewisePolynomial(sealed(times), sealed(_quintics(steps, keys.angles, passed, accelerations)))
+    course = _Course.of(times, keys)
+    steps, passed = course.steps[:, 0], _choose_speeds(course)
+    quintics = _quintics(steps, keys.angles, passed, _choose_accelerations(course, passed))
+    plain = PiecewisePolynomial(sealed(times), sealed(quintics))
     if np.all(keys.manner[4, 1:] == SMOOTHEST):
         return plain
-    ways, carried = np.diff(keys.angles, axis=0), steps[:, None] * (passed[:-1] + passed[1:]) / 2
+    ways, carried = course.ways, course.steps * (passed[:-1] + passed[1:]) / 2
     left = np.where((ways - carried) * ways > 0.0, ways - carried, 0.0)
     fine = np.append((times[:-1, None] + steps[:, None] * SHARES).ravel(), times[-1])
     states = np.stack(plain.derivatives(fine, 3))
     along = states[:, :-1].reshape(3, len(steps), PARTS, -1).transpose(0, 1, 3, 2)
     added = _ease(left, along, steps, keys)
     states[:, :-1] += added.transpose(0, 1, 3, 2).reshape(3, len(fine) - 1, -1)
-    return PiecewisePolynomial(sealed(fine), sealed(_quintics(np.diff(fine), *states)))
+    return PiecewisePolynomial(sealed(fine), sealed(_quintics(fine[1:] - fine[:-1], *states)))
 
 
 def _quintics(steps: Floats, angles: Floats, speeds: Floats, accelerations: Floats) -> Floats:

@@ -4,6 +4,7 @@ Longer gaps by a share s let speeds be higher by s, accelerations by 2 s and jer
 program; its multipliers say what a later key would be worth, and which limit binds where.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Literal
@@ -13,6 +14,7 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.body.limits import Limits
 from kinesic.motion.key_time_lp import CuttingPlane
+from kinesic.motion.least_gaps import Way
 from kinesic.motion.segments import SplineSegment
 from kinesic.motion.spline_program import relax_limits, smoothest
 from kinesic.motion.trajectory import spline_weights
@@ -91,6 +93,12 @@ def planes_before(segment: SplineSegment, found: Infeasibility, times: Floats) -
     return planes
 
 
+def short_ways(segment: SplineSegment, found: Infeasibility | None) -> Sequence[Way]:
+    """Lists the ways in which a limit binds; all of the segment where that is not known."""
+    binding = () if found is None else zip(segment.pairs, found.binding, strict=True)
+    return [(segment.hinge, pair) for pair, limit in binding if limit and pair[0] != pair[1]] or segment.ways
+
+
 def _over_all_keys(segment: SplineSegment, slopes: Floats, count: int) -> Floats:
     """(count,) over all key times, from (m + 2,) over start, keys and end of a segment."""
     spread = np.zeros(count)
@@ -113,15 +121,13 @@ def _least(segment: SplineSegment, limits: Limits) -> _Least | None:
     grid, found = segment.grid, relax_limits(segment, limits, easy=EASY)
     if found is None:
         return None
-    some = grid.bounds == 1.0
-    places = np.concatenate([np.linspace(0, grid.pieces, count) for count in grid.counts])[some]
-    kinds = np.repeat(np.arange(len(grid.counts)), grid.counts)[some]
-    gaps = np.searchsorted(segment.places, places)
+    free = grid.free_rows
+    gaps = np.searchsorted(segment.places, free.places)
     return _Least(
         found.controls,
         float(np.log1p(2 * found.amount) / 2),
         found.ties / (1 + 2 * found.amount),
-        _binding(gaps, kinds, found.pulls * grid.powers[some], len(segment.places) + 1),
+        _binding(gaps, free.kinds, found.pulls * free.powers, len(segment.places) + 1),
     )
 
 

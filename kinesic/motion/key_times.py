@@ -26,6 +26,7 @@ from kinesic.motion.infeasibility import (
     guess_share,
     measure_shortage,
     planes_before,
+    short_ways,
 )
 from kinesic.motion.key_time_lp import CuttingPlane, KeyTimeProblem, relax_key_times, strain
 from kinesic.motion.keys import SAME, Keys, Pair
@@ -70,6 +71,7 @@ class Search:
         self._looked = 0  # pieces of all segments that were measured
         self._stiff: set[Way] = set()  # for which stretching found nothing
         self._rests: dict[Way, float] = {}  # by which rests at both ends are longer
+        self._tight: dict[tuple[int, bytes, float], tuple[SplineSegment, ...]] = {}  # by hinge and its times
         self._shortages: dict[tuple[object, ...], Infeasibility | None] = {}  # that were looked at
         self._lengthen_to_full_speed()
         spaced = all(keys.asked[j] - keys.asked[i] >= gap - SAME for (i, j), gap in self._gaps.items())
@@ -94,15 +96,15 @@ class Search:
             for segment, found in lacking:
                 self._lengthen(segment, found)
                 self._note(segment, found)
-            short = {way for segment, found in lacking for way in _short_ways(segment, found)}
+            short = {way for segment, found in lacking for way in short_ways(segment, found)}
             stretched = short & self._spans.keys()
             if not stretched:
                 self._relax(short)
             elif not self._stretch(stretched):
                 continue
-            about = {way for segment, _ in lacking for way in _ways(segment)}
+            about = {way for segment, _ in lacking for way in segment.ways}
             near = [segment for segment in self._segments(self.times, self._moved_hinges) if self._near(segment)]
-            tight = [segment for segment in near if not about.isdisjoint(_ways(segment))]
+            tight = [segment for segment in near if not about.isdisjoint(segment.ways)]
             lacking = self._lacking(tight) or self._lacking(near)
 
     def remember(self) -> None:
@@ -127,7 +129,7 @@ class Search:
     def _rest_wherever_short(self, lost: SplineSegment) -> None:
         """Lets hinges rest in a segment that lacks time, and at once wherever else a smooth way exceeds a limit."""
         fast = [segment for segment in self._segments(self.times) if guess_share(segment, self._limits) > 1.0]
-        short = set(_ways(lost)) | {way for segment in fast for way in _ways(segment)} - self._rests.keys()
+        short = set(lost.ways) | {way for segment in fast for way in segment.ways} - self._rests.keys()
         self._rest(short)
         self._relax(short)
 
@@ -139,12 +141,12 @@ class Search:
 
     def _lengthen(self, segment: SplineSegment, found: Infeasibility | None) -> None:
         """Sees to it that a segment gets more time: by a plane, by a stretch, in the end by rests."""
-        ways = set(_short_ways(segment, found))
+        ways = set(short_ways(segment, found))
         self._tries.update(ways)
         tries = max((self._tries[way] for way in ways), default=0)
         spent = self._budget.spent or self._looked > LOOKS or tries > PLANES + STRETCHES
         if spent:
-            self._rest(set(_ways(segment)))
+            self._rest(set(segment.ways))
         elif found is None or ways & self._rests.keys():
             self._rest(ways)
         elif ways & self._spans.keys() or tries > PLANES or (self._in_rhythm(segment, ways) and not ways & self._stiff):
@@ -166,7 +168,12 @@ class Search:
     def _segments(self, times: Floats, hinges: Iterable[int] | None = None) -> Iterator[SplineSegment]:
         """Those of a motion that may lack time, each as short as can be; of all hinges, if none are given."""
         every = range(len(self._keys.own)) if hinges is None else hinges
-        return tight_segments(times, self._keys, STEP, self._rests_of_hinges, every)
+        for hinge in every:
+            known = (hinge, (times[self._keys.own[hinge]] - times[0]).tobytes(), float(times[-1] - times[0]))
+            if known not in self._tight:
+                own = tight_segments(times, self._keys, STEP, self._rests_of_hinges, [hinge])
+                self._tight[known] = tuple(own)
+            yield from self._tight[known]
 
     @property
     def _moved_hinges(self) -> list[int]:
@@ -179,7 +186,7 @@ class Search:
     def _near(self, segment: SplineSegment) -> bool:
         own = [key for mark in segment.marks for key in mark]
         cuts = (cut for cut in self._cuts.get(segment.hinge, ()) if cut.slopes[own].any())
-        stretched = not self._spans.keys().isdisjoint(_ways(segment))
+        stretched = not self._spans.keys().isdisjoint(segment.ways)
         return stretched or any(cut.slopes @ self.times > cut.bound - NEAR for cut in cuts)
 
     def _in_rhythm(self, segment: SplineSegment, ways: set[Way]) -> bool:
@@ -207,7 +214,7 @@ class Search:
 
         def measure(times: Floats) -> list[tuple[SplineSegment, Infeasibility | None]]:
             every = self._segments(times, sorted({hinge for hinge, _ in open_ways}))
-            tight = [segment for segment in every if not open_ways.isdisjoint(_ways(segment))]
+            tight = [segment for segment in every if not open_ways.isdisjoint(segment.ways)]
             return [(segment, self._shortage(segment)) for segment in tight]
 
         for segment, lack in measure(self.times):
@@ -297,13 +304,3 @@ class Search:
             if gap > max(asked, keys.gaps[pair]) + SAME:
                 rated = limits.speed[hinge] <= limits.duty[hinge] / limits.viscous[hinge]
                 self._meet(pair, Bottleneck(hinge, "speed" if rated else "duty", gap / max(asked, keys.gaps[pair])))
-
-
-def _ways(segment: SplineSegment) -> list[Way]:
-    return [(segment.hinge, pair) for pair in segment.pairs if pair[0] != pair[1]]
-
-
-def _short_ways(segment: SplineSegment, found: Infeasibility | None) -> list[Way]:
-    """Lists the ways in which a limit binds; all of the segment where that is not known."""
-    binding = () if found is None else zip(segment.pairs, found.binding, strict=True)
-    return [(segment.hinge, pair) for pair, limit in binding if limit and pair[0] != pair[1]] or _ways(segment)

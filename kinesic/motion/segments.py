@@ -128,6 +128,11 @@ class SplineSegment:
         """(m + 1,) the keys about each gap: start, keys, end."""
         return tuple(pairwise([*(mark[0] for mark in self.marks[:-1]), self.marks[-1][-1]]))
 
+    @cached_property
+    def ways(self) -> tuple[tuple[int, Pair], ...]:
+        """The hinge, with each of these pairs of two different keys."""
+        return tuple((self.hinge, pair) for pair in self.pairs if pair[0] != pair[1])
+
     @property
     def still(self) -> bool:
         """Whether nothing moves."""

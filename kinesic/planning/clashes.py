@@ -155,7 +155,9 @@ def least_times_between_turns(keys: Keys) -> Gaps:
 
     That is mostly more than it needs, as it may turn round while it brakes.
     """
-    ways = [(hinge, pair) for hinge, own in enumerate(keys.own) for pair in _ways(keys.angles[own, hinge], own)]
+    ways = [
+        (hinge, pair) for hinge, own in enumerate(keys.own) for pair in _ways(keys.angles[own, hinge].tolist(), own)
+    ]
     hinges, begins, ends = np.array([(hinge, i, j) for hinge, (i, j) in ways], dtype=np.intp).reshape(-1, 3).T
     turns = keys.angles[ends, hinges] - keys.angles[begins, hinges]
     return dict(zip(ways, least_rest_times_of(hinges, turns, keys.limits).tolist(), strict=True))
@@ -170,12 +172,12 @@ def _gaps(keys: Keys) -> dict[Pair, float]:
     return gaps
 
 
-def _ways(angles: Floats, rows: Sequence[int]) -> list[Pair]:
-    """The keys between which a hinge goes on in one direction, or is held, from its angles (k,) [rad] at some rows."""
-    steps = np.diff(angles)
-    ways = np.where(np.abs(steps) < HOLD, 0.0, np.sign(steps))
-    ends = [0, *(np.flatnonzero(np.diff(ways)) + 1).tolist(), len(steps)]
-    return [(rows[i], rows[j]) for i, j in pairwise(ends) if i < j]
+def _ways(angles: Sequence[float], rows: Sequence[int]) -> list[Pair]:
+    """The keys between which a hinge goes on in one direction, or is held, from its angles [rad] at some rows."""
+    steps = [after - before for before, after in pairwise(angles)]
+    ways = [0 if abs(step) < HOLD else 1 if step > 0.0 else -1 for step in steps]
+    turned = (k for k, (before, after) in enumerate(pairwise(ways), 1) if before != after)
+    return [(rows[i], rows[j]) for i, j in pairwise([0, *turned, len(steps)]) if i < j]
 
 
 def _neighbours(frames: KeyFrames, postures: Sequence[KeyPosture], setup: Setup) -> list[Neighbours]:

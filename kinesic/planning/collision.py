@@ -129,11 +129,11 @@ def separate(
 
 def _metric(probes: Floats, robot: Robot) -> Floats:
     """(k, k) cost of a step of k hinges: turns, and the displacement of wrists and palms, for (k + 1, n) [rad]."""
-    frames = robot.body_frames(probes)
+    palms = [robot.arm(side).palm for side in SIDES]
+    segments = [robot.skeleton.segment(palm.segment) for palm in palms]
+    frames = robot.skeleton.frames(probes, without=robot.skeleton.beside(frozenset(segments)))
     points = []
-    for side in SIDES:
-        palm = robot.arm(side).palm
-        k = robot.skeleton.segment(palm.segment)
+    for k, palm in zip(segments, palms, strict=True):
         points += [frames.origins[:, k], frames.origins[:, k] + frames.rotations[:, k] @ palm.position]
     where = np.concatenate(points, axis=1)
     moved = (where[1:] - where[0]) / PROBE / DISPLACEMENT

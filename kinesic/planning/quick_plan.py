@@ -18,9 +18,9 @@ from kinesic.expressivity.hands.engaged import Engaged
 from kinesic.motion.budget import ENDLESS, Budget
 from kinesic.motion.condition import Conditioned, NearestFinder
 from kinesic.motion.desired import DesiredMotion, join_keys
+from kinesic.motion.double_s import Gaps, Way
 from kinesic.motion.key_time_lp import KeyTimeProblem, relax_key_times
 from kinesic.motion.keys import Bond, KeyPosture, Keys, Passage
-from kinesic.motion.least_gaps import Gaps, Way
 from kinesic.motion.plane_memory import PlaneMemory
 from kinesic.motion.segments import SplineSegment
 from kinesic.motion.trajectory import Trajectory

@@ -105,3 +105,14 @@ def test_arrays_are_sealed(skeleton: Skeleton):
     for array in (skeleton.lower, skeleton.upper, skeleton.rest, frames.origins, frames.rotations):
         assert not array.flags.writeable
     assert all(not hinge.axis.flags.writeable for hinge in skeleton.hinges)
+
+
+def test_what_carries_no_hand_is_beside_it_and_is_not_solved(skeleton: Skeleton):
+    hand, head = (skeleton.segment(name) for name in ("l_wrist", "skullbase"))
+    others = skeleton.beside(frozenset({hand}))
+    assert head in others
+    assert hand not in others
+    angles = 0.5 * (skeleton.lower + skeleton.upper)
+    whole, part = skeleton.frames(angles), skeleton.frames(angles, without=others)
+    np.testing.assert_array_equal(part.origins[hand], whole.origins[hand])
+    assert skeleton.beside(frozenset({hand, head})) < others

@@ -225,3 +225,12 @@ def test_what_a_crowd_lacks_is_always_found(known, monkeypatch):
     plan(crowd(102, [form.id for form in known.lexicon.forms]), known)
     assert len(found) > 20
     assert all(found)
+
+
+def test_segments_of_hinges_whose_times_stay_are_made_once():
+    search = Search(Keys.of(KEYS, FEASIBLE_LIMITS), FEASIBLE_LIMITS, 0.6)
+    first, again = ([*search._segments(search.times)] for _ in range(2))
+    assert first
+    assert all(one is other for one, other in zip(first, again, strict=True))
+    moved = [*search._segments(search.times + np.array([0.0, 0.0, 0.02, 0.0, 0.0]))]
+    assert not any(one is other for one in first for other in moved)

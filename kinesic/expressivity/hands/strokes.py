@@ -13,7 +13,7 @@ from kinesic.expressivity.hands.keys import HandKey, along
 from kinesic.expressivity.hands.poses import Poses, pose_distance, resting_hands
 from kinesic.expressivity.keyframes import Hand
 from kinesic.expressivity.lexicon.paths import HandPath, Kind
-from kinesic.expressivity.style.effort import Effort
+from kinesic.expressivity.style.effort import Effort, Nature
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import NEUTRAL, Expressivity
 from kinesic.expressivity.turns import MERGE
@@ -131,10 +131,15 @@ def natural_times(poses: Poses, effort: Effort) -> tuple[float, ...]:
         poses: the stroke keys.
         effort: of the gesture.
     """
-    return tuple(
-        max(way.swings * max(effort.stroke_time(way.length), way.least(effort.pace)) for way in ways)
-        for ways in _ways(poses, effort.pace)
-    )
+    return _natural_times(_ways(poses, effort.pace), effort.pace, effort.nature, effort.manner)
+
+
+@lru_cache(maxsize=1024)
+def _natural_times(
+    ways: tuple[tuple[_Way, ...], ...], pace: Pace, nature: Nature, manner: Expressivity
+) -> tuple[float, ...]:
+    effort = Effort(pace, nature, manner)
+    return tuple(max(way.swings * max(effort.stroke_time(way.length), way.least(pace)) for way in row) for row in ways)
 
 
 def stroke_key_times(poses: Poses, times: Mapping[str, float], pace: Pace) -> tuple[float, ...]:
@@ -192,13 +197,20 @@ def stroke_keys(work: HandStroke, side: Side, pace: Pace, leisure: float = 1.0) 
     return keys
 
 
-@lru_cache(maxsize=1024)
 def _ways(poses: Poses, pace: Pace) -> tuple[tuple[_Way, ...], ...]:
-    """Remembered, as each stroke is tried beside each of its neighbours."""
+    """The ways between neighbouring keys, one of each hand."""
+    rows = tuple((side, row, poses.paths.get(side, (None,) * poses.count)) for side, row in poses.hands.items())
+    return _ways_of(rows, poses.count - 1, pace)
+
+
+@lru_cache(maxsize=1024)  # each stroke is tried beside each of its neighbours, and a gesture is done more than once
+def _ways_of(
+    rows: tuple[tuple[Side, tuple[Hand, ...], tuple[HandPath | None, ...]], ...], count: int, pace: Pace
+) -> tuple[tuple[_Way, ...], ...]:
     rest = resting_hands(pace.robot)
     return tuple(
-        tuple(_way(row[k], row[k + 1], poses.path(side, k + 1), rest[side]) for side, row in poses.hands.items())
-        for k in range(poses.count - 1)
+        tuple(_way(hands[k], hands[k + 1], paths[k + 1], rest[side]) for side, hands, paths in rows)
+        for k in range(count)
     )
 
 

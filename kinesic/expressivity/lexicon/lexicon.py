@@ -3,7 +3,7 @@
 import difflib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 
 from kinesic.bml.block import Mode
@@ -25,6 +25,7 @@ NAMELESS = "beat"  # what a gesture without a lexeme most likely is
 MOST_NEAR = 3  # gestures that are named when a lexeme is unknown
 LONGEST = 120  # characters of a name that are read; a longer one is none
 COMPARED = 40  # characters of a name that are compared with others
+KEPT = 512  # forms that are turned to other hands
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,6 +171,7 @@ class Lexicon:
         return Match(posed, found.kind, f"substituted by {form.id}: {why}" if why else "")
 
 
+@lru_cache(maxsize=KEPT)  # so that one gesture is one form, of which others remember what it takes
 def in_mode(form: GestureForm, mode: Mode) -> GestureForm:
     """Gives a form the hands that a mode asks for.
 
@@ -186,6 +188,7 @@ def in_mode(form: GestureForm, mode: Mode) -> GestureForm:
     return replace(source, keys=keys)
 
 
+@lru_cache(maxsize=KEPT)
 def mirror_form(form: GestureForm) -> GestureForm:
     """Mirrors a form: each hand does what the other did, and the body goes to the other side."""
     keys = tuple(StrokeKey({OTHER_SIDE[side]: pose for side, pose in key.hands.items()}) for key in form.keys)

@@ -98,21 +98,12 @@ def _outward(bends: Sequence[_Bend], robot: Robot) -> Iterator[Swell]:
     """All of them within the ranges of the arms, and the hands no nearer to the body's middle."""
     angles, away = np.stack([bend.angles for bend in bends]), np.stack([bend.swell.away for bend in bends])
     wrists = {bend.side: robot.arm(bend.side).wrist for bend in bends}
-    both = robot.skeleton.frames(np.stack([angles, angles + away]), without=_beside(robot, wrists.values()))
+    both = robot.skeleton.frames(
+        np.stack([angles, angles + away]), without=robot.skeleton.beside(frozenset(wrists.values()))
+    )
     for k, bend in enumerate(bends):
         before, after = both.origins[:, k, wrists[bend.side], LEFT]
         outward = (after - before) * (1.0 if bend.side == "l" else -1.0) >= 0.0
         turned = angles[k] + (away[k] if outward else -away[k])
         inside = np.clip(turned, robot.skeleton.lower + INWARD, robot.skeleton.upper - INWARD)
         yield replace(bend.swell, away=np.where(away[k] == 0.0, 0.0, inside - angles[k]))
-
-
-def _beside(robot: Robot, segments: Iterable[int]) -> frozenset[int]:
-    """The segments that carry none of some segments."""
-    carrying = set()
-    for end in segments:
-        segment = end
-        while segment >= 0:
-            carrying.add(segment)
-            segment = robot.skeleton.steps[segment][0]
-    return frozenset(range(len(robot.skeleton.segments))) - carrying

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from kinesic.body.arrays import sealed
+from kinesic.expressivity.hands import strokes
 from kinesic.expressivity.hands.phases import arrange_hands
-from kinesic.expressivity.hands.poses import poses
+from kinesic.expressivity.hands.poses import pose_distance, poses
 from kinesic.expressivity.hands.strokes import Stroke, do_stroke, natural_times, stroke_key_times, stroke_keys
 from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
 from kinesic.expressivity.lexicon.lexicon import mirror_form
@@ -183,3 +184,13 @@ def test_repetitions_share_what_time_there_is(done, end, times):
 def test_a_path_that_is_not_asked_for_changes_nothing(robot, pace, phases):
     stroke = Stroke("g", phases(0, 0.6, 0.6, 1.0, 1.0, 1.2, 1.8), (poses(TWO, robot, NEUTRAL),))
     assert [key.time for key in arrange_hands([stroke], pace).hands["r"]] == pytest.approx([0, 0.6, 1.0, 1.2, 1.8])
+
+
+def test_a_gesture_that_is_done_again_has_the_times_that_are_known(robot, pace, monkeypatch):
+    measured = []
+    monkeypatch.setattr(strokes, "pose_distance", lambda *way: measured.append(way) or pose_distance(*way))
+    natural_times(poses(TWO, robot, Expressivity(spatial=0.123)), Effort(pace))
+    assert measured
+    first = len(measured)
+    natural_times(poses(TWO, robot, Expressivity(spatial=0.123)), Effort(pace))
+    assert len(measured) == first

@@ -138,6 +138,7 @@ def test_a_mode_yields_its_sides(forms):
         assert in_mode(form, "right").sides == {"r"}, form.id
         assert in_mode(form, "both").sides == set(SIDES), form.id
         assert in_mode(form, "unspecified") is form, form.id
+        assert in_mode(form, "left") is in_mode(form, "left"), "remembered, with all that is known of it"
 
 
 def test_one_side_of_a_two_handed_form_is_what_this_hand_does():
