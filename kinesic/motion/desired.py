@@ -12,6 +12,7 @@ keys are eased alike, so that a hand keeps its path; a steepness that one of the
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
+from math import ceil
 
 import numpy as np
 
@@ -117,12 +118,13 @@ def _ease(left: Floats, states: Floats, steps: Floats, keys: Keys) -> Floats:
     moved = (easings != SMOOTHEST) & (left != 0.0)
     limits = keys.limits
     most = np.stack([limits.speed, limits.acceleration, limits.duty, limits.inertial, limits.viscous])
-    for k in np.flatnonzero(moved.any(axis=1)):
+    for k in np.flatnonzero(moved.any(axis=1)).tolist():
         hinges = np.flatnonzero(moved[k])
         scales = left[k, hinges] / (steps[k] ** np.arange(3))[:, None]
+        rows = (easings[k, hinges].astype(np.intp), shares[k, hinges], steepness[k, hinges])
         asked = tuple(
-            (*_easing(EASINGS[int(easings[k, hinge])], shares[k, hinge]), float(steepness[k, hinge]))
-            for hinge in hinges
+            (*_easing(EASINGS[easing], share), steep)
+            for easing, share, steep in zip(*(row.tolist() for row in rows), strict=True)
         )
         plain, bounds = states[:, k, hinges], most[:, hinges]
         for added in _offers(asked):
@@ -143,8 +145,8 @@ def _easing(easing: Easing, room: float) -> tuple[Easing, float]:
 def _offers(asked: _Asked) -> Iterator[Floats]:
     """(3, h, p) what the easings of some hinges add to minimum jerk, from as steep as is asked to ever softer."""
     steepest = max(steepness for _, _, steepness in asked)
-    for softer in np.arange(0.0, steepest - SOFTEST, GRADE).tolist():
-        yield _changes(asked, softer)
+    for tries in range(ceil((steepest - SOFTEST) / GRADE)):
+        yield _changes(asked, GRADE * tries)
 
 
 @lru_cache(maxsize=512)

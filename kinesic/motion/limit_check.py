@@ -2,12 +2,14 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from types import MappingProxyType
 
 import numpy as np
 
-from kinesic.body.arrays import Floats, sealed
+from kinesic.body.arrays import Flags, Floats, Indices, sealed
 from kinesic.body.limits import Limits
+from kinesic.motion.bspline import TINY, WIDTHS, grid
 from kinesic.motion.trajectory import KERNEL, STEP, Trajectory, spline_weights
 
 if KERNEL == "compiled":
@@ -77,6 +79,41 @@ def _search(controls: Floats, limits: Limits) -> Peaks:
         begin, instant = CHUNK * (int(pieces[worst]) // CHUNK), float(INSTANTS[int(instants[worst])])
         found[name] = Peak(sealed(ratios), STEP * begin + STEP * (int(pieces[worst]) - begin + instant))
     return Peaks(MappingProxyType(found), float(np.sqrt(squares / (len(controls) - 3) / len(middle))))
+
+
+def find_beyond(controls: Floats, before: Floats, limits: Limits, hinges: Indices, *, full: float) -> Flags:
+    """Finds where a motion breaks limits that another one keeps.
+
+    Args:
+        controls: (h, k) [rad] control points of some hinges.
+        before: (h, k) [rad] those of the other motion.
+        limits: of all hinges.
+        hinges: (h,) which ones they are.
+        full: share of a limit that counts as broken.
+
+    Returns:
+        (h, k) which control points take part in that.
+    """
+    found: Flags = np.zeros(controls.shape, dtype=np.bool_)
+    if KERNEL == "compiled":
+        now, then, bounds = (np.ascontiguousarray(each) for each in (controls, before, _bounds(limits)[:, hinges]))
+        _kernel.beyond(now, then, SCALES[1:], bounds, full, found)
+        return found
+    own = grid(controls.shape[1] - 3, STEP)
+    every = zip((1, *WIDTHS), own.shares(controls, limits, hinges), own.shares(before, limits, hinges), strict=True)
+    for width, share, once in every:
+        over = np.abs(share) > np.maximum(full, np.abs(once) + full - 1.0)
+        for k in range(width):
+            found[:, k : k + over.shape[1]] |= over
+    return found
+
+
+@lru_cache(maxsize=16)
+def _bounds(limits: Limits) -> Floats:
+    """(8, n) what the shares of limits are made of."""
+    middle, half = (limits.upper + limits.lower) / 2, np.maximum(limits.upper - limits.lower, TINY) / 2
+    rows = (limits.speed, limits.acceleration, limits.jerk, limits.inertial, limits.viscous)
+    return sealed(np.stack([middle, half, *rows, grid(1, STEP).duty(limits)]))
 
 
 def _derived(controls: Floats, order: int) -> Floats:

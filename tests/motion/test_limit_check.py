@@ -3,7 +3,8 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
-from kinesic.motion.limit_check import CHUNK, check_limits
+from kinesic.motion import limit_check
+from kinesic.motion.limit_check import CHUNK, check_limits, find_beyond
 from kinesic.motion.trajectory import STEP, Trajectory
 
 LIMITS = Limits(
@@ -64,3 +65,24 @@ def test_a_peak_at_the_very_end_counts():
     speed = check_limits(motion, LIMITS).shares["speed"]
     assert speed.hinge == 1
     assert speed.time == pytest.approx(motion.duration)
+
+
+def test_only_what_breaks_a_limit_that_the_other_motion_keeps_is_beyond():
+    still, both = np.zeros((2, 40)), np.array([0, 1])
+    leaping = still.copy()
+    leaping[1, 20] = 0.002
+    found = find_beyond(leaping, still, LIMITS, both, full=1.0)
+    assert np.flatnonzero(found[1]).tolist() == [*range(17, 24)], "all that its jerks depend on"
+    assert not found[0].any()
+    assert not find_beyond(leaping, leaping, LIMITS, both, full=1.0).any(), "it was as fast before"
+    assert find_beyond(2.0 * leaping, leaping, LIMITS, both, full=1.0)[1, 20]
+
+
+@pytest.mark.skipif(limit_check.KERNEL == "numpy", reason="no compiled kernel")
+def test_the_kernel_finds_the_same_control_points_beyond_limits(monkeypatch):
+    controls, before = (wandering(300, seed).controls.T * scale for seed, scale in ((1, 0.02), (2, 0.01)))
+    given = controls[::-1] + before, before, LIMITS, np.array([1, 0])
+    compiled = find_beyond(*given, full=6.0)
+    monkeypatch.setattr(limit_check, "KERNEL", "numpy")
+    np.testing.assert_array_equal(find_beyond(*given, full=6.0), compiled)
+    assert 0.05 < compiled.mean() < 0.95

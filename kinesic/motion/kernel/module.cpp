@@ -5,6 +5,7 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include "beyond_limits.h"
 #include "free_motion.h"
 #include "limit_peaks.h"
 #include "nearest_motion.h"
@@ -18,6 +19,7 @@ namespace {
 using Numbers = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
 using Result = nb::ndarray<double, nb::c_contig, nb::device::cpu>;
 using Flags = nb::ndarray<const bool, nb::c_contig, nb::device::cpu>;
+using Marks = nb::ndarray<bool, nb::c_contig, nb::device::cpu>;
 using Places = nb::ndarray<const int, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
 std::vector<double> copy(const Numbers& from) { return {from.data(), from.data() + from.size()}; }
@@ -150,6 +152,20 @@ nb::tuple peaks(const Numbers& controls, const Numbers& scales, const Numbers& l
     return nb::make_tuple(array(found[0]), array(found[1]), array(found[2]), squares);
 }
 
+// Flags control points (h, k) of hinges that take part in breaking limits (8, h) which those of `before` (h, k) keep.
+void beyond(const Numbers& controls, const Numbers& before, const Numbers& scales, const Numbers& limits, double full,
+            Marks& flags) {
+    require(controls.ndim() == 2 && before.size() == controls.size() && flags.size() == controls.size());
+    const size_t hinges = controls.shape(0), size = controls.shape(1);
+    require(scales.size() == 3 && limits.size() == 8 * hinges);
+    for (size_t i = 0; i < hinges; ++i) {
+        const auto limit = [&](int row) { return limits.data()[row * hinges + i]; };
+        const HingeBounds bounds = {limit(0), limit(1), limit(2), limit(3), limit(4), limit(5), limit(6), limit(7)};
+        const size_t at = i * size;
+        flag_beyond(controls.data() + at, before.data() + at, int(size), scales.data(), bounds, full, flags.data() + at);
+    }
+}
+
 }  // namespace
 
 NB_MODULE(_kernel, module) {
@@ -159,4 +175,5 @@ NB_MODULE(_kernel, module) {
     module.def("relax", &relax);
     module.def("sample", &sample);
     module.def("peaks", &peaks);
+    module.def("beyond", &beyond);
 }

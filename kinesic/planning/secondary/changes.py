@@ -8,7 +8,8 @@ import numpy as np
 
 from kinesic.body.arrays import Flags, Floats, Indices, sealed
 from kinesic.body.limits import Limits
-from kinesic.motion.bspline import WIDTHS, grid
+from kinesic.motion.bspline import WIDTHS
+from kinesic.motion.limit_check import find_beyond
 from kinesic.motion.trajectory import EARLY, FEWEST, STEP, Trajectory
 from kinesic.planning.secondary.swells import AHEAD, Change
 
@@ -44,37 +45,43 @@ class Changes:
     def moved(self) -> Flags:
         """(c, n) which hinges each moves."""
         found: Flags = np.zeros((len(self.every), self.motion.controls.shape[1]), dtype=np.bool_)
-        for row, change in zip(found, self.every, strict=True):
-            row[list(change.hinges)] = True
+        changes, hinges, _ = self._parts.T
+        found[changes, hinges] = True
         return found
+
+    @cached_property
+    def _parts(self) -> Indices:
+        """(h, 3) every hinge of every change: change, hinge, and how many control points the change moves."""
+        counts = (self._spans[:, 1] - self._spans[:, 0]).tolist()
+        rows = ((k, hinge, counts[k]) for k, change in enumerate(self.every) for hinge in change.hinges)
+        return np.array([*rows], dtype=np.intp).reshape(-1, 3)
 
     @cached_property
     def _cells(self) -> _Cells:
         """All that is added."""
-        parts = [
-            (k, hinge, first, last - first)
-            for k, (change, (first, last)) in enumerate(zip(self.every, self._spans.tolist(), strict=True))
-            for hinge in change.hinges
-        ]
-        change, hinge, first, count = np.array(parts, dtype=np.intp).reshape(-1, 4).T
-        row = np.arange(count.sum()) + np.repeat(first - (np.cumsum(count) - count), count)
+        change, hinge, count = self._parts.T
+        row = np.arange(count.sum()) + np.repeat(self._spans[change, 0] - (np.cumsum(count) - count), count)
         added = np.concatenate([NOTHING, *(own.ravel(order="F") for own in self._rows)])
         return _Cells(np.repeat(change, count), np.repeat(hinge, count), row, added)
 
     @cached_property
     def _spans(self) -> Indices:
         """(c, 2) the first control point that each moves, and the one after the last."""
-        begins, ends = np.array([(change.begin, change.end) for change in self.every]).reshape(-1, 2).T
-        start = self.motion.start
+        (begins, ends), start = self._times.T, self.motion.start
         first = np.maximum(FEWEST - 1, ((begins - start) / STEP).astype(np.intp))  # before it the motion is at rest
         last = np.minimum(np.ceil((ends - start) / STEP) + AHEAD, self._sizes - FEWEST + 1).astype(np.intp)
         return np.stack([first, np.maximum(first, last)], axis=1)
 
     @cached_property
+    def _times(self) -> Floats:
+        """(c, 2) [s] when each begins, and when it is over."""
+        return np.array([(change.begin, change.end) for change in self.every]).reshape(-1, 2)
+
+    @cached_property
     def _sizes(self) -> Floats:
         """(c,) how many control points there are where each is over."""
-        ends = np.array([change.end for change in self.every])
-        return len(self.motion.controls) + np.maximum(0.0, np.ceil((ends - self.motion.end) / STEP - EARLY))
+        beyond = np.ceil((self._times[:, 1] - self.motion.end) / STEP - EARLY)
+        return len(self.motion.controls) + np.maximum(0.0, beyond)
 
     @cached_property
     def _rows(self) -> Sequence[Floats]:
@@ -124,25 +131,9 @@ class Changes:
         while np.any(changed):
             hinges, window = np.flatnonzero(self.moved[changed].any(axis=0)), self._window(amounts, changed)
             broken = np.zeros(self._alone.shape, dtype=np.bool_)
-            broken[hinges, window] = _broken(
-                self._laid(amounts)[hinges, window], self._alone[hinges, window], limits, hinges
-            )
+            laid, alone = (every[hinges, window] for every in (self._laid(amounts), self._alone))
+            broken[hinges, window] = find_beyond(laid, alone, limits, hinges, full=FULL)
             met = self._cells.change[broken.reshape(-1)[self._places]]
             changed = (np.bincount(met, minlength=len(amounts)) > 0) & (amounts > 0.0)
             amounts = lessened(amounts, changed)
         return amounts
-
-
-def _broken(laid: Floats, alone: Floats, limits: Limits, hinges: Indices) -> Flags:
-    """Finds (h, k) which control points take part in breaking a limit that the motion alone keeps."""
-    own = grid(laid.shape[1] - FEWEST + 1, STEP)
-    found: Flags = np.zeros(laid.shape, dtype=np.bool_)
-    taken = [np.abs(share) for share in own.shares(laid, limits, hinges)]
-    rows = np.flatnonzero(np.max([share.max(axis=1) for share in taken], axis=0) > FULL)
-    if rows.size:
-        before = own.shares(alone[rows], limits, hinges[rows])
-        for width, share, once in zip((1, *WIDTHS), taken, before, strict=True):
-            over = share[rows] > np.maximum(FULL, np.abs(once) + FULL - 1.0)
-            for k in range(width):
-                found[rows, k : k + over.shape[1]] |= over
-    return found

@@ -139,10 +139,10 @@ class _Curves:
         late = _late_at([times[one:other] for one, other in pairwise(edges)], [shift.lateness for shift in shifts])
         places = np.minimum(np.maximum(rows - late / STEP, 0.0), last)
         own = self.motion.controls[:, list(self.joints)]
-        away = _spline(own)(places) - own[np.minimum(rows, last)]
+        away = _spline(own)(places) - own.take(np.minimum(rows, last), axis=0)
         columns = {joint: k for k, joint in enumerate(self.joints)}
         blocks = [
-            away[one:other, [columns[joint] for joint in shift.joints]]
+            away[one:other].take([columns[joint] for joint in shift.joints], axis=1)
             for shift, (one, other) in zip(shifts, pairwise(edges), strict=True)
         ]
         for shift, hinge, first, end in _seen_runs(shifts, blocks):

@@ -4,9 +4,9 @@ import numpy as np
 
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
-from kinesic.motion.bspline import Grid
-from kinesic.motion.limit_check import check_limits
+from kinesic.motion.limit_check import check_limits, find_beyond
 from kinesic.motion.trajectory import STEP, Trajectory
+from kinesic.planning.secondary import changes
 from kinesic.planning.secondary.changes import LESS, Changes
 from kinesic.sim.dynamics import MujocoDynamics
 
@@ -68,12 +68,11 @@ def test_what_is_too_wide_after_the_end_of_a_motion_is_left_out_and_the_motion_e
 def test_after_something_became_less_limits_are_looked_at_there_alone(monkeypatch):
     looked_at = []
 
-    def shares(self, controls, *others):
+    def find(controls, *others, full):
         looked_at.append(controls.shape[-1])
-        return own(self, controls, *others)
+        return find_beyond(controls, *others, full=full)
 
-    own = Grid.shares
-    monkeypatch.setattr(Grid, "shares", shares)
+    monkeypatch.setattr(changes, "find_beyond", find)
     wide, far = swell(1.0, 1.5, 2.0, degrees=-16.0), swell(3.5, 4.0, 4.5)
     assert allowed(STILL, [wide, far]) == [LESS, 1.0]
     assert looked_at[-1] < 1.2 / STEP < looked_at[0], "a second of a swell, and not the whole motion"
