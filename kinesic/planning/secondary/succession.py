@@ -142,14 +142,14 @@ class _Curves:
         away = _spline(own)(places) - own.take(np.minimum(rows, last), axis=0)
         columns = {joint: k for k, joint in enumerate(self.joints)}
         blocks = [
-            away[one:other].take([columns[joint] for joint in shift.joints], axis=1)
+            sealed(away[one:other].take([columns[joint] for joint in shift.joints], axis=1))
             for shift, (one, other) in zip(shifts, pairwise(edges), strict=True)
         ]
+        moments: list[float] = times.tolist()
         for shift, hinge, first, end in _seen_runs(shifts, blocks):
-            columns_of = slice(None) if shifts[shift].together else slice(hinge, hinge + 1)
-            hinges, moved = tuple(shifts[shift].joints[columns_of]), blocks[shift][first : end + 1, columns_of]
-            begin, until = (float(times[edges[shift] + row]) for row in (first, end))
-            yield Delay(begin, until + 2 * STEP, hinges, sealed(moved))
+            which = slice(None) if shifts[shift].together else slice(hinge, hinge + 1)
+            begin, until = moments[edges[shift] + first], moments[edges[shift] + end] + 2 * STEP
+            yield Delay(begin, until, tuple(shifts[shift].joints[which]), blocks[shift][first : end + 1, which])
 
 
 def _spline(points: Floats) -> "scipy.interpolate.PPoly":
