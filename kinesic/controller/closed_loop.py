@@ -40,8 +40,8 @@ def perform_in_twins(
     twins: Sequence[Twin],
     observers: Callable[[int], Observer] | None,
     progress: Callable[[float], None],
-) -> None:
-    """Performs a motion in twins that were just built, which keep what they measure.
+) -> Iterator[Twin]:
+    """Performs a motion in twins that were just built, and yields each when it is done and holds what it measured.
 
     Args:
         trajectory: of the motion.
@@ -55,11 +55,13 @@ def perform_in_twins(
     known = [part for part in parts if part is not None]
     if len(known) < len(twins):
         _perform_tick_by_tick(trajectory, times, setpoints, twins, observers, progress)
+        yield from twins
         return
     angles, observer = trajectory.sample(times)[0], observers(1) if observers else None
     inputs = _inputs(observer, angles, setpoints) if observer else np.empty(0)
     for done, (twin, part) in enumerate(zip(twins, known, strict=True)):
         twin.take(_perform(part, times, setpoints.goals, observer, inputs, progress, done, len(twins)))
+        yield twin
 
 
 def _perform(

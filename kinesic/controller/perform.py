@@ -216,8 +216,11 @@ def dry_runs(
 
     def performed(*, touches: bool) -> list[Measurements]:
         bodies = [Twin(robot, factors=factors, step=step, start=start, touches=touches) for factors in twins]
-        perform_in_twins(trajectory, times, setpoints, bodies, observers, progress)
-        return [body.measurements() for body in bodies]
+        found = []
+        for body in perform_in_twins(trajectory, times, setpoints, bodies, observers, progress):
+            found.append(body.measurements())  # at once, while its steps are in the cache
+            body.forget()
+        return found
 
     alone = observers(1) if observers else None
     restoring = 1.0 if alone is None else alone.restoring

@@ -15,6 +15,16 @@ class CapsulePairs:
     def nearest(
         self, frames: MotionFrames, chosen: Flags, sines: Floats, cosines: Floats, distances: Floats, pairs: Indices
     ) -> None: ...
+    def survey(
+        self,
+        frames: MotionFrames,
+        chosen: Flags,
+        sines: Floats,
+        cosines: Floats,
+        segments: Indices,
+        lowest: Floats,
+        origins: Floats,
+    ) -> None: ...
 
 def make_pairs(
     owners: Indices,
@@ -37,9 +47,7 @@ def measure_bodies(
     near: Flags,
     gaps: Floats,
 ) -> None: ...
-def suspect(
-    between: Floats, after: Indices, known: Floats, lowest: Floats, reaches: Floats, limit: float, near: Flags
-) -> None: ...
+def suspect(angles: Floats, known: Indices, lowest: Floats, reaches: Floats, limit: float, near: Flags) -> None: ...
 def inverse(
     before: Sequence[int],
     newton_euler: int,
@@ -53,4 +61,12 @@ def inverse(
     speeds: Floats,
     accelerations: Floats,
     torques: Floats,
+) -> None: ...
+def measure_drives(
+    log: tuple[Floats, Floats, Floats, Floats, Floats],
+    places: tuple[Indices, Indices, Indices, Indices, Indices],
+    law: Floats,
+    figures: Floats,
+    left: Floats,
+    found: tuple[Floats, Floats, Floats, Floats, Floats],
 ) -> None: ...

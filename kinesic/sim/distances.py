@@ -16,14 +16,15 @@ from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.body.skeleton import Capsule
 from kinesic.sim.fingers import FingerPlaces, finger_hull
 from kinesic.sim.kinematics import KERNEL, MotionFrames, body_frames, compiled_frames
-from kinesic.sim.reaches import capsule_reach, reaches_of_pairs
+from kinesic.sim.reaches import capsule_reach, reaches_of_pairs, suspects
 from kinesic.sim.segment_distances import segment_distances
 
 if KERNEL == "compiled":
     from kinesic.sim import _kernel
 
 BLOCK = 512  # postures whose kinematics are computed at once
-STRIP, PRODUCT = 128, 300_000  # of them for all pairs, so that arrays stay in the cache; products that stay on one core
+STRIP = 128  # of them for all pairs, so that arrays stay in the cache
+WINDOW = 4096  # postures whose frames are kept together while a whole motion is looked at
 SAME = 1e-5  # [rad] postures that differ by less are one: no capsule is farther off than 0.01 mm for each hinge
 NEAR = 0.03  # [m] the ball about fingers comes to something, from which on they are measured in a motion
 SIGHT = 0.13  # [m] likewise where gaps are asked for: those that are wider are no less than they are said to be
@@ -143,7 +144,7 @@ class CapsuleDistances:
         distances, pairs = np.full(len(angles), np.inf), np.zeros(len(angles), dtype=np.intp)
         pairs[ends] = lowest.argmin(axis=0)
         distances[ends] = lowest.min(axis=0)
-        between = self._suspects(angles, ends, lowest, max(near, float(lowest.min())))
+        between = suspects(angles, ends, lowest, self._reaches, limit=max(near, float(lowest.min())))
         distances[between], pairs[between] = self._nearest(angles[between])
         chosen, stretches = ends.copy(), np.searchsorted(ends, between)
         nearer = np.flatnonzero(distances[between] < distances[ends[stretches]])
@@ -166,26 +167,6 @@ class CapsuleDistances:
         lowest = self.lowest(body_frames(self._robot, angles), angles) - self._reaches @ turns.T
         return np.asarray(lowest.min(axis=0))
 
-    def _suspects(self, angles: Floats, known: Indices, lowest: Floats, limit: float) -> Indices:
-        """Postures between known ones that may be nearer than a limit [m], by what the hinges between a pair reach."""
-        unknown = np.ones(known[-1] + 1, dtype=bool)
-        unknown[known] = False
-        between = np.flatnonzero(unknown)
-        after = np.searchsorted(known, between)
-        lowest = np.ascontiguousarray(lowest.T)  # whole rows are looked up faster
-        near = np.empty(len(between), dtype=bool)
-        if KERNEL == "compiled":
-            _kernel.suspect(angles[between], after, angles[known], lowest, self._reaches, limit, near)
-            return between[near]
-        strip = max(1, min(STRIP, PRODUCT // self._reaches.size))
-        for block in (slice(k, k + strip) for k in range(0, len(between), strip)):
-            bounds = []
-            for neighbour in (after[block], np.maximum(after[block] - 1, 0)):
-                turned = np.abs(angles[between[block]] - angles[known[neighbour]])
-                bounds.append(lowest[neighbour] - turned @ self._reaches.T)
-            near[block] = np.maximum(*bounds).min(axis=1) < limit
-        return between[near]
-
     def _named(self, distances: Floats, pairs: Indices) -> Clearance:
         names = self._names or [("", "")]
         return Clearance(sealed(distances), [names[k] for k in pairs])
@@ -196,10 +177,7 @@ class CapsuleDistances:
             return np.full(len(angles), np.inf), np.zeros(len(angles), dtype=np.intp)
         distances, pairs = np.empty(len(angles)), np.empty(len(angles), dtype=np.int64)
         if KERNEL == "compiled" and not self._fingers:
-            turns = np.ascontiguousarray(self._skeleton.turns(angles).T)
-            chosen = np.ones(len(self._skeleton.segments), dtype=np.bool_)
-            frames = compiled_frames(self._skeleton)
-            _compiled(self).nearest(frames, chosen, np.sin(turns), np.cos(turns), distances, pairs)
+            _compiled(self).nearest(*self._turned(angles), distances, pairs)
             return distances, pairs
         for block in (slice(k, k + BLOCK) for k in range(0, len(angles), BLOCK)):
             lowest = self.lowest(body_frames(self._robot, angles[block]), angles[block])
@@ -222,6 +200,34 @@ class CapsuleDistances:
         near = np.maximum(lowest[~self._hulled].min(axis=0, initial=np.inf), NEAR)
         self._measure_fingers(lowest, (lowest <= near) & self._hulled[:, None], frames, angles)
         return lowest
+
+    def survey(self, angles: Floats, segments: Sequence[int]) -> tuple[Floats, Floats]:
+        """Finds what `lowest` says, and where segments are; the frames of all postures are never all there.
+
+        Args:
+            angles: (m, n) [rad] in joint order.
+            segments: whose origins are asked for.
+
+        Returns:
+            (p, m) [m] between the pairs, and (k, m, 3) [m] in the world.
+        """
+        if KERNEL == "compiled" and self._names and not self._fingers:
+            lowest, origins = np.empty((len(self._names), len(angles))), np.empty((len(segments), len(angles), 3))
+            asked = np.array(segments, dtype=np.intp)
+            _compiled(self).survey(*self._turned(angles), asked, lowest, origins)
+            return lowest, origins
+        found = []
+        for block in (angles[k : k + WINDOW] for k in range(0, len(angles), WINDOW)):
+            frames = body_frames(self._robot, block)
+            found.append((self.lowest(frames, block), frames.origins[list(segments)].transpose(0, 2, 1)))
+        lowest, origins = (np.concatenate(parts, axis=1) for parts in zip(*found, strict=True))
+        return lowest, origins
+
+    def _turned(self, angles: Floats) -> tuple["_kernel.MotionFrames", Flags, Floats, Floats]:
+        """What the kernel needs to place all segments in postures (m, n) [rad]."""
+        turns = np.ascontiguousarray(self._skeleton.turns(angles).T)
+        chosen = np.ones(len(self._skeleton.segments), dtype=np.bool_)
+        return compiled_frames(self._skeleton), chosen, np.sin(turns), np.cos(turns)
 
     def compiled(self) -> "_kernel.CapsulePairs":
         """Makes what the kernel measures; not kept in the object, which other processes get."""
@@ -263,7 +269,7 @@ class CapsuleDistances:
             return
         placed = frames.at(postures)
         asked = {body for row in np.flatnonzero(near.any(axis=1)) for body in (self._first[row], self._second[row])}
-        parts = [_placed(placed, self._plain_owners, *self._plain_sides)]
+        parts = [placed.axes(self._plain_owners, *self._plain_sides)]
         for body, hand in enumerate(self._fingers, start=len(self._plain_owners)):
             nowhere = np.zeros((len(hand.capsules), 3, len(postures)))
             parts.append(hand.ends(angles[postures], placed) if body in asked else (nowhere, nowhere))
@@ -287,7 +293,7 @@ class CapsuleDistances:
 
     def _axes(self, frames: MotionFrames) -> tuple[Floats, Floats]:
         """(c, 3, m) [m] starts and ends of the capsules' axes in the world."""
-        return _placed(frames, self._owners, self._starts, self._ends)
+        return frames.axes(self._owners, self._starts, self._ends)
 
 
 @lru_cache(maxsize=8)
@@ -311,10 +317,3 @@ def _sides(capsules: Sequence[tuple[int, Capsule]]) -> tuple[Floats, Floats]:
     """(c, 3) [m] starts and ends of capsules in their segments."""
     starts, ends = ([getattr(capsule, side) for _, capsule in capsules] for side in ("start", "end"))
     return np.array(starts).reshape(-1, 3), np.array(ends).reshape(-1, 3)
-
-
-def _placed(frames: MotionFrames, owners: list[int], starts: Floats, ends: Floats) -> tuple[Floats, Floats]:
-    """(c, 3, m) [m] the same in the world."""
-    origins, rotations = frames.origins[owners], frames.rotations[owners]
-    here, there = (origins + (side[:, None, None, :] @ rotations)[:, :, 0, :] for side in (starts, ends))
-    return here, there

@@ -29,6 +29,12 @@ class MotionFrames:
         points: Floats = self.origins[segment] + point @ self.rotations[segment]
         return points
 
+    def axes(self, segments: list[int], starts: Floats, ends: Floats) -> tuple[Floats, Floats]:
+        """(c, 3, m) [m] starts and ends in the world of lines (c, 3) [m] that are fixed to segments."""
+        origins, rotations = self.origins[segments], self.rotations[segments]
+        here, there = (origins + (side[:, None, None, :] @ rotations)[:, :, 0, :] for side in (starts, ends))
+        return here, there
+
     def at(self, postures: Indices) -> "MotionFrames":
         """Takes some of the postures."""
         return MotionFrames(self.rotations[..., postures], self.origins[..., postures])

@@ -53,9 +53,28 @@ def build_model(robot: Robot, *, servos: Factors = NOMINAL) -> mujoco.MjModel:
 
 @lru_cache(maxsize=8)
 def _compiled(robot: Robot, servos: Factors) -> mujoco.MjModel:
+    links = Factors(mass=servos.mass, play=servos.play)  # all else that compiling looks at are figures of drives
+    if servos != links:
+        model = copy(_compiled(robot, links))
+        _fit_drives(model, robot, servos)
+        return model
     spec = describe(uncouple(servos.applied(robot)), play=servos.play)
     spec.compiler.discardvisual = True  # the servos' boxes leave only their weight
     return spec.compile()
+
+
+def _fit_drives(model: mujoco.MjModel, robot: Robot, servos: Factors) -> None:
+    """Writes what `_add_hinge` says of drives into a compiled model: it takes a tenth of compiling."""
+    drives, hinges, motors = servos.applied(robot).drives, joint_order(robot, model), actuator_order(robot, model)
+    model.dof_frictionloss[hinges], model.dof_damping[hinges] = drives.frictionloss, drives.damping
+    for motor, drive in zip(motors, drives, strict=True):
+        motorconst, resistance, controller = _motor(drive)
+        model.actuator_gainprm[motor, :2] = resistance, motorconst
+        model.actuator_gainprm[motor, 4:8] = controller[0], controller[1], controller[2], controller[5]
+    if not np.array_equal(model.dof_armature[hinges], drives.armature):
+        model.dof_armature[hinges] = drives.armature
+        mujoco.mj_setConst(model, mujoco.MjData(model))  # what follows from inertia, but for its mean
+        model.stat.meaninertia = sum(model.dof_M0.tolist()) / model.nv
 
 
 def describe(robot: Robot, *, play: float = 0.0) -> mujoco.MjSpec:
@@ -158,18 +177,25 @@ def _add_hinge(spec: mujoco.MjSpec, hinge: Hinge, drive: Drive) -> None:
         frictionloss=drive.frictionloss,
         damping=[drive.damping, 0, 0],
     )
-    volt = drive.servo.volt
-    constant = volt / drive.no_load
+    motorconst, resistance, controller = _motor(drive)
     spec.add_actuator(
         name=hinge.name,
         target=hinge.name,
         trntype=mujoco.mjtTrn.mjTRN_JOINT,
     ).set_to_dcmotor(
-        motorconst=[constant, constant],
-        resistance=constant * volt / drive.stall,
-        controller=[drive.gain * drive.stall, 0, drive.stall / drive.no_load + drive.rate_gain, 0, 0, volt],
+        motorconst=[motorconst, motorconst],
+        resistance=resistance,
+        controller=controller,
         ctrlspec=POSITION_INPUT,
     )
+
+
+def _motor(drive: Drive) -> tuple[float, float, list[float]]:
+    """Constant, resistance and controller of the motor that is a drive."""
+    volt = drive.servo.volt
+    constant = volt / drive.no_load
+    controller = [drive.gain * drive.stall, 0, drive.stall / drive.no_load + drive.rate_gain, 0, 0, volt]
+    return constant, constant * volt / drive.stall, controller
 
 
 def _add_play(spec: mujoco.MjSpec, hinge: Hinge, play: float) -> None:

@@ -71,16 +71,14 @@ def power(names: tuple[str, ...], drives: Drives, given: DriveEffort, *, spans: 
     lasting = np.add.reduceat(np.append(spans, 0.0), edges)[::2]
     mean = current[edges[1::2] - 1]  # of an interval without length, as on the step before
     np.divide(np.add.reduceat(np.append(current * spans, 0.0), edges)[::2], lasting, out=mean, where=lasting > 0.0)
-    loss = drives.volt * drives.servo_current  # (n,) [W] of one servo that gives its stall torque
     return Power(
         mean=sealed(mean),
         peak=sealed(np.maximum.reduceat(np.append(current, 0.0), edges)[::2]),
         energy=float((spans * given.supplied) @ drawn @ drives.volt),
         volts=float(given.supplied.min() * drives.volt.max()),
         warming={
-            name: sealed(_warming(drive.servo.thermal, loss[k] * given.loads[:, k] ** 2, spans)[edges[1::2] - 1])
-            for k, (name, drive) in enumerate(zip(names, drives, strict=True))
-            if drive.servo.thermal is not None
+            each.name: sealed(each.warm(given.loads[:, each.hinge], spans)[edges[1::2] - 1])
+            for each in windings_of(names, drives)
         },
     )
 
@@ -91,16 +89,42 @@ def _edges(counts: list[int]) -> Indices:
     return np.stack([np.minimum(np.concatenate([[0], ends[:-1]]), ends - 1), ends], axis=1).ravel()
 
 
-def _warming(thermal: tuple[float, float], losses: Floats, spans: Floats) -> Floats:
-    """(s,) [K] rise of a winding that was cold, from what its copper loses, (s,) [W] over spans (s,) [s]."""
-    resistance, capacity = thermal
-    settled = losses * resistance  # [K] where each loss alone would lead
-    kept = np.exp(-spans / (resistance * capacity))
-    rises, rise = [], 0.0
-    for goal, share in zip(settled.tolist(), kept.tolist(), strict=True):
-        rise = goal + (rise - goal) * share
-        rises.append(rise)
-    return np.array(rises)
+@dataclass(frozen=True)
+class Winding:
+    """The winding of a servo whose thermal figures are known."""
+
+    name: str  # of the hinge
+    hinge: int
+    loss: float  # [W] of one servo that gives its stall torque
+    resistance: float  # [K/W]
+    capacity: float  # [J/K]
+
+    def kept(self, spans: Floats) -> Floats:
+        """Computes what each of some steps, (s,) [s], leaves of the warmth before it."""
+        return np.exp(-spans / (self.resistance * self.capacity))
+
+    def warm(self, loads: Floats, spans: Floats) -> Floats:
+        """Computes the rise (s,) [K] of a winding that was cold, for shares (s,) of the stall torque."""
+        settled = self.loss * loads**2 * self.resistance  # [K] where each loss alone would lead
+        rises, rise = [], 0.0
+        for goal, share in zip(settled.tolist(), self.kept(spans).tolist(), strict=True):
+            rise = goal + (rise - goal) * share
+            rises.append(rise)
+        return np.array(rises)
+
+
+def windings_of(names: tuple[str, ...], drives: Drives) -> tuple[Winding, ...]:
+    """Lists the windings whose thermal figures are known.
+
+    Args:
+        names: of the hinges.
+        drives: in joint order.
+    """
+    return tuple(
+        Winding(name, k, float(drives.volt[k] * drives.servo_current[k]), *drive.servo.thermal)
+        for k, (name, drive) in enumerate(zip(names, drives, strict=True))
+        if drive.servo.thermal is not None
+    )
 
 
 @dataclass(frozen=True, eq=False)

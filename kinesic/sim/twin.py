@@ -7,19 +7,18 @@ from math import ceil, inf
 import mujoco
 import numpy as np
 
-from kinesic.body.arrays import Floats, Indices, sealed
+from kinesic.body.arrays import Floats, Indices, seal_own, sealed
 from kinesic.body.command import Command, Measurements, State
 from kinesic.body.robot import SIDES, Robot
 from kinesic.sim.distances import CapsuleDistances
-from kinesic.sim.kinematics import body_frames
 from kinesic.sim.model import actuator_order, build_model, joint_order, of_hinges, play_order
-from kinesic.sim.power import Supply, effort, power
+from kinesic.sim.power import Supply
 from kinesic.sim.servo_factors import NOMINAL, Factors
 from kinesic.sim.stepping.addresses import TwinParts, function_address, timestep_address
+from kinesic.sim.stepping.driven_motion import HingePlaces, measure_drives
 from kinesic.sim.stepping.step_log import StepLog, StepRecord
 
 STEP = 0.004  # [s] longest physics step: angles stay within 0.05 deg of those with steps of 1 ms
-WINDOW = 4096  # commands whose frames are looked at together
 SAME_TIME = 1e-9  # [s] below which two times are one
 
 
@@ -166,38 +165,21 @@ class Twin:
         log = self._log
         if not log.times:
             raise ValueError("no command was written, so nothing was measured: write commands first")
-        at = np.array(log.counts, dtype=np.intp) - 1
-        postures, speeds, spans = log.steps()
-        postures, speeds = self._of_hinges(postures), self._of_hinges(speeds)
-        drives, angles = self._robot.drives, postures[at]
-        given = effort(drives, log.goals() - postures, speeds, supplied=log.supplied)
-        duties, loads = given.duties[at], given.loads[at]
-        taken = power(self._robot.skeleton.names, drives, given, spans=spans, counts=log.counts)
-        del given  # the distances need as much memory again
-        hands, lowest = self._places(angles)
+        robot, motors = self._robot, np.arange(len(self._data.qpos))[self._order]
+        done = measure_drives(log.kept(), HingePlaces(motors, self._play), robot.skeleton.names, robot.drives)
+        lowest, hands = self._distances.survey(done.angles, [robot.arm(side).wrist for side in SIDES])
+        ends = np.array(log.counts, dtype=np.intp) - 1
         return Measurements(
             times=sealed(log.times),
-            angles=sealed(angles),
-            speeds=sealed(speeds[at]),
-            torques=sealed(loads * drives.stall),
-            duties=sealed(duties),
-            goals=sealed(log.sent()),
-            hands=hands,
-            clearance=self._distances.approach(postures, at, near=self._robot.least_clearance, lowest=lowest),
+            angles=done.angles,
+            speeds=done.speeds,
+            torques=seal_own(done.loads * robot.drives.stall),
+            duties=done.duties,
+            goals=seal_own(log.sent()),
+            hands=dict(zip(SIDES, (seal_own(each) for each in hands), strict=True)),
+            clearance=self._distances.approach(done.postures, ends, near=robot.least_clearance, lowest=lowest),
             latency=self._latency,
-            power=taken,
-        )
-
-    def _places(self, angles: Floats) -> tuple[dict[str, Floats], Floats]:
-        """Where the hands are, side -> (m, 3) [m], and (p, m) [m] between segments; frames are never all there."""
-        robot, hands, lowest = self._robot, [], []
-        for block in (angles[k : k + WINDOW] for k in range(0, len(angles), WINDOW)):
-            frames = body_frames(robot, block)
-            hands.append({side: frames.origins[robot.arm(side).wrist].T for side in SIDES})
-            lowest.append(self._distances.lowest(frames, block))
-        return (
-            {side: sealed(np.concatenate([each[side] for each in hands])) for side in SIDES},
-            np.concatenate(lowest, axis=1),
+            power=done.power,
         )
 
     def _advance(self, time: float) -> None:

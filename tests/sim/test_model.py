@@ -1,5 +1,6 @@
 from math import pi
 
+import msgspec
 import mujoco
 import numpy as np
 import pytest
@@ -9,8 +10,9 @@ from kinesic.body.description import Mount
 from kinesic.body.robot import Robot
 from kinesic.body.servo import Drive, ServoModel
 from kinesic.body.skeleton import Capsule, Hinge, Segment, Skeleton
-from kinesic.sim.model import actuator_order, build_model, joint_order, of_hinges, play_order
-from kinesic.sim.servo_factors import PESSIMISTIC, Factors
+from kinesic.sim.model import actuator_order, build_model, describe, joint_order, of_hinges, play_order
+from kinesic.sim.servo_factors import NOMINAL, PESSIMISTIC, DriveFactors, Factors
+from kinesic.sim.uncoupled import uncouple
 
 ROBOT = Robot.load()
 MODEL = build_model(ROBOT)
@@ -248,3 +250,31 @@ def test_a_ball_and_a_bare_segment_have_their_mass():
         model = build_model(pendulum(capsules))
         assert model.body("link").mass[0] == pytest.approx(LINK_MASS)
         assert model.body("base").mass[0] == pytest.approx(1.0 + SERVO.mass)
+
+
+def saved(model):
+    """All bytes that MuJoCo writes of a model."""
+    whole = np.empty(mujoco.mj_sizeModel(model), dtype=np.uint8)
+    mujoco.mj_saveModel(model, None, whole)
+    return whole
+
+
+VARIANTS = [
+    NOMINAL,
+    PESSIMISTIC,
+    Factors(gain=1.1, friction=1.5, latency=0.01),
+    Factors(armature=1.3, play=0.01, supply=0.9),
+    Factors(mass=1.2, servos={"xm540_w150": DriveFactors(armature=2.0, no_load=0.9), "muscle": DriveFactors(gain=0.8)}),
+]
+
+
+@pytest.mark.parametrize("name", ["upper22", "human"])
+def test_a_model_whose_drives_were_exchanged_is_that_which_would_have_been_compiled(name):
+    robot = Robot.load(name)
+    known = {drive.servo.name for drive in robot.drives}
+    for factors in VARIANTS:
+        servos = {servo: own for servo, own in factors.servos.items() if servo in known}
+        factors = msgspec.structs.replace(factors, servos=servos)  # noqa: PLW2901 - of this robot
+        spec = describe(uncouple(factors.applied(robot)), play=factors.play)
+        spec.compiler.discardvisual = True
+        np.testing.assert_array_equal(saved(build_model(robot, servos=factors)), saved(spec.compile()))

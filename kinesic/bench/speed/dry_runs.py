@@ -137,7 +137,9 @@ def _stages(planned: Plan) -> tuple[dict[str, float], dict[str, float]]:
     start = trajectory.at(0.0).angles
     spent["twin"], twin = timed(lambda: Twin(known.robot, start=start, touches=False))
     spent["loop"], _ = timed(
-        lambda: perform_in_twins(trajectory, times, setpoints, [twin], lambda bodies: observer, lambda share: None)
+        lambda: list(
+            perform_in_twins(trajectory, times, setpoints, [twin], lambda bodies: observer, lambda share: None)
+        )
     )
     spent["measurements"], measured = timed(twin.measurements)
     performance = Performance(Reference(planned, times, setpoints.duties), NOMINAL, measured, 0.0, 0.0)

@@ -155,8 +155,9 @@ private:
 
 // A posture whose distances (p,) [m] are known.
 struct Neighbour {
-    const double *angles, *lowest;  // (n,) [rad], (p,) [m]
-    double least;                   // [m] of these
+    const double* angles = nullptr;  // (n,) [rad]
+    std::vector<double> lowest;      // (p,) [m]
+    double least = 0.0;              // [m] of these
 };
 
 // How near postures may be, by the turns of hinges since neighbours: a pair comes no nearer than by what each reaches.
@@ -167,23 +168,23 @@ struct Reaches {
     std::vector<double> turned[2];     // (n,) [rad] since both neighbours
 
     // Whether any pair may be nearer than a limit [m], as far as both neighbours tell.
-    bool may_be_near(const double* now, const Neighbour (&neighbours)[2], double limit) {
+    bool may_be_near(const double* now, const Neighbour* const (&neighbours)[2], double limit) {
         double most[2] = {};
         for (int k = 0; k < 2; ++k) {
             turned[k].resize(hinges);
             for (int i = 0; i < hinges; ++i) {
-                turned[k][i] = std::abs(now[i] - neighbours[k].angles[i]);
+                turned[k][i] = std::abs(now[i] - neighbours[k]->angles[i]);
                 most[k] += turned[k][i] * farthest[i];
             }
-            if (neighbours[k].least - most[k] >= limit) return false;
+            if (neighbours[k]->least - most[k] >= limit) return false;
         }
         for (int p = 0; p < pairs; ++p) {
             bool near = true;
-            for (int k = 0; near && k < 2; ++k) near = neighbours[k].lowest[p] - most[k] < limit;
+            for (int k = 0; near && k < 2; ++k) near = neighbours[k]->lowest[p] - most[k] < limit;
             for (int k = 0; near && k < 2; ++k) {
                 double nearer = 0.0;
                 for (int i = 0; i < hinges; ++i) nearer += turned[k][i] * of_pairs[p * hinges + i];
-                near = neighbours[k].lowest[p] - nearer < limit;
+                near = neighbours[k]->lowest[p] - nearer < limit;
             }
             if (near) return true;
         }

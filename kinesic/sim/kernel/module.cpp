@@ -3,10 +3,12 @@
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include "capsule_distances.h"
+#include "driven_motion.h"
 #include "motion_frames.h"
 
 namespace nb = nanobind;
@@ -105,12 +107,13 @@ void gaps(CapsulePairs& self, const Numbers& rotations, const Numbers& origins, 
     measure(self, &CapsulePairs::gaps, rotations, origins, found);
 }
 
-// (m,) distance and index of the closest pair in m postures, from sines and cosines (n, m) of all turns.
-void nearest(CapsulePairs& self, const MotionFrames& frames, const Flags& chosen, const Numbers& sines,
-             const Numbers& cosines, Result& distances, nb::ndarray<int64_t, nb::ndim<1>, nb::c_contig>& closest_pairs) {
-    const size_t count = distances.size(), segments = frames.links.size();
+// Calls use(first posture, count, frames, distances (p, STRIP)) for strips of m postures, whose turns have sines and cosines
+// (n, m): what is known of a strip stays in the cache, and no more is kept.
+template <typename Use>
+void measure_strips(CapsulePairs& self, const MotionFrames& frames, const Flags& chosen, const Numbers& sines,
+                    const Numbers& cosines, size_t count, const Use& use) {
+    const size_t segments = frames.links.size();
     require(self.pairs > 0 && chosen.size() == segments && sines.size() == cosines.size());
-    require(closest_pairs.size() == count);
     for (int owner : self.owners) require(size_t(owner) < segments);
     for (const Link& link : frames.links)
         for (const Turn& turn : link.turns) require(turn.joint >= 0 && (turn.joint + 1) * count <= sines.size());
@@ -118,16 +121,45 @@ void nearest(CapsulePairs& self, const MotionFrames& frames, const Flags& chosen
     std::vector<double> rotations(9 * segments * STRIP), origins(3 * segments * STRIP), lowest(size_t(self.pairs) * STRIP);
     for (size_t k = 0; k < count; k += STRIP) {
         const int part = int(std::min<size_t>(STRIP, count - k));
+        const Frames strip{rotations.data(), origins.data(), size_t(part)};
         frames.solve(kept, sines.data() + k, cosines.data() + k, count, part, rotations.data(), origins.data());
-        self.closest({rotations.data(), origins.data(), size_t(part)}, part, lowest.data(), STRIP);
-        for (int m = 0; m < part; ++m) {
-            int best = 0;
-            for (int p = 1; p < self.pairs; ++p)
-                if (lowest[p * STRIP + m] < lowest[best * STRIP + m]) best = p;
-            distances.data()[k + m] = lowest[best * STRIP + m];
-            closest_pairs.data()[k + m] = best;
-        }
+        self.closest(strip, part, lowest.data(), STRIP);
+        use(k, part, strip, lowest.data());
     }
+}
+
+// (m,) distance and index of the closest pair in m postures.
+void nearest(CapsulePairs& self, const MotionFrames& frames, const Flags& chosen, const Numbers& sines,
+             const Numbers& cosines, Result& distances, nb::ndarray<int64_t, nb::ndim<1>, nb::c_contig>& closest_pairs) {
+    require(closest_pairs.size() == distances.size());
+    measure_strips(self, frames, chosen, sines, cosines, distances.size(),
+                   [&](size_t k, int part, const Frames&, const double* lowest) {
+                       for (int m = 0; m < part; ++m) {
+                           int best = 0;
+                           for (int p = 1; p < self.pairs; ++p)
+                               if (lowest[p * STRIP + m] < lowest[best * STRIP + m]) best = p;
+                           distances.data()[k + m] = lowest[best * STRIP + m];
+                           closest_pairs.data()[k + m] = best;
+                       }
+                   });
+}
+
+// (p, m) what `closest` says of all pairs, and (s, m, 3) [m] where the origins of some segments are.
+void survey(CapsulePairs& self, const MotionFrames& frames, const Flags& chosen, const Numbers& sines,
+            const Numbers& cosines, const Places& segments, Result& lowest, Result& origins) {
+    const size_t count = self.pairs ? lowest.size() / self.pairs : 0;
+    const std::vector<int> asked = copy(segments, int64_t(frames.links.size()));
+    require(lowest.size() == self.pairs * count && origins.size() == 3 * asked.size() * count);
+    measure_strips(self, frames, chosen, sines, cosines, count,
+                   [&](size_t k, int part, const Frames& strip, const double* found) {
+                       for (int p = 0; p < self.pairs; ++p)
+                           std::copy_n(found + p * STRIP, part, lowest.data() + p * count + k);
+                       for (size_t s = 0; s < asked.size(); ++s)
+                           for (int m = 0; m < part; ++m)
+                               for (int i = 0; i < 3; ++i)
+                                   origins.data()[3 * (s * count + k + m) + i] =
+                                       strip.origins[(3 * size_t(asked[s]) + i) * strip.stride + m];
+                   });
 }
 
 // Puts the distances of bodies (b,) of several capsules, whose ends are known in k of m postures, where pairs are near.
@@ -145,26 +177,27 @@ void measure_bodies(const Places& begins, const Numbers& radii, const Places& fi
             if (near.data()[p * all + where[k]]) gaps.data()[p * all + where[k]] = bodies.apart(from[p], to[p], k);
 }
 
-// Marks (b,) postures between known ones, (k, n) with distances (k, p), that may be nearer than a limit [m] to contact.
-void suspect(const Numbers& between, const Places& after, const Numbers& known, const Numbers& lowest,
-             const Numbers& reaches, double limit, nb::ndarray<bool, nb::ndim<1>, nb::c_contig>& near) {
-    const size_t count = near.size(), hinges = count ? between.size() / count : 0;
-    if (!count) return;
-    const size_t pairs = reaches.size() / hinges, knowns = known.size() / hinges;
-    require(after.size() == count && between.size() == count * hinges && lowest.size() == knowns * pairs);
+// Marks those of (s, n) postures, between known ones with distances (p, k), that may be nearer than a limit [m] to contact.
+void suspect(const Numbers& angles, const Places& known, const Numbers& lowest, const Numbers& reaches, double limit,
+             nb::ndarray<bool, nb::ndim<1>, nb::c_contig>& near) {
+    const size_t count = near.size(), hinges = count ? angles.size() / count : 0, knowns = known.size();
+    const size_t pairs = hinges ? reaches.size() / hinges : 0;
+    require(pairs > 0 && angles.size() == count * hinges && lowest.size() == knowns * pairs);
+    require(std::is_sorted(known.data(), known.data() + knowns));
+    const std::vector<int> ends = copy(known, int64_t(count));
     Reaches self{int(hinges), int(pairs), reaches.data(), std::vector<double>(hinges, 0.0), {}};
-    std::vector<double> least(knowns, std::numeric_limits<double>::infinity());
     for (size_t k = 0; k < reaches.size(); ++k)
         self.farthest[k % hinges] = std::max(self.farthest[k % hinges], reaches.data()[k]);
-    for (size_t k = 0; k < lowest.size(); ++k) least[k / pairs] = std::min(least[k / pairs], lowest.data()[k]);
-    const auto neighbour = [&](int64_t k) {
-        return Neighbour{known.data() + k * hinges, lowest.data() + k * pairs, least[k]};
-    };
-    for (size_t b = 0; b < count; ++b) {
-        const int64_t next = after.data()[b];
-        require(next >= 0 && size_t(next) < knowns);
-        const Neighbour both[2] = {neighbour(next), neighbour(std::max<int64_t>(next - 1, 0))};
-        near.data()[b] = self.may_be_near(between.data() + b * hinges, both, limit);
+    Neighbour before, after;
+    const Neighbour* const both[2] = {&after, &before};
+    for (size_t k = 0, b = 0; k < knowns; b = std::max(b, size_t(ends[k++]) + 1)) {
+        std::swap(before, after);
+        after.angles = angles.data() + ends[k] * hinges;
+        after.lowest.resize(pairs);
+        for (size_t p = 0; p < pairs; ++p) after.lowest[p] = lowest.data()[p * knowns + k];
+        after.least = *std::min_element(after.lowest.begin(), after.lowest.end());
+        if (!k) before = after;
+        for (; b < size_t(ends[k]); ++b) near.data()[b] = self.may_be_near(angles.data() + b * hinges, both, limit);
     }
 }
 
@@ -189,6 +222,39 @@ void inverse(const std::vector<uintptr_t>& before, uintptr_t newton_euler, uintp
     }
 }
 
+// Measures what hinges and servos did on each of s steps, from what a log keeps of them: `measure_drives`.
+void measure_drives(const std::array<Numbers, 5>& log, const std::array<Places, 5>& places, const Numbers& law,
+                    const Numbers& figures, const Numbers& left, const std::array<Result, 5>& found) {
+    const auto& [angles, speeds, spans, supplied, aims] = log;
+    const auto& [begins, ends, motors, play, wound] = places;
+    const auto& [postures, rows, currents, warmth, charge] = found;
+    const size_t count = spans.size(), n = motors.size(), commands = ends.size(), windings = wound.size();
+    require(count && n && commands && begins.size() && begins.data()[0] == 0 && aims.size() == begins.size() * n);
+    const size_t joints = angles.size() / count;
+    require(angles.size() == joints * count && speeds.size() == angles.size() && (!play.size() || play.size() == n));
+    require(supplied.size() == 1 || supplied.size() == count);
+    require(law.size() == 5 * n && figures.size() == 2 * windings && left.size() == windings * count);
+    require(postures.size() == count * n && rows.size() == 4 * commands * n && currents.size() == 2 * commands);
+    require(warmth.size() == windings * commands && charge.size() == n);
+    require(std::is_sorted(ends.data(), ends.data() + commands) && ends.data()[0] > 0 &&
+            size_t(ends.data()[commands - 1]) <= count);
+    const KeptSteps kept{angles.data(), speeds.data(), spans.data(), supplied.data(), aims.data(),
+                         begins.data(), count, joints, supplied.size(), begins.size()};
+    const double* constants = law.data();
+    const DriveRows drives{constants, constants + n, constants + 2 * n, constants + 3 * n, constants + 4 * n};
+    std::vector<Winding> warming;
+    for (int hinge : copy(wound, int64_t(n))) {
+        const size_t w = warming.size();
+        warming.push_back({size_t(hinge), figures.data()[2 * w], figures.data()[2 * w + 1], left.data() + w * count});
+    }
+    const std::vector<int> driven = copy(motors, int64_t(joints)), free = copy(play, int64_t(joints));
+    double *state = rows.data(), *drawn = currents.data();
+    const size_t size = commands * n;
+    const DrivenRows to{postures.data(), state, state + size, state + 2 * size, state + 3 * size,
+                        drawn, drawn + commands, warmth.data()};
+    DrivenMotion{kept, driven, free, drives, warming, {}}.measure(ends.data(), commands, to, charge.data());
+}
+
 }  // namespace
 
 NB_MODULE(_kernel, module) {
@@ -199,9 +265,11 @@ NB_MODULE(_kernel, module) {
     nb::class_<CapsulePairs>(module, "CapsulePairs")
         .def("closest", &closest)
         .def("gaps", &gaps)
-        .def("nearest", &nearest);
+        .def("nearest", &nearest)
+        .def("survey", &survey);
     module.def("measure_bodies", &measure_bodies);
     module.def("suspect", &suspect);
     module.def("make_pairs", &make_pairs);
     module.def("inverse", &inverse);
+    module.def("measure_drives", &measure_drives);
 }

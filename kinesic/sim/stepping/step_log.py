@@ -22,6 +22,19 @@ class StepRecord:
     spans: Floats  # (s,) [s] how long each step was
 
 
+@dataclass(frozen=True, eq=False)
+class KeptSteps:
+    """What a log holds: s steps, and m commands."""
+
+    angles: Floats  # (s, q) [rad] of the joints after each step, as MuJoCo has them
+    speeds: Floats  # (s, q) [rad/s] likewise
+    spans: Floats  # (s,) [s] how long each step was
+    supplied: Floats  # (s,) share of its voltage that the supply had during each step; (1,) of one that holds it
+    aims: Floats  # (g, n) [rad] goals, each in force for a while
+    begins: Indices  # (g,) steps from which on they were
+    ends: Indices  # (m,) steps so far at each command
+
+
 class StepLog:
     """Postures, speeds and goals of all steps, and the steps at which commands came."""
 
@@ -79,24 +92,17 @@ class StepLog:
         now: Floats = angles - self._steps[-1] / 2 * speeds
         return now
 
-    def steps(self) -> tuple[Floats, Floats, Floats]:
-        """Takes postures (s, n) [rad], speeds (s, n) [rad/s] and lengths (s,) [s] of all steps."""
-        spans = np.array(self._steps)
-        angles, speeds = (np.array(kept).reshape(len(spans), -1) for kept in (self._angles, self._speeds))
-        return angles - (spans / 2)[:, None] * speeds, speeds, spans
-
-    def goals(self) -> Floats:
-        """Lists the goals (s, n) [rad] in force during each step."""
-        return np.repeat(np.concatenate(self._aims), np.diff([*self._begins, len(self._steps)]), axis=0)
+    def kept(self) -> KeptSteps:
+        """Shows all that was kept, without copying: nothing more can be kept while somebody holds it."""
+        spans = np.frombuffer(self._steps)
+        angles, speeds = (np.frombuffer(kept).reshape(len(spans), -1) for kept in (self._angles, self._speeds))
+        aims, begins = np.concatenate(self._aims), np.array(self._begins, dtype=np.intp)
+        ends, supplied = np.array(self.counts, dtype=np.intp), np.frombuffer(self._supplied)
+        return KeptSteps(angles, speeds, spans, supplied, aims, begins, ends)
 
     def sent(self) -> Floats:
         """Lists the goals (m, n) [rad] of all commands."""
         return np.concatenate(self._sent)
-
-    @property
-    def supplied(self) -> Floats:
-        """(s,) share of its voltage that the supply had during each step; (1,) of one that holds it."""
-        return np.array(self._supplied)
 
     def forget(self) -> None:
         """Drops all but the last step."""

@@ -1,0 +1,119 @@
+// What hinges and servos did on each step of the physics: `sim/stepping/driven_motion.py`, compiled.
+
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+namespace kinesic::sim {
+
+// Rows (n,) of constants of the drives: their law, and what they draw.
+struct DriveRows {
+    const double *gain, *rate, *no_load, *stall_current, *idle_current;
+};
+
+// All that a log keeps: s steps of q joints, and g rows of goals, each in force from a step on.
+struct KeptSteps {
+    const double *angles, *speeds, *spans, *supplied, *aims;
+    const int64_t* begins;
+    size_t count, joints, shares, rows;
+
+    double share(size_t step) const { return supplied[shares == 1 ? 0 : step]; }
+};
+
+// A winding that warms: which hinge's, [W] of full load, [K/W], and (s,) what each step leaves of its warmth.
+struct Winding {
+    size_t hinge;
+    double loss, resistance;
+    const double* kept;
+};
+
+// Where (m,) commands read: postures (s, n) [rad] of all steps; angles, speeds, duties and loads (m, n); currents (m,) [A]
+// on average and at most; warmth (w, m) [K].
+struct DrivenRows {
+    double *postures, *angles, *speeds, *duties, *loads, *mean, *peak, *warmth;
+};
+
+struct DrivenMotion {
+    const KeptSteps& kept;
+    const std::vector<int>& motors;  // (n,) places of joints
+    const std::vector<int>& play;    // likewise, or none
+    const DriveRows drives;
+    const std::vector<Winding>& windings;
+    std::vector<double> now;  // (6, n) angles, speeds, duties, loads, currents, duties applied
+
+    // Measures all up to the last of (m,) commands, at each of which so many steps were made; [As] of each drive's supply.
+    void measure(const int64_t* ends, size_t commands, const DrivenRows& to, double* charge) {
+        const size_t n = motors.size();
+        std::vector<double> current(kept.count), warmth(windings.size(), 0.0);
+        now.assign(6 * n, 0.0);
+        std::fill_n(charge, n, 0.0);
+        size_t row = 0;
+        for (size_t s = 0, k = 0; s < kept.count; ++s) {
+            while (row + 1 < kept.rows && size_t(kept.begins[row + 1]) <= s) ++row;
+            current[s] = step(s, kept.aims + row * n, to.postures + s * n, charge);
+            for (size_t w = 0; w < windings.size(); ++w) {
+                const Winding& winding = windings[w];
+                const double load = now[3 * n + winding.hinge], goal = winding.loss * (load * load) * winding.resistance;
+                warmth[w] = goal + (warmth[w] - goal) * winding.kept[s];
+            }
+            for (; k < commands && size_t(ends[k]) == s + 1; ++k) {
+                double* rows[4] = {to.angles, to.speeds, to.duties, to.loads};
+                for (int part = 0; part < 4; ++part) std::copy_n(&now[part * n], n, rows[part] + k * n);
+                for (size_t w = 0; w < windings.size(); ++w) to.warmth[w * commands + k] = warmth[w];
+                draw(k ? std::min<size_t>(ends[k - 1], s) : 0, s + 1, current.data(), to.mean[k], to.peak[k]);
+            }
+        }
+    }
+
+private:
+    // One step; [A] of all drives together.
+    double step(size_t s, const double* __restrict goals, double* __restrict posture, double* __restrict charge) {
+        const size_t n = motors.size();
+        const double *angles = kept.angles + s * kept.joints, *speeds = kept.speeds + s * kept.joints;
+        const double half = kept.spans[s] / 2, share = kept.share(s), lasting = kept.spans[s] * share;
+        double *__restrict angle = now.data(), *__restrict speed = angle + n, *__restrict duty = speed + n;
+        double *__restrict load = duty + n, *__restrict drawn = load + n, *__restrict applied = drawn + n;
+        for (size_t i = 0; i < n; ++i) {
+            angle[i] = angles[motors[i]] - half * speeds[motors[i]];
+            speed[i] = speeds[motors[i]];
+        }
+        for (size_t i = 0; i < play.size(); ++i) {
+            angle[i] += angles[play[i]] - half * speeds[play[i]];
+            speed[i] += speeds[play[i]];
+        }
+        for (size_t i = 0; i < n; ++i) {
+            posture[i] = angle[i];
+            duty[i] = drives.gain[i] * (goals[i] - angle[i]) - drives.rate[i] * speed[i];
+        }
+        for (size_t i = 0; i < n; ++i) applied[i] = duty[i] < -1.0 ? -1.0 : duty[i];  // loops without branches
+        for (size_t i = 0; i < n; ++i) applied[i] = applied[i] > 1.0 ? 1.0 : applied[i];
+        for (size_t i = 0; i < n; ++i) {
+            load[i] = share * applied[i] - speed[i] / drives.no_load[i];
+            drawn[i] = applied[i] * load[i];
+        }
+        for (size_t i = 0; i < n; ++i) drawn[i] = drawn[i] < 0.0 ? 0.0 : drawn[i];
+        for (size_t i = 0; i < n; ++i) {
+            drawn[i] = drawn[i] * drives.stall_current[i] + drives.idle_current[i];
+            charge[i] += lasting * drawn[i];
+        }
+        double current = 0.0;
+        for (size_t i = 0; i < n; ++i) current += drawn[i];
+        return current;
+    }
+
+    // Mean and largest current of the steps of an interval; of one without length, as on its last step.
+    void draw(size_t begin, size_t end, const double* current, double& mean, double& peak) const {
+        double lasting = 0.0, sum = 0.0;
+        peak = current[begin];
+        for (size_t s = begin; s < end; ++s) {
+            lasting += kept.spans[s];
+            sum += current[s] * kept.spans[s];
+            peak = std::max(peak, current[s]);
+        }
+        mean = lasting > 0.0 ? sum / lasting : current[end - 1];
+    }
+};
+
+}  // namespace kinesic::sim
