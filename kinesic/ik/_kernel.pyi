@@ -23,6 +23,7 @@ class Arm:
         palm: Vector,
         side: float,
         farthest: float,
+        closest: float,
         seeds: Sequence[Sequence[float]],
         mirrored: bool,
     ) -> None: ...

@@ -90,7 +90,7 @@ def _arm(chain: Chain) -> str:
     linkage = linkage_of(chain)
     rows = [
         [len(linkage.pivots), len(linkage.links), len(seeds(linkage))],
-        [*linkage.origin, *chain.palm.tolist(), linkage.side, linkage.farthest],
+        [*linkage.origin, *chain.palm.tolist(), linkage.side, linkage.farthest, linkage.closest],
         *([len(link.pivots), *link.bone] for link in linkage.links),
         *([*pivot.axis, pivot.lower, pivot.upper, pivot.rest] for pivot in linkage.pivots),
         *(seed.angles for seed in seeds(linkage)),

@@ -100,7 +100,7 @@ def guessed(arm: AblationArm, points: Sequence[Vector]) -> tuple[float, ...]:
     angles: tuple[float, ...] = ()
     for count, (link, point) in enumerate(zip(arm.linkage.links, points, strict=False)):
         frame, ends = arm.linkage.walk(angles, count)
-        bone = Linkage((0.0, 0.0, 0.0), (replace(link, first=0),), arm.linkage.side, link.length)
+        bone = Linkage((0.0, 0.0, 0.0), (replace(link, first=0),), arm.linkage.side, link.length, link.length)
         goal = within(frame, minus(point, ends[-1]))
         angles += extract(bone, [goal], arm.rest[link.first :]).angles
     return angles

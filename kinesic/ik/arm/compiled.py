@@ -40,6 +40,7 @@ def arm_of(chain: Chain) -> "_kernel.Arm":
         palm=vector(left.palm),
         side=linkage.side,
         farthest=linkage.farthest,
+        closest=linkage.closest,
         mobility=linkage.mobility,
         seeds=[list(seed.angles) for seed in seeds(linkage)],
         mirrored=right,

@@ -11,7 +11,20 @@ from kinesic.body.chain import Chain
 from kinesic.body.skeleton import Hinge
 from kinesic.ik.arm.accepts import accept_chain
 from kinesic.ik.arm.subproblems import first_of_two, turn_towards
-from kinesic.ik.scalar3 import IDENTITY, Rotation, Vector, after, cross, norm, plus, rotated, turned, unit, vector
+from kinesic.ik.scalar3 import (
+    IDENTITY,
+    Rotation,
+    Vector,
+    after,
+    cross,
+    norm,
+    plus,
+    rotated,
+    scaled,
+    turned,
+    unit,
+    vector,
+)
 
 PARALLEL = 1e-9  # sine of the angle below which a hinge lies along its bone
 GIRDLE_MOBILITY = 0.1  # the collar bone moves late
@@ -63,6 +76,7 @@ class Linkage:
     links: tuple[Link, ...]
     side: float  # +1: an arm on the left; -1: on the right
     farthest: float  # [m] shoulder to hand with the elbow as straight as it goes
+    closest: float  # [m] likewise with the elbow as bent as it goes
 
     @cached_property
     def pivots(self) -> tuple[Pivot, ...]:
@@ -139,26 +153,27 @@ def linkage_of(chain: Chain) -> Linkage:
     upper, fore = links[-3], links[-2]
     twisted = bool(fore.pivots) and norm(cross(fore.pivots[0].axis, upper.along)) < PARALLEL
     aside = origin[1] + sum(link.bone[1] for link in links[:-3])
-    return Linkage(
-        origin, tuple(links), -1.0 if aside < 0.0 else 1.0, _farthest(upper.bone, fore.pivots[twisted:], fore.bone)
-    )
+    farthest, closest = (_extreme(upper.bone, fore.pivots[twisted:], fore.bone, way=way) for way in (1.0, -1.0))
+    return Linkage(origin, tuple(links), -1.0 if aside < 0.0 else 1.0, farthest, closest)
 
 
-def _farthest(upper: Vector, pivots: Sequence[Pivot], fore: Vector) -> float:
-    """The longest distance from shoulder to hand that at most two hinges between their bones allow [m].
+def _extreme(upper: Vector, pivots: Sequence[Pivot], fore: Vector, *, way: float) -> float:
+    """The longest or shortest distance from shoulder to hand that at most two hinges between their bones allow [m].
 
-    The longest is where both hinges aim one bone along the other, or where one of them is stopped and the other aims.
+    It is where both hinges aim one bone along the other, or where one of them is stopped and the other aims; `way` is
+    1 for the longest, and -1 for the shortest, where the bones lie against one another.
     """
     if not pivots:
         return norm(plus(upper, fore))
-    first, last = pivots[0], pivots[-1]
+    first, last, aim = pivots[0], pivots[-1], scaled(unit(upper), way)
     if len(pivots) == 1:
-        turn = turn_towards(first.axis, unit(fore), unit(upper))
+        turn = turn_towards(first.axis, unit(fore), aim)
         angle = first.lower if turn is None else first.held(turn, first.rest)
         return norm(plus(upper, turned(fore, first.axis, angle)))
-    ways = first_of_two(first.axis, last.axis, unit(fore), unit(upper))
-    firsts = (first.lower, first.upper, *(first.held(way, first.rest) for way in ways))
-    return max(
-        *(_farthest(turned(upper, first.axis, -turn), (last,), fore) for turn in firsts),
-        *(_farthest(upper, (first,), turned(fore, last.axis, turn)) for turn in (last.lower, last.upper)),
+    ways = first_of_two(first.axis, last.axis, unit(fore), aim)
+    firsts = (first.lower, first.upper, *(first.held(turn, first.rest) for turn in ways))
+    found = (
+        *(_extreme(turned(upper, first.axis, -turn), (last,), fore, way=way) for turn in firsts),
+        *(_extreme(upper, (first,), turned(fore, last.axis, turn), way=way) for turn in (last.lower, last.upper)),
     )
+    return max(found) if way > 0.0 else min(found)

@@ -13,6 +13,7 @@ from kinesic.ik.scalar3 import Vector, across, cross, distance, minus, norm, plu
 
 TOLERANCE = 1e-6  # total spring force at rest, in units of stiffness x chain length
 ROUNDS = 300
+SWUNG = 16  # rounds after which one free mass stays on its side: what is left are slow bends, which do not overshoot
 DAMPING_SHARE = 0.75  # of the theory's damping: bends add slower modes than the straight chain has
 STRAIGHT = 1e-4  # sine below which neighbouring bones count as collinear
 NUDGE = 0.02  # of the chain's length, sideways, to leave a straight line
@@ -41,7 +42,9 @@ def clamp(target: Vector, base: Vector, reach: float) -> Vector:
     return target if d <= reach else plus(base, scaled(minus(target, base), reach / d))
 
 
-def settle_masses(points: Sequence[Vector], lengths: Sequence[float], target: Vector) -> Settled:
+def settle_masses(
+    points: Sequence[Vector], lengths: Sequence[float], target: Vector, *, rounds: int = ROUNDS
+) -> Settled:
     """Lets a chain of unit masses swing to rest between its base and the target (Stoermer-Verlet, eq. 7.3.6).
 
     Stiffness and damping are those of heavy-ball theory for the springs' Laplacian; they depend on the number of
@@ -51,6 +54,7 @@ def settle_masses(points: Sequence[Vector], lengths: Sequence[float], target: Ve
         points: [m] n + 1 joint centres to begin with; the first stays.
         lengths: [m] n rest lengths.
         target: [m] of the last point; clamped to the sum of the lengths.
+        rounds: after which they are left where they are.
     """
     size = sum(lengths)
     base, pinned = points[0], clamp(target, points[0], size)
@@ -60,10 +64,10 @@ def settle_masses(points: Sequence[Vector], lengths: Sequence[float], target: Ve
     masses = _bent(masses)
     stiffness, momentum = _tuned(len(rests))
     before, energy, iterations = list(masses), 0.0, 0
-    for iterations in range(ROUNDS + 1):
+    for iterations in range(rounds + 1):
         forces = _forces(masses, rests)
         energy = sum(norm(force) for force in forces)
-        if energy < TOLERANCE or iterations == ROUNDS:
+        if energy < TOLERANCE or iterations == rounds:
             break
         for i, force in enumerate(forces, 1):
             now = masses[i]

@@ -14,11 +14,12 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.chain import Chain
+from kinesic.ik.angles import arccosine, cosine_sine
 from kinesic.ik.arm.hinges import Extraction, extract
 from kinesic.ik.arm.linkage import Linkage, linkage_of
-from kinesic.ik.arm.masses import clamp, settle_masses
+from kinesic.ik.arm.masses import ROUNDS, SWUNG, clamp, settle_masses
 from kinesic.ik.arm.mirror import ACROSS, is_right, mirror_chain
-from kinesic.ik.arm.swivel import bisect_edge, elbow_at, swivel_of
+from kinesic.ik.arm.swivel import bisect_edge, elbow_at, elbow_radius, swivel_of
 from kinesic.ik.scalar3 import Vector, distance, minus, plus, scaled, unit, vector
 
 STRETCH = 0.9999  # of the reach, to which targets beyond it come: the elbow keeps a side to bend to
@@ -28,6 +29,8 @@ NATURAL_SWIVEL = 0.35  # [rad] elbow a little away from the body
 NATURE = 0.5  # how far an unasked swivel goes from the present one to the natural one
 STEPS = 12  # of the search to either side, where the wished swivel does not fit the ranges
 BISECTIONS = 6
+SLIM = 1e-3  # of the reach: on a circle of a smaller radius an elbow has no side to stay on
+TIED = 1e-9  # of the reach: misses that differ by less are equal
 
 
 @dataclass(frozen=True)
@@ -119,7 +122,9 @@ def bend_elbow(linkage: Linkage, place: ShoulderPlace, *, near: Sequence[float],
     """
     elbow = linkage.walk(near, len(linkage.links) - 2)[1][-1]
     lengths = (linkage.links[-3].length, linkage.links[-2].length)
-    settled = settle_masses((place.shoulder, elbow, place.target), lengths, place.target)
+    slim = elbow_radius(linkage, place.shoulder, place.target) <= SLIM * linkage.farthest
+    begin, rounds = (place.shoulder, elbow, place.target), ROUNDS if slim else SWUNG
+    settled = settle_masses(begin, lengths, place.target, rounds=rounds)
     present = swivel_of(linkage, settled.points)
     if present is None:
         present = NATURAL_SWIVEL
@@ -130,12 +135,15 @@ def bend_elbow(linkage: Linkage, place: ShoulderPlace, *, near: Sequence[float],
         elbow = elbow_at(linkage, place.shoulder, place.target, wish + offset)
         return extract(linkage, (*place.girdle, elbow, place.target), near)
 
-    found, exact = _nearest_exact(at, towards, EXACT * linkage.farthest)
+    least = _least_miss(linkage, distance(place.shoulder, place.target)) + TIED * linkage.farthest
+    found, exact = _nearest_exact(at, towards, EXACT * linkage.farthest, least)
     return Bend(found.angles, exact, settled.iterations)
 
 
-def _nearest_exact(at: Callable[[float], Extraction], towards: float, tolerance: float) -> tuple[Extraction, bool]:
-    """Looks outward from offset zero for the first posture that misses nothing."""
+def _nearest_exact(
+    at: Callable[[float], Extraction], towards: float, tolerance: float, least: float
+) -> tuple[Extraction, bool]:
+    """Looks outward from offset zero for the first posture that misses nothing, or as little as any can."""
 
     def fits(posture: Extraction) -> bool:
         return posture.miss <= tolerance
@@ -145,12 +153,29 @@ def _nearest_exact(at: Callable[[float], Extraction], towards: float, tolerance:
         return best, True
     for step in range(1, STEPS + 1):
         for side in (towards, -towards):
+            if best.miss <= least:
+                return best, False
             found = at(side * step * pi / STEPS)
             if fits(found):
                 outside, inside = side * (step - 1) * pi / STEPS, side * step * pi / STEPS
                 return bisect_edge(at, outside, inside, found, fits=fits, rounds=BISECTIONS), True
             best = min(best, found, key=lambda candidate: candidate.miss)
     return best, False
+
+
+def _least_miss(linkage: Linkage, span: float) -> float:
+    """The least by which a hand so far from the shoulder [m] is missed with the elbow anywhere on its circle [m].
+
+    An elbow that cannot bend enough leaves the hand off by a chord of the forearm's circle. To leave the elbow's circle
+    takes the elbow farther away than it brings the hand nearer, as the hand is nearer to the shoulder.
+    """
+    upper, fore = linkage.links[-3].length, linkage.links[-2].length
+    if not abs(upper - fore) < span < linkage.closest <= upper:
+        return 0.0
+    asked, bent = (
+        arccosine((upper * upper + fore * fore - far * far) / (2.0 * upper * fore)) for far in (span, linkage.closest)
+    )
+    return 2.0 * fore * cosine_sine(0.5 * (bent - asked))[1]
 
 
 def carry_shoulder(chain: Chain, target: Floats, effort: float) -> Floats:

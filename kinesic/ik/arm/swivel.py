@@ -15,7 +15,7 @@ from kinesic.body.chain import Chain
 from kinesic.ik.angles import arctangent, cosine_sine
 from kinesic.ik.arm.linkage import Linkage, linkage_of
 from kinesic.ik.arm.mirror import is_right, mirror_chain
-from kinesic.ik.scalar3 import Vector, across, cross, dot, minus, norm, plus, scaled, unit
+from kinesic.ik.scalar3 import Vector, across, cross, distance, dot, minus, norm, plus, scaled, unit
 
 Posture = TypeVar("Posture")
 
@@ -74,16 +74,27 @@ def elbow_at(linkage: Linkage, shoulder: Vector, hand: Vector, swivel: float) ->
 
     Where the bones cannot span the distance, the elbow lies on the line.
     """
-    upper, fore = linkage.links[-3].length, linkage.links[-2].length
     between = minus(hand, shoulder)
-    span = max(norm(between), 1e-9 * linkage.farthest)
     line = unit(between) if norm(between) > 0.0 else (1.0, 0.0, 0.0)
-    along = (upper * upper - fore * fore + span * span) / (2.0 * span)
-    along = max(-upper, min(upper, along))
+    along, radius = _circle(linkage, norm(between))
     zero = hanging_direction(line)
     cosine, sine = cosine_sine(swivel)
     off = plus(scaled(zero, cosine), scaled(cross(line, zero), linkage.side * sine))
-    return plus(shoulder, plus(scaled(line, along), scaled(off, sqrt(upper * upper - along * along))))
+    return plus(shoulder, plus(scaled(line, along), scaled(off, radius)))
+
+
+def elbow_radius(linkage: Linkage, shoulder: Vector, hand: Vector) -> float:
+    """Measures the radius [m] of the elbow's circle for shoulder and hand [m]; 0 where bones do not span it."""
+    return _circle(linkage, distance(shoulder, hand))[1]
+
+
+def _circle(linkage: Linkage, between: float) -> tuple[float, float]:
+    """How far along the line from shoulder to hand the elbow's circle is, and its radius [m]."""
+    upper, fore = linkage.links[-3].length, linkage.links[-2].length
+    span = max(between, 1e-9 * linkage.farthest)
+    along = (upper * upper - fore * fore + span * span) / (2.0 * span)
+    along = max(-upper, min(upper, along))
+    return along, sqrt(upper * upper - along * along)
 
 
 def swivel(chain: Chain, angles: Floats) -> float | None:

@@ -107,23 +107,42 @@ inline int grown(const Linkage& arm, const Branch& branch, const Vector& point, 
     return count;
 }
 
+// The ways to aim the first bone, the cheaper last: the same for all postures whose first joint's centre is the same.
+struct Stem {
+    Branch ways[2];
+    int count = 0;
+
+    Stem() = default;
+    Stem(const Linkage& arm, const Vector& point, const double* near, double size) {
+        Branch root;
+        root.cost = root.miss = 0.0;
+        root.frame = Rotation{};
+        root.end = arm.origin;
+        root.links = 0;
+        std::copy(near, near + arm.own(), root.angles);
+        count = grown(arm, root, point, near, size, ways);
+        if (count == 2 && ways[0].cost < ways[1].cost) std::swap(ways[0], ways[1]);
+    }
+};
+
+inline double length_of(const Linkage& arm, int count) {
+    double size = 0.0;
+    for (int j = 0; j < count; ++j) size += arm.link[j].length;
+    return size;
+}
+
 }  // namespace hinges
 
 // The angles inside the ranges whose joint centres come nearest to the points: depth-first, cheaper branch first,
 // because a shoulder's branch can only be judged by what the elbow makes of it. A posture that misses by more than
 // `bound` need not be found: the miss is then told as infinite, or as that of another one beyond the bound.
-inline Extraction extract(const Linkage& arm, const Vector* points, int count, const double* near,
-                          double bound = INFINITY) {
-    double size = 0.0;
-    for (int j = 0; j < count; ++j) size += arm.link[j].length;
+inline Extraction extract(const Linkage& arm, const hinges::Stem& stem, const Vector* points, int count,
+                          const double* near, double bound = INFINITY) {
+    const double size = hinges::length_of(arm, count);
     hinges::Branch waiting[MOST_LINKS + 1];  // each level leaves at most one
-    int left = 1;
-    waiting[0].cost = waiting[0].miss = 0.0;
-    waiting[0].frame = Rotation{};
-    waiting[0].end = arm.origin;
-    waiting[0].links = 0;
+    int left = stem.count;
+    std::copy_n(stem.ways, left, waiting);
     Extraction best;
-    std::copy(near, near + arm.own(), waiting[0].angles);
     double least = INFINITY;
     while (left > 0) {
         const hinges::Branch branch = waiting[--left];
@@ -140,6 +159,16 @@ inline Extraction extract(const Linkage& arm, const Vector* points, int count, c
         left += ways;
     }
     return best;
+}
+
+inline Extraction extract(const Linkage& arm, const Vector* points, int count, const double* near) {
+    if (count == 0) {
+        Extraction still;
+        std::copy(near, near + arm.own(), still.angles);
+        still.miss = 0.0;
+        return still;
+    }
+    return extract(arm, hinges::Stem(arm, points[0], near, hinges::length_of(arm, count)), points, count, near);
 }
 
 }  // namespace kinesic::arm

@@ -55,6 +55,7 @@ struct Linkage {
     Pivot pivot[MOST_HINGES];
     double side = 1.0;      // +1: an arm on the left; -1: on the right
     double farthest = 0.0;  // [m] shoulder to hand with the elbow as straight as it goes
+    double closest = 0.0;   // [m] likewise with the elbow as bent as it goes
     Vector palm;            // unit, in the last segment
     Vector resting;         // [m] the shoulder with the girdle at rest
     Seed seed[MOST_SEEDS];  // last, because few solves look at them

@@ -22,6 +22,7 @@ namespace masses {
 
 constexpr double TOLERANCE = 1e-6;
 constexpr int ROUNDS = 300;
+constexpr int SWUNG = 16;
 constexpr double DAMPING_SHARE = 0.75;
 constexpr double STRAIGHT = 1e-4;
 constexpr double NUDGE = 0.02;
@@ -58,20 +59,24 @@ inline void bend(Vector* mass, int bones) {
 }  // namespace masses
 
 // Lets unit masses swing to rest between base and target (Stoermer-Verlet, eq. 7.3.6), in units of the chain's length.
-inline Settled settle(const Vector* points, const double* lengths, int bones, const Vector& target) {
-    double size = 0.0, rest[MOST_LINKS];
+// `BONES`: their number where it is known beforehand, so that the masses stay in registers; else 0.
+template <int BONES>
+Settled swing_masses(const Vector* points, const double* lengths, int number, const Vector& target, int rounds) {
+    const int bones = BONES ? BONES : number;
+    constexpr int MOST = BONES ? BONES : MOST_LINKS;
+    double size = 0.0, rest[MOST];
     for (int i = 0; i < bones; ++i) size += lengths[i];
     for (int i = 0; i < bones; ++i) rest[i] = lengths[i] / size;
     const Vector base = points[0], pinned = clamp(target, base, size);
-    Vector mass[MOST_LINKS + 1], before[MOST_LINKS + 1];
+    Vector mass[MOST + 1], before[MOST + 1];
     for (int i = 0; i < bones; ++i) mass[i] = (points[i] - base) * (1.0 / size);
     mass[bones] = (pinned - base) * (1.0 / size);
     masses::bend(mass, bones);
     for (int i = 0; i <= bones; ++i) before[i] = mass[i];
     const auto [stiffness, momentum] = masses::tuned(bones);
     Settled settled;
-    for (int round = 0; round <= masses::ROUNDS; ++round) {
-        Vector force[MOST_LINKS + 1];
+    for (int round = 0; round <= rounds; ++round) {
+        Vector force[MOST + 1];
         double energy = 0.0;
         Vector behind = masses::pull(mass[0], mass[1], rest[0]);
         for (int i = 1; i < bones; ++i) {
@@ -82,7 +87,7 @@ inline Settled settle(const Vector* points, const double* lengths, int bones, co
         }
         settled.iterations = round;
         settled.energy = energy;
-        if (energy < masses::TOLERANCE || round == masses::ROUNDS) break;
+        if (energy < masses::TOLERANCE || round == rounds) break;
         for (int i = 1; i < bones; ++i) {
             const Vector now = mass[i];
             mass[i] = now + ((now - before[i]) * momentum + force[i] * stiffness);
@@ -93,6 +98,13 @@ inline Settled settle(const Vector* points, const double* lengths, int bones, co
     for (int i = 1; i < bones; ++i) settled.points[i] = base + mass[i] * size;
     settled.points[bones] = pinned;
     return settled;
+}
+
+inline Settled settle(const Vector* points, const double* lengths, int bones, const Vector& target,
+                      int rounds = masses::ROUNDS) {
+    if (bones == 2) return swing_masses<2>(points, lengths, bones, target, rounds);
+    if (bones == 3) return swing_masses<3>(points, lengths, bones, target, rounds);
+    return swing_masses<0>(points, lengths, bones, target, rounds);
 }
 
 }  // namespace kinesic::arm

@@ -12,6 +12,8 @@ constexpr double TAUT = 0.97;
 constexpr double EXACT = 1e-6;
 constexpr double NATURAL_SWIVEL = 0.35;
 constexpr double NATURE = 0.5;
+constexpr double SLIM = 1e-3;
+constexpr double TIED = 1e-9;
 constexpr int STEPS = 12;
 constexpr int BISECTIONS = 6;
 constexpr double BACKWARD = -1.0 + 1e-9;
@@ -133,17 +135,31 @@ inline double gap(const Linkage& arm, const Vector& target, const double* rest) 
 
 namespace places {
 
+// The least by which a hand so far from the shoulder is missed with the elbow anywhere on its circle.
+inline double least_miss(const Linkage& arm, double span) {
+    const double upper = arm.upper().length, fore = arm.fore().length;
+    if (!(std::abs(upper - fore) < span && span < arm.closest && arm.closest <= upper)) return 0.0;
+    const auto inner = [&](double far) {
+        return arccosine((upper * upper + fore * fore - far * far) / (2.0 * upper * fore));
+    };
+    return 2.0 * fore * turn_of(0.5 * (inner(arm.closest) - inner(span))).sine;
+}
+
 struct Scan {  // postures with the elbow at one swivel after the other
     const Linkage& arm;
     const Circle circle;
     const double* near;
     Vector ends[MOST_LINKS + 1];
     double wish, tolerance;
+    double least = 0.0;  // [m] that every swivel misses by at least
+    hinges::Stem stem = {};  // the collar bone's, which no swivel moves
 
     // A posture that misses by more than `bound` says no more than that.
     Extraction at(double offset, double bound = INFINITY) {
         ends[arm.girdle()] = circle.at(arm.side, wish + offset);
-        return extract(arm, ends, arm.links - 1, near, bound);
+        const int count = arm.links - 1;
+        if (!stem.count || !arm.girdle()) stem = {arm, ends[0], near, hinges::length_of(arm, count)};
+        return extract(arm, stem, ends, count, near, bound);
     }
 
     // Bisects to where the ranges begin to allow the posture.
@@ -167,6 +183,7 @@ struct Scan {  // postures with the elbow at one swivel after the other
         exact = best.miss <= tolerance;
         for (int step = 1; step <= STEPS && !exact; ++step)
             for (const double side : {towards, -towards}) {
+                if (best.miss <= least) return best;
                 const Extraction found = at(side * step * PI / STEPS, best.miss);
                 if (found.miss <= tolerance) {
                     exact = true;
@@ -187,12 +204,15 @@ inline Bend bent(const Linkage& arm, const Place& place, const double* near, con
     walk(arm, near, arm.links - 2, points);
     const double lengths[2] = {arm.upper().length, arm.fore().length};
     const Vector begin[3] = {place.shoulder, points[arm.links - 2], place.target};
-    const Settled settled = settle(begin, lengths, 2, place.target);
+    const Circle circle(arm, place.shoulder, place.target);
+    const int rounds = circle.radius > SLIM * arm.farthest ? masses::SWUNG : masses::ROUNDS;
+    const Settled settled = settle(begin, lengths, 2, place.target, rounds);
     double present = NATURAL_SWIVEL;
     swivel_of(arm, settled.points, present);
     const double wish = swivel ? wrapped(*swivel) : present + NATURE * wrapped(NATURAL_SWIVEL - present);
     const double towards = wrapped(present - wish) >= 0.0 ? 1.0 : -1.0;
-    places::Scan scan{arm, Circle(arm, place.shoulder, place.target), near, {}, wish, EXACT * arm.farthest};
+    places::Scan scan{arm, circle, near, {}, wish, EXACT * arm.farthest};
+    scan.least = places::least_miss(arm, distance(place.shoulder, place.target)) + TIED * arm.farthest;
     std::copy(place.ends, place.ends + arm.girdle(), scan.ends);
     scan.ends[arm.girdle() + 1] = place.target;
     Bend bend;

@@ -37,7 +37,7 @@ Vector vector(const Triple& p) { return {p[0], p[1], p[2]}; }
 // Hinges are given in a row; `counts` says how many aim each bone.
 void pack(Arm* self, const Triple& origin, const std::vector<int>& counts, const Triples& bones, const Triples& axes,
           const Numbers& lower, const Numbers& upper, const Numbers& rest, const Numbers& mobility, const Triple& palm,
-          double side, double farthest, const std::vector<Numbers>& seeds, bool mirrored) {
+          double side, double farthest, double closest, const std::vector<Numbers>& seeds, bool mirrored) {
     const size_t hinges = axes.size(), aiming = size_t(std::accumulate(counts.begin(), counts.end(), 0));
     if (aiming != hinges || counts.size() < 3 || counts.size() > MOST_LINKS || bones.size() != counts.size() || hinges > MOST_HINGES ||
         lower.size() != hinges || upper.size() != hinges || rest.size() != hinges ||
@@ -49,6 +49,7 @@ void pack(Arm* self, const Triple& origin, const std::vector<int>& counts, const
     linkage.palm = unit(vector(palm));
     linkage.side = side;
     linkage.farthest = farthest;
+    linkage.closest = closest;
     linkage.links = int(counts.size());
     linkage.hinges = int(hinges);
     arm->mirrored = mirrored;
@@ -210,7 +211,7 @@ void bind_arm(nb::module_& module) {
     nb::class_<Arm> arm(module, "Arm");
     arm.def("__init__", &pack, nb::kw_only(), nb::arg("origin"), nb::arg("counts"), nb::arg("bones"), nb::arg("axes"),
             nb::arg("lower"), nb::arg("upper"), nb::arg("rest"), nb::arg("mobility"), nb::arg("palm"), nb::arg("side"),
-            nb::arg("farthest"), nb::arg("seeds"), nb::arg("mirrored"))
+            nb::arg("farthest"), nb::arg("closest"), nb::arg("seeds"), nb::arg("mirrored"))
         .def("solve", &ask, nb::arg("position").none(), nb::arg("pointing").none(), nb::arg("palm").none(),
              nb::arg("swivel").none(), nb::arg("start").none(), nb::arg("rest").none(), nb::arg("mobility").none())
         .def("swing", &swung, nb::arg("position"), nb::arg("pointing").none(), nb::arg("palm").none(), nb::arg("home"),

@@ -42,20 +42,22 @@ def test_sides_and_reach(arm: Chain) -> None:
     assert linkage_of(arm).farthest == pytest.approx(0.42)
 
 
-def test_the_reach_is_the_longest_that_all_elbow_hinges_together_allow() -> None:
+def test_the_reach_is_from_the_shortest_to_the_longest_that_all_elbow_hinges_together_allow() -> None:
     random, kinds = default_rng(7), set()
     for _ in range(24):
         chain = random_arm(random)
         fore = linkage_of(chain).links[-2]
         grid = product(*(np.linspace(pivot.lower, pivot.upper, 13) for pivot in fore.pivots[-2:]))
-        longest = 0.0
+        longest, shortest = 0.0, np.inf
         for turns in grid:
             angles = chain.rest.copy()
             angles[fore.first + len(fore.pivots) - len(turns) : fore.first + len(fore.pivots)] = turns
             shoulder, _, hand = chain.frames(angles)[1][-4:-1]
             longest = max(longest, float(np.linalg.norm(hand - shoulder)))
+            shortest = min(shortest, float(np.linalg.norm(hand - shoulder)))
         kinds.add(len(fore.pivots))
         assert longest - 1e-12 <= linkage_of(chain).farthest <= 1.03 * longest, chain.name
+        assert 0.97 * shortest - 0.02 * longest <= linkage_of(chain).closest <= shortest + 1e-12, chain.name
     assert kinds == {1, 2, 3}
 
 

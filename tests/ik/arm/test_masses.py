@@ -1,8 +1,9 @@
+import numpy as np
 import pytest
-from numpy.random import default_rng
+from numpy.random import Generator, default_rng
 
-from kinesic.ik.arm.masses import ROUNDS, TOLERANCE, clamp, settle_masses
-from kinesic.ik.scalar3 import Vector, cross, distance, minus, norm, plus, scaled, unit
+from kinesic.ik.arm.masses import ROUNDS, SWUNG, TOLERANCE, clamp, settle_masses
+from kinesic.ik.scalar3 import Vector, across, cross, distance, dot, minus, norm, plus, scaled, unit
 
 LENGTHS = (0.115, 0.22, 0.20)
 POINTS: tuple[Vector, ...] = ((0.0, 0.0, 0.0), (0.0, 0.115, 0.0), (0.05, 0.15, -0.2), (0.2, 0.15, -0.3))
@@ -10,6 +11,11 @@ POINTS: tuple[Vector, ...] = ((0.0, 0.0, 0.0), (0.0, 0.115, 0.0), (0.05, 0.15, -
 
 def _stretch(points: tuple[Vector, ...], lengths: tuple[float, ...]) -> float:
     return max(abs(distance(a, b) / c - 1.0) for a, b, c in zip(points, points[1:], lengths, strict=False))
+
+
+def unit_vector(random: Generator) -> np.ndarray:
+    line = random.normal(size=3)
+    return np.asarray(line / np.linalg.norm(line))
 
 
 def test_bones_keep_their_length_and_the_ends_stay_pinned() -> None:
@@ -75,3 +81,18 @@ def test_the_chain_may_stand_anywhere() -> None:
     there = settle_masses([plus(point, shift) for point in POINTS], LENGTHS, plus((0.3, 0.1, 0.1), shift))
     for a, b in zip(here.points, there.points, strict=True):
         assert distance(a, minus(b, shift)) < 1e-9
+
+
+def test_one_free_mass_stays_on_the_side_where_it_is_after_a_few_rounds() -> None:
+    random = default_rng(3)
+    for case in range(60):
+        upper = random.uniform(0.2, 0.8)
+        span = random.uniform(0.3, 1.0) if case % 2 else 1.0 - 10.0 ** random.uniform(-4, -1)  # half are taut
+        elbow = tuple((random.uniform(0.0, 1.2) * unit_vector(random)).tolist())
+        points, target = ((0.0, 0.0, 0.0), elbow, (1.0, 0.0, 0.0)), (span, 0.0, 0.0)
+        early, late = (
+            unit(across(settle_masses(points, (upper, 1.0 - upper), target, rounds=rounds).points[1], (1.0, 0.0, 0.0)))
+            for rounds in (SWUNG, ROUNDS)
+        )
+        assert dot(early, late) > 1.0 - 1e-12
+        assert distance(early, late) < 1e-9

@@ -4,6 +4,8 @@ from numpy.random import default_rng
 
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot
+from kinesic.ik.arm import shoulder_elbow
+from kinesic.ik.arm.hinges import extract
 from kinesic.ik.arm.linkage import linkage_of
 from kinesic.ik.arm.shoulder_elbow import STRETCH, TAUT, bend_elbow, carry_shoulder, gap, place_of, place_shoulder
 from kinesic.ik.arm.swivel import swivel_of
@@ -112,3 +114,16 @@ def test_the_ranges_hold_and_the_hand_stays():
 def test_the_right_shoulder_mirrors_the_left():
     flip = np.array([1.0, -1.0, 1.0])
     np.testing.assert_array_equal(carry_shoulder(ROBOT.arms["r"], HIGH * flip, 0.7), carry_shoulder(CHAIN, HIGH, 0.7))
+
+
+def test_where_the_elbow_cannot_bend_enough_no_other_swivel_is_tried(monkeypatch) -> None:
+    looked, down = [], np.array(unit((0.3, 0.3, -0.9)))
+    near = vector(np.add(SHOULDER, 0.9 * ARM.closest * down))
+    place = place_shoulder(ARM, near, near=REST, rest=REST)
+    monkeypatch.setattr(shoulder_elbow, "extract", lambda *asked: looked.append(asked) or extract(*asked))
+    bend = bend_elbow(ARM, place, near=REST, swivel=0.4)
+    assert not bend.exact
+    assert len(looked) == 1
+    assert distance(ARM.hand(bend.angles), near) < 0.11 * ARM.closest
+    points = ARM.walk(bend.angles, 3)[1]
+    assert swivel_of(ARM, points[-3:]) == pytest.approx(0.4, abs=0.005)

@@ -34,6 +34,7 @@ static Linkage linkage_read() {
     arm.palm = unit(vector());
     arm.side = number();
     arm.farthest = number();
+    arm.closest = number();
     for (int j = 0, first = 0; j < arm.links; first += arm.link[j++].count) {
         const int count = int(number());
         const Vector bone = vector();
