@@ -18,9 +18,12 @@ from kinesic.face.assets.chart import hair
 from kinesic.face.assets.mesh import Mesh
 
 INSIDE = np.array([-1.15, 0.0, 0.30])  # distances between the eyes: a point from which the whole skull is seen
-NEAREST = 10  # vertices of the skin that say how far it is in a direction
+NEAREST, EVENED = 24, 0.08  # vertices of the skin that say how far it is in a direction, and over which angle [rad]
+SLOPE = 0.45  # at most, by which hair rises towards an ear, and falls behind it
+EARS = (-1.75, -0.95, -0.9, 0.25, 1.15)  # from, to forward; from, to up; further aside: what short hair goes round
 BENT = 0.35  # how far the normals at the edges of a lock lean outward
 SEED = 11
+SCALP, THICK = 0.06, 0.35  # that the painted scalp stands off, so far over the hairline
 GOLDEN = np.pi * (3.0 - np.sqrt(5.0))
 FREE = 0.1  # height under which locks are seen from inside, too
 EACH = 2  # of so many of them one
@@ -33,6 +36,8 @@ POINTED = 0.6  # of the way, from where a lock becomes narrower
 EVEN = (0.93, 1.07)  # of its length that a lock has
 LAYERS = (0.7, 1.0)  # of how far locks stand off
 LET_GO = (-0.7, -0.1)  # height at which hair hangs free, and over which it lies on the skull
+SHORTEST = 0.9  # steps that are left of a lock, or it is cut off
+CUT = (-0.06, 0.06)  # and by how much they differ there
 TURNING = 0.55  # share of the comb's direction in that of a step
 
 
@@ -44,17 +49,46 @@ class Style:
     lowest: float  # height over the hairline of a root at least
     steps: int  # of a lock
     length: tuple[float, float]  # of a lock over the temple, and on top
-    width: float  # half of a lock
+    width: tuple[float, float]  # half of a lock, there and there
     tip: float  # how wide it ends
-    off: float  # from the skull, in the middle of a lock
+    off: tuple[float, float]  # from the skull, in the middle of a lock
+    lies: float  # how much nearer its tip is
+    cut: float  # height at which locks end at the lowest
+    over_ears: bool  # else round them
     part: float | None  # to the left, where it is parted; else it is combed back
-    falls: float  # how much it hangs
+    falls: float  # how much it hangs, combed to a side
 
 
 STYLES: Mapping[Variant, Style] = MappingProxyType(
     {
-        "female": Style(540, 0.02, 7, (1.5, 2.7), 0.16, 0.3, 0.16, 0.2, 0.9),
-        "male": Style(900, 0.03, 4, (0.35, 1.3), 0.13, 0.1, 0.10, None, 0.10),
+        "female": Style(
+            roots=700,
+            lowest=0.02,
+            steps=7,
+            length=(1.5, 2.7),
+            width=(0.16, 0.16),
+            tip=0.5,
+            off=(0.12, 0.09),
+            lies=0.2,
+            cut=-1.5,
+            over_ears=True,
+            part=0.2,
+            falls=0.9,
+        ),
+        "male": Style(
+            roots=1300,
+            lowest=0.03,
+            steps=5,
+            length=(0.6, 1.3),
+            width=(0.07, 0.13),
+            tip=0.4,
+            off=(0.04, 0.08),
+            lies=0.7,
+            cut=-0.83,
+            over_ears=False,
+            part=None,
+            falls=0.0,
+        ),
     }
 )
 
@@ -75,30 +109,60 @@ def grow(mesh: Mesh, style: Style) -> Locks:
     random = np.random.default_rng(SEED)
     unit = float(mesh.eyes[0, 1] - mesh.eyes[1, 1])
     skin = mesh.positions[mesh.vertices("skin")] / unit
-    skull = _Skull(skin)
+    skull = _Skull(skin, style)
     roots = _roots(skull, style)
-    lines = _combed(skull, roots, style, random)
+    lines = _cut(_combed(skull, roots, style, random), style, random)
     return _ribbons(lines, style, random, unit)
 
 
-class _Skull:
-    """How far the skin is in each direction."""
+def _on_ears(points: Floats) -> NDArray[np.bool_]:
+    """(...) which of (..., 3) points are on an ear."""
+    forward, left, up = np.moveaxis(points, -1, 0)
+    back, front, low, high, aside = EARS
+    return np.asarray((forward > back) & (forward < front) & (up > low) & (up < high) & (np.abs(left) > aside))
 
-    def __init__(self, skin: Floats) -> None:
-        spokes = skin[skin[:, 2] > -1.6] - INSIDE
-        self._away = np.linalg.norm(spokes, axis=1)
-        self._near = scipy.spatial.cKDTree(spokes / self._away[:, None])
+
+def _high(roots: Floats) -> Floats:
+    """(r,) 0 at a root over the temple or on the neck, 1 on top."""
+    return np.asarray(np.clip((roots[:, 2] + 0.1) / 1.2, 0.0, 1.0))
+
+
+class _Skull:
+    """How far the skin is in each direction, and what hair lies on."""
+
+    def __init__(self, skin: Floats, style: Style) -> None:
+        skin = skin[skin[:, 2] > -1.6]
+        ears = _on_ears(skin)
+        self._away, self._near = self._seen(skin[~ears])
+        self._ears = self._seen(skin[ears]) if style.over_ears else None
 
     def radius(self, directions: Floats) -> Floats:
-        """(n,) in (n, 3) unit directions; of several skins the outermost."""
-        _, which = self._near.query(directions, NEAREST)
-        return np.asarray(self._away[which].max(axis=1))
+        """(n,) in (n, 3) unit directions, evened out, without ears."""
+        apart, which = self._near.query(directions, NEAREST)
+        share = np.exp(-0.5 * (apart / EVENED) ** 2)
+        return np.asarray((share * self._away[which]).sum(axis=1) / share.sum(axis=1))
+
+    def cover(self, directions: Floats) -> Floats:
+        """(n,) how far hair is at least; over ears it rises and falls no steeper than it may."""
+        found = self.radius(directions)
+        if self._ears is None:
+            return found
+        away, near = self._ears
+        apart = np.linalg.norm(directions[:, None] - near.data, axis=2)
+        return np.asarray(np.maximum(found, (away - SLOPE * apart).max(axis=1)))
+
+    @staticmethod
+    def _seen(points: Floats) -> tuple[Floats, scipy.spatial.cKDTree]:
+        """(n,) how far (n, 3) points are from the inside of the head, and in which directions."""
+        spokes = points - INSIDE
+        away = np.linalg.norm(spokes, axis=1)
+        return away, scipy.spatial.cKDTree(spokes / away[:, None])
 
     def on(self, points: Floats, off: Floats, held: Floats) -> Floats:
         """(n, 3) points (n,) off the skin: those that are nearer, and those further away by a share that is held."""
         spokes = points - INSIDE
         away = np.linalg.norm(spokes, axis=1)
-        least = self.radius(spokes / away[:, None]) + off
+        least = self.cover(spokes / away[:, None]) + SCALP * np.clip(hair(points) / THICK, 0.0, 1.0) + off
         right = np.where(away < least, least, away + held * (least - away))
         return np.asarray(INSIDE + spokes * (right / away)[:, None])
 
@@ -110,14 +174,15 @@ def _roots(skull: _Skull, style: Style) -> Floats:
     aside = np.sqrt(1.0 - up * up)
     directions = np.stack([aside * np.cos(GOLDEN * number), aside * np.sin(GOLDEN * number), up], axis=1)
     points = INSIDE + directions * skull.radius(directions)[:, None]
-    return np.asarray(points[(hair(points) > style.lowest) & (points[:, 2] > -0.55)])
+    return np.asarray(points[~_on_ears(points) & (hair(points) > style.lowest) & (points[:, 2] > -0.55)])
 
 
 def _combed(skull: _Skull, roots: Floats, style: Style, random: np.random.Generator) -> Floats:
     """(r, s + 1, 3) the middle lines of locks."""
     count = len(roots)
-    high = np.clip((roots[:, 2] + 0.1) / 1.2, 0.0, 1.0)
-    lengths = (style.length[0] + (style.length[1] - style.length[0]) * high) * random.uniform(*EVEN, count)
+    high = _high(roots)
+    lengths = np.interp(high, (0.0, 1.0), style.length) * random.uniform(*EVEN, count)
+    off = np.interp(high, (0.0, 1.0), style.off)
     points, lines = roots.copy(), [roots]
     way = _comb(roots, style)
     layer = np.sort(random.uniform(*LAYERS, count))[::-1]  # those on top first, for the depth test
@@ -128,13 +193,31 @@ def _combed(skull: _Skull, roots: Floats, style: Style, random: np.random.Genera
         outward = points - INSIDE
         outward /= np.linalg.norm(outward, axis=1, keepdims=True)
         leaving = (way * outward).sum(axis=1, keepdims=True)
-        held = np.clip((points[:, 2:] - LET_GO[0]) / (LET_GO[1] - LET_GO[0]), 0.0, 1.0)
+        held = np.clip((points[:, 2:] - LET_GO[0]) / (LET_GO[1] - LET_GO[0]), 0.0 if style.over_ears else 1.0, 1.0)
         way -= np.where(leaving < 0.0, 1.0, held) * leaving * outward
         way /= np.linalg.norm(way, axis=1, keepdims=True)
         points = points + way * (lengths / style.steps)[:, None]
-        points = skull.on(points, style.off * layer * np.sin(np.pi * min(0.75, 0.15 + share)), held[:, 0])
+        points = skull.on(points, off * layer * (1.0 - (1.0 - share) ** 2 - style.lies * share**2), held[:, 0])
         lines.append(points)
     return np.stack(lines, axis=1)
+
+
+def _cut(lines: Floats, style: Style, random: np.random.Generator) -> Floats:
+    """(r, s + 1, 3) lines that end where hair is cut, as many points on each as before."""
+    count, rows = lines.shape[:2]
+    heights = np.full((count, 1), style.cut) + random.uniform(*CUT, (count, 1))
+    ears = np.zeros((count, rows), dtype=np.bool_) if style.over_ears else _on_ears(lines)
+    gone = ears | (lines[:, :, 2] < heights)
+    first = np.where(gone.any(axis=1), np.argmax(gone, axis=1), rows - 1)
+    lock = np.arange(count)
+    above, under = lines[lock, first - 1, 2], lines[lock, first, 2]
+    back = np.where(ears[lock, first], 1.0, (heights[:, 0] - under) / np.maximum(above - under, 1e-9))
+    ends = first - np.clip(back, 0.0, 1.0)
+    lock = lock[ends > SHORTEST]
+    where = ends[lock, None] * np.linspace(0.0, 1.0, rows)
+    before = np.minimum(where.astype(int), rows - 2)
+    share = (where - before)[:, :, None]
+    return np.asarray((1.0 - share) * lines[lock[:, None], before] + share * lines[lock[:, None], before + 1])
 
 
 def _comb(points: Floats, style: Style) -> Floats:
@@ -147,7 +230,11 @@ def _comb(points: Floats, style: Style) -> Floats:
         nape = np.clip((-1.4 - forward) / 0.6, 0.0, 1.0) * (1.0 - top)  # where hair lies on the neck
         ways = [-0.9 + 0.3 * front + 0.8 * nape, 0.3 * top, -0.05 - 0.5 * (1.0 - top) - 0.4 * nape]
     else:
-        ways = [-0.75 * front - 0.05, 1.2 * side * top**1.5, -0.35 - style.falls * (1.0 - top)]
+        ways = [
+            -0.75 * front - 0.05 - 0.6 * (1.0 - front) * top,
+            1.2 * side * top**1.5,
+            -0.35 - style.falls * (1.0 - top),
+        ]
     found = np.stack([np.broadcast_to(each, left.shape) for each in ways], axis=1)
     return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))
 
@@ -163,7 +250,7 @@ def _ribbons(lines: Floats, style: Style, random: np.random.Generator, unit: flo
     out /= np.linalg.norm(out, axis=2, keepdims=True)
     aside = np.cross(out, way)
     wide = (
-        style.width
+        np.interp(_high(lines[:, 0]), (0.0, 1.0), style.width)[:, None]
         * (0.55 + 0.45 * np.sin(np.pi * along**0.7))
         * np.where(along > POINTED, 1.0 - (1.0 - style.tip) * ((along - POINTED) / (1.0 - POINTED)) ** 2, 1.0)
     )
@@ -176,7 +263,7 @@ def _ribbons(lines: Floats, style: Style, random: np.random.Generator, unit: flo
     normals /= np.linalg.norm(normals, axis=3, keepdims=True)
     lock = random.uniform(0.0, 1.0, (2, count, 1, 1))
     places = np.stack(
-        np.broadcast_arrays(across[None, None], along[None, :, None], lock[0], 0.75 + 0.5 * lock[1]), axis=-1
+        np.broadcast_arrays(across[None, None], along[None, :, None], lock[0], 0.85 + 0.3 * lock[1]), axis=-1
     )
     corner = np.arange(count * rows * 2).reshape(count, rows, 2)
     a, b, c, d = corner[:, :-1, :-1], corner[:, :-1, 1:], corner[:, 1:, 1:], corner[:, 1:, :-1]

@@ -10,12 +10,13 @@ from kinesic.body.skeleton import Skeleton
 from kinesic.face.assets.action_units import deform
 from kinesic.face.assets.body import Figure
 from kinesic.face.assets.chart import vertex_chart
+from kinesic.face.assets.hair import THICK
 from kinesic.face.assets.mesh import PARTS, Mesh
 from kinesic.face.assets.skinning import Blending, Skin
 from kinesic.face.render.camera import Camera
 from kinesic.face.render.head_pose import steady_shoulders
 
-VOLUME, THICK = 0.0035, 0.35  # [m] that hair stands off the scalp, so far over the hairline in the chart's unit
+VOLUME = 0.0035  # [m] that painted hair stands off the scalp, so far over the hairline as it is thick
 
 
 class Shape(Protocol):

@@ -8,7 +8,7 @@ import scipy
 
 from kinesic.body.choices import Variant
 from kinesic.face.assets.chart import hair
-from kinesic.face.assets.hair import INSIDE, STYLES, Locks, grow
+from kinesic.face.assets.hair import CUT, EARS, INSIDE, STYLES, Locks, grow
 from kinesic.face.assets.mesh import VARIANTS, load_head
 
 
@@ -18,6 +18,16 @@ def locks(variant: Variant) -> tuple[Locks, np.ndarray]:
     mesh = load_head(variant)
     found = grow(mesh, STYLES[variant])
     return found, found.positions / (mesh.eyes[0, 1] - mesh.eyes[1, 1])
+
+
+def edges(variant: Variant) -> np.ndarray:
+    """(locks, along, 2 edges, 3) of them."""
+    return locks(variant)[1].reshape(-1, STYLES[variant].steps + 1, 2, 3)
+
+
+def lengths(variant: Variant) -> np.ndarray:
+    """(locks, steps) along their middles."""
+    return np.linalg.norm(np.diff(edges(variant).mean(axis=2), axis=1), axis=2)
 
 
 @pytest.mark.parametrize("variant", VARIANTS)
@@ -68,17 +78,49 @@ def test_hair_is_the_same_every_time():
 @pytest.mark.parametrize(("variant", "tip"), [("female", 0.2), ("male", 0.05)])
 def test_locks_begin_narrow_at_the_hairline_and_do_not_end_in_a_point(variant: Variant, tip: float):
     """Wide roots are steps along the hairline, and thin tips are dots in small pictures."""
-    points = locks(variant)[1].reshape(-1, STYLES[variant].steps + 1, 2, 3)
-    widths = np.linalg.norm(points[:, :, 0] - points[:, :, 1], axis=2) / STYLES[variant].width
+    points = edges(variant)
+    widths = np.linalg.norm(points[:, :, 0] - points[:, :, 1], axis=2) / (2.0 * STYLES[variant].width[0])
     first = hair(points[:, 0].mean(axis=1)) < 0.08
     assert first.sum() > 5
     assert widths[first, 0].max() < 0.75
     assert widths[:, -1].min() > tip
 
 
-def test_short_hair_lies_on_the_neck():
+def test_short_hair_lies_on_the_neck_and_has_no_scales():
+    """Locks there are several times as long as wide, and their tips do not stand off."""
     mesh = load_head("male")
     skin = mesh.positions[mesh.vertices("skin")] / (mesh.eyes[0, 1] - mesh.eyes[1, 1])
-    tips = locks("male")[1].reshape(-1, STYLES["male"].steps + 1, 2, 3)[:, -1].mean(axis=1)
+    tips = edges("male")[:, -1].mean(axis=1)
     away, _ = scipy.spatial.cKDTree(skin).query(tips[tips[:, 2] < -0.3])
-    assert np.percentile(away, 90) < 0.28
+    assert np.percentile(away, 90) < 0.16
+    low = edges("male")[:, 0, 0, 2] < 0.1
+    widths = np.linalg.norm(edges("male")[low, :, 0] - edges("male")[low, :, 1], axis=2).max(axis=1)
+    assert np.median(widths / lengths("male")[low].sum(axis=1)) < 0.35
+
+
+def test_the_crown_is_covered():
+    """Rays from inside the head meet a lock wherever it has hair behind the forehead."""
+    ways = np.random.default_rng(3).standard_normal((1200, 3))
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    crown = ways[(ways[:, 2] > 0.5) & (ways[:, 0] < 0.1)]
+    a, b, c = (locks("female")[1][locks("female")[0].triangles] - INSIDE).transpose(1, 0, 2)
+    within = [crown @ np.cross(one, other).T > 0.0 for one, other in ((b, c), (c, a), (a, b))]
+    assert np.all(within, axis=0).any(axis=1).mean() > 0.93
+
+
+def test_long_hair_rises_gently_over_the_ears():
+    middles = edges("female").mean(axis=2)
+    rises = np.diff(np.linalg.norm(middles - INSIDE, axis=2), axis=1) / lengths("female")
+    beside = (np.abs(middles[:, 1:, 1]) > 0.9) & (middles[:, 1:, 2] < 0.5) & (middles[:, 1:, 2] > -0.6)
+    assert np.percentile(rises[beside], 90) < 0.35
+
+
+def test_short_hair_goes_round_the_ears():
+    forward, left, up = np.moveaxis(edges("male").mean(axis=2), -1, 0)
+    back, front, low, high, aside = EARS
+    assert not ((forward > back) & (forward < front) & (up > low) & (up < high) & (np.abs(left) > aside)).any()
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_locks_end_where_they_are_cut(variant: Variant):
+    assert edges(variant).mean(axis=2)[:, :, 2].min() > STYLES[variant].cut + CUT[0] - 1e-9
