@@ -7,8 +7,8 @@ import numpy as np
 from kinesic.body.arrays import Floats
 
 OPENING: Mapping[str, float] = {
-    "25": 0.0042,
-    "26": 0.0183,
+    "25": 0.0049,
+    "26": 0.0195,
     "22": 0.0108,
     "19": 0.008,
 }  # [m] of the lips, by action unit

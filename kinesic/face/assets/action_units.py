@@ -37,7 +37,7 @@ SHAPES: Mapping[int, Mapping[str, float]] = {
     2: {"browOuterUpSIDE": 1.0},
     4: {"browDownSIDE": 1.0},
     5: {"eyeWideSIDE": 1.0},
-    6: {"cheekSquintSIDE": 1.0, "eyeSquintSIDE": 0.3},  # orbicularis oculi pushes the lower lid up as well
+    6: {"cheekSquintSIDE": 1.0, "eyeSquintSIDE": 0.45},  # orbicularis oculi pushes the lower lid up as well
     7: {"eyeSquintSIDE": 1.0},
     9: {"noseSneerSIDE": 1.0, "mouthUpperUpSIDE": 0.15, "browDownSIDE": 0.2},  # the levator draws brow and lip along
     10: {"mouthUpperUpSIDE": 1.0, "noseSneerSIDE": 0.25},  # the furrow beside the nose deepens with the lip
@@ -75,8 +75,12 @@ SHAPES: Mapping[int, Mapping[str, float]] = {
     66: {"eyeLookInLeft": 0.4, "eyeLookInRight": 0.4},
 }
 TOGETHER: Mapping[tuple[str, str], Mapping[str, float]] = {  # what two units do that neither does alone
-    (f"{side}12", "25"): {f"mouthUpperUp{name}": 0.7, f"mouthLowerDown{name}": 0.35} for side, name in SIDES.items()
-}  # a smile parts the lips over the teeth
+    **{  # a smile parts the lips over the teeth
+        (f"{side}12", "25"): {f"mouthUpperUp{name}": 0.7, f"mouthLowerDown{name}": 0.35} for side, name in SIDES.items()
+    },
+    ("26", "25"): {"mouthUpperUpLeft": 0.25, "mouthUpperUpRight": 0.25},  # a mouth wide open shows the upper teeth
+    ("27", "25"): {"mouthUpperUpLeft": 0.3, "mouthUpperUpRight": 0.3},
+}
 SEALS = ("24", "28")  # action units that hold the lips together, whatever the jaw does
 PARTING = ("mouthLowerDownLeft", "mouthLowerDownRight", "mouthUpperUpLeft", "mouthUpperUpRight", "mouthFunnel")
 LIDS = ("eyeWide", "eyeSquint", "eyeLookDown", "eyeLookUp", "eyeLookIn", "eyeLookOut")  # that a closing lid undoes

@@ -21,9 +21,9 @@ import scipy
 from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats
-from kinesic.face.assets.lips import lips
+from kinesic.face.assets.lips import falls, lips
 from kinesic.face.assets.mesh import DELTA_STEP, HEAD, PARTS, POSITION_STEP, VARIANTS, Mesh, load_head
-from kinesic.face.assets.sculpt import GAINS, bulge, even_out
+from kinesic.face.assets.sculpt import GAINS, bulge, even_out, settle_lips
 
 Whole = NDArray[np.int64]
 
@@ -120,7 +120,7 @@ def _sculpted(shape: Moves, head: Mesh) -> Moves:
     skin = head.vertices("skin")
     unit = head.eyes[0, 1] - head.eyes[1, 1]
     whole[skin] += bulge(shape.name, head.positions[skin] / unit, head.normals(head.positions)[skin])
-    whole = even_out(shape.name, whole, head)
+    whole = settle_lips(shape.name, even_out(shape.name, whole, head), head, falls(head))
     places = np.flatnonzero(np.abs(whole).max(axis=1) > DELTA_STEP / 2)
     return Moves(shape.name, places, whole[places])
 

@@ -70,8 +70,7 @@ def lips(mesh: Mesh) -> Lips:
     """Finds the lips of a head."""
     unit = float(mesh.eyes[0, 1] - mesh.eyes[1, 1])
     forward, left, up = (mesh.positions / unit).T
-    falls = -mesh.deltas[:, [mesh.shapes.index(JAW)]].toarray().reshape(-1, 3)[:, 2]
-    below = falls > CORNER * falls.max()
+    below = falls(mesh) > CORNER
     skin = (mesh.parts == 0) & (forward > FORWARD) & (np.abs(left) < ASIDE)
     away = np.abs(up - up[skin & below & (np.abs(left) < MIDDLE)].max())
     skin &= away < AROUND
@@ -88,6 +87,12 @@ def lips(mesh: Mesh) -> Lips:
     )
     aside = np.clip((np.abs(middles) / middles[-1] - 0.7) / 0.15, 0.0, 1.0)
     return Lips(upper, lower, middles, TOUCHING + (CORNERS - TOUCHING) * aside)
+
+
+def falls(mesh: Mesh) -> Floats:
+    """(v,) how far a dropping jaw takes each vertex along, against what it takes furthest."""
+    down = -mesh.deltas[:, [mesh.shapes.index(JAW)]].toarray().reshape(-1, 3)[:, 2]
+    return np.asarray(down / down.max())
 
 
 def _points(mesh: Mesh, lip: NDArray[np.bool_]) -> "scipy.sparse.csr_array":

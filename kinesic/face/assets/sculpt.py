@@ -1,6 +1,7 @@
 """What is added to the expression shapes: cheeks that bulge, brows and rounded lips that go as far as a person's.
 
-What a smile does beside the mouth is evened out: the source crushes the skin there into a dent.
+What a smile does beside the mouth is evened out: the source crushes the skin there into a dent. It draws the lips back
+on the teeth, from which they stand off in the source, and what lifts the upper lip lifts its middle as well.
 """
 
 from collections.abc import Mapping
@@ -12,6 +13,7 @@ import scipy
 
 from kinesic.body.arrays import Floats
 from kinesic.face.assets.chart import mouth
+from kinesic.face.assets.lips import CORNER as LOWER
 from kinesic.face.assets.mesh import PARTS, Mesh
 
 GAINS: Mapping[str, float] = MappingProxyType(  # of the source's shapes, whose brows and pursed lips stop half-way
@@ -40,7 +42,7 @@ class Bulge:
 BULGES: Mapping[str, tuple[Bulge, ...]] = MappingProxyType(  # of the left side; the right one mirrors them
     {
         "mouthSmile": (Bulge(0.60, -0.58, 0.34, 0.0030, 0.0012),),
-        "cheekSquint": (Bulge(0.58, -0.40, 0.34, 0.0032, 0.0015),),
+        "cheekSquint": (Bulge(0.58, -0.39, 0.37, 0.0085, 0.0020),),
     }
 )
 EVENED = "mouthSmile"  # the shape of which neighbours move alike beside the mouth
@@ -48,6 +50,15 @@ BESIDE = (0.68, -1.0)  # where that is, aside and up, in distances between the e
 AROUND = 0.5  # how far from there it ends, after half of which it is less
 CORNER = (0.42, 0.56)  # from where to where, going aside, it begins: the corner of the mouth keeps its way
 AT_LEAST = -0.3  # how far forward
+LIPS: Mapping[str, tuple[float, float, float]] = MappingProxyType(  # [m] forward and up by either side's shape, at the
+    {  # middle of the mouth, and how far aside that ends, in distances between the eyes
+        "mouthSmile": (-0.0018, 0.0, 0.38),
+        "mouthUpperUp": (0.0, 0.0012, 0.32),
+    }
+)
+MEET = -1.09  # how high lips meet
+NEAR_LIPS = (0.12, 0.36)  # from there up and down, within which all of a lip moves, and where that ends
+TEETH = 0.25  # how far forward what lies before the teeth is
 TIMES = 24  # that each vertex takes the mean of its neighbours
 SIDES = {"Left": 1.0, "Right": -1.0}
 
@@ -90,6 +101,28 @@ def even_out(shape: str, moves: Floats, head: Mesh) -> Floats:
     for _ in range(TIMES):
         moves = moves + share * (mean @ moves - moves)
     return moves
+
+
+def settle_lips(shape: str, moves: Floats, head: Mesh, falls: Floats) -> Floats:
+    """(v, 3) [m] what a shape adds, with what `LIPS` adds to it.
+
+    Args:
+        shape: its name.
+        moves: (v, 3) [m] what it adds so far.
+        head: at rest.
+        falls: (v,) 0..1 how far a dropping jaw takes each vertex along, against what it moves most.
+    """
+    kind = shape.removesuffix("Left").removesuffix("Right")
+    if kind not in LIPS:
+        return moves
+    forward, up, aside = LIPS[kind]
+    rest = head.positions / (head.eyes[0, 1] - head.eyes[1, 1])
+    away = np.abs(rest[:, 2] - MEET)
+    share = np.maximum(1.0 - (rest[:, 1] / aside) ** 2, 0.0) ** 2
+    share *= np.clip((NEAR_LIPS[1] - away) / (NEAR_LIPS[1] - NEAR_LIPS[0]), 0.0, 1.0)
+    share *= (head.parts == PARTS.index("skin")) & (rest[:, 0] > TEETH)
+    upper = np.clip(1.0 - falls / LOWER, 0.0, 1.0)
+    return np.asarray(moves + np.stack([forward * share, np.zeros(len(rest)), up * upper * share], axis=1))
 
 
 def _mean_of_neighbours(mesh: Mesh) -> "scipy.sparse.csr_array":

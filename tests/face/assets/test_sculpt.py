@@ -4,6 +4,7 @@ import pytest
 from kinesic.body.choices import Variant
 from kinesic.face.assets.action_units import deform
 from kinesic.face.assets.chart import mouth
+from kinesic.face.assets.lips import lips
 from kinesic.face.assets.mesh import VARIANTS, Mesh, load_head
 from kinesic.face.assets.sculpt import even_out
 
@@ -47,3 +48,25 @@ def test_only_a_smile_is_evened_out_and_the_corner_of_the_mouth_goes_as_far():
     assert (head.parts[changed] == 0).all()
     assert head.positions[changed, 1].min() > 0.42 * unit
     assert evened[changed].std() < 0.7 * moves[changed].std()
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_a_raised_cheek_bulges(variant: Variant):
+    mesh = load_head(variant)
+    rest = mesh.positions / (mesh.eyes[0, 1] - mesh.eyes[1, 1])
+    cheek = (mesh.parts == 0) & (np.hypot(np.abs(rest[:, 1]) - 0.55, rest[:, 2] + 0.4) < 0.1) & (rest[:, 0] > 0.0)
+    moved = (deform(mesh, {"6": 1.0}) - mesh.positions)[cheek]
+    assert np.sum(moved * mesh.normals(mesh.positions)[cheek], axis=1).mean() > 0.006
+    assert moved[:, 2].mean() > 0.006
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_a_smile_lies_on_the_teeth_and_the_upper_lip_does_not_sag_in_its_middle(variant: Variant):
+    mesh = load_head(variant)
+    rest = mesh.positions / (mesh.eyes[0, 1] - mesh.eyes[1, 1])
+    middle = (mesh.parts == 0) & (np.abs(rest[:, 1]) < 0.05) & (rest[:, 0] > 0.2) & (np.abs(rest[:, 2] + 1.1) < 0.4)
+    assert (deform(mesh, {"12": 1.0}) - mesh.positions)[middle, 0].mean() < -0.001
+    upper, middles = lips(mesh).upper, lips(mesh).middles
+    points = upper.places @ deform(mesh, {"6": 0.8, "12": 0.9, "25": 0.8})
+    edge = [points[np.abs(points[:, 1] - at) < 0.001, 2].min() for at in middles[8:17]]
+    assert max(edge) - edge[4] < 0.0010

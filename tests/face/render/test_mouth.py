@@ -54,3 +54,22 @@ def test_a_mouth_darkens_with_its_depth(close: Portrait):
     quarters = [np.median(each) for each in np.array_split(bright[inside][np.argsort(depth[inside])], 4)]
     assert np.all(np.diff(quarters) < 0.0)
     assert quarters[-1] < 0.4 * quarters[0]
+
+
+def test_no_lamp_behind_the_head_shines_on_the_inside_of_a_cheek(close: Portrait):
+    """It was a bright strip inside the far corner of the lips."""
+    bright = brightness(close, {"6": 0.8, "12": 1.0, "25": 0.6}, yaw_deg=60.0)
+    geometry = close.pipeline.geometry
+    a, y, front = np.moveaxis(geometry.target.read(1)[..., :3], -1, 0)
+    mouth = (geometry.parts() == PARTS.index("skin") + 1) & (np.abs(a) < 0.8) & (y < -0.85) & (y > -1.4)
+    lip = mouth & (front > 0.99) & (np.abs(y + 1.15) < 0.12) & (np.abs(a) < 0.35)
+    assert bright[mouth & (front < 0.0)].max() < 0.87 * np.median(bright[lip])
+
+
+@pytest.mark.parametrize("jaw", ["26", "27"])
+def test_a_mouth_wide_open_shows_the_upper_teeth(close: Portrait, jaw: str):
+    close.draw({jaw: 1.0, "25": 1.0}, CLOSE)
+    teeth = close.pipeline.geometry.parts() == PARTS.index("teeth") + 1
+    rows = np.nonzero(teeth)[0]
+    upper = np.arange(len(teeth))[:, None] < 0.5 * (rows.min() + rows.max())
+    assert (teeth & upper).sum() > 130

@@ -73,6 +73,11 @@ def test_each_unit_has_the_maps_of_table_41():
     assert np.all(np.abs(maps()).max(axis=(1, 2)) > 0.2)
 
 
+def test_furrows_round_the_mouth_are_broad():
+    """Narrower ones are pencil lines in small pictures."""
+    assert min(curve.width for each in wrinkles() if each.unit in (15, 17, 20) for curve in each.curves) > 0.027
+
+
 def test_maps_of_two_sides_mirror_and_whole_ones_are_symmetric():
     for numbers in (TABLE_41 | BEYOND).values():
         left, right = maps()[numbers[0]], maps()[numbers[-1]]

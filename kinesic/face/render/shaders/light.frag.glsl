@@ -16,6 +16,7 @@ uniform float deep;       // openness at which light spreads by all LEVELS
 const float FURROW = 0.1;  // height of a wrinkle that counts
 const float EDGE = 0.02;   // share of the key's light that is neither light nor shadow
 const float WET = 0.6;     // openness of an eye at least: what is around is seen in its corner, too
+const float FACE = 1.2;    // of the chart, to either side of the nose: there the mask ends at the mouth alone
 const float BRIGHT_MOUTH = 0.65;  // of teeth and tongue at least: light reaches them from lip to lip
 const vec3 BLEED = vec3(0.55, 0.10, 0.05);  // light that comes through the skin round a fold
 const vec3 SEEP = vec3(0.14, 0.07, 0.06);  // of the key, into its shadow on skin
@@ -46,7 +47,9 @@ void main() {
     float around = max(arrives.a, is_eye ? WET : in_mouth ? BRIGHT_MOUTH : 0.0);
     vec3 reached = around + BLEED * is_skin * around * (1.0 - around);
     vec3 direct = vec3(0.0);
-    float behind = float(!in_mouth);  // of the rim's light, which has no shadow
+    vec4 where = textureLod(place, uv, 0.0);
+    float lip = skinned && abs(where.x) < FACE ? clamp(where.z, 0.0, 1.0) : 1.0;
+    float behind = float(!in_mouth) * lip;  // of the rim's light, which has no shadow, and does not shine through a cheek
     float gloss = 0.0, frontal = dot(n, eye);
     for (int k = 0; k < 3; ++k) {
         vec3 shone = k == 0 ? power[k] * mix(key, vec3(1.0), SEEP * is_skin) : k == 1 ? power[k] : power[k] * behind;
