@@ -17,6 +17,8 @@ SHIRT, TROUSERS, SHOES = (0.20, 0.30, 0.42), (0.07, 0.08, 0.10), (0.05, 0.04, 0.
 MATT = 0.06  # how much cloth shines
 LEATHER = 0.35
 CUFF = 0.90  # of the forearm
+CLOSE = 0.055  # [m] before cuffs and neckline, over which the shirt comes nearer to the skin
+AT_CUFF, AT_NECK = 0.0085, 0.003  # [m] how much: the suit is wide there, and one would look into it
 WAIST, HEM = 0.075, 0.0  # [m] up from the pelvis: where trousers begin, and the shirt ends
 ANKLE = -0.735  # [m] where trousers end
 NECKLINE = 0.45  # how steeply it falls forward
@@ -44,16 +46,18 @@ def garments(points: Floats, centres: Mapping[str, Floats]) -> tuple[Garment, ..
     up = points[:, 2] - centres["humanoid_root"][2]
     loose = np.clip((WAIST + 0.10 - up) / 0.17, 0.0, 1.0)  # the shirt hangs from the ribs
     wide = np.clip((-0.05 - up) / 0.5, 0.0, 1.0) * np.clip((up - ANKLE + 0.06) / 0.06, 0.0, 1.0)
+    neckline, cuffs = below_neckline(points, centres), _past_cuffs(points, centres)
+    tight = AT_CUFF * _before(cuffs) + AT_NECK * _before(neckline)
     return (
-        Garment(
-            SHIRT,
-            MATT,
-            0.004 + 0.009 * loose,
-            np.maximum.reduce([below_neckline(points, centres), _past_cuffs(points, centres), HEM - up]),
-        ),
+        Garment(SHIRT, MATT, 0.004 + 0.009 * loose - tight, np.maximum.reduce([neckline, cuffs, HEM - up])),
         Garment(TROUSERS, MATT, 0.001 + 0.008 * wide, np.maximum(up - WAIST, ANKLE - up)),
         Garment(SHOES, LEATHER, np.full(len(points), 0.003), up - ANKLE - 0.02),
     )
+
+
+def _before(beyond: Floats) -> Floats:
+    """(v,) 0 to 1 within `CLOSE` of a border, and 1 past it."""
+    return np.asarray(np.clip(1.0 + beyond / CLOSE, 0.0, 1.0))
 
 
 def below_neckline(points: Floats, centres: Mapping[str, Floats]) -> Floats:

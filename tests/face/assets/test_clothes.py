@@ -1,7 +1,9 @@
 import numpy as np
+import pytest
 
 from kinesic.face.assets.body import load_figure
 from kinesic.face.assets.clothes import ANKLE, CUFF, HEM, WAIST, garments
+from kinesic.face.assets.mesh import PARTS
 
 CENTRES = load_figure().centres
 PELVIS = CENTRES["humanoid_root"]
@@ -36,3 +38,15 @@ def test_the_shirt_hangs_over_the_trousers():
     point = PELVIS[None] + (0.1, 0.0, 0.03)
     shirt, trousers, _ = garments(point, CENTRES)
     assert shirt.offset[0] > trousers.offset[0] + 0.005
+
+
+@pytest.mark.parametrize("side", ["l", "r"])
+def test_a_cuff_lies_round_the_wrist(side: str):
+    """It stood off by 13 mm, and one looked into a dark sleeve."""
+    mesh, elbow = load_figure().mesh, CENTRES[f"{side}_elbow"]
+    bone = CENTRES[f"{side}_wrist"] - elbow
+    along = (mesh.positions - elbow) @ bone / (bone @ bone)
+    away = np.linalg.norm(mesh.positions - elbow - along[:, None] * bone, axis=1)
+    near = (away < 0.06) & (along > 0.84) & (along < 0.97)
+    cloth, skin = (near & (mesh.parts == PARTS.index(part)) for part in ("cloth", "skin"))
+    assert 0.001 < away[cloth].mean() - away[skin].mean() < 0.007

@@ -12,7 +12,7 @@ layout(location = 1) out vec4 place;
 void main() {
     if (detail > 0.0) discard;
     vec3 n = normalize(facing);
-    float shade = (gl_FrontFacing ? 1.0 : 0.55) * (detail > -SEAM ? 0.9 : 1.0);
+    float shade = (gl_FrontFacing ? 1.0 : 0.75) * (detail > -SEAM ? 0.9 : 1.0);
     form = vec4(gl_FrontFacing ? n : -n, -1.0 / gl_FragCoord.w - APART * kind);
     place = vec4(placed.rgb * shade, gl_FrontFacing ? placed.a : 0.0);
 }
