@@ -76,7 +76,7 @@ STYLES: Mapping[Variant, Style] = MappingProxyType(
             falls=0.9,
         ),
         "male": Style(
-            roots=1300,
+            roots=1080,
             lowest=0.03,
             steps=5,
             length=(0.6, 1.3),
