@@ -25,7 +25,7 @@ STEP = 0.02  # [s]
 STILL_TRUNK, STILL_HEAD, STILL = np.radians([0.1, 0.5, 0.5])  # [rad/s] of trunk, head and all hinges: less is nothing
 ASIDE = np.radians(7.0)  # that the head is off the listener
 FROZEN = 0.002  # [m] that a hand moves in a hold: less is nothing
-SAME, AWAY = 1e-6, 0.05  # [rad] of an arm from key to key in a hold, and away from rest
+SAME, AWAY = 0.06, 0.05  # [rad] of an arm from key to key in a hold, under which the trunk may turn, and away from rest
 MOVED = 0.05  # [s] by which a stroke misses its word
 
 

@@ -1,12 +1,13 @@
 """Phases of gestures: the keys of each hand through a whole block, neighbours running into one another."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import inf
 from types import MappingProxyType
 
 from kinesic.body.reach import Reach
-from kinesic.body.robot import SIDES, Side
+from kinesic.body.robot import OTHER_SIDE, SIDES, Side
 from kinesic.expressivity.hands.coarticulation import NO_CLASHES, allot_hands
 from kinesic.expressivity.hands.engaged import Clashes, Engaged
 from kinesic.expressivity.hands.keys import HandKey
@@ -14,12 +15,14 @@ from kinesic.expressivity.hands.leisure import find_leisure
 from kinesic.expressivity.hands.making_room import Tied
 from kinesic.expressivity.hands.poses import REST, pose_distance, resting_hands
 from kinesic.expressivity.hands.strokes import HandStroke, Stroke, stroke_keys
-from kinesic.expressivity.keyframes import Hand, Outcome
+from kinesic.expressivity.keyframes import Hand, Outcome, Touch
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.turns import MERGE, arrival, departure_time
 from kinesic.motion.keys import PLAIN
 
 NEIGHBOUR = 0.5  # [s] gestures nearer than this do not pass through rest
+MEETING: frozenset[Touch] = frozenset(("hand", "forearm", "upper_arm"))  # what an arm rests on of the other one
+WAITING = 2.5  # [s] that a hand stays where it is, to come to rest together with the other one
 ALL_TIED: Tied = MappingProxyType({})  # every sync point stays where it is
 
 
@@ -33,6 +36,14 @@ class Arranged:
     remarks: Mapping[str, tuple[str, ...]]  # what time did not allow
     times: Mapping[str, Mapping[str, float]]  # behaviour id -> points that moved [s]
     works: tuple[HandStroke, ...]  # what both hands do, in time order
+
+
+@dataclass(frozen=True)
+class _WayHome:
+    """When a hand goes back to its rest pose, and is there [s]."""
+
+    relax: float
+    end: float
 
 
 def arrange_hands(
@@ -59,7 +70,10 @@ def arrange_hands(
         for work in given.works[side]:
             sides[work.id] = sides.get(work.id, frozenset()) | {side}
     leisure = find_leisure(given.works, pace)
-    hands = {side: _join_strokes(given.works[side], side, rest[side], pace, clashes, leisure) for side in SIDES}
+    hands = {
+        side: _join_strokes(given.works[side], _alone(given.works, side), side, rest[side], pace, clashes, leisure)
+        for side in SIDES
+    }
     works = {id(work): work for side in SIDES for work in given.works[side]}
     in_order = tuple(sorted(works.values(), key=lambda work: work.at("strokeStart")))
     remarks = {**given.remarks}
@@ -68,8 +82,19 @@ def arrange_hands(
     return Arranged(hands, given.outcomes, sides, remarks, given.times, in_order)
 
 
+def _alone(works: Mapping[Side, Sequence[HandStroke]], side: Side) -> list[HandStroke]:
+    """What the other hand does without this one."""
+    return [work for work in works[OTHER_SIDE[side]] if work not in works[side]]
+
+
 def _join_strokes(
-    row: Sequence[HandStroke], side: Side, rest: Reach, pace: Pace, clashes: Clashes, leisure: Mapping[int, float]
+    row: Sequence[HandStroke],
+    others: Sequence[HandStroke],
+    side: Side,
+    rest: Reach,
+    pace: Pace,
+    clashes: Clashes,
+    leisure: Mapping[int, float],
 ) -> tuple[HandKey, ...]:
     """Each gesture goes back to the rest pose, unless a neighbour follows."""
     keys: list[HandKey] = []
@@ -81,14 +106,34 @@ def _join_strokes(
             pose = hands[-1]
             continue
         own = stroke_keys(work, side, pace, leisure[id(work)])
-        if holding and work.at("start") >= holding.at("end") + NEIGHBOUR:
-            back = _go_back(keys, holding, pose, rest, work.at("start"), pace)
+        if holding and work.at("start") >= (home := _homeward(holding, pose, others)).end + NEIGHBOUR:
+            back = _go_back(keys, holding, home, pose, rest, work.at("start"), pace)
             if back[-1].time + MERGE <= own[0].time:  # else there is no time to pass through rest
                 keys, holding = back, None
         keys = _approach(keys, holding, work, own, rest, pace)
         holding = None if work.stroke.rest else work
         pose = hands[-1] if work.stroke.rest else pose
-    return tuple(_go_back(keys, holding, pose, rest, inf, pace) if holding else keys)
+    if holding:
+        keys = _go_back(keys, holding, _homeward(holding, pose, others), pose, rest, inf, pace)
+    return _stop_at_holds(keys)
+
+
+def _stop_at_holds(keys: Sequence[HandKey]) -> tuple[HandKey, ...]:
+    """Stops where a hand waits, however loose it is: while the trunk turns beneath, its arm hardly stays as it was."""
+    waiting = {k for k, (one, other) in enumerate(pairwise(keys)) if one.hand is other.hand}
+    return tuple(
+        replace(key, passage=replace(key.passage, tension=1.0)) if {k - 1, k} & waiting else key
+        for k, key in enumerate(keys)
+    )
+
+
+def _homeward(holding: HandStroke, pose: Hand, others: Sequence[HandStroke]) -> _WayHome:
+    """When a hand goes back: to rest on the other one together with it, if that one is soon free."""
+    alone = together = _WayHome(holding.at("relax"), holding.at("end"))
+    for other in others if pose.touch in MEETING else ():
+        if not other.stroke.rest and other.at("start") < together.end and other.at("relax") > together.relax:
+            together = _WayHome(other.at("relax"), other.at("end"))
+    return together if together.relax <= alone.relax + WAITING else alone
 
 
 def _clashing(row: Sequence[HandStroke], k: int, clashes: Clashes) -> list[str]:
@@ -137,12 +182,12 @@ def _approach(
 
 
 def _go_back(
-    keys: list[HandKey], holding: HandStroke, pose: Hand, rest: Reach, latest: float, pace: Pace
+    keys: list[HandKey], holding: HandStroke, home: _WayHome, pose: Hand, rest: Reach, latest: float, pace: Pace
 ) -> list[HandKey]:
     """Adds the way back to the rest pose, which ends before the latest time [s]."""
     last = keys[-1]
-    leave = max(holding.at("relax"), last.time)
+    leave = max(home.relax, last.time)
     effort = holding.effort(pace)
     hold = [HandKey(leave, last.hand, effort.passage("hold"))] if leave - last.time >= MERGE else []
-    back = arrival(leave, holding.at("end"), effort.return_time(pose_distance(last.hand, pose, rest)))
+    back = arrival(leave, home.end, effort.return_time(pose_distance(last.hand, pose, rest)))
     return [*keys, *hold, HandKey(min(back, latest), pose, effort.passage("retraction"))]

@@ -15,7 +15,7 @@ LEAST_HOLD = 0.4  # [s] that is seen as one
 ONCE = 1.6  # [s] that an arm takes to stray and come back, where it holds for long
 WHOLE = 1.2  # [s] in which it strays as far as it may; in less time less far
 FARTHEST = radians(0.9)  # that one hinge strays at most: hands by some 5 mm
-STILL = 5e-5  # [rad] from knot to knot
+STILL = 2e-4  # [rad] from knot to knot: an arm whose hand waits goes along as the trunk turns beneath it
 AWAY = 0.05  # [rad] from rest: an arm that hangs goes along with the trunk as it is
 
 

@@ -200,3 +200,27 @@ def test_a_rest_pose_that_clashes_with_a_gesture_is_taken_on_the_way_back_and_sa
     assert [key.hand for key in found.hands["r"]] == [REST, A, B, B, C]
     assert times_of(found.hands["r"])[-1] == 2.0
     assert found.remarks == {"p": ("is taken as the hands go back from g: 0.40 s lack between both",)}
+
+
+@pytest.mark.parametrize(("touch", "relax", "home"), [("hand", 4.2, 4.2), (None, 4.2, 3.0), ("hand", 6.0, 3.0)])
+def test_a_hand_that_rests_on_the_other_one_goes_home_with_it(pace, phases, touch, relax, home):
+    """It waits where it is while the other one gestures alone, unless that takes long."""
+    folded = replace(A, touch=touch)
+    rest = Stroke(
+        "p", phases(0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0), (Poses({"l": (folded,), "r": (folded,)}, 0),), rest=True
+    )
+    both = Stroke("b", phases(2.0, 2.5, 2.5, 2.8, 2.8, 3.0, 4.0), (Poses({"l": (B, C), "r": (B, C)}, 1),))
+    one = Stroke("o", phases(3.0, 3.6, 3.6, 4.0, 4.0, relax, relax + 1.0), (work(A, B),))
+    keys = arrange_hands([rest, both, one], pace).hands["l"]
+    assert max(key.time for key in keys if key.hand is C) == pytest.approx(home)
+    assert keys[-1].hand is folded
+    assert keys[-1].time == pytest.approx(5.2 if home == relax else 4.0)
+
+
+def test_a_loose_hand_stops_where_it_waits(pace, phases):
+    """A trunk that turns beneath a hand that waits changes its arm a little, on which it must not swing out."""
+    loose = Expressivity(tension=-1.0, fluidity=0.5)
+    stroke = Stroke("g", phases(0, 0.6, 0.6, 1.0, 1.0, 2.4, 3.2), (work(A, B),), manner=loose)
+    waiting = [key for key in arrange_hands([stroke], pace).hands["r"] if key.hand is B]
+    assert [key.time for key in waiting] == [1.0, 2.4]
+    assert all(key.passage.flow == 0.0 for key in waiting)

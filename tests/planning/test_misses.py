@@ -1,0 +1,43 @@
+"""Hands come where gestures want them, in every style, also where styles make gestures small, large or open."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinesic.body.config import names_of
+from kinesic.controller.perform import set_up
+from kinesic.expressivity.style.style import Style
+from kinesic.studies.gestures.isolated import plan_gesture
+
+NEAR = 0.03  # [m] that a wrist may stay from where it is wanted
+TOGETHER = 0.04  # [m] between hands that clap: a hover, and what fast hands round off
+
+ASKED = ("throw_ball", "fly_bird", "love", "greet_bow_hand", "watch_time")
+STYLES = names_of("style")
+
+
+@pytest.fixture(scope="module")
+def known():
+    return set_up()
+
+
+@pytest.mark.parametrize("gesture", ASKED)
+def test_no_style_takes_a_hand_from_its_place(known, gesture):
+    form = known.lexicon.forms_by_id[gesture]
+    for style in (Style.load(name) for name in STYLES):
+        misses = plan_gesture(form, replace(known, style=style)).postures.misses
+        assert max(misses.values()) < NEAR, style.name
+
+
+@pytest.mark.parametrize("robot", ["upper22", "upper36"])
+@pytest.mark.parametrize("style", ["joyful", "shy"])
+def test_hands_that_clap_meet(robot, style):
+    setup = set_up(robot, style=style)
+    planned = plan_gesture(setup.lexicon.forms_by_id["applause"], setup)
+    claps = [sync.planned for sync in planned.syncs if sync.is_stroke]
+    assert len(claps) >= 2
+    angles = planned.trajectory.sample(planned.trajectory.zero + np.array(claps))[0]
+    hands = [setup.robot.arm(side).bodies for side in ("l", "r")]
+    pairs = [k for k, pair in enumerate(setup.robot.counted_pairs) if all(set(pair) & body for body in hands)]
+    assert setup.distances.gaps(angles)[:, pairs].min(axis=1).max() < TOGETHER
