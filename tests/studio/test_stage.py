@@ -86,7 +86,7 @@ def test_elbow_trunk_and_gaze_are_dragged_too_and_what_stops_them_is_named(
     studio.page.click("#view-free")
 
 
-def test_a_posture_is_drawn_once_finely_when_still_and_coarser_while_software_draws_what_moves(studio: Studio):
+def test_a_posture_is_drawn_once_finely_when_still_and_sketched_by_the_processor_while_it_moves(studio: Studio):
     share = "(c => c.width / c.clientWidth)(document.querySelector('#canvas'))"
     studio.write(WORDS)
     studio.page.click("#mode-plan")
@@ -101,7 +101,54 @@ def test_a_posture_is_drawn_once_finely_when_still_and_coarser_while_software_dr
     assert studio.state("drawn") == drawn
     studio.page.value(turned % 0.01)
     studio.until(f"s.drawn > {drawn}")
+    sketched = "!document.querySelector('#sketch').hidden"
+    studio.page.until(f"!({sketched})")
     studio.page.click("#play")
-    studio.page.until(f"{share} < 1.01")
+    studio.page.until(sketched)
+    assert studio.page.value("getComputedStyle(document.querySelector('#canvas')).opacity") == "0"
     studio.page.click("#play")
-    studio.page.until(f"Math.abs({share} - 2) < 0.01")
+    studio.page.until(f"!({sketched}) && Math.abs({share} - 2) < 0.01")
+    asked = "{...s.shown, angles: s.shown.angles.map(angle => angle + 0.01), asked: performance.now()}"
+    shows = f"const drawn = s.drawn; s.busy = true; s.show({asked}); s.busy = false; return s.drawn - drawn"
+    assert studio.page.value(f"(s => {{ {shows} }})(kinesicStudio.view.stage)") == 1, "it waits for no fine frame"
+
+
+SKETCHED = """(() => {
+  const { scene, sketch, size, look, shown, ink, gl } = kinesicStudio.view.stage;
+  const pixels = size.width * size.height, away = (a, b) => Math.max(...[0, 1, 2].map(k => Math.abs(a[k] - b[k])));
+  const found = [];
+  for (const ghost of [undefined, shown.angles.map(angle => angle + 0.15)]) {
+    const lit = new Set([kinesicStudio.about.robot.names.length - 1]);
+    const strain = shown.angles.map((_, k) => k % 2);
+    const picture = { look, twin: { angles: shown.angles, duty: strain }, ghost, beside: false, ink, lit };
+    sketch.draw(picture, { ...scene.camera(look, size), frames: scene.frames(shown.angles) }, size, 1);
+    scene.draw({ ...picture, scale: 1, full: false });
+    const exact = new Uint8Array(4 * pixels);
+    gl.readPixels(0, 0, size.width, size.height, gl.RGBA, gl.UNSIGNED_BYTE, exact);
+    const quick = new Uint8Array(sketch.raster.pixels.buffer);
+    let body = 0, both = 0, alike = 0, floor = 0;
+    for (let y = 0; y < size.height; y++) for (let x = 0; x < size.width; x++) {
+      const [i, j] = [4 * ((size.height - 1 - y) * size.width + x), 4 * (y * size.width + x)];
+      const [a, b] = [exact.slice(i, i + 4), quick.slice(j, j + 4)];
+      if (a[3] > 90 || b[3] > 90) {
+        body += 1;
+        both += Math.abs(a[3] - b[3]) < 8;
+        alike += a[3] === 255 && b[3] === 255 && away(a, b) < 40;
+      } else floor = Math.max(floor, Math.abs(a[3] - b[3]));
+    }
+    found.push([both / body, alike / body, floor]);
+  }
+  sketch.hide();
+  return found;
+})()"""
+
+
+def test_what_the_processor_draws_looks_as_what_webgl_draws(studio: Studio):
+    """Silhouettes, colours in the light, where it is lit or strained, the floor, and a ghost that shines through."""
+    studio.write(WORDS)
+    studio.page.click("#mode-plan")
+    studio.page.until("kinesicStudio.view.stage.sketch !== null")
+    (both, alike, floor), (both_with_ghost, _, floor_with_ghost) = studio.page.value(SKETCHED)
+    assert min(both, both_with_ghost) > 0.9
+    assert alike > 0.75
+    assert max(floor, floor_with_ghost) < 16

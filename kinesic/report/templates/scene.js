@@ -1,5 +1,5 @@
 // Draws the robot in its skin, its shell or else its capsules, with WebGL, at given angles, and a ghost of it beside or over it.
-// Where it is not smooth it is for software that draws: edges are not, and a coarse robot can be drawn instead.
+// Where it is not smooth it is for software that draws: edges are not.
 const sceneOf = (canvas, data, smooth = true) => {
   const gl = canvas.getContext("webgl2", { alpha: true, antialias: smooth, stencil: true });
   if (!gl) return null;
@@ -111,20 +111,6 @@ const sceneOf = (canvas, data, smooth = true) => {
       drawn = vec4(shadow ? vec3(0.0) : lighted(colour.rgb, n, eye - at) * colour.a, colour.a);
     }`,
   ];
-  // The light of each corner, for software: a pixel costs next to nothing.
-  const BRISK = [
-    `#version 300 es
-    in vec3 place; in vec3 normal; uniform mat4 frame, view; uniform vec4 colour; uniform vec3 eye; out vec4 tone;
-    ${LIGHT}
-    void main() {
-      vec4 world = frame * vec4(place, 1.0);
-      tone = vec4(lighted(colour.rgb, mat3(frame) * normal, eye - world.xyz) * colour.a, colour.a);
-      gl_Position = view * world;
-    }`,
-    `#version 300 es
-    precision mediump float; in vec4 tone; out vec4 drawn;
-    void main() { drawn = tone; }`,
-  ];
   const FLOOR = [
     `#version 300 es
     in vec3 place; uniform mat4 view; uniform float reach; out vec2 at;
@@ -156,11 +142,9 @@ const sceneOf = (canvas, data, smooth = true) => {
     return { made, at: (name) => (known[name] ??= gl.getUniformLocation(made, name)) };
   };
 
-  const COARSE = 0.02; // [m] of a cell, of whose corners one is left
-  let solid, brisk, ground, skin, screen;
+  let solid, ground, skin, screen;
   const prepare = () => {
     solid = program(SOLID);
-    brisk = smooth ? solid : program(BRISK);
     ground = program(FLOOR);
     skin = data.skin && skinOf(gl, data.skin, program, data.features?.shapes);
     screen = data.screen && screenOf(gl, data.screen, program);
@@ -175,12 +159,9 @@ const sceneOf = (canvas, data, smooth = true) => {
     for (const shape of shapes) {
       const begin = begins.get(shape.mesh);
       const size = shape.corners ? shape.corners.length : shape.mesh.length / 6;
-      const own = Array.from({ length: size }, (_, k) => begin + (shape.corners ? shape.corners[k] : k));
-      shape.levels = [own, ...(smooth ? [] : [coarsened(shape.mesh, begin, own, COARSE)])].map((level) => {
-        const first = corners.length;
-        for (const corner of level) corners.push(corner);
-        return { first, size: level.length };
-      });
+      shape.first = corners.length;
+      shape.size = size;
+      for (let k = 0; k < size; k++) corners.push(begin + (shape.corners ? shape.corners[k] : k));
     }
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
     gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, new Uint32Array(corners), gl.STATIC_DRAW);
@@ -203,7 +184,7 @@ const sceneOf = (canvas, data, smooth = true) => {
   const UP = [0, 0, -data.view.floor]; // from the world to the picture, whose floor is at 0
   const MIDDLE = add(data.view.middle, UP);
 
-  const camera = (look, middle, tall) => {
+  const camera = (look, middle, tall, aspect) => {
     const field = (28 * Math.PI) / 180;
     const away = tall / 2 / Math.tan(field / 2) / look.zoom;
     const back = [
@@ -217,7 +198,6 @@ const sceneOf = (canvas, data, smooth = true) => {
     const near = away / 20;
     const far = away * 20;
     const f = 1 / Math.tan(field / 2);
-    const aspect = canvas.width / canvas.height;
     const seen = new Float32Array([
       right[0], up[0], back[0], 0,
       right[1], up[1], back[1], 0,
@@ -234,9 +214,10 @@ const sceneOf = (canvas, data, smooth = true) => {
   };
 
   // The camera of a look: the whole robot is seen, or two of them side by side.
-  const cameraOf = (look, beside = false) => {
+  const cameraOf = (look, beside = false, shape = canvas) => {
     const across = beside ? 1.8 : 0.9; // shares of the height that must be seen
-    return camera(look, MIDDLE, data.view.height * Math.max(1, (across * canvas.height) / canvas.width));
+    const aspect = shape.width / shape.height;
+    return camera(look, MIDDLE, data.view.height * Math.max(1, across / aspect), aspect);
   };
 
   const FINE = () => Math.min(window.devicePixelRatio || 1, 2);
@@ -258,14 +239,12 @@ const sceneOf = (canvas, data, smooth = true) => {
       frames: frames(twin.angles, shifted(add(UP, aside, -1))),
       duty: twin.duty,
       lit,
-      full,
       alpha: 1,
     };
     const ghostBody = ghost && {
       ...seen,
       angles: ghost,
       frames: frames(ghost, shifted(add(UP, aside))),
-      full,
       alpha: beside ? 0.5 : 0.38,
     };
     gl.viewport(0, 0, width, height);
@@ -315,21 +294,20 @@ const sceneOf = (canvas, data, smooth = true) => {
     return [...COLOURS.hot.map((value) => value * share), share];
   };
 
-  const rigid = ({ view, eye, frames: placed, duty, lit, alpha, full }) => {
-    const fine = full || smooth;
-    const { made, at } = fine ? solid : brisk;
+  const paint = (shape, { duty, lit }) => {
+    const strain = duty ? Math.max(0, ...shape.hinges.map((hinge) => duty[hinge])) : 0;
+    return heated(COLOURS[lit?.has(shape.segment) ? "lit" : shape.colour], strain);
+  };
+  const rigid = (one) => {
+    const { made, at } = solid;
     gl.useProgram(made);
-    gl.uniformMatrix4fv(at("view"), false, view);
-    gl.uniform3fv(at("eye"), eye);
-    if (!fine) gl.enable(gl.CULL_FACE);
+    gl.uniformMatrix4fv(at("view"), false, one.view);
+    gl.uniform3fv(at("eye"), one.eye);
     for (const shape of shapes) {
-      const { first, size } = shape.levels[fine ? 0 : 1];
-      const strain = duty ? Math.max(0, ...shape.hinges.map((hinge) => duty[hinge])) : 0;
-      gl.uniformMatrix4fv(at("frame"), false, placed[shape.segment]);
-      gl.uniform4f(at("colour"), ...heated(COLOURS[lit?.has(shape.segment) ? "lit" : shape.colour], strain), alpha);
-      gl.drawElements(gl.TRIANGLES, size, gl.UNSIGNED_INT, 4 * first);
+      gl.uniformMatrix4fv(at("frame"), false, one.frames[shape.segment]);
+      gl.uniform4f(at("colour"), ...paint(shape, one), one.alpha);
+      gl.drawElements(gl.TRIANGLES, shape.size, gl.UNSIGNED_INT, 4 * shape.first);
     }
-    gl.disable(gl.CULL_FACE);
   };
 
   // Where on the canvas, in percent, the place above a robot is.
@@ -342,5 +320,12 @@ const sceneOf = (canvas, data, smooth = true) => {
   prepare();
   canvas.addEventListener("webglcontextlost", (event) => event.preventDefault());
   canvas.addEventListener("webglcontextrestored", prepare);
-  return { draw, camera: cameraOf, frames: (angles) => frames(angles, shifted(UP)), up: UP };
+  return {
+    draw,
+    camera: (look, shape) => cameraOf(look, false, shape),
+    frames: (angles) => frames(angles, shifted(UP)),
+    up: UP,
+    shapes: skin ? null : shapes,
+    paint,
+  };
 };

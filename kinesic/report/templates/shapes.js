@@ -79,28 +79,3 @@ const surface = ({ vertices, normals, shell, joint }, step) => {
   }
   return { mesh, shell: new Uint16Array(bytesOf(shell).buffer), joint: new Uint16Array(bytesOf(joint).buffer) };
 };
-
-// The triangles that are left where all corners inside a cell of space [m] are one of them, each once; their corners run
-// to the left as seen from outside, which the normals tell.
-const coarsened = (mesh, begin, corners, cell) => {
-  const first = new Map(); // of all of the mesh, so that shapes which share it have no gap between them
-  const firsts = Array.from({ length: mesh.length / 6 }, (_, corner) => {
-    const [x, y, z] = [0, 1, 2].map((k) => Math.round(mesh[6 * corner + k] / cell) + 512);
-    const key = (x * 1024 + y) * 1024 + z;
-    if (!first.has(key)) first.set(key, begin + corner);
-    return first.get(key);
-  });
-  const one = corners.map((corner) => firsts[corner - begin]);
-  const at = (corner, from) => Array.from(mesh.slice(6 * (corner - begin) + from, 6 * (corner - begin) + from + 3));
-  const faces = (a, b, c) => {
-    const [p, q, r] = [a, b, c].map((corner) => at(corner, 0));
-    const out = [a, b, c].reduce((sum, corner) => add(sum, at(corner, 3)), [0, 0, 0]);
-    return dot(cross(add(q, p, -1), add(r, p, -1)), out);
-  };
-  const found = new Map();
-  for (let k = 0; k < one.length; k += 3) {
-    const [a, b, c] = [one[k], one[k + 1], one[k + 2]];
-    if (a !== b && b !== c && c !== a) found.set([a, b, c].sort().join(), faces(a, b, c) < 0 ? [a, c, b] : [a, b, c]);
-  }
-  return [...found.values()].flat();
-};

@@ -19,7 +19,7 @@ const scene = {
   setup({ onResolve, onLoad }) {
     onResolve({ filter: /^kinesic:scene$/ }, () => ({ path: "scene", namespace: "shared" }));
     onLoad({ filter: /.*/, namespace: "shared" }, () => ({
-      contents: `${SHARED.map((path) => readFileSync(path, "utf8")).join("\n")}\nexport { sceneOf, rowAt };`,
+      contents: `${SHARED.map((path) => readFileSync(path, "utf8")).join("\n")}\nexport { sceneOf, rowAt, plainFace };`,
     }));
   },
 };

@@ -8,6 +8,14 @@ export type View = (typeof VIEWS)[number];
 const LOWEST = -0.1; // [rad] from which one looks up at it
 const HIGHEST = 1.5;
 
+/** How keys turn it, about the robot and up [rad]. */
+export const TURNS: Readonly<Record<string, readonly [number, number]>> = {
+  ArrowLeft: [0.1, 0],
+  ArrowRight: [-0.1, 0],
+  ArrowUp: [0, 0.1],
+  ArrowDown: [0, -0.1],
+};
+
 /** One of the usual sides. */
 export function lookFrom(view: View, body: Body): Look {
   const [x, y, z] = body.view.from as [number, number, number];

@@ -10,7 +10,7 @@ export interface Quality {
 
 const SHARES = [1, 0.7, 0.5] as const; // of the resolution, while something moves
 const LONG = 16; // [ms] a frame may take until the next one is coarser: as long as a screen shows one
-const LONGEST = 50; // [ms] that counts, so that one frame of a machine that was away does not decide
+const LONGEST = 35; // [ms] that counts, so that one frame of a machine that was away does not decide
 const LOOK = 2; // [ms] between two looks whether a frame is drawn
 const STILL = 250; // [ms] after the last change
 const FOLLOWS = 0.3; // share of the last frame in what frames take

@@ -99,7 +99,8 @@ export class Reaching {
       this.found = found;
       this.posture = this.found.angles;
       this.changed(this.found, drag.asked);
-      await new Promise((again) => setTimeout(again, asked + PERIOD - performance.now()));
+      const early = asked + PERIOD - performance.now();
+      if (early > 0) await new Promise((again) => setTimeout(again, early));
     }
     this.busy = false;
   }

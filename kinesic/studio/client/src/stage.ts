@@ -1,9 +1,12 @@
 // The stage: the robot from any side, and parts of its body that can be dragged.
 import { type Look, type Scene, sceneOf } from "kinesic:scene";
 import { type Handle, Handles, type Part, type Point, placeOf } from "./handles.ts";
-import { lookFrom, turned, type View, zoomed } from "./look.ts";
+import { lookFrom, TURNS, turned, type View, zoomed } from "./look.ts";
 import { drawsInSoftware, Pace, type Quality, whenDrawn } from "./pace.ts";
 import { SectorGrid } from "./sectors.ts";
+import { type Shown, same } from "./shown.ts";
+import { Sketch } from "./sketch.ts";
+import type { Seen } from "./solid.ts";
 import type { Body, Side } from "./types.ts";
 import { unproject, type Vector } from "./vectors.ts";
 
@@ -14,36 +17,9 @@ export interface Drag extends Handle {
   asked: number;
 }
 
-export interface Shown {
-  angles: readonly number[];
-  ghost: readonly number[] | undefined;
-  lit: ReadonlySet<number>;
-  /** How far each hinge is from its plan, 1: very far; it is red from a half on. */
-  strain?: readonly number[];
-  /** [ms] when the pointer asked for it, where it did. */
-  asked?: number;
-}
-
 const KEPT = 500; // latencies
 // A dragged part follows each move of the pointer as it comes, not those before the next frame together, where that is told.
 const MOVES = "onpointerrawupdate" in window ? "pointerrawupdate" : "pointermove";
-
-const NEAR = 0.002; // [rad] that nobody sees, a tick of a servo's encoder: a robot that rests is still
-const NEAR_STRAIN = 0.02;
-
-const alike = (a: readonly number[] | undefined, b: readonly number[] | undefined, near: number): boolean =>
-  a === b ||
-  (a !== undefined &&
-    b !== undefined &&
-    a.length === b.length &&
-    a.every((value, k) => Math.abs(value - b[k]!) <= near));
-
-/** Whether two pictures of the robot look the same. */
-const same = (a: Shown, b: Shown): boolean =>
-  alike(a.angles, b.angles, NEAR) &&
-  alike(a.ghost, b.ghost, NEAR) &&
-  alike(a.strain, b.strain, NEAR_STRAIN) &&
-  alike([...a.lit], [...b.lit], 0);
 
 export class Stage {
   readonly flat: boolean;
@@ -54,7 +30,9 @@ export class Stage {
   private shown: Shown;
   /** [ms] from a move of the pointer until its posture is drawn, to the last pixel. */
   readonly latencies: number[] = [];
-  private readonly pace: Pace;
+  private readonly software = drawsInSoftware();
+  private readonly pace = new Pace(this.software);
+  private sketch: Sketch | null = null; // of what moves, where there is no graphics card
   private readonly gl: WebGL2RenderingContext | null;
   private due = false; // another frame is wanted
   private busy = false; // one is being drawn
@@ -69,17 +47,14 @@ export class Stage {
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
-    grid: SVGSVGElement,
-    dots: HTMLElement,
+    private readonly covers: { sketch: HTMLCanvasElement; grid: SVGSVGElement; dots: HTMLElement },
     private readonly body: Body,
     private readonly listener: { drag(drag: Drag): void; drop(drag: Drag): void },
   ) {
-    const software = drawsInSoftware();
-    this.pace = new Pace(software);
-    this.scene = sceneOf(canvas, body, !software);
+    this.scene = sceneOf(canvas, body, !this.software);
     this.gl = canvas.getContext("webgl2");
-    this.sectors = new SectorGrid(grid, body);
-    this.handles = new Handles(dots, body);
+    this.sectors = new SectorGrid(covers.grid, body);
+    this.handles = new Handles(covers.dots, body);
     this.flat = this.scene === null;
     this.look = lookFrom("free", body);
     this.shown = { angles: body.rest, ghost: undefined, lit: new Set() };
@@ -97,7 +72,7 @@ export class Stage {
     if (this.drawn && same(shown, this.shown)) return;
     this.shown = shown;
     this.pace.move(performance.now());
-    if (shown.asked === undefined || this.busy) this.redraw();
+    if (shown.asked === undefined || this.waits) this.redraw();
     else this.draw(performance.now());
   }
 
@@ -106,7 +81,7 @@ export class Stage {
     this.pace.move(performance.now());
     if (this.due) return;
     this.due = true;
-    if (!this.busy) requestAnimationFrame((now) => this.due && this.draw(now));
+    if (!this.waits) requestAnimationFrame((now) => this.due && this.draw(now));
   }
 
   /** Where a part can be taken, on the page [CSS pixels]. */
@@ -121,13 +96,23 @@ export class Stage {
   placeOfHand(side: Side): Vector | null {
     if (!this.scene) return null;
     const [x, y, z] = placeOf(this.body, { part: "hand", side }, this.scene.frames(this.shown.angles));
-    const [ux, uy, uz] = this.scene.up as [number, number, number];
+    const [ux, uy, uz] = this.scene.up;
     return [x - ux, y - uy, z - uz];
   }
 
-  private points(): Point[] {
-    if (!this.scene) return [];
-    return this.handles.points(this.scene.camera(this.look).view, this.scene.frames(this.shown.angles), this.size);
+  /** From where the posture that is shown is seen; null where nothing is drawn. */
+  private seen(): Seen | null {
+    const { scene } = this;
+    return scene && { ...scene.camera(this.look, this.size), frames: scene.frames(this.shown.angles) };
+  }
+
+  private points(seen = this.seen()): Point[] {
+    return seen ? this.handles.points(seen.view, seen.frames, this.size) : [];
+  }
+
+  /** Whether what changes must wait for the frame that is being drawn; a sketch waits for nothing. */
+  private get waits(): boolean {
+    return this.busy && !this.sketch;
   }
 
   private draw(now: number): void {
@@ -135,25 +120,40 @@ export class Stage {
     if (this.dragged) this.pace.move(now);
     const moving = this.pace.untilStill(now) > 0;
     this.quality = this.pace.quality(now);
-    this.scene?.draw({
+    const { angles, ghost, lit, strain, asked } = this.shown;
+    const picture = {
       look: this.look,
-      twin: { angles: this.shown.angles, ...(this.shown.strain && { duty: this.shown.strain }) },
-      ghost: this.shown.ghost,
+      twin: { angles, ...(strain && { duty: strain }) },
+      ghost,
       beside: false,
       ink: this.ink,
-      lit: this.shown.lit,
+      lit,
       ...this.quality,
-    });
-    if (this.scene) {
-      const hand = this.last?.part === "hand" ? this.last : null;
-      const { side, target } = hand ?? { side: "right", target: null };
-      this.sectors.draw(this.scene.camera(this.look).view, this.scene.up, side, target, this.size);
-      this.handles.draw(this.points(), this.dragged ?? this.over, this.dragged !== null);
+    };
+    const frame = ++this.drawn;
+    const began = performance.now();
+    const sketch = moving ? this.sketch : null;
+    const seen = this.seen();
+    if (sketch && seen) sketch.draw(picture, seen, this.size, this.quality.scale);
+    else this.scene?.draw(picture);
+    if (this.scene && seen) this.drawCovers(this.scene.up, seen);
+    if (sketch) {
+      this.finish(performance.now() - began, moving, asked);
+      return;
     }
-    this.drawn += 1;
     this.busy = true;
-    const { asked } = this.shown;
-    whenDrawn(this.gl, () => this.finish(performance.now() - now, moving, asked));
+    whenDrawn(this.gl, () => {
+      this.busy = false;
+      if (frame === this.drawn) this.sketch?.hide();
+      this.finish(performance.now() - began, moving, asked);
+    });
+  }
+
+  private drawCovers(up: Vector, seen: Seen): void {
+    const hand = this.last?.part === "hand" ? this.last : null;
+    const { side, target } = hand ?? { side: "right", target: null };
+    this.sectors.draw(seen.view, up, side, target, this.size);
+    this.handles.draw(this.points(seen), this.dragged ?? this.over, this.dragged !== null);
   }
 
   /**
@@ -164,7 +164,6 @@ export class Stage {
    */
   private finish(took: number, moving: boolean, asked: number | undefined): void {
     const now = performance.now();
-    this.busy = false;
     if (moving) this.pace.learn(took);
     if (asked !== undefined) {
       this.latencies.push(now - asked);
@@ -174,7 +173,16 @@ export class Stage {
     if (this.due) {
       this.pace.move(now); // it has changed meanwhile, however long that took
       this.draw(now);
-    } else this.settle(now);
+      return;
+    }
+    if (!moving) this.prepareSketch();
+    this.settle(now);
+  }
+
+  /** Once the robot is seen: sketches what moves from now on, if that is sooner. */
+  private prepareSketch(): void {
+    if (!this.software || this.sketch || !this.scene?.shapes) return;
+    this.sketch = new Sketch(this.covers.sketch, this.scene, this.scene.shapes, this.body);
   }
 
   /** Draws finely what has been drawn coarsely, once all is still. */
@@ -248,11 +256,10 @@ export class Stage {
 
   private dragTo(event: PointerEvent, { part, side, grip }: Handle & { grip: Vector }): void {
     if (!this.scene) return;
-    const { eye, view } = this.scene.camera(this.look);
+    const { eye, view } = this.scene.camera(this.look, this.size);
     const { x, y } = this.point(event);
-    const [ex, ey, ez] = eye as [number, number, number];
-    const place = unproject(view, [ex, ey, ez], x, y, grip);
-    const [ux, uy, uz] = this.scene.up as [number, number, number];
+    const place = unproject(view, eye, x, y, grip);
+    const [ux, uy, uz] = this.scene.up;
     this.last = { part, side, target: [place[0] - ux, place[1] - uy, place[2] - uz], asked: event.timeStamp };
     this.listener.drag(this.last);
   }
@@ -281,14 +288,8 @@ export class Stage {
   }
 
   private turnByKey(event: KeyboardEvent): void {
-    const turns: Record<string, [number, number]> = {
-      ArrowLeft: [0.1, 0],
-      ArrowRight: [-0.1, 0],
-      ArrowUp: [0, 0.1],
-      ArrowDown: [0, -0.1],
-    };
-    const turn = turns[event.key];
     if (event.key === "+" || event.key === "-") this.zoomBy(event.key === "+" ? 1.1 : 1 / 1.1);
+    const turn = TURNS[event.key];
     if (!turn) return;
     event.preventDefault();
     this.look = turned(this.look, ...turn);

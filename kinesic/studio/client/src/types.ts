@@ -24,6 +24,16 @@ export interface Body {
   sectors: Record<"x" | "y" | "z", Record<string, number>>;
   segments: { hinges: Hinge[] }[];
   view: { from: number[] };
+  /** The sheet of the screen on its head, on which the face is shown; null where it has none. */
+  screen: { segment: number; picture: Sheet } | null;
+}
+
+/** Triangles that show a picture: places and normals of their corners, and which share of the picture is there. */
+export interface Sheet {
+  places: number[];
+  normals: number[];
+  shares: number[];
+  triangles: number[];
 }
 
 export interface About {

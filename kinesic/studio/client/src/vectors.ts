@@ -8,6 +8,8 @@ export const plus = (a: Vector, b: Vector, scale = 1): Vector => [
   a[2] + scale * b[2],
 ];
 export const dot = (a: Vector, b: Vector): number => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+export const cross = ([a, b, c]: Vector, [x, y, z]: Vector): Vector => [b * z - c * y, c * x - a * z, a * y - b * x];
+export const unit = (a: Vector): Vector => plus([0, 0, 0], a, 1 / (Math.hypot(...a) || 1));
 
 /** Where a place appears: across and up, each -1..1, and its depth. */
 export function project(view: Float32Array, [x, y, z]: Vector): { x: number; y: number; w: number } {

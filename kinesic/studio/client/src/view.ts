@@ -19,8 +19,12 @@ export class StageView {
     private readonly time: () => number,
     dropped: (drag: Drag) => void,
   ) {
-    const [canvas, grid] = ["canvas", "sectors"].map((id) => byId<Element>(id));
-    this.stage = new Stage(canvas as HTMLCanvasElement, grid as SVGSVGElement, byId("handles"), about.robot, {
+    const covers = {
+      sketch: byId<HTMLCanvasElement>("sketch"),
+      grid: byId<SVGSVGElement>("sectors"),
+      dots: byId("handles"),
+    };
+    this.stage = new Stage(byId<HTMLCanvasElement>("canvas"), covers, about.robot, {
       drag: (drag) => this.reaching.drag(drag),
       drop: (drag) => {
         this.reaching.drop();

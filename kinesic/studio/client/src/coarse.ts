@@ -1,0 +1,69 @@
+// A body of fewer triangles, which is drawn while it moves.
+import { cross, dot, plus, type Vector } from "./vectors.ts";
+
+/** Triangles: the place and the normal of each corner, and three of these corners for each triangle. */
+export interface Mesh {
+  places: Float32Array;
+  normals: Float32Array;
+  triangles: Uint32Array;
+}
+
+/**
+ * What is left of a mesh where all corners inside a cell of space are one of them, and each triangle is there once; its
+ * corners run to the left as seen from outside, which the normals tell.
+ * @param mesh six numbers for each corner: its place [m] and its normal
+ * @param corners of triangles, three for each; all of the mesh in order where they are left out
+ * @param cell [m]
+ */
+export function coarsen(mesh: ArrayLike<number>, corners: ArrayLike<number> | undefined, cell: number): Mesh {
+  const first = firstOfCells(mesh, cell); // of all of the mesh, so that parts which share it have no gap between them
+  const count = corners?.length ?? mesh.length / 6;
+  const places: number[] = [];
+  const normals: number[] = [];
+  const kept = new Map<number, number>(); // corner of the mesh -> of what is left
+  const keep = (corner: number): number => {
+    const known = kept.get(corner);
+    if (known !== undefined) return known;
+    kept.set(corner, kept.size);
+    places.push(...vectorAt(mesh, 6 * corner));
+    normals.push(...vectorAt(mesh, 6 * corner + 3));
+    return kept.size - 1;
+  };
+  const found = new Map<string, [number, number, number]>();
+  for (let k = 0; k < count; k += 3) {
+    const [a, b, c] = [k, k + 1, k + 2].map((at) => first[corners ? corners[at]! : at]!) as [number, number, number];
+    if (a === b || b === c || c === a) continue;
+    found.set([a, b, c].sort().join(), facesOut(mesh, a, b, c) ? [a, b, c] : [a, c, b]);
+  }
+  const triangles = [...found.values()].flat().map(keep);
+  return {
+    places: new Float32Array(places),
+    normals: new Float32Array(normals),
+    triangles: new Uint32Array(triangles),
+  };
+}
+
+const vectorAt = (mesh: ArrayLike<number>, at: number): Vector => [mesh[at]!, mesh[at + 1]!, mesh[at + 2]!];
+
+/** For each corner the first one of the mesh that is in its cell. */
+function firstOfCells(mesh: ArrayLike<number>, cell: number): number[] {
+  const firsts = new Map<number, number>();
+  return Array.from({ length: mesh.length / 6 }, (_, corner) => {
+    const [x, y, z] = vectorAt(mesh, 6 * corner).map((value) => Math.round(value / cell) + 512) as [
+      number,
+      number,
+      number,
+    ];
+    const key = (x * 1024 + y) * 1024 + z;
+    const first = firsts.get(key);
+    if (first === undefined) firsts.set(key, corner);
+    return first ?? corner;
+  });
+}
+
+/** Whether a triangle is seen from where its corners' normals point to. */
+function facesOut(mesh: ArrayLike<number>, ...corners: [number, number, number]): boolean {
+  const [p, q, r] = corners.map((corner) => vectorAt(mesh, 6 * corner)) as [Vector, Vector, Vector];
+  const out = corners.reduce<Vector>((sum, corner) => plus(sum, vectorAt(mesh, 6 * corner + 3)), [0, 0, 0]);
+  return dot(cross(plus(q, p, -1), plus(r, p, -1)), out) >= 0;
+}

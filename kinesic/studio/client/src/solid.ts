@@ -1,0 +1,93 @@
+// A part of the body as triangles, and where each of its corners is in a picture, and how light.
+import type { Shape } from "kinesic:scene";
+import type { Mesh } from "./coarse.ts";
+import { STRIDE } from "./raster.ts";
+import { dot, unit, type Vector } from "./vectors.ts";
+
+export interface Solid extends Mesh {
+  segment: number;
+  /** What says its colour; one that has none shows the face instead. */
+  shape: Shape | null;
+  /** Shares of the face at each corner, where it is shown. */
+  shares: readonly number[];
+  /** Of its triangles in a picture: see `Raster`. */
+  corners: Float32Array;
+}
+
+/** From where a picture is seen, and where the segments are. */
+export interface Seen {
+  view: Float32Array;
+  eye: Vector;
+  frames: Float32Array[];
+}
+
+const SUN = unit([0.5, 0.45, 0.8]); // the lights of the scene
+const LAMP = unit([0.6, -0.7, 0.2]);
+
+export const solidOf = (mesh: Mesh, segment: number, shape: Shape | null, shares: readonly number[] = []): Solid => ({
+  ...mesh,
+  segment,
+  shape,
+  shares,
+  corners: new Float32Array((STRIDE * mesh.places.length) / 3),
+});
+
+/** Finds where corners are in a picture: across, down, and how deep. */
+export function placeCorners(solid: Solid, { view, frames }: Seen, size: { width: number; height: number }): void {
+  const { places, corners } = solid;
+  const m = times(view, frames[solid.segment]!);
+  for (let from = 0, to = 0; from < places.length; from += 3, to += STRIDE) {
+    const [x, y, z] = [places[from]!, places[from + 1]!, places[from + 2]!];
+    const w = m[3]! * x + m[7]! * y + m[11]! * z + m[15]!;
+    corners[to] = ((m[0]! * x + m[4]! * y + m[8]! * z + m[12]!) / w + 1) * 0.5 * size.width;
+    corners[to + 1] = (1 - (m[1]! * x + m[5]! * y + m[9]! * z + m[13]!) / w) * 0.5 * size.height;
+    corners[to + 2] = (m[2]! * x + m[6]! * y + m[10]! * z + m[14]!) / w;
+  }
+}
+
+/** Finds the colour of each corner in the light of the scene, given its paint (0..1). */
+export function lightCorners(solid: Solid, { eye, frames }: Seen, paint: Vector): void {
+  const { places, normals, corners } = solid;
+  const f = frames[solid.segment]!;
+  for (let from = 0, to = 3; from < places.length; from += 3, to += STRIDE) {
+    const [px, py, pz] = [places[from]!, places[from + 1]!, places[from + 2]!];
+    const [nx, ny, nz] = [normals[from]!, normals[from + 1]!, normals[from + 2]!];
+    const x = f[0]! * nx + f[4]! * ny + f[8]! * nz;
+    const y = f[1]! * nx + f[5]! * ny + f[9]! * nz;
+    const z = f[2]! * nx + f[6]! * ny + f[10]! * nz;
+    const ex = eye[0] - (f[0]! * px + f[4]! * py + f[8]! * pz + f[12]!);
+    const ey = eye[1] - (f[1]! * px + f[5]! * py + f[9]! * pz + f[13]!);
+    const ez = eye[2] - (f[2]! * px + f[6]! * py + f[10]! * pz + f[14]!);
+    const long = Math.sqrt(x * x + y * y + z * z) || 1;
+    const away = Math.sqrt(ex * ex + ey * ey + ez * ez);
+    const sun = Math.max((x * SUN[0] + y * SUN[1] + z * SUN[2]) / long, 0);
+    const lamp = Math.max((x * LAMP[0] + y * LAMP[1] + z * LAMP[2]) / long, 0);
+    const bare = 0.46 + (0.14 * z) / long + 0.46 * sun + 0.12 * lamp;
+    const [hx, hy, hz] = [SUN[0] + ex / away, SUN[1] + ey / away, SUN[2] + ez / away];
+    const half = Math.max((x * hx + y * hy + z * hz) / (long * Math.sqrt(hx * hx + hy * hy + hz * hz)), 0);
+    const rim = 1 - Math.max((x * ex + y * ey + z * ez) / (long * away), 0);
+    const gloss = 0.16 * half ** 36 + 0.1 * rim ** 3;
+    for (let k = 0; k < 3; k++) corners[to + k] = Math.min(255 * (paint[k]! * bare + gloss), 255);
+  }
+}
+
+/** Finds which share of the face is at each corner, and how light it is there. */
+export function shareCorners({ normals, shares, corners, segment }: Solid, { frames }: Seen): void {
+  const f = frames[segment]!;
+  for (let k = 0, to = 3; to < corners.length; k++, to += STRIDE) {
+    const [nx, ny, nz] = [normals[3 * k]!, normals[3 * k + 1]!, normals[3 * k + 2]!];
+    const row = (r: 0 | 1 | 2) => f[r]! * nx + f[r + 4]! * ny + f[r + 8]! * nz;
+    corners[to] = shares[2 * k]!;
+    corners[to + 1] = shares[2 * k + 1]!;
+    corners[to + 2] = 0.85 + 0.15 * Math.max(dot([row(0), row(1), row(2)], SUN), 0);
+  }
+}
+
+/** The product of two matrices, columns first. */
+function times(a: Float32Array, b: Float32Array): Float64Array {
+  const out = new Float64Array(16);
+  for (let column = 0; column < 16; column += 4)
+    for (let row = 0; row < 4; row++)
+      for (let k = 0; k < 4; k++) out[column + row]! += a[4 * k + row]! * b[column + k]!;
+  return out;
+}

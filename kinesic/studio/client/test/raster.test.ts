@@ -1,0 +1,123 @@
+// Triangles that the processor draws: which pixels, what is in front, and what shines through.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { floorOf } from "../src/floor.ts";
+import { blend, Raster, STRIDE, type Texture } from "../src/raster.ts";
+
+const SIZE = 16; // [pixels]
+const RED = 0xff0000ff;
+const empty: Texture = { width: SIZE, height: SIZE, pixels: new Uint32Array(SIZE * SIZE) };
+type Place = [x: number, y: number];
+type Colour = [red: number, green: number, blue: number];
+
+function begun(): Raster {
+  const raster = new Raster();
+  raster.begin(empty);
+  return raster;
+}
+
+/** Draws a triangle whose corners run to the left. */
+function fill(raster: Raster, places: [Place, Place, Place], depth: number, colour: Colour): void {
+  raster.fill(new Float32Array(places.flatMap((place) => [...place, depth, ...colour])), 0, 1, 2);
+}
+
+const drawn = (raster: Raster): number => raster.pixels.filter(Boolean).length;
+
+test("two triangles that share a side fill each pixel of both once", () => {
+  const [a, b, c, d]: [Place, Place, Place, Place] = [
+    [1.3, 1.7],
+    [2.1, 14.2],
+    [14.6, 13.1],
+    [12.4, 2.2],
+  ];
+  const [one, other, both] = [begun(), begun(), begun()];
+  fill(one, [a, b, c], 0, [255, 0, 0]);
+  fill(other, [a, c, d], 0, [255, 0, 0]);
+  fill(both, [a, b, c], 0, [255, 0, 0]);
+  fill(both, [a, c, d], 0, [255, 0, 0]);
+  assert.ok(drawn(one) > 50 && drawn(other) > 50);
+  assert.equal(drawn(both), drawn(one) + drawn(other));
+  assert.ok(both.pixels.every((pixel) => pixel === 0 || pixel === RED));
+});
+
+test("what is seen from behind is not drawn, and nothing beyond the edges", () => {
+  const raster = begun();
+  fill(
+    raster,
+    [
+      [1, 1],
+      [14, 1],
+      [1, 14],
+    ],
+    0,
+    [255, 0, 0],
+  );
+  assert.equal(drawn(raster), 0);
+  fill(
+    raster,
+    [
+      [-90, -90],
+      [-90, 300],
+      [300, -90],
+    ],
+    0,
+    [255, 0, 0],
+  );
+  assert.equal(drawn(raster), SIZE * SIZE);
+});
+
+test("the nearer one is seen, in whichever order they are drawn", () => {
+  const all: [Place, Place, Place] = [
+    [-90, -90],
+    [-90, 300],
+    [300, -90],
+  ];
+  for (const depths of [
+    [0.2, 0.7],
+    [0.7, 0.2],
+  ]) {
+    const raster = begun();
+    for (const depth of depths) fill(raster, all, depth, depth === 0.2 ? [255, 0, 0] : [0, 255, 0]);
+    assert.ok(raster.pixels.every((pixel) => pixel === RED));
+  }
+});
+
+test("colours are blended between corners", () => {
+  const raster = begun();
+  const corners = [0, 0, 0, 0, 0, 0, 0, 64, 0, 255, 0, 0, 64, 0, 0, 0, 255, 0];
+  raster.fill(new Float32Array(corners), 0, 1, 2);
+  const at = (x: number, y: number) => raster.pixels[y * SIZE + x]! & 0xffff;
+  assert.equal(at(0, 15) & 255, Math.floor((255 * 15.5) / 64));
+  assert.equal(at(15, 0) >> 8, Math.floor((255 * 15.5) / 64));
+});
+
+test("a texture is seen where its shares are, as light as it is there", () => {
+  const raster = begun();
+  const texture = { width: 2, height: 1, pixels: new Uint32Array([0xff0000c8, 0xff00c800]) };
+  const corners = [0, 0, 0, 0, 0, 0.5, 0, 2 * SIZE, 0, 0, 0, 0.5, 2 * SIZE, 0, 0, 2, 0, 0.5];
+  assert.equal(corners.length, 3 * STRIDE);
+  raster.fill(new Float32Array(corners), 0, 1, 2, raster.pixels, texture);
+  assert.equal(raster.pixels[0], 0xff000064);
+  assert.equal(raster.pixels[SIZE - 1], 0xff006400);
+});
+
+test("what lies over something shines through, and over nothing is as faint as it is", () => {
+  assert.equal(blend(0xff0000ff, 0xff000000, 0.4) >>> 0, 0xff000066);
+  assert.equal(blend(0xff0000ff, 0, 0.4) >>> 0, 0x660000ff);
+  const raster = begun();
+  raster.lay(new Uint32Array(SIZE * SIZE).fill(RED, 0, 3), 1);
+  assert.deepEqual([...raster.pixels.slice(0, 4)], [RED, RED, RED, 0]);
+});
+
+test("the floor is seen from above, its lines where they are, and not beyond its end", () => {
+  // Seen straight from above: 4 m across, x to the right and y up.
+  const [size, half] = [400, 2];
+  const view = new Float32Array([1 / half, 0, 0, 0, 0, 1 / half, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1]);
+  const { pixels } = floorOf(view, [0, 0, 1], size, size);
+  const at = (x: number, y: number) =>
+    pixels[Math.floor((0.5 - y / 2 / half) * size) * size + Math.floor((0.5 + x / 2 / half) * size)]!;
+  assert.equal(at(0.1, 0.1) & 0xffffff, 0xff0000);
+  assert.ok(at(0.249, 0.1) >>> 24 > 2 * (at(0.1, 0.1) >>> 24));
+  assert.ok(at(0.1, 0.1) >>> 24 > at(1.35, 0.1) >>> 24);
+  assert.equal(at(1.7, 0.1), 0);
+});
