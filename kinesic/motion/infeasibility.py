@@ -13,8 +13,8 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.body.limits import Limits
+from kinesic.motion.double_s import Way
 from kinesic.motion.key_time_lp import CuttingPlane
-from kinesic.motion.least_gaps import Way
 from kinesic.motion.segments import SplineSegment
 from kinesic.motion.spline_program import relax_limits, smoothest
 from kinesic.motion.trajectory import spline_weights

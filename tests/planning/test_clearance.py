@@ -73,11 +73,10 @@ def test_a_touch_is_held(lexeme):
 
 @pytest.mark.parametrize("lexeme", TOUCHES)
 def test_left_and_right_are_mirror_images(lexeme):
-    forms = SETUP.lexicon.forms
-    turned = tuple(mirror_form(form) if form.id == lexeme else form for form in forms)
+    turned = SETUP.lexicon.changed(lambda form: mirror_form(form) if form.id == lexeme else form)
     body = f'<gesture id="g" lexeme="{lexeme}" start="0"/>'
     one = at_sync(planned(body), "stroke")
-    other = at_sync(planned(body, lexicon=replace(SETUP.lexicon, forms=turned)), "stroke")
+    other = at_sync(planned(body, lexicon=turned), "stroke")
     for side, across in (("l", "r"), ("r", "l")):
         np.testing.assert_allclose(
             one[list(ROBOT.joints(f"{side}_arm"))], other[list(ROBOT.joints(f"{across}_arm"))], atol=1e-6
