@@ -25,7 +25,7 @@ BENT = 0.35  # how far the normals at the edges of a lock lean outward
 SEED = 11
 SCALP, THICK = 0.06, 0.35  # that the painted scalp stands off, so far over the hairline
 GOLDEN = np.pi * (3.0 - np.sqrt(5.0))
-FREE = 0.1  # height under which locks are seen from inside, too
+FREE = 0.1  # height below which a lock ends that is seen from inside, too
 EACH = 2  # of so many of them one
 ROOT, GROWN = (
     0.3,
@@ -269,7 +269,7 @@ def _ribbons(lines: Floats, style: Style, random: np.random.Generator, unit: flo
     a, b, c, d = corner[:, :-1, :-1], corner[:, :-1, 1:], corner[:, 1:, 1:], corner[:, 1:, :-1]
     triangles = np.stack([a, c, b, a, d, c], axis=-1).reshape(-1, 3).astype(np.int32)
     number = triangles[:, 0] // (2 * rows)
-    hangs = (points.reshape(-1, 3)[triangles, 2].min(axis=1) < FREE) & (number % EACH == 0)
+    hangs = (lines[number, :, 2].min(axis=1) < FREE) & (number % EACH == 0)  # from their roots: no step where it begins
     return Locks(
         positions=sealed(points.reshape(-1, 3) * unit),
         normals=sealed(normals.reshape(-1, 3)),

@@ -42,7 +42,7 @@ class Bulge:
 BULGES: Mapping[str, tuple[Bulge, ...]] = MappingProxyType(  # of the left side; the right one mirrors them
     {
         "mouthSmile": (Bulge(0.60, -0.58, 0.34, 0.0030, 0.0012),),
-        "cheekSquint": (Bulge(0.58, -0.39, 0.37, 0.0085, 0.0020),),
+        "cheekSquint": (Bulge(0.58, -0.39, 0.37, 0.0065, 0.0020),),
     }
 )
 EVENED = "mouthSmile"  # the shape of which neighbours move alike beside the mouth

@@ -60,6 +60,8 @@ def test_locks_are_seen_from_outside_and_those_that_hang_from_inside_too(variant
         facing = outward * np.einsum("ti,ti->t", np.cross(b - a, c - a), found.normals[triangles[:, 0]]) > 0.0
         assert facing.mean() > 0.95
     assert len(found.inside) < 0.8 * len(found.triangles)
+    each = found.inside[:, 0] // (2 * (STYLES[variant].steps + 1))
+    assert set(np.unique(each, return_counts=True)[1]) == {2 * STYLES[variant].steps}  # else it begins in a step
     assert found.places[:, 0].min() == -1.0
     assert found.places[:, 0].max() == 1.0
 
