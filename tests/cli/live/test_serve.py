@@ -96,14 +96,12 @@ def test_the_token_of_the_environment_is_asked_for_and_ctrl_c_folds_and_ends_wel
         assert process.wait(20) == 0
 
 
-def test_an_address_that_is_taken_is_told_in_one_line():
+def test_an_address_that_is_taken_is_told_in_one_line(kinesic):
     with socket.create_server(("127.0.0.1", 0)) as taken:
         address = f"127.0.0.1:{taken.getsockname()[1]}"
-        done = subprocess.run(
-            [*SERVE, "--listen", address], stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False
-        )
-    assert done.returncode == 2
-    assert re.fullmatch(r"kinesic: .*address already in use.*\n", done.stderr)
+        ended = kinesic("serve", "--voice", "durations", "--listen", address)
+    assert ended.code == 2
+    assert re.fullmatch(r"kinesic: .*address already in use.*\n", ended.err)
 
 
 @contextmanager
