@@ -1,9 +1,12 @@
 """The registers of one servo: what may be read, what may be written, and what a reboot leaves of them."""
 
+from struct import Struct
+
 from .packet import ACCESS_ERROR, LENGTH_ERROR, LIMIT_ERROR, RANGE_ERROR
 from .table import GOALS, Item, Model, items
 
 RAM = 64  # where it begins
+CODES = {1: "Bb", 2: "Hh", 4: "Ii"}  # of numbers of so many bytes, without and with a sign
 TRIPPED = -1  # of the bus watchdog
 ONE_TURN, MANY_TURNS = 3, 1_048_575  # position mode; [ticks] of goals in the others
 DUAL_JOINT = 2  # of the drive mode, of the 540s alone
@@ -15,7 +18,13 @@ class Memory:
     def __init__(self, model: Model, servo: int, firmware: int) -> None:
         self.model, self.items = model, items(model, servo, firmware)
         self.bytes = bytearray(model.end)
-        self._spans = {name: (i.address, i.address + i.size, i.signed) for name, i in self.items.items()}
+        # Thousands are read and written in a second of a servo's life.
+        self._getters = {
+            n: (Struct(f"<{CODES[i.size][i.signed]}").unpack_from, i.address) for n, i in self.items.items()
+        }
+        self._setters = {
+            n: (Struct(f"<{CODES[i.size][0]}").pack_into, i.address, 256**i.size - 1) for n, i in self.items.items()
+        }
         self._name = {item.address: name for name, item in self.items.items()}
         self._owner = {item.address + k: name for name, item in self.items.items() for k in range(item.size)}
         self._cells = {first + k: k for first, _ in model.windows for k in range(2 * model.cells)}
@@ -27,13 +36,13 @@ class Memory:
         self._reset_pointers()
 
     def __getitem__(self, name: str) -> int:
-        begin, end, signed = self._spans[name]
-        return int.from_bytes(self.bytes[begin:end], "little", signed=signed)
+        unpack, address = self._getters[name]
+        value: int = unpack(self.bytes, address)[0]
+        return value
 
     def __setitem__(self, name: str, value: int) -> None:
-        item = self.items[name]
-        octets = (value & (256**item.size - 1)).to_bytes(item.size, "little")
-        self.bytes[item.address : item.address + item.size] = octets
+        pack, address, mask = self._setters[name]
+        pack(self.bytes, address, value & mask)
 
     def has(self, name: str) -> bool:
         """Whether the model has this register."""

@@ -10,6 +10,7 @@ from types import MappingProxyType
 
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 from kinesic.body.arrays import Floats, sealed
@@ -25,6 +26,8 @@ SEED = 7
 IRIS_RESOLUTION = 80  # about what a picture shows
 FINE = 4  # times that in which it is worked out
 EYE = 0.8  # half the width of the painted square, in radii of the eyeball
+UNSEEN = 1e-12  # share of a colour that no texture holds
+BLUR = 4.0  # standard deviations that a blur reaches
 IRIS, PUPIL = 0.40, 0.17  # in radii of the eyeball
 
 
@@ -82,9 +85,8 @@ def skin(complexion: Complexion) -> Floats:
     y = np.linspace(low, high, RESOLUTION)[:, None]
     found = np.broadcast_to(complexion.skin, (RESOLUTION, RESOLUTION, 3)).copy()
     for centre, height, width, strength in FLUSHED:
-        away = ((np.abs(a) - centre) ** 2 + (y - height) ** 2) / width**2
-        found = _mixed(found, complexion.flush, strength * np.exp(-away))
-    shade = np.exp(-(((np.abs(a) - 0.55) / 0.30) ** 2 + ((y - 0.02) / 0.16) ** 2))
+        found = _mixed(found, complexion.flush, strength * _bell(np.abs(a), centre, width) * _bell(y, height, width))
+    shade = _bell(np.abs(a), 0.55, 0.30) * _bell(y, 0.02, 0.16)
     found = _mixed(found, tuple(0.62 * each for each in complexion.flush), 0.30 * shade)  # lids are thin
     mottled = sum(
         amount
@@ -121,7 +123,7 @@ def _lips(a: Floats, y: Floats) -> Floats:
     """(n, n) 1 on the red of the lips, 0 elsewhere, softly."""
     top, bottom = (np.interp(a, *np.array(edge).T) for edge in (UPPER_LIP, LOWER_LIP))
     drawn = (y < top) & (y > bottom) & (a < UPPER_LIP[-1][0])
-    return np.asarray(scipy.ndimage.gaussian_filter(drawn.astype(np.float64), 4.0))
+    return _blurred(drawn.astype(np.float64), 4.0)
 
 
 def _brows(complexion: Complexion, random: np.random.Generator) -> Floats:
@@ -143,8 +145,7 @@ def _brows(complexion: Complexion, random: np.random.Generator) -> Floats:
             ends = [_pixel(side * each_a, each_y, size) for each_a, each_y in ((a, y), tip)]
             pen.line(ends, fill=darkness, width=4)
     fine = np.asarray(canvas.resize((RESOLUTION, RESOLUTION), Image.Resampling.BOX), dtype=np.float64) / 255
-    shadow = scipy.ndimage.gaussian_filter(fine, 7.0)
-    return np.asarray(np.clip(0.85 * scipy.ndimage.gaussian_filter(fine, 0.6) + 0.35 * shadow, 0.0, 0.92))
+    return np.asarray(np.clip(0.85 * _blurred(fine, 0.6) + 0.35 * _blurred(fine, 7.0), 0.0, 0.92))
 
 
 def _brow_line(complexion: Complexion) -> tuple[Floats, Floats, Floats]:
@@ -161,10 +162,34 @@ def _pixel(a: float, y: float, size: int) -> tuple[float, float]:
 
 
 def _mixed(under: Floats, over: Colour | Floats, share: Floats) -> Floats:
-    found = np.asarray(over) - under
-    found *= np.asarray(share)[..., None]
-    found += under
+    """Mixes some colour into a picture, and looks only where there is some of it."""
+    part = _part(share > UNSEEN)
+    found = under.copy()
+    added = np.broadcast_to(over, under.shape)[part] - under[part]
+    added *= share[part][..., None]
+    found[part] += added
     return found
+
+
+def _blurred(drawn: Floats, size: float) -> Floats:
+    """Blurs a picture with little on it as far as that spreads."""
+    part = _part(drawn != 0.0, int(BLUR * size + 0.5))
+    found = np.zeros_like(drawn)
+    found[part] = scipy.ndimage.gaussian_filter(drawn[part], size, truncate=BLUR)
+    return found
+
+
+def _part(there: NDArray[np.bool_], beyond: int = 0) -> tuple[slice, slice]:
+    """Rows and columns that hold something, and some pixels beyond; a picture with nothing on it has none."""
+    rows, columns = (np.flatnonzero(there.any(axis=axis)) for axis in (1, 0))
+    if not len(rows):
+        return slice(0), slice(0)
+    down, across = (slice(max(0, int(each[0]) - beyond), int(each[-1]) + beyond + 1) for each in (rows, columns))
+    return down, across
+
+
+def _bell(values: Floats, middle: float, width: float) -> Floats:
+    return np.asarray(np.exp(-(((values - middle) / width) ** 2)))
 
 
 def _step(values: Floats, low: float, high: float) -> Floats:

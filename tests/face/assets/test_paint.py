@@ -1,7 +1,9 @@
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter
 
 from kinesic.body.choices import Variant
+from kinesic.face.assets import paint
 from kinesic.face.assets.chart import LEFT_RIGHT, LOW_HIGH
 from kinesic.face.assets.mesh import VARIANTS
 from kinesic.face.assets.paint import COMPLEXIONS, iris, skin
@@ -46,3 +48,20 @@ def test_an_eye_has_a_pupil_in_an_iris_in_white():
     middle = len(eye) // 2
     pupil, coloured, white = (eye[middle, middle + step].mean() for step in (0, len(eye) // 6, len(eye) // 3))
     assert pupil < 0.02 < coloured < white
+
+
+@pytest.mark.parametrize("size", [0.6, 4.0])
+def test_a_blur_is_that_of_the_whole_picture(size: float):
+    drawn = np.zeros((60, 80))
+    drawn[20:31, 70:78] = np.random.default_rng(1).uniform(0.1, 1.0, (11, 8))
+    np.testing.assert_array_equal(paint._blurred(drawn, size), gaussian_filter(drawn, size))
+    assert not paint._blurred(np.zeros((5, 7)), size).any()
+
+
+def test_a_colour_is_mixed_in_where_there_is_some_of_it():
+    under = np.random.default_rng(2).uniform(0.0, 1.0, (9, 6, 3))
+    share = np.zeros((9, 6))
+    share[2:5, 3] = 0.25, 1.0, 0.5
+    found = paint._mixed(under, (0.0, 0.5, 1.0), share)
+    np.testing.assert_allclose(found, under + share[..., None] * (np.array([0.0, 0.5, 1.0]) - under), atol=1e-15)
+    assert np.array_equal(paint._mixed(under, (0.0, 0.5, 1.0), np.zeros((9, 6))), under)
