@@ -1,6 +1,7 @@
 """The robot in physics: follows commands as its servos would, and keeps what happened."""
 
 from collections import deque
+from collections.abc import Container
 from functools import lru_cache
 from math import ceil, inf
 
@@ -96,6 +97,26 @@ class Twin:
         sent = self._rounded(command.goals)
         self._log.mark(command.time, sent)
         self._waiting.append((command.time + self._latency, sent))
+
+    def replay(self, times: Floats, goals: Floats, seen: Container[int]) -> Floats:
+        """Steps with goals that act at once, in less time than commands take, and measures nothing.
+
+        Args:
+            times: (k,) [s], increasing, the first that of where it starts.
+            goals: (k - 1, n) [rad] from each time to the next.
+            seen: which of the times are looked at.
+
+        Returns:
+            (m, n) [rad] where its hinges are at the times that are looked at.
+        """
+        self._time = float(times[0])
+        found = [self._of_hinges(self._log.posture)] if 0 in seen else []
+        for k, (time, asked) in enumerate(zip(times[1:].tolist(), self._rounded(goals), strict=True), 1):
+            self._control[self._actuators] = self._goals = asked
+            self._advance(time)
+            if k in seen:
+                found.append(self._of_hinges(self._log.posture))
+        return np.array(found)
 
     def close(self) -> None:
         """Ends the performance; the measurements stay."""

@@ -16,7 +16,6 @@ import numpy as np
 import scipy
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.body.command import Command
 from kinesic.body.robot import Robot
 from kinesic.sim.fitting.identifiability import SHEET, Identifiability, assumptions, identifiable
 from kinesic.sim.fitting.parameters import DEFAULT, Figure, Unknown, bounds, factors_of, unknowns
@@ -166,14 +165,9 @@ def replay_log(log: Log, robot: Robot, factors: Factors) -> Floats:
     pieces = [np.linspace(a, b, n + 1)[:-1] for (a, b), n in zip(pairwise(log.times), counts, strict=True)]
     steps = np.append(np.concatenate(pieces), log.times[-1])
     goals = np.diff(_sums(log, steps - factors.latency), axis=0) / np.diff(steps)[:, None]
-    still, prompt = np.zeros(len(robot.drives)), msgspec.structs.replace(factors, latency=0.0)
+    prompt = msgspec.structs.replace(factors, latency=0.0)
     twin = Twin(robot, factors=prompt, start=log.angles[0], rounds=False, step=REPLAY_STEP)
-    seen, angles = {0, *np.cumsum(counts).tolist()}, []
-    for k, (time, goal) in enumerate(zip(steps.tolist(), [*goals, goals[-1]], strict=True)):
-        twin.write(Command(time, goal, still, still, goal))
-        if k in seen:
-            angles.append(twin.state().angles)
-    return np.array(angles)
+    return twin.replay(steps, goals, {0, *np.cumsum(counts).tolist()})
 
 
 def _sums(log: Log, times: Floats) -> Floats:
