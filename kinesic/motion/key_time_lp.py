@@ -31,6 +31,16 @@ class KeyTimeProblem:
     lead_in: float  # [s] by which the first key may come earlier
     cuts: Sequence[CuttingPlane] = ()  # that exclude other times; gaps alone can always be kept
 
+    @property
+    def kept_as_asked(self) -> bool:
+        """Whether the asked times keep everything."""
+        times = self.keys.asked.tolist()
+        return (
+            all(times[j] - times[i] >= gap for (i, j), gap in self.gaps.items())
+            and all(times[j] - times[i] >= least for (i, j), least in self.keys.bonds.items())
+            and all(float(cut.slopes @ self.keys.asked) <= cut.bound for cut in self.cuts)
+        )
+
 
 @dataclass(frozen=True, eq=False)
 class KeyTimeProgram:
@@ -78,7 +88,10 @@ def relax_key_times(problem: KeyTimeProblem) -> Floats:
     Raises:
         ArithmeticError: the cuts leave no times.
     """
-    keys, program = problem.keys, state_program(problem)
+    keys = problem.keys
+    if problem.kept_as_asked:
+        return keys.spread(keys.asked)
+    program = state_program(problem)
     result = scipy.optimize.milp(  # which has no integers here, and reads a program in half the time of `linprog`
         program.costs,
         bounds=scipy.optimize.Bounds(program.least, np.inf),

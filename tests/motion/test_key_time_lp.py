@@ -3,6 +3,7 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
+from kinesic.motion import key_time_lp
 from kinesic.motion.key_time_lp import CuttingPlane, KeyTimeProblem, relax_key_times, strain
 from kinesic.motion.keys import KeyPosture, Keys
 
@@ -17,6 +18,14 @@ def test_gaps_push_the_cheapest_key():
     keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "ready"), (1.2, 0, "stroke"), (2, 0, "end")), LIMITS)
     times = relax_key_times(KeyTimeProblem(keys, keys.gaps | {(1, 2): 0.5}, 0.6))
     assert times == pytest.approx([0.0, 0.7, 1.2, 2.0])
+
+
+def test_times_that_keep_everything_as_asked_need_no_program(monkeypatch):
+    keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "ready"), (1.2, 0, "stroke"), (2, 0, "end")), LIMITS)
+    kept = [CuttingPlane(sealed([0.0, 1.0, -1.0, 0.0]), -0.15)]
+    met = KeyTimeProblem(keys, keys.gaps | {(1, 2): 0.15}, 0.6, kept)
+    monkeypatch.setattr(key_time_lp, "state_program", lambda problem: pytest.fail("there is nothing to solve"))
+    np.testing.assert_array_equal(relax_key_times(met), keys.asked)
 
 
 def test_the_lead_in_lets_the_start_come_earlier_and_no_more():
