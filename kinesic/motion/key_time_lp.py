@@ -32,6 +32,12 @@ class KeyTimeProblem:
     cuts: Sequence[CuttingPlane] = ()  # that exclude other times; gaps alone can always be kept
 
     @property
+    def lacking(self) -> float:
+        """[s] that all gaps together are longer than asked."""
+        times = self.keys.asked.tolist()
+        return sum((max(0.0, gap - (times[j] - times[i])) for (i, j), gap in self.gaps.items()), 0.0)
+
+    @property
     def kept_as_asked(self) -> bool:
         """Whether the asked times keep everything."""
         times = self.keys.asked.tolist()

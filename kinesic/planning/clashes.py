@@ -104,11 +104,18 @@ class ClashFinder:
         return clash is not None and (clash.brief or not pair.brief)
 
     def _suspects(self, coming: Sequence[Neighbours], postures: Sequence[KeyPosture]) -> list[tuple[Neighbours, float]]:
-        """Neighbours that may lack so much time, and how much [s], in the order of their strokes."""
+        """Neighbours that may lack so much time, and how much [s], in the order of their strokes.
+
+        There are none where all gaps together lack less: keys move away from where they are asked only as far as gaps
+        that lack time push them, so that no two move apart by more than the sum.
+        """
         if not coming:
             return []
         keys = Keys.of(postures, self._setup.limits)
-        times = relax_key_times(KeyTimeProblem(keys, _gaps(keys), lead_in=0.0))
+        problem = KeyTimeProblem(keys, _gaps(keys), lead_in=0.0)
+        if problem.lacking < APART - LEAST:
+            return []
+        times = relax_key_times(problem)
         apart = [each.moved_apart(keys, times) for each in coming]
         sums = chain_sums(coming, apart)
         rows = zip(coming, apart, sums, strict=True)

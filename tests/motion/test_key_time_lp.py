@@ -52,3 +52,17 @@ def test_the_strain_is_what_is_made_least():
     keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "ready"), (1.2, 0, "stroke"), (2, 0, "end")), LIMITS)
     assert strain(keys, keys.asked) == 0.0
     assert strain(keys, np.add(keys.asked, [0.0, -0.3, 0.1, 0.0])) == pytest.approx(0.3 * 0.3 + 3.0 * 5.0 * 0.1)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_no_two_keys_move_apart_by_more_than_all_gaps_lack(seed):
+    chance = np.random.default_rng(seed)
+    syncs = chance.choice(["start", "ready", "stroke", "strokeEnd", "relax", "end"], 9)
+    asked = np.cumsum(chance.uniform(0.05, 0.6, len(syncs)))
+    keys = Keys.of(keys_of(*zip(asked, chance.uniform(-1.0, 1.0, len(syncs)), syncs, strict=True)), LIMITS)
+    pairs = [(i, j) for i, j in chance.integers(0, len(syncs), (12, 2)).tolist() if i < j]
+    gaps = keys.gaps | {(i, j): float((asked[j] - asked[i]) * chance.uniform(0.6, 1.5)) for i, j in pairs}
+    problem = KeyTimeProblem(keys, gaps, lead_in=0.0)
+    moved = relax_key_times(problem) - keys.asked
+    assert np.ptp(moved) <= problem.lacking + 1e-6
+    assert (np.ptp(moved) > 0.0) == (problem.lacking > 0.0)

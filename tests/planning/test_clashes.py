@@ -10,6 +10,8 @@ from kinesic.planning.clashes import APART, LEAST, Neighbours, chain_sums, least
 from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.quick_plan import plan_quickly
 
+from ..passage import passage_text
+
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 OTHERS = (
     '<speech id="s"><text>Let me <sync id="m"/>ask you about it.</text></speech>'
@@ -218,3 +220,9 @@ def test_numbers_too_near_even_when_shown_once_are_dropped_by_name(planned):
     dropped = [outcome.why for outcome in outcomes.values() if outcome.kind == "dropped"]
     assert 0 < len(dropped) < 5
     assert all("s late" in why or "is busy" in why for why in dropped)
+
+
+def test_gestures_that_lack_little_together_are_told_without_a_program(known, monkeypatch):
+    monkeypatch.setattr(clashes, "relax_key_times", lambda problem: pytest.fail("nothing can move so far apart"))
+    found = plan_quickly(parse(passage_text(1)), known)
+    assert {outcome.kind for outcome in found.keyframes.outcomes.values()} == {"realised"}
