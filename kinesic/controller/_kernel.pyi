@@ -1,6 +1,6 @@
 from collections.abc import Callable
 
-from kinesic.body.arrays import Floats, Indices
+from kinesic.body.arrays import Flags, Floats, Indices
 
 class Observer: ...
 class TwinPhysics: ...
@@ -35,6 +35,8 @@ def perform(
 def first_entry(
     times: Floats, path: Floats, at: float, window: float, centre: Floats, radius: float
 ) -> float | None: ...
+def tracking_errors(planned: Floats, measured: Floats, moving: Flags) -> tuple[float, float, float, int, int, int]: ...
+def measure_stretch(times: Floats, path: Floats, begin: float, end: float) -> tuple[float, float]: ...
 def observer_inputs(
     angles: Floats,
     goals: Floats,

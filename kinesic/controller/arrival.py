@@ -24,6 +24,7 @@ WINDOW = 0.3  # [s] before and after the planned time
 LEAST_BALL = 0.005  # [m]
 LEAST_CONE = np.radians(0.5)  # [rad] the ball's like for head and torso
 SHARE = 0.05  # of the path
+SHORTEST = 1e-3  # [s] of a step that has a speed
 
 
 def part_paths(angles: Floats, robot: Robot, hands: Mapping[str, Floats] | None = None) -> Mapping[PartName, Floats]:
@@ -171,3 +172,23 @@ def entry(times: Sequence[float], distances: Floats, radius: float, *, last: boo
 def _way(path: Floats) -> Floats:
     """(m,) how far a path has come."""
     return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
+
+
+def measure_stretch(times: Floats, path: Floats, begin: float, end: float) -> tuple[float, float]:
+    """Measures the largest speed on a part of a path, and the part's length; between samples it is straight.
+
+    Args:
+        times: (m,) [s] of the samples.
+        path: (m, d).
+        begin: [s].
+        end: [s].
+    """
+    if KERNEL == "compiled":
+        return _kernel.measure_stretch(times, np.ascontiguousarray(path), begin, end)
+    first, last = times.searchsorted(begin, side="right"), times.searchsorted(end)
+    places = np.stack([[np.interp(moment, times, column) for column in path.T] for moment in (begin, end)])
+    steps = np.diff(np.concatenate([[begin], times[first:last], [end]]))
+    ways = np.diff(np.concatenate([places[:1], path[first:last], places[1:]]), axis=0)
+    distances = np.sqrt(np.vecdot(ways, ways))
+    speeds = np.divide(distances, steps, out=np.zeros_like(steps), where=steps > SHORTEST)
+    return float(speeds.max(initial=0.0)), float(distances.sum())

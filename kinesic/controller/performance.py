@@ -14,9 +14,10 @@ from kinesic.body.command import RATE, Measurements
 from kinesic.body.robot import SIDES, PartName, Robot
 from kinesic.controller.arrival import Arrival, arrivals, lags, part_paths
 from kinesic.controller.play import command_times
-from kinesic.controller.smoothness import dimensionless_jerk
+from kinesic.controller.smoothness import dimensionless_jerk, visible_jerk
 from kinesic.controller.synchrony import StrokeLag, measure_lags
 from kinesic.controller.tracking_delay import tracking_delay
+from kinesic.controller.tracking_errors import TrackingErrors, measure_errors
 from kinesic.controller.watch.clearance import LOOK, foresee
 from kinesic.motion.limit_check import Peaks, check_limits
 from kinesic.planning.plan import Plan
@@ -77,6 +78,12 @@ class Reference:
             side: dimensionless_jerk(path, period=period) if np.ptp(path, axis=0).max() >= LEAST_WAY else None
             for side, path in self.hands.items()
         }
+
+    @cached_property
+    def visible_jerks(self) -> Mapping[str, float]:
+        """Side -> mean square of the jerk [m^2/s^6] of the hand that is seen."""
+        period = float(self.times[1] - self.times[0])
+        return {side: visible_jerk(path, period=period) for side, path in self.hands.items()}
 
     @cached_property
     def paths(self) -> Mapping[PartName, Floats]:
@@ -186,6 +193,11 @@ class Performance:
     def errors(self) -> Floats:
         """(m, n) [rad] measured minus planned, NaN where the hinge is not moving."""
         return np.where(self.reference.moving, self.measured.angles - self.reference.angles, np.nan)
+
+    @cached_property
+    def tracking(self) -> TrackingErrors:
+        """How far the twin's moving hinges are from the plan."""
+        return measure_errors(self.reference.angles, self.measured.angles, self.reference.moving)
 
     @cached_property
     def lateness(self) -> Floats:

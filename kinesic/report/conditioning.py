@@ -8,7 +8,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import PartName
-from kinesic.controller.arrival import HANDS, part_paths
+from kinesic.controller.arrival import HANDS, measure_stretch, part_paths
 from kinesic.controller.performance import Performance, Reference
 from kinesic.planning.plan import Plan
 from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime, limit_met
@@ -152,38 +152,10 @@ def _losses(
     part: PartName, core: tuple[SyncTime, SyncTime], desired: _DesiredPaths, reference: Reference
 ) -> Iterator[Loss]:
     zero = reference.plan.trajectory.zero
-    before = _cut(desired.times, desired.paths[part], core[0].asked, core[1].asked)
-    after = _cut(reference.times, reference.paths[part], zero + core[0].planned, zero + core[1].planned)
+    asked = measure_stretch(desired.times, desired.paths[part], core[0].asked, core[1].asked)
+    planned = measure_stretch(reference.times, reference.paths[part], zero + core[0].planned, zero + core[1].planned)
     unit, scale = ("m", 1.0) if part in HANDS else ("deg", float(np.degrees(1.0)))
-    asked, planned = _measure(*before), _measure(*after)
     for k, (quantity, per) in enumerate((("speed", "/s"), ("path", ""))):
         loss = Loss(part, quantity, unit + per, scale * asked[k], scale * planned[k])
         if loss.share > LOSS_TO_TELL and loss.asked > LEAST[loss.unit]:
             yield loss
-
-
-def _cut(times: Floats, path: Floats, begin: float, end: float) -> tuple[Floats, Floats]:
-    """Times and places from one moment to another, both of them included."""
-    first, last = times.searchsorted(begin, side="right"), times.searchsorted(end)
-    edges = [_between(times, path, moment) for moment in (begin, end)]
-    return (
-        np.concatenate([[begin], times[first:last], [end]]),
-        np.concatenate([edges[0], path[first:last], edges[1]]),
-    )
-
-
-def _between(times: Floats, path: Floats, moment: float) -> Floats:
-    """(1, d) where a path is at a moment, on a straight line between samples."""
-    after = min(max(int(times.searchsorted(moment, side="right")), 1), len(times) - 1)
-    span = times[after] - times[after - 1]
-    share = min(max((moment - times[after - 1]) / span, 0.0), 1.0)
-    place: Floats = path[after - 1] + share * (path[after] - path[after - 1])
-    return place[None]
-
-
-def _measure(times: Floats, path: Floats) -> tuple[float, float]:
-    """Measures the largest speed on a path, and its length."""
-    steps, ways = np.diff(times), np.diff(path, axis=0)
-    distances = np.sqrt(np.vecdot(ways, ways))
-    speeds = np.divide(distances, steps, out=np.zeros_like(steps), where=steps > 1e-3)
-    return float(speeds.max(initial=0.0)), float(distances.sum())

@@ -25,7 +25,7 @@ from kinesic.planning.syncs import SyncTime
 from kinesic.realizer.feedback import Progress, agenda, span, times_of
 from kinesic.report.checks import TOLERANCE, checks, grade
 from kinesic.report.checks.plan import penetrations
-from kinesic.report.checks.twin import measure_tracking, tracking_errors
+from kinesic.report.checks.twin import measure_tracking
 from kinesic.report.conditioning import story
 from kinesic.report.labels import label
 from kinesic.report.servo_belief import lead
@@ -201,7 +201,7 @@ def _tracking(performance: Performance) -> dict[str, Json]:
     names = performance.plan.setup.robot.skeleton.names
     squares = np.degrees(np.nan_to_num(performance.errors)) ** 2
     means = squares.sum(axis=0) / np.maximum(performance.reference.moving.sum(axis=0), 1)
-    found = tracking_errors(performance)
+    found = performance.tracking
     late = performance.lateness
     return {
         "rmse_deg": found.rmse,

@@ -164,7 +164,7 @@ class CapsuleDistances:
         """
         if not self._names:
             return np.full(len(angles), np.inf)
-        lowest = self.lowest(body_frames(self._robot, angles), angles) - self._reaches @ turns.T
+        lowest = self.survey(angles, ())[0] - self._reaches @ turns.T
         return np.asarray(lowest.min(axis=0))
 
     def _named(self, distances: Floats, pairs: Indices) -> Clearance:

@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 
-from kinesic.controller.arrival import LEAST_BALL, SHARE, WINDOW, _first_entry, arrivals
+from kinesic.controller import arrival
+from kinesic.controller.arrival import LEAST_BALL, SHARE, WINDOW, _first_entry, arrivals, measure_stretch
 from kinesic.controller.performance import MOVING
 
 TIMES = np.arange(0.0, 2.0, 0.01)
@@ -37,3 +38,18 @@ def test_what_was_to_begin_after_a_stop_has_no_way_to_judge(calm):
     stopped = times[:5]
     paths = {part: path[: len(stopped)] for part, path in calm.reference.paths.items()}
     assert arrivals(plan, stopped, paths) == {}
+
+
+def test_a_part_of_a_path_has_a_length_and_a_largest_speed_between_samples_too():
+    assert measure_stretch(TIMES, PATH, 0.305, 1.5) == pytest.approx((1.0, 0.695))
+    assert measure_stretch(TIMES, PATH, 1.2, 1.5) == pytest.approx((0.0, 0.0))
+    assert measure_stretch(TIMES, PATH, 0.502, 0.507) == pytest.approx((1.0, 0.005))
+
+
+@pytest.mark.skipif(arrival.KERNEL != "compiled", reason="no compiled kernel")
+def test_the_kernel_measures_the_same_part(monkeypatch):
+    path = np.random.default_rng(7).normal(size=PATH.shape)
+    moments = [(-0.1, 0.4), (0.2, 0.2), (0.2, 0.2004), (0.305, 1.0), (1.7, 3.0), (0.31, 0.32), (0.5, 0.4)]
+    fast = [measure_stretch(TIMES, path, *edges) for edges in moments]
+    monkeypatch.setattr(arrival, "KERNEL", "numpy")
+    np.testing.assert_allclose(fast, [measure_stretch(TIMES, path, *edges) for edges in moments], rtol=1e-9, atol=1e-13)

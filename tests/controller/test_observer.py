@@ -15,7 +15,6 @@ from kinesic.controller.learned_gains import learn, soften
 from kinesic.controller.observer import LARGEST, LoadEstimate, Observer, ObserverInputs, _forecast, correct_goals
 from kinesic.controller.observer_step import FADING, RESTORING, SHARES
 from kinesic.controller.perform import dry_run, make_observer, plan
-from kinesic.report.checks.twin import tracking_errors
 from kinesic.sim.dynamics import MujocoDynamics
 from kinesic.sim.log import Log, log_of
 from kinesic.sim.servo_factors import NOMINAL, Factors
@@ -275,7 +274,7 @@ def test_what_one_performance_learned_helps_the_next(known):
     np.testing.assert_allclose([own.gain for own in lesson.believed.servos.values()], 0.5, atol=0.02)
     assert lesson.believed.latency == pytest.approx(0.015, abs=0.001)
     new, taught = (dry_run(second, twin=wrong, believed=believed) for believed in (NOMINAL, lesson.believed))
-    assert tracking_errors(taught).rmse < 0.7 * tracking_errors(new).rmse
+    assert taught.tracking.rmse < 0.7 * new.tracking.rmse
 
 
 def test_a_correction_that_knows_soft_servos_sends_goals_as_far_as_they_need(known):
@@ -284,7 +283,7 @@ def test_a_correction_that_knows_soft_servos_sends_goals_as_far_as_they_need(kno
     told = dry_run(planned, twin=soft, believed=soft)
     stiff = Observer.of(known.robot, known.dynamics, period=PERIOD)
     assert np.abs(told.measured.goals - told.measured.angles).max() > stiff.full.min()
-    assert tracking_errors(told).rmse < 0.1
+    assert told.tracking.rmse < 0.1
 
 
 def test_full_duty_does_not_explain_away_half_of_the_gain(monkeypatch, known):
@@ -293,7 +292,7 @@ def test_full_duty_does_not_explain_away_half_of_the_gain(monkeypatch, known):
 
     def rmse() -> float:
         make_observer.cache_clear()
-        return tracking_errors(dry_run(planned, twin=Factors(gain=0.5))).rmse
+        return dry_run(planned, twin=Factors(gain=0.5)).tracking.rmse
 
     doubted = rmse()
     monkeypatch.setattr(observer_module, "DOUBT", 1.0)

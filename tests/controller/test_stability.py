@@ -9,7 +9,6 @@ from kinesic.controller.observer import Observer
 from kinesic.controller.perform import dry_run, make_observer, plan, set_up
 from kinesic.controller.stability import CALM, calm_part, loop_poles
 from kinesic.report.checks import checks
-from kinesic.report.checks.twin import tracking_errors
 from kinesic.sim.dynamics import MujocoDynamics
 from kinesic.sim.servo_factors import NOMINAL, PESSIMISTIC, DriveFactors, Factors
 
@@ -60,7 +59,7 @@ def test_servos_known_to_be_stiff_and_late_do_not_swing():
     told = next(check for check in checks(knowing) if check.name == "tracking.restoring")
     assert (told.status, told.value) == ("warn", 0.5)
     assert "P gain x 2.00 (all servos), 20 ms late" in told.where
-    assert tracking_errors(knowing).rmse < 0.1  # 0.6 deg with all of it
+    assert knowing.tracking.rmse < 0.1  # 0.6 deg with all of it
     nominal = dry_run(planned)
     assert nominal.restoring == 1.0
     assert "tracking.restoring" not in {check.name for check in checks(nominal)}

@@ -72,23 +72,6 @@ def _strokes(performance: Performance) -> list[Check]:
 
 
 @dataclass(frozen=True)
-class Tracking:
-    """Errors of all moving hinges together [deg]; 0 when nothing moves."""
-
-    rmse: float
-    p95: float
-    max: float
-
-
-def tracking_errors(performance: Performance) -> Tracking:
-    """Measures root mean square, 95th percentile and largest error over the samples that count."""
-    errors = np.degrees(np.abs(performance.errors[performance.reference.moving]))
-    if not len(errors):
-        return Tracking(0.0, 0.0, 0.0)
-    return Tracking(float(np.sqrt(np.mean(errors**2))), float(np.percentile(errors, 95)), float(errors.max()))
-
-
-@dataclass(frozen=True)
 class TwinFigures:
     """How well one twin followed a plan, in few figures to put beside another's; None: there is nothing to measure."""
 
@@ -104,7 +87,7 @@ class TwinFigures:
 
 def measure_tracking(performance: Performance) -> TwinFigures:
     """Measures how well the twin of a performance followed its plan."""
-    found, strokes = tracking_errors(performance), stroke_errors(performance)
+    found, strokes = performance.tracking, stroke_errors(performance)
     errors = [abs(error) for error, _ in strokes if error is not None]
     return TwinFigures(
         rmse_deg=found.rmse,
@@ -123,17 +106,15 @@ def tracking_checks(performance: Performance) -> list[Check]:
     if not performance.reference.moving.any():
         return []
     names = performance.plan.setup.robot.skeleton.names
-    errors = np.nan_to_num(np.abs(performance.errors))
-    row, hinge = np.unravel_index(int(errors.argmax()), errors.shape)
-    squares = (errors**2).sum(axis=0)
-    found = tracking_errors(performance)
+    found = performance.tracking
+    largest = f"{names[found.hinge]} {format_time(performance.measured.times[found.row])}"
     moving = int(performance.reference.moving.any(axis=0).sum())
     late = np.nan_to_num(np.abs(performance.lateness))
     last = int(late.argmax())
     return [
-        Check.of("tracking.rmse", found.rmse, RMSE[performance.twin == NOMINAL], f"most {names[squares.argmax()]}"),
+        Check.of("tracking.rmse", found.rmse, RMSE[performance.twin == NOMINAL], f"most {names[found.most]}"),
         Check.of("tracking.p95", found.p95, P95, f"of {moving} moving hinge{'s' if moving > 1 else ''}"),
-        Check.of("tracking.max", found.max, MAX, f"{names[hinge]} {format_time(performance.measured.times[row])}"),
+        Check.of("tracking.max", found.max, MAX, largest),
         Check.of("tracking.lateness", float(late[last]), LATENESS, names[last]),
         *_restoring(performance),
     ]
@@ -153,12 +134,11 @@ def motion_checks(performance: Performance) -> list[Check]:
 
     Spectral arc length would not tell: it is made for single reaches, and of several even a shaking hand's is short.
     """
-    reference = performance.reference
+    reference, period = performance.reference, performance.period
     jerkier: dict[str, float] = {}
     for side, performed in performance.measured.hands.items():
         if reference.smoothness[side] is not None:
-            planned = visible_jerk(reference.hands[side], period=float(reference.times[1] - reference.times[0]))
-            jerkier[side] = visible_jerk(performed, period=performance.period) / (planned + UNSEEN)
+            jerkier[side] = visible_jerk(performed, period=period) / (reference.visible_jerks[side] + UNSEEN)
     if not jerkier:
         return []
     worst = max(jerkier, key=lambda side: jerkier[side])
