@@ -61,6 +61,8 @@ def perform_in_twins(
     inputs = _inputs(observer, angles, setpoints) if observer else np.empty(0)
     for done, (twin, part) in enumerate(zip(twins, known, strict=True)):
         twin.take(_perform(part, times, setpoints.goals, observer, inputs, progress, done, len(twins)))
+        if done + 1 == len(twins):
+            inputs = np.empty(0)  # as large as all that is measured, and not read any more
         yield twin
 
 

@@ -194,7 +194,7 @@ class Twin:
             times=sealed(log.times),
             angles=done.angles,
             speeds=done.speeds,
-            torques=seal_own(done.loads * robot.drives.stall),
+            torques=done.torques,
             duties=done.duties,
             goals=seal_own(log.sent()),
             hands=dict(zip(SIDES, (seal_own(each) for each in hands), strict=True)),

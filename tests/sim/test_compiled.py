@@ -102,7 +102,7 @@ def test_what_servos_did_is_the_same(factors, in_python):
     known = twin._log.kept(), places, robot.skeleton.names, Drives((*warm, *drives[3:]))
     fast = driven_motion.measure_drives(*known)
     slow = in_python(lambda: driven_motion.measure_drives(*known))
-    for name in ("postures", "angles", "speeds", "duties", "loads"):
+    for name in ("postures", "angles", "speeds", "duties", "torques"):
         np.testing.assert_array_equal(getattr(fast, name), getattr(slow, name), err_msg=name)
     for name in ("mean", "peak", "energy", "volts"):
         np.testing.assert_allclose(getattr(fast.power, name), getattr(slow.power, name), rtol=1e-14, err_msg=name)

@@ -27,7 +27,7 @@ class DrivenMotion:
     angles: Floats  # (m, n) [rad]
     speeds: Floats  # (m, n) [rad/s]
     duties: Floats  # (m, n) demanded, may exceed 1
-    loads: Floats  # (m, n) torque over stall torque
+    torques: Floats  # (m, n) [Nm]
     power: Power
 
 
@@ -60,7 +60,7 @@ def measure_drives(kept: KeptSteps, places: HingePlaces, names: tuple[str, ...],
         angles=seal_own(postures[at]),
         speeds=seal_own(speeds[at]),
         duties=seal_own(given.duties[at]),
-        loads=seal_own(given.loads[at]),
+        torques=seal_own(given.loads[at] * drives.stall),
         power=power(names, drives, given, spans=spans, counts=kept.ends.tolist()),
     )
 
@@ -82,5 +82,6 @@ def _measure_compiled(kept: KeptSteps, places: HingePlaces, names: tuple[str, ..
     volts = float(kept.supplied.min() * drives.volt.max())
     mean, peak = (seal_own(row) for row in currents)
     drawn = Power(mean=mean, peak=peak, energy=float(charge @ drives.volt), volts=volts, warming=rises)
-    angles, speeds, duties, loads = (seal_own(row) for row in rows)
-    return DrivenMotion(seal_own(postures), angles, speeds, duties, loads, drawn)
+    rows[3] *= drives.stall
+    angles, speeds, duties, torques = (seal_own(row) for row in rows)
+    return DrivenMotion(seal_own(postures), angles, speeds, duties, torques, drawn)
