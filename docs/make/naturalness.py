@@ -110,6 +110,9 @@ what became of it:
 - **Loose hands swung where they waited**: in the calm style by 20 to 80 mm, in holds beneath which the trunk turned,
   and into the chest. Now they stop there. Planning the calm story takes less than half of the time, as nothing has to
   be led around the body, and none of eight seeds loses `i` (one in eight did).
+- **An arm stayed up for nothing**: in `night.bml`, of which nothing was tuned, the left one stood out to the side for a
+  second after a shrug, while the right one gave something. A hand that waits for its next gesture now sinks half of the
+  way to its rest, where there is time for it.
 - **An arm turned over**: the left one in the joyful `house`, by 150 degrees, so that the stroke came 0.38 s late.
 - **A stroke ran over the next word**: the joyful `fire` rose twice, and hands that should fold at `waited` did not.
 - **The head stayed on a hand that waited**, for up to 5 s. Now it turns back to the listener until the next gesture.

@@ -8,6 +8,7 @@ from types import MappingProxyType
 
 from kinesic.body.reach import Reach
 from kinesic.body.robot import OTHER_SIDE, SIDES, Side
+from kinesic.expressivity.hands.blending import between
 from kinesic.expressivity.hands.coarticulation import NO_CLASHES, allot_hands
 from kinesic.expressivity.hands.engaged import Clashes, Engaged
 from kinesic.expressivity.hands.keys import HandKey
@@ -22,6 +23,8 @@ from kinesic.motion.keys import PLAIN
 
 NEIGHBOUR = 0.5  # [s] gestures nearer than this do not pass through rest
 MEETING: frozenset[Touch] = frozenset(("hand", "forearm", "upper_arm"))  # what an arm rests on of the other one
+SUNK = 0.5  # of the way to rest, that a hand sinks which waits for its next gesture
+ASIDE = 0.2  # openness of its elbow, which would else be against the body
 WAITING = 2.5  # [s] that a hand stays where it is, to come to rest together with the other one
 ALL_TIED: Tied = MappingProxyType({})  # every sync point stays where it is
 
@@ -110,6 +113,8 @@ def _join_strokes(
             back = _go_back(keys, holding, home, pose, rest, work.at("start"), pace)
             if back[-1].time + MERGE <= own[0].time:  # else there is no time to pass through rest
                 keys, holding = back, None
+        if holding and pose is REST:
+            keys = _sink(keys, holding, work, own[0], rest, pace)
         keys = _approach(keys, holding, work, own, rest, pace)
         holding = None if work.stroke.rest else work
         pose = hands[-1] if work.stroke.rest else pose
@@ -179,6 +184,21 @@ def _approach(
     passage = holding.effort(pace).passage("hold") if holding else PLAIN
     hold = [HandKey(leave, hand, passage)] if leave - free >= MERGE else []
     return [*keys, *hold, *(key for key in own if key.time >= leave + MERGE)]
+
+
+def _sink(
+    keys: list[HandKey], holding: HandStroke, work: HandStroke, first: HandKey, rest: Reach, pace: Pace
+) -> list[HandKey]:
+    """Lets a hand that waits for its next gesture sink, if there is time for it: nobody holds an arm up for nothing."""
+    last = keys[-1]
+    low = replace(between(last.hand, REST, SUNK, rest), openness=ASIDE)
+    sinking = holding.effort(pace).return_time(pose_distance(last.hand, low, rest))
+    rising = work.effort(pace).joining_time(pose_distance(low, first.hand, rest))
+    relax, leave = max(holding.at("relax"), last.time), min(work.at("start"), first.time - rising)
+    if leave - relax < sinking:
+        return keys
+    hold = [HandKey(relax, last.hand, holding.effort(pace).passage("hold"))] if relax - last.time >= MERGE else []
+    return [*keys, *hold, HandKey(relax + sinking, low, holding.effort(pace).passage("retraction"))]
 
 
 def _go_back(

@@ -224,3 +224,16 @@ def test_a_loose_hand_stops_where_it_waits(pace, phases):
     waiting = [key for key in arrange_hands([stroke], pace).hands["r"] if key.hand is B]
     assert [key.time for key in waiting] == [1.0, 2.4]
     assert all(key.passage.flow == 0.0 for key in waiting)
+
+
+@pytest.mark.parametrize(("start", "sinks"), [(1.5, False), (2.29, True)])
+def test_a_hand_that_waits_for_its_next_gesture_sinks_where_there_is_time(pace, phases, start, sinks):
+    first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.0, 1.1, 1.8), (work(A, B),))
+    second = Stroke("g2", phases(start, *(start + np.array([0.6, 0.6, 1.0, 1.0, 1.2, 1.8]))), (work(C, A),))
+    keys = arrange_hands([first, second], pace).hands["r"]
+    low = [key for key in keys if 1.1 < key.time <= start and key.hand not in (A, B, C)]
+    assert bool(low) == sinks
+    for key in low:
+        hanging = resting_hands(pace.robot)["r"].position
+        np.testing.assert_allclose(key.hand.reach.position, (B.reach.position + hanging) / 2)
+        assert key.hand.openness > 0.0
