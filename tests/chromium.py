@@ -5,37 +5,21 @@ A process of tests starts it once and keeps it to its end; each page has a profi
 
 import atexit
 import json
-import shutil
-import subprocess
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from time import monotonic, sleep
 
 from websockets.sync.client import ClientConnection, connect
 
-BINARIES = ("chromium", "chromium-browser", "google-chrome")
+from kinesic.bench.studio.browser import Browser
+from kinesic.bench.studio.browser import find_binary as binary
+
+__all__ = ["binary", "browser", "opened"]
+
 PATIENCE = 60.0  # [s] with a machine on which others work, too
 FOREIGN = "evil.example"  # which it is told to find on this machine, as a rebinding name server would
-FLAGS = (
-    "--headless=new",
-    "--no-sandbox",
-    "--disable-gpu",
-    "--use-gl=angle",  # WebGL without a graphics card
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--ignore-gpu-blocklist",
-    "--window-size=1000,700",
-    f"--host-resolver-rules=MAP {FOREIGN} 127.0.0.1",
-    "--remote-debugging-port=0",
-)
-
-
-def binary() -> str | None:
-    """Path of a Chromium; None where none is installed."""
-    return next(filter(None, map(shutil.which, BINARIES)), None)
+FLAGS = ("--window-size=1000,700", f"--host-resolver-rules=MAP {FOREIGN} 127.0.0.1")
 
 
 class Page:
@@ -93,51 +77,26 @@ class Page:
 @contextmanager
 def opened(url: str, *more: str) -> Iterator[Page]:
     """A page with a profile of its own, both gone afterwards, in the browser that has these flags more."""
-    browser = _browser(more)
-    if browser.poll() is not None:  # a page brought it down, and others shall not pay for that
-        _browser.cache_clear()
-        browser = _browser(more)
-    with connect(f"{browser.address}browser/{browser.name}", max_size=None) as connection:
+    chromium = browser(*more)
+    with connect(f"{chromium.address}browser/{chromium.name}", max_size=None) as connection:
         door = Page(connection)
         context = door.call("Target.createBrowserContext", disposeOnDetach=True)["browserContextId"]
         target = door.call("Target.createTarget", url=url, browserContextId=context)["targetId"]
-        with connect(f"{browser.address}page/{target}", max_size=None) as own:
+        with connect(f"{chromium.address}page/{target}", max_size=None) as own:
             yield Page(own, context)
         door.call("Target.disposeBrowserContext", browserContextId=context)
 
 
-class Browser(subprocess.Popen):
-    """A Chromium, which runs until `end`."""
-
-    def __init__(self, more: tuple[str, ...]) -> None:
-        self._profile = TemporaryDirectory(prefix="kinesic-chromium-", ignore_cleanup_errors=True)
-        folder = Path(self._profile.name)
-        super().__init__(
-            [str(binary()), *FLAGS, f"--user-data-dir={folder}", *more, "about:blank"],
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )
-        end = monotonic() + PATIENCE
-        while not (found := _lines(folder / "DevToolsActivePort"))[1:]:
-            assert monotonic() < end, "Chromium does not open"
-            sleep(0.02)
-        self.address, self.name = f"ws://127.0.0.1:{found[0]}/devtools/", found[1].rpartition("/")[2]
-
-    def end(self) -> None:
-        """Ends it, and removes what it has written."""
-        self.terminate()
-        self.wait(PATIENCE)
-        self._profile.cleanup()
+def browser(*more: str) -> Browser:
+    """The browser of this process that has these flags; another one where a page has brought it down."""
+    if _browser(more).poll() is not None:  # others shall not pay for that
+        _browser.cache_clear()
+    return _browser(more)
 
 
 @cache
 def _browser(more: tuple[str, ...]) -> Browser:
     """The browser of this process that has these flags."""
-    browser = Browser(more)
-    atexit.register(browser.end)
-    return browser
-
-
-def _lines(file: Path) -> list[str]:
-    """Of a file, none as long as it is not there."""
-    return file.read_text().split() if file.exists() else []
+    begun = Browser(*FLAGS, *more)
+    atexit.register(begun.end)
+    return begun

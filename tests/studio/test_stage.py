@@ -2,6 +2,9 @@
 
 import pytest
 
+from kinesic.bench.studio import PAGE_GOALS, time_page
+
+from ..chromium import browser
 from .conftest import Studio
 from .test_page import WORDS
 
@@ -152,3 +155,31 @@ def test_what_the_processor_draws_looks_as_what_webgl_draws(studio: Studio):
     assert min(both, both_with_ghost) > 0.9
     assert alike > 0.75
     assert max(floor, floor_with_ghost) < 16
+
+
+def test_a_drag_asks_no_oftener_than_the_server_reads_a_client(studio: Studio):
+    """Fifty times a second in the long run: whoever asks more often waits for his turn each time, a frame and more."""
+    studio.write(WORDS)
+    studio.page.click("#mode-plan")
+    studio.until("s.left !== null")
+    hand, seconds = studio.state("left"), 0.6
+    studio.page.call("Input.dispatchMouseEvent", type="mousePressed", **hand, button="left", buttons=1, clickCount=1)
+    move = f"new PointerEvent('pointerrawupdate', {{clientX: {hand['x']} + k % 20, clientY: {hand['y']} - k % 30}})"
+    counted = studio.page.value(
+        "(wire => { let asked = 0, k = 0; const ask = wire.ask.bind(wire), stage = document.querySelector('#canvas');"
+        "wire.ask = (verb, values) => { asked += verb === 'reach'; return ask(verb, values); };"
+        f"const moves = setInterval(() => stage.dispatchEvent({move}, ++k), 4);"
+        "return new Promise(done => setTimeout(() => { clearInterval(moves); delete wire.ask; done(asked); }, "
+        f"{1000 * seconds})); }})(kinesicStudio.robot.wire)"
+    )
+    studio.page.call("Input.dispatchMouseEvent", type="mouseReleased", **hand, button="left")
+    assert 2 < counted <= 50 * seconds + 1
+    studio.page.click("#mode-plan")
+
+
+def test_the_bench_times_a_dragged_hand_and_a_first_paint(studio: Studio):
+    figures = time_page(browser(), f"http://localhost:{studio.server.port}/", loads=1, seconds=0.5)
+    assert [figure.name for figure in figures] == list(PAGE_GOALS)
+    drag, paint, robot = (figure.value or 0.0 for figure in figures)
+    assert drag > 1.0
+    assert robot > paint > 1.0

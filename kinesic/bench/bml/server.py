@@ -15,7 +15,7 @@ from math import inf
 from pathlib import Path
 from tempfile import TemporaryFile
 from time import monotonic, sleep
-from typing import IO
+from typing import IO, Literal
 
 import numpy as np
 
@@ -37,6 +37,8 @@ SETTLED = 0.25  # share of the endurance run after which memory counts
 FIRST_COMMAND, FIRST_FEEDBACK, FLAT = 100.0, 20.0, 5.0  # [ms], [ms], [%]
 NO_MEMORY = "this system does not tell what a process holds"
 BLOCKS, SECONDS = 40, 20.0  # of the bench; soak asks for more
+
+Verb = Literal["serve", "studio"]
 
 
 @dataclass(frozen=True)
@@ -87,9 +89,9 @@ def bench() -> list[Figure]:
 
 
 @contextmanager
-def open_server(*options: str, cwd: Path | None = None) -> Iterator[Server]:
-    """Opens a server on a free port, with more options of `kinesic serve`; it is stopped at the end."""
-    command = [sys.executable, "-m", "kinesic", "serve", "--listen", "127.0.0.1:0", *options]
+def open_server(*options: str, cwd: Path | None = None, verb: Verb = "serve") -> Iterator[Server]:
+    """Opens a server on a free port, with more options of its verb; it is stopped at the end."""
+    command = [sys.executable, "-m", "kinesic", verb, "--listen", "127.0.0.1:0", *options]
     with (
         TemporaryFile("w+") as said,
         subprocess.Popen(command, stdin=subprocess.DEVNULL, stderr=said, cwd=cwd) as process,

@@ -92,9 +92,14 @@ export class Raster {
     texture: Texture | undefined,
   ): void {
     const { slopes, depths } = this;
-    const at = (n: number) => corners[corner + n]! + slopes[n]! * right + slopes[STRIDE + n]! * low;
-    let [z, p, q, r] = [at(2), at(3), at(4), at(5)];
-    const [zx, px, qx, rx] = [slopes[2]!, slopes[3]!, slopes[4]!, slopes[5]!];
+    const zx = slopes[2]!;
+    const px = slopes[3]!;
+    const qx = slopes[4]!;
+    const rx = slopes[5]!;
+    let z = corners[corner + 2]! + zx * right + slopes[STRIDE + 2]! * low;
+    let p = corners[corner + 3]! + px * right + slopes[STRIDE + 3]! * low;
+    let q = corners[corner + 4]! + qx * right + slopes[STRIDE + 4]! * low;
+    let r = corners[corner + 5]! + rx * right + slopes[STRIDE + 5]! * low;
     for (let pixel = begin; pixel < begin + count; pixel++) {
       if (z < depths[pixel]!) {
         depths[pixel] = z;
@@ -112,6 +117,30 @@ export class Raster {
     const { pixels } = this;
     for (let at = 0; at < pixels.length; at++) if (over[at]) pixels[at] = blend(over[at]!, pixels[at]!, opacity);
   }
+}
+
+export interface Box {
+  x: number;
+  y: number;
+  width: number;
+  height: number;
+}
+
+/** Where two pictures of a width differ; null where they are the same. */
+export function differenceOf(a: Uint32Array, b: Uint32Array, width: number): Box | null {
+  let [left, right, top, bottom] = [width, -1, -1, -1];
+  for (let begin = 0, row = 0; begin < a.length; begin += width, row++) {
+    let first = 0;
+    while (first < width && a[begin + first] === b[begin + first]) first++;
+    if (first === width) continue;
+    let last = width - 1;
+    while (a[begin + last] === b[begin + last]) last--;
+    if (top < 0) top = row;
+    bottom = row;
+    if (first < left) left = first;
+    if (last > right) right = last;
+  }
+  return top < 0 ? null : { x: left, y: top, width: right - left + 1, height: bottom - top + 1 };
 }
 
 /** Where a line between two places crosses a row. */

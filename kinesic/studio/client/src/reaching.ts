@@ -7,7 +7,9 @@ import type { Drag } from "./stage.ts";
 import type { Body, Reached, Side } from "./types.ts";
 import type { Wire } from "./wire.ts";
 
-const PERIOD = 8; // [ms] between two questions, of which the server takes 200 a second
+// [ms] between two questions: the server reads a client 50 times a second in the long run, and whoever asks more often waits
+// for his turn each time, which takes 20 ms.
+const PERIOD = 21;
 const FREE = { elbow: "the elbow swings there", trunk: "the trunk leans there", gaze: "the eyes look there" };
 const plain = (name: string) => name.replace(/^l_/, "left ").replace(/^r_/, "right ").replaceAll("_", " ");
 

@@ -2,7 +2,7 @@
 import { type Picture, plainFace, type Scene, type Shape } from "kinesic:scene";
 import { coarsen } from "./coarse.ts";
 import { floorOf } from "./floor.ts";
-import { Raster, type Texture } from "./raster.ts";
+import { differenceOf, Raster, type Texture } from "./raster.ts";
 import { lightCorners, placeCorners, type Seen, type Solid, shareCorners, solidOf } from "./solid.ts";
 import type { Body } from "./types.ts";
 import type { Vector } from "./vectors.ts";
@@ -10,6 +10,7 @@ import type { Vector } from "./vectors.ts";
 const CELL = 0.02; // [m] of whose corners one is left
 const GHOST = 0.38; // how opaque the ghost is
 const FACE = { width: 96, height: 72 }; // [pixels] of the face on a screen
+
 interface Size {
   width: number;
   height: number;
@@ -30,6 +31,8 @@ export class Sketch {
   private readonly solids: Solid[];
   private ground: Texture = { width: 0, height: 0, pixels: new Uint32Array(0) };
   private grounded = ""; // what the ground was made for
+  private shown = new ImageData(1, 1);
+  private shownPixels = new Uint32Array(this.shown.data.buffer);
   private over = new Uint32Array(0); // the ghost alone
 
   constructor(
@@ -67,16 +70,27 @@ export class Sketch {
       this.drawBody({ ...seen, frames: scene.frames(ghost) }, (shape) => scene.paint(shape, {}), this.over);
       raster.lay(this.over, GHOST);
     }
-    const { canvas } = this;
-    if (canvas.width !== width) canvas.width = width;
-    if (canvas.height !== height) canvas.height = height;
-    const shown = new Uint8ClampedArray(raster.pixels.buffer as ArrayBuffer);
-    this.pen.putImageData(new ImageData(shown, width, height), 0, 0);
-    canvas.hidden = false;
+    this.show(width, height);
   }
 
   hide(): void {
     this.canvas.hidden = true;
+  }
+
+  /** Shows what is drawn: only where it differs from what is shown, as the browser paints all that it is given. */
+  private show(width: number, height: number): void {
+    const { canvas, raster } = this;
+    if (canvas.width !== width || canvas.height !== height) {
+      canvas.width = width;
+      canvas.height = height;
+      this.shown = new ImageData(width, height);
+      this.shownPixels = new Uint32Array(this.shown.data.buffer);
+    }
+    canvas.hidden = false;
+    const box = differenceOf(raster.pixels, this.shownPixels, width);
+    if (!box) return;
+    this.shownPixels.set(raster.pixels);
+    this.pen.putImageData(this.shown, 0, 0, box.x, box.y, box.width, box.height);
   }
 
   private prepareGround(view: Float32Array, ink: readonly number[], width: number, height: number): void {

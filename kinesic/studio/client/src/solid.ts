@@ -37,7 +37,9 @@ export function placeCorners(solid: Solid, { view, frames }: Seen, size: { width
   const { places, corners } = solid;
   const m = times(view, frames[solid.segment]!);
   for (let from = 0, to = 0; from < places.length; from += 3, to += STRIDE) {
-    const [x, y, z] = [places[from]!, places[from + 1]!, places[from + 2]!];
+    const x = places[from]!;
+    const y = places[from + 1]!;
+    const z = places[from + 2]!;
     const w = m[3]! * x + m[7]! * y + m[11]! * z + m[15]!;
     corners[to] = ((m[0]! * x + m[4]! * y + m[8]! * z + m[12]!) / w + 1) * 0.5 * size.width;
     corners[to + 1] = (1 - (m[1]! * x + m[5]! * y + m[9]! * z + m[13]!) / w) * 0.5 * size.height;
@@ -50,8 +52,12 @@ export function lightCorners(solid: Solid, { eye, frames }: Seen, paint: Vector)
   const { places, normals, corners } = solid;
   const f = frames[solid.segment]!;
   for (let from = 0, to = 3; from < places.length; from += 3, to += STRIDE) {
-    const [px, py, pz] = [places[from]!, places[from + 1]!, places[from + 2]!];
-    const [nx, ny, nz] = [normals[from]!, normals[from + 1]!, normals[from + 2]!];
+    const px = places[from]!;
+    const py = places[from + 1]!;
+    const pz = places[from + 2]!;
+    const nx = normals[from]!;
+    const ny = normals[from + 1]!;
+    const nz = normals[from + 2]!;
     const x = f[0]! * nx + f[4]! * ny + f[8]! * nz;
     const y = f[1]! * nx + f[5]! * ny + f[9]! * nz;
     const z = f[2]! * nx + f[6]! * ny + f[10]! * nz;
@@ -63,7 +69,9 @@ export function lightCorners(solid: Solid, { eye, frames }: Seen, paint: Vector)
     const sun = Math.max((x * SUN[0] + y * SUN[1] + z * SUN[2]) / long, 0);
     const lamp = Math.max((x * LAMP[0] + y * LAMP[1] + z * LAMP[2]) / long, 0);
     const bare = 0.46 + (0.14 * z) / long + 0.46 * sun + 0.12 * lamp;
-    const [hx, hy, hz] = [SUN[0] + ex / away, SUN[1] + ey / away, SUN[2] + ez / away];
+    const hx = SUN[0] + ex / away;
+    const hy = SUN[1] + ey / away;
+    const hz = SUN[2] + ez / away;
     const half = Math.max((x * hx + y * hy + z * hz) / (long * Math.sqrt(hx * hx + hy * hy + hz * hz)), 0);
     const rim = 1 - Math.max((x * ex + y * ey + z * ez) / (long * away), 0);
     const gloss = 0.16 * half ** 36 + 0.1 * rim ** 3;

@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { floorOf } from "../src/floor.ts";
-import { blend, Raster, STRIDE, type Texture } from "../src/raster.ts";
+import { blend, differenceOf, Raster, STRIDE, type Texture } from "../src/raster.ts";
 
 const SIZE = 16; // [pixels]
 const RED = 0xff0000ff;
@@ -120,4 +120,17 @@ test("the floor is seen from above, its lines where they are, and not beyond its
   assert.ok(at(0.249, 0.1) >>> 24 > 2 * (at(0.1, 0.1) >>> 24));
   assert.ok(at(0.1, 0.1) >>> 24 > at(1.35, 0.1) >>> 24);
   assert.equal(at(1.7, 0.1), 0);
+});
+
+test("two pictures differ in a box, or not at all", () => {
+  const [a, b] = [new Uint32Array(60), new Uint32Array(60)];
+  assert.equal(differenceOf(a, b, 10), null);
+  for (const [row, column] of [
+    [1, 7],
+    [2, 3],
+    [4, 5],
+  ] as const)
+    b[10 * row + column] = 1;
+  assert.deepEqual(differenceOf(a, b, 10), { x: 3, y: 1, width: 5, height: 4 });
+  assert.deepEqual(differenceOf(a, new Uint32Array(60).fill(1), 10), { x: 0, y: 0, width: 10, height: 6 });
 });

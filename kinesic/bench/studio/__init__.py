@@ -1,7 +1,4 @@
-"""The studio's server, from outside: how soon it plans an edit and answers a dragged hand, and what watching costs.
-
-The server runs in a process of its own; one client asks what the page asks. The browser adds what drawing takes.
-"""
+"""The studio from outside: how soon an edit is planned, a dragged hand drawn and a page opened; what watching costs."""
 
 import gzip
 import os
@@ -15,6 +12,8 @@ import numpy as np
 
 from kinesic.bench.bml.server import Server, open_server
 from kinesic.bench.figure import Figure
+from kinesic.bench.studio.browser import Browser, find_binary, open_browser
+from kinesic.bench.studio.dragging import WINDOW, time_drags, time_first_paints
 from kinesic.body.robot import Robot
 from kinesic.client import Client
 from kinesic.studio.page import PAGE
@@ -28,16 +27,19 @@ EDITED = (
     '<head id="n" lexeme="NOD" stroke="s:c"/></bml>'
 )  # about 5 s
 EDIT, REACH, WATCH, BUNDLE = 700.0, 33.0, 5.0, 200.0  # [ms], [ms], [% of a core], [kB]
+PAGE_GOALS = {"studio.drag_p95": 33.0, "studio.first_paint_p95": 1000.0, "studio.first_robot_p95": None}  # [ms]
 STEP, CIRCLE = 0.01, 0.08  # [s] later at each edit; [m] on which a hand is dragged
 RATE, MOVES = 20, 60  # [1/s] of watching, and of moves of a pointer
 EDITS, REACHES, SECONDS = 40, 200, 10.0
+LOADS, DRAGGED = 10, 8.0  # of the page; [s], in which fewer postures are drawn than the page keeps latencies of
+NO_BROWSER = "no Chromium: apt-get install chromium"
 PATIENCE = 60.0  # [s] until anything is answered
 
 Asked = Literal["plan", "reach"]
 
 
 def bench() -> list[Figure]:
-    """Measures edits, dragged hands, watching, and what a browser loads."""
+    """Measures edits, dragged hands, watching, what a browser loads, and how soon it shows that."""
     with open_server("--robot", ROBOT) as server, Client(port=server.port) as client:
         edits, reaches = time_edits(client, EDITS), time_reaches(client, REACHES)
         share = watching_share(server, client, SECONDS)
@@ -47,7 +49,26 @@ def bench() -> list[Figure]:
         _p95("studio.reach_p95", reaches, REACH),
         Figure("studio.watch", share, "% of a core", WATCH, "lower", why=no_share),
         Figure("studio.bundle", bundle_size(), "kB", BUNDLE, "lower", why="of scripts, compressed"),
+        *bench_page(),
     ]
+
+
+def bench_page() -> list[Figure]:
+    """Measures the page in a browser, with the robot that a studio has where none is named."""
+    if find_binary() is None:
+        return [Figure(name, None, "ms", goal, "lower", why=NO_BROWSER) for name, goal in PAGE_GOALS.items()]
+    size = f"--window-size={WINDOW[0]},{WINDOW[1]}"
+    with open_server("--no-browser", "--no-sound", verb="studio") as server, open_browser(size) as browser:
+        return time_page(browser, f"http://localhost:{server.port}/", LOADS, DRAGGED)
+
+
+def time_page(browser: Browser, url: str, loads: int, seconds: float) -> list[Figure]:
+    """Times a dragged hand for some seconds, and so many cold loads of the page."""
+    painted, seen = time_first_paints(browser, url, loads)
+    with browser.open_page(url) as page:
+        drags = time_drags(page, seconds)
+    measured = zip(PAGE_GOALS.items(), (drags, painted, seen), strict=True)
+    return [_p95(name, values, goal) for (name, goal), values in measured]
 
 
 def time_edits(client: Client, count: int) -> list[float]:
@@ -121,5 +142,5 @@ def _listen(client: Client, seconds: float) -> None:
         raise RuntimeError("watch: the server tells nothing of the body")
 
 
-def _p95(name: str, values: list[float], goal: float) -> Figure:
+def _p95(name: str, values: list[float], goal: float | None) -> Figure:
     return Figure(name, float(np.percentile(values, 95)), "ms", goal, "lower", why=f"median {np.median(values):.1f}")
