@@ -1,7 +1,7 @@
 """One server and one browser for all tests of the page."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from math import ceil
 from pathlib import Path
 
@@ -10,6 +10,7 @@ import pytest
 from kinesic.cli.live.studio import StudioPlanning
 from kinesic.cli.options import Planning
 from kinesic.controller.perform import set_up
+from kinesic.serve.wire.pages import WebFile
 from kinesic.serve.wire.quotas import Quotas
 from kinesic.studio.page import page_files
 
@@ -27,6 +28,7 @@ class Studio:
     page: Page
     server: Running
     folder: Path
+    files: Mapping[str, WebFile] = field(default_factory=dict)  # of the page
 
     def state(self, name: str) -> object:
         """One thing that the page knows."""
@@ -68,4 +70,4 @@ def studio(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
         url = f"http://localhost:{server.port}/"
         with opened(url) as page:
             page.until("window.kinesicStudio !== undefined && kinesicStudio.state().planned > 0")
-            yield Studio(page, server, folder)
+            yield Studio(page, server, folder, files)

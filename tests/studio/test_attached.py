@@ -3,7 +3,7 @@
 import asyncio
 import re
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from time import monotonic, sleep
 
@@ -13,6 +13,7 @@ import pytest
 from kinesic.controller.perform import set_up
 from kinesic.serve.server import Address
 from kinesic.serve.wire.origin import Access
+from kinesic.serve.wire.pages import WebFile
 from kinesic.studio.page import page_files
 from kinesic.studio.relay import open_relay
 
@@ -25,13 +26,13 @@ pytestmark = pytest.mark.realtime
 
 
 @contextmanager
-def relay(port: int, files: dict) -> Iterator[Address]:
-    """A relay to a server, in a thread."""
+def relay(port: int, files: Mapping[str, WebFile], own: int = 0) -> Iterator[Address]:
+    """A relay to a server, in a thread, on a port of its own."""
     loop, found, ready = asyncio.new_event_loop(), [], threading.Event()
     ended = asyncio.Event()
 
     async def act() -> None:
-        async with open_relay(Address("127.0.0.1", 0), Address("127.0.0.1", port), files) as door:
+        async with open_relay(Address("127.0.0.1", own), Address("127.0.0.1", port), files) as door:
             found.append(door)
             ready.set()
             await ended.wait()

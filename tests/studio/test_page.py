@@ -154,6 +154,24 @@ def test_escape_stops_the_robot_and_resume_goes_on(studio: Studio):
     studio.until("!s.stopped && !document.querySelector('#perform').disabled")
 
 
+def test_forty_gestures_in_two_minutes_are_planned_and_a_stop_does_not_wait_for_that(studio: Studio):
+    beats = "".join(
+        f'<gesture id="g{k}" lexeme="BEAT" mode="{("LEFT", "RIGHT")[k % 2]}_HAND" stroke="{2 + 3 * k}"/>'
+        for k in range(40)
+    )
+    long = f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="long">{beats}</bml>'
+    planned, area = studio.state("planned"), "document.querySelector('#text')"
+    studio.page.value(f"{area}.value = {long!r}; {area}.dispatchEvent(new Event('input'))")
+    studio.page.until("document.querySelector('#planning').textContent !== ''")
+    studio.page.click("#stop")
+    studio.until("s.stopped")
+    assert studio.state("planned") == planned, "the plan is not there yet"
+    studio.page.click("#resume")
+    studio.until(f"s.planned > {planned} && !s.stopped")
+    assert studio.page.value("document.querySelectorAll('[data-stroke]').length") == 40
+    assert studio.state("draft")["duration"] > 115.0
+
+
 def test_another_client_s_motion_is_seen(studio: Studio):
     studio.page.click("#mode-robot")
     studio.until("s.report !== null")

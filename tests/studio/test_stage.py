@@ -1,11 +1,15 @@
 """The stage in a browser, against the real server: what is dragged, what stops it, and how finely it is drawn."""
 
+from contextlib import ExitStack
+from functools import partial
+
 import pytest
 
 from kinesic.bench.studio import PAGE_GOALS, time_page
 
-from ..chromium import browser
+from ..chromium import browser, opened
 from .conftest import Studio
+from .test_attached import relay
 from .test_page import WORDS
 
 pytestmark = pytest.mark.realtime
@@ -183,3 +187,31 @@ def test_the_bench_times_a_dragged_hand_and_a_first_paint(studio: Studio):
     drag, paint, robot = (figure.value or 0.0 for figure in figures)
     assert drag > 1.0
     assert robot > paint > 1.0
+
+
+def test_a_server_that_goes_in_the_middle_of_a_drag_is_missed_until_it_is_back(studio: Studio):
+    way = ExitStack()
+    door = way.enter_context(relay(studio.server.port, studio.files))
+    with way, opened(f"http://{door}/") as page:
+        there = Studio(page, studio.server, studio.folder)
+        page.until("window.kinesicStudio !== undefined && kinesicStudio.state().planned > 0")
+        page.value("faults = [], onerror = onunhandledrejection = fault => faults.push(String(fault)), 0")
+        there.until("s.connection === 'open' && s.left !== null")
+        hand = there.state("left")
+        mouse = partial(page.call, "Input.dispatchMouseEvent", x=hand["x"], button="left", buttons=1, clickCount=1)
+        mouse(type="mousePressed", y=hand["y"])
+        mouse(type="mouseMoved", y=hand["y"] - 9)
+        there.until("s.reach !== null")
+        way.close()
+        mouse(type="mouseMoved", y=hand["y"] - 12)
+        there.until("s.connection === 'closed'")
+        assert page.value("document.querySelector('#state').textContent") == "no server"
+        assert page.value("document.querySelector('#stop').disabled")
+        mouse(type="mouseMoved", y=hand["y"] - 15)
+        with relay(studio.server.port, studio.files, door.port):
+            there.until("s.connection === 'open' && !document.querySelector('#stop').disabled")
+            before = there.state("latencies.length")
+            mouse(type="mouseMoved", y=hand["y"] - 25)
+            there.until(f"s.latencies.length > {before} && s.reach.reached")
+            mouse(type="mouseReleased", y=hand["y"] - 25)
+            assert page.value("faults") == []
