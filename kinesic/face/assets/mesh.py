@@ -65,9 +65,9 @@ class Mesh:
         """The same head with every face cut into four (Catmull-Clark); its first vertices are this mesh's.
 
         Subdivision is linear: shapes are subdivided with the positions, so that deforming works on either mesh.
-        Eyeballs would shrink; they keep their radii.
+        Eyeballs would shrink, and keep their radii; teeth would be worn at their edges, and stay as flat as they are.
         """
-        stencil, faces = refine(self.faces, len(self.positions))
+        stencil, faces = refine(self.faces, len(self.positions), flat=self.parts == PARTS.index("teeth"))
         positions = stencil @ self.positions
         parts = np.rint(stencil @ self.parts).astype(np.uint8)
         ball = np.flatnonzero(parts == PARTS.index("eyes"))
@@ -159,12 +159,15 @@ def seal_whole(values: NDArray[Whole]) -> NDArray[Whole]:
     return values
 
 
-def refine(faces: Indices, vertices: int) -> tuple["scipy.sparse.csr_array", Indices]:
+def refine(
+    faces: Indices, vertices: int, *, flat: NDArray[np.bool_] | None = None
+) -> tuple["scipy.sparse.csr_array", Indices]:
     """Refines a mesh: a vertex for each vertex, edge and face, in this order, and four faces for each.
 
     Args:
         faces: (f, 4) corners of quadrangles that run round all in the same sense.
         vertices: their number, v.
+        flat: (v,) which of them stay where they are, as do the faces between them.
 
     Returns:
         (v + e + f, v) stencil, whose product with positions gives the finer positions, and (4 f, 4) faces.
@@ -174,9 +177,10 @@ def refine(faces: Indices, vertices: int) -> tuple["scipy.sparse.csr_array", Ind
     middle = _incidence(np.repeat(np.arange(count), 4), faces.ravel(), (count, vertices)) / 4
     halfway = _incidence(np.repeat(np.arange(total), 2), ends.ravel(), (total, vertices)) / 2
     beside = _incidence(edge_of.ravel(), np.repeat(np.arange(count), 4), (total, count))
-    border = _sums(beside) < 2
+    flat = np.zeros(vertices, dtype=bool) if flat is None else flat
+    border = (_sums(beside) < 2) | flat[ends[:, 0]]
     between = _scaled(np.where(border, 1.0, 0.5), halfway) + _scaled(np.where(border, 0.0, 0.25), beside) @ middle
-    kept = _corners(faces, ends, border, middle, halfway, vertices)
+    kept = _corners(faces, ends, border, middle, halfway, flat)
     stencil = scipy.sparse.csr_array(scipy.sparse.vstack([kept, between, middle]))
     centres = vertices + total + np.arange(count)
     after, before = vertices + edge_of, vertices + np.roll(edge_of, 1, axis=1)
@@ -197,10 +201,10 @@ def _corners(
     border: NDArray[np.bool_],
     middle: "scipy.sparse.csr_array",
     halfway: "scipy.sparse.csr_array",
-    vertices: int,
+    flat: NDArray[np.bool_],
 ) -> "scipy.sparse.csr_array":
-    """(v, v) where the old vertices go: (F + 2 R + (n - 3) P) / n inside, (R + P) / 2 on a border."""
-    count, total = len(faces), len(ends)
+    """(v, v) where the old vertices go: (F + 2 R + (n - 3) P) / n inside, (R + P) / 2 on a border; flat ones stay."""
+    vertices, count, total = len(flat), len(faces), len(ends)
     faces_at = _incidence(faces.ravel(), np.repeat(np.arange(count), 4), (vertices, count))
     edges_at = _incidence(ends.ravel(), np.repeat(np.arange(total), 2), (vertices, total))
     open_at = edges_at @ scipy.sparse.diags_array(border.astype(float))
@@ -208,8 +212,8 @@ def _corners(
     valence = np.maximum(_sums(edges_at), 1.0)
     meeting = np.maximum(_sums(faces_at), 1.0)
     inner = np.where(outside, 0.0, 1.0 / valence)
-    outer = np.where(outside, 0.5 / np.maximum(_sums(open_at), 1.0), 0.0)
-    stays = np.where(outside, 0.5, 1.0 - 3.0 / valence)
+    outer = np.where(outside & ~flat, 0.5 / np.maximum(_sums(open_at), 1.0), 0.0)
+    stays = np.where(flat, 1.0, np.where(outside, 0.5, 1.0 - 3.0 / valence))
     return (
         _scaled(inner / meeting, faces_at @ middle)
         + _scaled(2 * inner / valence, edges_at @ halfway)

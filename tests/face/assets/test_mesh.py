@@ -108,6 +108,12 @@ def test_eyeballs_stay_as_round_as_they_were(mesh: Mesh):
     assert fine.max() < coarse.max() + 1e-5
 
 
+def test_teeth_are_not_worn_by_subdivision(mesh: Mesh):
+    fine, teeth = mesh.subdivided(), mesh.vertices("teeth")
+    np.testing.assert_array_equal(fine.positions[teeth], mesh.positions[teeth])
+    assert len(fine.vertices("teeth")) > 3 * len(teeth)
+
+
 def test_a_missing_or_broken_file_and_an_unknown_variant_are_one_error(tmp_path: Path):
     with pytest.raises(DisplayError, match=r"none\.npz: no such file"):
         load_head(path=tmp_path / "none.npz")

@@ -17,6 +17,7 @@ const float SUNKEN = 0.12; // how far the iris lies behind it, as it is refracte
 const float DAMP = 0.2;    // how much the white of the eye shines beside the cornea
 const vec3 GUMS = vec3(0.42, 0.12, 0.11), IVORY = vec3(0.80, 0.74, 0.64), TONGUE_RED = vec3(0.50, 0.135, 0.125);
 const vec3 THROAT = vec3(0.032, 0.008, 0.007);  // what is far back is as dark as the skin there
+const vec3 WALLS = vec3(1.0, 0.66, 0.58);  // light that has come by way of cheeks and palate
 const float LEVEL = 0.85;  // of how far teeth lean up or down, which is left out: their mesh turns over at the cutting edge
 const float INNER = 3.0;  // [mm] that a crown is shorter on the side of the tongue
 const int TEETH_ON_A_SIDE = 7;
@@ -61,7 +62,7 @@ vec4 teeth(inout vec3 n) {
     vec3 ivory = IVORY * mix(vec3(1.0), vec3(0.93, 0.84, 0.70), smoothstep(0.3, 1.0, placed.y / crown));
     vec3 colour = mix(ivory * (1.0 - 0.5 * between), GUMS * (1.0 - 0.35 * smoothstep(2.0, 6.0, placed.y - crown)), gum);
     float light = smoothstep(-0.25, 0.36, placed.z) * (placed.y < 0.0 ? 0.55 : 1.0);
-    return vec4(mix(THROAT, colour, light), (1.0 - gum * 0.4) * light);
+    return vec4(mix(THROAT, colour * mix(WALLS, vec3(1.0), light), light), (1.0 - gum * 0.4) * light);
 }
 
 vec4 tongue() {
