@@ -5,7 +5,7 @@ from typing import Protocol
 
 import numpy as np
 
-from kinesic.body.arrays import Floats, sealed
+from kinesic.body.arrays import Floats, seal_own, sealed
 from kinesic.body.choices import Terms
 from kinesic.body.command import RATE
 from kinesic.body.dynamics import Dynamics
@@ -70,10 +70,8 @@ class FeedForward:
         robot = self.robot
         angles, speeds, accelerations = motion.sample(times + self.period / 2 + self.delay)
         torques = self.dynamics.torques(angles, speeds, accelerations)
-        stall = np.array([drive.stall for drive in robot.drives])
-        no_load = np.array([drive.no_load for drive in robot.drives])
-        gain = np.array([drive.gain for drive in robot.drives])
-        rate = np.array([drive.rate_gain for drive in robot.drives])
+        drives = robot.drives
+        stall, no_load, gain, rate = drives.stall, drives.no_load, drives.gain, drives.rate_gain
         duties = torques / stall + speeds / no_load
         if self.terms == "none":
             sent = motion.sample(times)[0]
@@ -84,4 +82,4 @@ class FeedForward:
         if self.learned:
             loads, leads = (1.0 + self.learned.load) * loads, (1.0 + self.learned.lead) * leads
         goals = robot.skeleton.clamp(angles + leads + loads)
-        return FeedForwardGoals(sealed(goals), sealed(loads), sealed(leads), sealed(duties))
+        return FeedForwardGoals(seal_own(goals), seal_own(loads), seal_own(leads), seal_own(duties))

@@ -102,7 +102,7 @@ def foresee(planned: Floats, measured: Floats, distances: Distances, *, every: i
     rooms = distances.bounds(postures, most)  # no room is smaller: what stays above a measured one need not be measured
     nearest = np.array([rooms.argmin()])
     rooms[nearest] = _rooms_at(nearest, postures, strayed, lags, distances)
-    nearer = np.setdiff1d(np.flatnonzero(rooms < rooms[nearest]), nearest)
+    nearer = np.flatnonzero(rooms < rooms[nearest])
     if nearer.size:
         rooms[nearer] = _rooms_at(nearer, postures, strayed, lags, distances)
     return rooms

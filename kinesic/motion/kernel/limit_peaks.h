@@ -29,16 +29,22 @@ struct Part {
     int order = 0;
 };
 
+// Raises values to others where these are larger.
+inline void raise(double* __restrict values, const double* __restrict others, int count) {
+    for (int k = 0; k < count; ++k) values[k] = others[k] > values[k] ? others[k] : values[k];
+}
+
 // Finds the largest magnitude of a sum of splines at the instants of its pieces.
 inline HingePeak find_peak(const std::vector<const Part*>& parts, int pieces, const Instants& instants) {
     static const double constant = 1.0;
-    std::vector<double> bounds(pieces, 0.0);
-    for (const Part* part : parts)
-        for (int k = 0; k < pieces; ++k) {
-            double largest = 0.0;
-            for (int j = 0; j < 4 - part->order; ++j) largest = std::max(largest, std::abs(part->points[k + j]));
-            bounds[k] += largest;
-        }
+    std::vector<double> bounds(pieces, 0.0), largest(pieces), sizes;
+    for (const Part* part : parts) {  // row by row, so that lanes run along
+        sizes.resize(part->points.size());
+        for (size_t k = 0; k < sizes.size(); ++k) sizes[k] = std::abs(part->points[k]);
+        std::copy_n(sizes.begin(), pieces, largest.begin());
+        for (int j = 1; j < 4 - part->order; ++j) raise(largest.data(), sizes.data() + j, pieces);
+        for (int k = 0; k < pieces; ++k) bounds[k] += largest[k];
+    }
     const bool still = parts[0]->order == 3;  // it is constant between knots
     HingePeak best;
     const auto look = [&](int piece, bool first) {
@@ -72,10 +78,11 @@ struct HingeLimits {
 inline void find_peaks(const double* controls, size_t stride, int pieces, const double* scales, const HingeLimits& limits,
                        const Instants& instants, HingePeak* peaks, double& squares) {
     std::vector<double> differences[4];
-    for (int k = 0; k < pieces + 3; ++k) differences[0].push_back(controls[k * stride]);
+    for (int order = 0; order < 4; ++order) differences[order].resize(pieces + 3 - order);
+    for (int k = 0; k < pieces + 3; ++k) differences[0][k] = controls[k * stride];
     for (int order = 1; order < 4; ++order)
-        for (size_t k = 1; k < differences[order - 1].size(); ++k)
-            differences[order].push_back(differences[order - 1][k] - differences[order - 1][k - 1]);
+        for (int k = 0; k < pieces + 3 - order; ++k)
+            differences[order][k] = differences[order - 1][k + 1] - differences[order - 1][k];
     const auto make = [&](int order, auto scale) {
         Part part{differences[order], order};
         for (double& point : part.points) point = scale(point / scales[order]);
