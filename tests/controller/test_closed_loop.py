@@ -1,5 +1,7 @@
 """The compiled loop does what Python does tick by tick."""
 
+from weakref import ref
+
 import numpy as np
 import pytest
 
@@ -89,3 +91,18 @@ def test_where_mujoco_is_not_as_expected_python_steps(calm, monkeypatch):
     assert address == model._address + _timestep_offset()
     monkeypatch.setattr("kinesic.sim.twin.function_address", lambda name: None)
     assert Twin(calm.plan.setup.robot).parts() is None
+
+
+def test_what_the_correction_reads_is_let_go_before_the_last_twin_is_measured(calm, monkeypatch):
+    read, alive = [], []
+    prepare, measure = closed_loop._inputs, Twin.measurements
+
+    def remember(*given):
+        rows = prepare(*given)
+        read.append(ref(rows))
+        return rows
+
+    monkeypatch.setattr(closed_loop, "_inputs", remember)
+    monkeypatch.setattr(Twin, "measurements", lambda self: alive.append(read[0]() is not None) or measure(self))
+    dry_runs(calm.plan, (NOMINAL, PESSIMISTIC), watch=False)
+    assert alive == [True, False]
