@@ -106,6 +106,11 @@ def test_a_posture_is_drawn_once_finely_when_still_and_sketched_by_the_processor
         studio.page.value(turned % 0.001)  # a tick of an encoder is not seen
     studio.rest(0.1)
     assert studio.state("drawn") == drawn
+    studio.page.value("document.querySelector('#show-sectors').click()")  # as by keyboard: no pointer moves
+    studio.page.until("!document.querySelector('#sectors').hasAttribute('hidden')")
+    studio.page.value("document.querySelector('#show-sectors').click()")
+    studio.page.until("document.querySelector('#sectors').hasAttribute('hidden')")
+    drawn = studio.state("drawn")
     studio.page.value(turned % 0.01)
     studio.until(f"s.drawn > {drawn}")
     sketched = "!document.querySelector('#sketch').hidden"

@@ -59,7 +59,7 @@ export class StageView {
 
   showSectors(on: boolean): void {
     this.stage.sectors.shown = on;
-    this.redraw();
+    this.stage.redraw(); // also where the robot looks as before
   }
 
   private redraw(asked?: number): void {
