@@ -113,6 +113,8 @@ what became of it:
 - **An arm stayed up for nothing**: in `night.bml`, of which nothing was tuned, the left one stood out to the side for a
   second after a shrug, while the right one gave something. A hand that waits for its next gesture now sinks half of the
   way to its rest, where there is time for it.
+- **Poses were done twice**: in the joyful `night.bml` the hand went to the ear, aside and to the ear again, for one
+  "listened", and both hands twice to the cheek. A hand that comes to the head to stay does so once.
 - **An arm turned over**: the left one in the joyful `house`, by 150 degrees, so that the stroke came 0.38 s late.
 - **A stroke ran over the next word**: the joyful `fire` rose twice, and hands that should fold at `waited` did not.
 - **The head stayed on a hand that waited**, for up to 5 s. Now it turns back to the listener until the next gesture.
@@ -124,7 +126,8 @@ what became of it:
   5 cm, and between gestures they hang 2 to 18 mm beside their rest.
 - **The head went straight from key to key.** Now it dips and leans on its way, and eyes leave no later than it does.
 
-What still looks mechanical: in the calm style one of eight seeds loses `open`; the head follows the hands through a
+What still looks mechanical: in pauses of a second both arms hang straight down, as at attention, and the trunk is
+upright; nobody shifts weight. In the calm style one of eight seeds loses `open`; the head follows the hands through a
 long stroke (`fire`, 3.5 s) to its end; the left hand stays folded, alone, while the right one counts. In three gestures
 the head does not look at the hands, as the document has it: its gaze to the left takes head and eyes from `far` and
 `mountain`; its nod takes the head's tilt from `full`, where eyes alone look down. What a document asks comes first,

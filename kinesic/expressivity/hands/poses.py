@@ -118,7 +118,7 @@ def poses(form: GestureForm, robot: Robot, manner: Expressivity) -> Poses:
     """
     put = _put_into_world(form.keys, robot, manner)
     more = round(2 * manner.repetition) if manner.repetition > 0 else -round(-manner.repetition)
-    times = 1 if form.rest else max(1, put.written + more)
+    times = 1 if form.rest or form.stays else max(1, put.written + more)
     again = tuple(put.count // 2 + k * (put.count - put.back) for k in range(1, times))
     hands = {side: _lift_shoulder(row, put.count // 2, form.body.shoulders) for side, row in put.hands.items()}
     return Poses(

@@ -14,6 +14,8 @@ from kinesic.expressivity.style.effort import Tempo
 
 Kind = Literal["exact", "synonym", "class"]  # the name itself; another name of it; one for all of its class
 
+ONE_WAY = 2  # keys of a gesture that goes from one place to another
+
 
 @dataclass(frozen=True, eq=False)
 class HandPose:
@@ -63,6 +65,12 @@ class GestureForm:
     def sides(self) -> frozenset[Side]:
         """Hands that take part."""
         return frozenset(side for key in self.keys for side in key.hands)
+
+    @property
+    def stays(self) -> bool:
+        """Whether a hand comes to the head to stay there, as one that listens: nobody does that twice in a row."""
+        touching = any(pose.touch == "head" for pose in self.keys[-1].hands.values())
+        return touching and len(self.keys) == ONE_WAY and self.tempo == "sustained"
 
 
 @dataclass(frozen=True, eq=False)

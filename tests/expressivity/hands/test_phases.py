@@ -163,6 +163,19 @@ def test_repetition_repeats_the_stroke(robot, lexicon):
     assert [poses(form, robot, Expressivity(repetition=r)).count for r in (-1.0, 0.0, 0.5, 1.0)] == [2, 2, 4, 6]
 
 
+@pytest.mark.parametrize("gesture", ["listen", "think", "sleep", "phone_call", "hush"])
+def test_a_hand_that_comes_to_the_head_to_stay_does_so_once(robot, lexicon, gesture):
+    found = poses(lexicon.forms_by_id[gesture], robot, Expressivity(repetition=1.0))
+    assert found.times == 1
+
+
+def test_what_pats_or_is_done_at_the_head_is_repeated(robot, lexicon):
+    repeated = [
+        poses(lexicon.forms_by_id[name], robot, Expressivity(repetition=1.0)) for name in ("heart", "eat", "crazy")
+    ]
+    assert all(found.times > 1 for found in repeated)
+
+
 def test_between_two_keys_directions_turn_and_stay_unit(robot):
     rest = resting_hands(robot)["r"]
     a = Hand(Reach(sealed([0, 0, 0]), pointing=sealed([1, 0, 0]), palm=sealed([0, 0, 1])))
