@@ -8,6 +8,20 @@ export interface Mesh {
   triangles: Uint32Array;
 }
 
+const CELL = 0.02; // [m] at most
+const FEWEST = 5; // cells along a part, so that a finger is one
+
+/** How large cells may be [m], so that a small part keeps its form. */
+export function cellOf(mesh: ArrayLike<number>): number {
+  const [low, high] = [Array(3).fill(Number.POSITIVE_INFINITY), Array(3).fill(Number.NEGATIVE_INFINITY)];
+  for (let corner = 0; corner < mesh.length; corner += 6)
+    for (let axis = 0; axis < 3; axis++) {
+      low[axis] = Math.min(low[axis], mesh[corner + axis]!);
+      high[axis] = Math.max(high[axis], mesh[corner + axis]!);
+    }
+  return Math.min(CELL, Math.max(...high.map((value, axis) => value - low[axis])) / FEWEST);
+}
+
 /**
  * What is left of a mesh where all corners inside a cell of space are one of them, and each triangle is there once; its
  * corners run to the left as seen from outside, which the normals tell.

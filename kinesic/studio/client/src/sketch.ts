@@ -1,13 +1,12 @@
 // The robot as it is drawn while it moves where there is no graphics card: by the processor, from fewer triangles.
 import { type Picture, plainFace, type Scene, type Shape } from "kinesic:scene";
-import { coarsen } from "./coarse.ts";
+import { cellOf, coarsen } from "./coarse.ts";
 import { floorOf } from "./floor.ts";
 import { differenceOf, Raster, type Texture } from "./raster.ts";
 import { lightCorners, placeCorners, type Seen, type Solid, shareCorners, solidOf } from "./solid.ts";
 import type { Body } from "./types.ts";
 import type { Vector } from "./vectors.ts";
 
-const CELL = 0.02; // [m] of whose corners one is left
 const GHOST = 0.38; // how opaque the ghost is
 const FACE = { width: 96, height: 72 }; // [pixels] of the face on a screen
 
@@ -42,7 +41,9 @@ export class Sketch {
     { screen }: Body,
   ) {
     this.pen = canvas.getContext("2d", { willReadFrequently: true })!;
-    this.solids = shapes.map((shape) => solidOf(coarsen(shape.mesh, shape.corners, CELL), shape.segment, shape));
+    this.solids = shapes.map((shape) =>
+      solidOf(coarsen(shape.mesh, shape.corners, cellOf(shape.mesh)), shape.segment, shape),
+    );
     if (!screen) return;
     this.face = readFace();
     const { picture, segment } = screen;

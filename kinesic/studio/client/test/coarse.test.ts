@@ -1,7 +1,7 @@
 // What is left of a body that is drawn while it moves.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { coarsen, type Mesh } from "../src/coarse.ts";
+import { cellOf, coarsen, type Mesh } from "../src/coarse.ts";
 import { cross, dot, plus, type Vector } from "../src/vectors.ts";
 import { sphere } from "./sphere.ts";
 
@@ -40,4 +40,15 @@ test("two parts of one mesh have the same corners where they meet", () => {
   const whole = new Set(placesOf(coarsen(ball, all, CELL)));
   for (const part of [all.slice(0, all.length / 2), all.slice(all.length / 2)])
     for (const place of placesOf(coarsen(ball, part, CELL))) assert.ok(whole.has(place));
+});
+
+test("a small part keeps its form, a large one is made of cells that are not seen", () => {
+  assert.equal(cellOf(ball), 0.02);
+  const tip = sphere(0.006, 40);
+  const { places, triangles } = coarsen(tip, undefined, cellOf(tip));
+  assert.ok(triangles.length >= 3 * 50);
+  for (const axis of [0, 1, 2]) {
+    const along = places.filter((_, k) => k % 3 === axis);
+    assert.ok(Math.max(...along) - Math.min(...along) > 0.75 * 0.012);
+  }
 });
