@@ -53,7 +53,7 @@ def test_ctrl_c_is_one_line_and_leaves_no_folder(kinesic, tmp_path, monkeypatch:
 IMPORTING = {
     "a verb": (
         "import os, sys; from kinesic import cli; from kinesic.cli import options\n"
-        "options.import_module = lambda name: os.kill(os.getpid(), 2)\n"
+        "options.import_at_once = lambda name: os.kill(os.getpid(), 2)\n"
         "sys.argv = ['kinesic', 'robots', 'list']\n"
         "cli.main()"
     ),
