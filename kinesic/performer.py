@@ -3,7 +3,7 @@
 import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Literal, Unpack, get_args
+from typing import TYPE_CHECKING, Literal, Unpack, get_args
 
 from kinesic.bml.block import BmlError
 from kinesic.body.choices import Terms
@@ -16,18 +16,17 @@ from kinesic.controller.options import LIVELY, PlanningOptions
 from kinesic.controller.perform import dry_runs, set_up
 from kinesic.controller.perform import perform as perform_text
 from kinesic.controller.play import command_times, commands, play_together
-from kinesic.controller.servo_performance import interrupted, perform_live
-from kinesic.controller.soundtrack import speak_along
 from kinesic.expressivity.style.style import Style
-from kinesic.hardware.servos import Servos, check_ports
-from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.planning.bap import SUFFIX, read_bap
 from kinesic.planning.face_track import faces
 from kinesic.planning.imported_motion import plan_imported
 from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.setup import Setup
-from kinesic.report.run import Performance, performance_of
 from kinesic.sim.servo_factors import NOMINAL, TWINS, Factors, TwinName
+
+if TYPE_CHECKING:
+    from kinesic.controller.servo_performance import ServoRun
+    from kinesic.report.run import Performance
 
 Document = str | bytes | Path  # a path, or BML text
 On = Literal["twin", "servos"]
@@ -107,7 +106,7 @@ class Performer:
         feedforward: Terms = "full",
         correction: bool = True,
         believed: Factors | None = None,
-    ) -> Performance:
+    ) -> "Performance":
         """Performs in the twin; then in sinks of one's own, and on the servos, if they are requested.
 
         Servos move only where no check of the twin has failed (`run.servos` is None otherwise). Ctrl-C folds them to
@@ -130,10 +129,12 @@ class Performer:
             ConfigError: there is no such way to perform.
             TypeError: a sink cannot `write` or `close`.
         """
+        from kinesic.report.run import performance_of  # noqa: PLC0415 - who only plans starts sooner
+
         _check_way(on, twin, sinks)
         planned = plan if isinstance(plan, Plan) else self.plan(plan)
         if on == "servos":
-            check_ports(planned.setup.robot, Manifest.of(planned.setup.robot), ports or {})
+            _check_ports(planned.setup.robot, ports or {})
         factors = (twin,) if isinstance(twin, Factors) else TWINS[twin]
         if believed is None:
             believed = twin if isinstance(twin, Factors) else NOMINAL
@@ -142,21 +143,18 @@ class Performer:
         if sinks:
             _play(planned, sinks, feedforward)
         if on == "servos" and run.ok:
-            with speak_along(planned, _warn) as said:
-                servos = Servos(planned.setup.robot, ports or {})
-                with interrupted() as stopped:
-                    live = perform_live(run, servos, requested=lambda: "end" if stopped() else "go on", shown=said)
+            live = _perform_on_servos(run, ports or {})
             run = performance_of(found, beside=tuple(beside), seed=self.setup.idling.seed, servos=live)
         return run
 
-    def report(self, done: Performance | Plan | Document, folder: str | Path, *, film: bool = True) -> Performance:
+    def report(self, done: "Performance | Plan | Document", folder: str | Path, *, film: bool = True) -> "Performance":
         """Writes the report of a performance; what is not performed yet is performed in the twin first.
 
         Raises:
             BmlError: the document is refused.
             ConfigError: something else than a report is in the folder.
         """
-        run = done if isinstance(done, Performance) else self.perform(done)
+        run = self.perform(done) if isinstance(done, Plan | str | bytes | Path) else done
         run.report(folder, film=film)
         return run
 
@@ -172,12 +170,14 @@ def perform(
     twin: Factors = NOMINAL,
     feedforward: Terms = "full",
     correction: bool = True,
-) -> Performance:
+) -> "Performance":
     """Plans a BML document and performs it in the twin.
 
     Raises:
         BmlError: the document is refused.
     """
+    from kinesic.report.run import performance_of  # noqa: PLC0415 - as above
+
     run = perform_text(text, known, source=source, twin=twin, feedforward=feedforward, correction=correction)
     return performance_of(run, seed=run.plan.setup.idling.seed)
 
@@ -210,6 +210,25 @@ def _check_way(on: str, twin: object, sinks: Sequence[object]) -> None:
             raise TypeError(f"a sink needs write(command) and close(); {type(sink).__name__} lacks {missing[0]}")
 
 
+def _check_ports(robot: Robot, ports: Mapping[str, str | Path]) -> None:
+    from kinesic.hardware.servos import check_ports  # noqa: PLC0415 - who has no servos starts sooner
+    from kinesic.hardware.supervisor.manifest import Manifest  # noqa: PLC0415
+
+    check_ports(robot, Manifest.of(robot), ports)
+
+
+def _perform_on_servos(run: "Performance", ports: Mapping[str, str | Path]) -> "ServoRun":
+    """Performs on the servos what the twin has performed, with its voice; Ctrl-C ends it."""
+    from kinesic.controller.servo_performance import interrupted, perform_live  # noqa: PLC0415 - as above
+    from kinesic.controller.soundtrack import speak_along  # noqa: PLC0415
+    from kinesic.hardware.servos import Servos  # noqa: PLC0415
+
+    with speak_along(run.plan, _warn) as said:
+        servos = Servos(run.plan.setup.robot, ports)
+        with interrupted() as stopped:
+            return perform_live(run, servos, requested=lambda: "end" if stopped() else "go on", shown=said)
+
+
 def _play(plan: Plan, sinks: Sequence[Sink], terms: Terms) -> None:
     """Hands every command of a plan, with the face, to all sinks."""
     times, known = command_times(plan.duration), plan.setup
@@ -219,4 +238,4 @@ def _play(plan: Plan, sinks: Sequence[Sink], terms: Terms) -> None:
 
 
 def _warn(line: str) -> None:
-    warnings.warn(line, stacklevel=7)  # of who called `perform`
+    warnings.warn(line, stacklevel=8)  # of who called `perform`
