@@ -118,8 +118,8 @@ class Performer:
             ports: path of the device by the name of each bus of the robot, for servos.
             sinks: each gets every command, as fast as it takes them, and is closed at the end.
             twin: how far the twin is from the robot's description.
-            feedforward: what of the servos' model is inverted.
-            correction: whether goals are corrected by what the twin measures.
+            feedforward: what of the servos' model is inverted, for the twin and sinks; servos are led with "full".
+            correction: whether goals in the twin are corrected by what it measures.
             believed: how the servos are believed to be, by which goals lead; None: as the twin's where its factors are
                 given, as this very robot's, else as data sheets say.
 
@@ -132,6 +132,10 @@ class Performer:
         from kinesic.report.run import performance_of  # noqa: PLC0415 - who only plans starts sooner
 
         _check_way(on, twin, sinks)
+        if on == "servos" and feedforward != "full":
+            raise ConfigError(
+                f"feedforward is {feedforward!r}: servos are led with 'full' alone, as their dry run is then"
+            )
         planned = plan if isinstance(plan, Plan) else self.plan(plan)
         if on == "servos":
             _check_ports(planned.setup.robot, ports or {})
@@ -139,12 +143,12 @@ class Performer:
         if believed is None:
             believed = twin if isinstance(twin, Factors) else NOMINAL
         found, *beside = dry_runs(planned, factors, feedforward=feedforward, correction=correction, believed=believed)
-        run = performance_of(found, beside=tuple(beside), seed=self.setup.idling.seed)
+        run = performance_of(found, beside=tuple(beside), seed=planned.setup.idling.seed)
         if sinks:
-            _play(planned, sinks, feedforward)
+            _play(planned, sinks, believed, feedforward)
         if on == "servos" and run.ok:
             live = _perform_on_servos(run, ports or {})
-            run = performance_of(found, beside=tuple(beside), seed=self.setup.idling.seed, servos=live)
+            run = performance_of(found, beside=tuple(beside), seed=planned.setup.idling.seed, servos=live)
         return run
 
     def report(self, done: "Performance | Plan | Document", folder: str | Path, *, film: bool = True) -> "Performance":
@@ -191,12 +195,14 @@ def _read(document: Document) -> tuple[str | bytes | None, str]:
     if isinstance(document, bytes) or (isinstance(document, str) and document.lstrip("\ufeff \t\r\n")[:1] in "<{["):
         return document, "<text>"
     path = Path(document)
-    if path.suffix == SUFFIX:
+    if path.suffix.lower() == SUFFIX:
         return None, str(path)
     try:
         return path.read_bytes(), str(path)
     except OSError as error:
         raise BmlError(f"{path}: {error.strerror}; give a path, or BML text that begins with <") from None
+    except ValueError as error:
+        raise BmlError(f"{str(path)!r}: {error}; give a path, or BML text that begins with <") from None
 
 
 def _check_way(on: str, twin: object, sinks: Sequence[object]) -> None:
@@ -229,10 +235,10 @@ def _perform_on_servos(run: "Performance", ports: Mapping[str, str | Path]) -> "
             return perform_live(run, servos, requested=lambda: "end" if stopped() else "go on", shown=said)
 
 
-def _play(plan: Plan, sinks: Sequence[Sink], terms: Terms) -> None:
+def _play(plan: Plan, sinks: Sequence[Sink], believed: Factors, terms: Terms) -> None:
     """Hands every command of a plan, with the face, to all sinks."""
     times, known = command_times(plan.duration), plan.setup
-    setpoints = FeedForward(known.robot, known.dynamics, terms=terms).lead(plan.trajectory, times)
+    setpoints = FeedForward.of(known.robot, known.dynamics, believed, terms=terms).lead(plan.trajectory, times)
     stream = commands(plan.trajectory, times, setpoints, faces(plan, times))
     play_together(((command,) * len(sinks) for command in stream), sinks)
 

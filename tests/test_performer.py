@@ -236,7 +236,12 @@ def test_wrong_options_are_told_what_would_have_worked(wrong, error, said):
 
 
 @pytest.mark.parametrize(
-    ("wrong", "said"), [({"on": "servo"}, "did you mean servos"), ({"twin": "nominl"}, "did you mean nominal")]
+    ("wrong", "said"),
+    [
+        ({"on": "servo"}, "did you mean servos"),
+        ({"twin": "nominl"}, "did you mean nominal"),
+        ({"on": "servos", "feedforward": "none"}, "servos are led with 'full' alone"),
+    ],
 )
 def test_wrong_ways_to_perform_are_told_what_would_have_worked(performer, plan, wrong, said):
     with pytest.raises(kinesic.ConfigError, match=said):
@@ -248,6 +253,8 @@ def test_a_document_is_a_path_or_a_text(performer):
     assert str(performer.plan(str(path))).startswith(f"plan of {path} on upper22")
     with pytest.raises(kinesic.BmlError, match=r"nowhere.bml: No such file or directory; give a path, or BML text"):
         performer.plan("nowhere.bml")
+    with pytest.raises(kinesic.BmlError, match=r"nowhere.*null byte; give a path"):
+        performer.plan("nowhere\0.bml")
     with pytest.raises(kinesic.BmlError, match=r"^greeting:1"):
         performer.plan("<bml", source="greeting")
 

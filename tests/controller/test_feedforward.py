@@ -1,14 +1,31 @@
 import numpy as np
 
+from kinesic import Performer
 from kinesic.body.arrays import Floats
+from kinesic.body.command import Command
 from kinesic.body.dynamics import Load
 from kinesic.body.robot import Robot
 from kinesic.controller.feedforward import FeedForward
 from kinesic.controller.learned_gains import LearnedGains
 from kinesic.motion.trajectory import stay
+from kinesic.sim.servo_factors import NOMINAL, Factors
 
+NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" stroke="0.8"/></bml>'
 ROBOT = Robot.load()
 COUNT = len(ROBOT.skeleton.hinges)
+
+
+class Told:
+    """A sink that keeps its commands."""
+
+    def __init__(self) -> None:
+        self.commands: list[Command] = []
+
+    def write(self, command: Command, /) -> None:
+        self.commands.append(command)
+
+    def close(self) -> None:
+        """Keeps them."""
 
 
 class Weightless:
@@ -100,3 +117,15 @@ def test_without_feed_forward_the_reference_itself_is_sent():
     np.testing.assert_array_equal(none.goals[0], stay(posture).at(0.05).angles)
     assert not none.loads.any()
     assert none.duties.any()
+
+
+def test_a_sink_is_led_as_its_servos_are_believed_to_be():
+    performer = Performer()
+    plan = performer.plan(NOD)
+
+    def goals(believed: Factors) -> Floats:
+        told = Told()
+        performer.perform(plan, sinks=[told], believed=believed)
+        return np.array([command.goals for command in told.commands])
+
+    assert np.abs(goals(NOMINAL) - goals(Factors(gain=0.8))).max() > 1e-3

@@ -61,7 +61,8 @@ export class Sketch {
    */
   draw({ twin, ghost, ink, lit }: Picture, seen: Seen, size: Size, scale: number): void {
     const { raster, scene } = this;
-    const [width, height] = [Math.round(size.width * scale), Math.round(size.height * scale)];
+    const width = Math.max(1, Math.round(size.width * scale));
+    const height = Math.max(1, Math.round(size.height * scale));
     this.prepareGround(seen.view, ink, width, height);
     raster.begin(this.ground);
     this.drawBody(seen, (shape) => scene.paint(shape, { ...twin, lit }));
@@ -81,7 +82,7 @@ export class Sketch {
   /** Shows what is drawn: only where it differs from what is shown, as the browser paints all that it is given. */
   private show(width: number, height: number): void {
     const { canvas, raster } = this;
-    if (canvas.width !== width || canvas.height !== height) {
+    if (this.shown.width !== width || this.shown.height !== height) {
       canvas.width = width;
       canvas.height = height;
       this.shown = new ImageData(width, height);

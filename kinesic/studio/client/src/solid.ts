@@ -40,10 +40,12 @@ export function placeCorners(solid: Solid, { view, frames }: Seen, size: { width
     const x = places[from]!;
     const y = places[from + 1]!;
     const z = places[from + 2]!;
-    const w = m[3]! * x + m[7]! * y + m[11]! * z + m[15]!;
+    const depth = m[2]! * x + m[6]! * y + m[10]! * z + m[14]!;
+    const away = m[3]! * x + m[7]! * y + m[11]! * z + m[15]!;
+    const w = depth < -away ? Number.NaN : away; // before the near plane: no triangle with this corner is drawn
     corners[to] = ((m[0]! * x + m[4]! * y + m[8]! * z + m[12]!) / w + 1) * 0.5 * size.width;
     corners[to + 1] = (1 - (m[1]! * x + m[5]! * y + m[9]! * z + m[13]!) / w) * 0.5 * size.height;
-    corners[to + 2] = (m[2]! * x + m[6]! * y + m[10]! * z + m[14]!) / w;
+    corners[to + 2] = depth / w;
   }
 }
 

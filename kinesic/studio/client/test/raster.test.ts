@@ -3,6 +3,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { floorOf } from "../src/floor.ts";
 import { blend, differenceOf, Raster, STRIDE, type Texture } from "../src/raster.ts";
+import { placeCorners, solidOf } from "../src/solid.ts";
 
 const SIZE = 16; // [pixels]
 const RED = 0xff0000ff;
@@ -133,4 +134,22 @@ test("two pictures differ in a box, or not at all", () => {
     b[10 * row + column] = 1;
   assert.deepEqual(differenceOf(a, b, 10), { x: 3, y: 1, width: 5, height: 4 });
   assert.deepEqual(differenceOf(a, new Uint32Array(60).fill(1), 10), { x: 0, y: 0, width: 10, height: 6 });
+});
+
+test("what is behind the eye, or only partly before it, is not drawn", () => {
+  const view = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, -1, 0, 0, -0.2, 0]); // near 0.1, along -z
+  const whole = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
+  const seenAt = (third: number, others: number): number => {
+    const places = new Float32Array([-1, -1, others, 1, -1, others, 0, 1, third]);
+    const mesh = { places, normals: places, triangles: new Uint32Array([0, 1, 2]) };
+    const solid = solidOf(mesh, 0, null);
+    placeCorners(solid, { view, eye: [0, 0, 0], frames: [whole] }, { width: SIZE, height: SIZE });
+    const raster = begun();
+    raster.fill(solid.corners, 0, 1, 2);
+    raster.fill(solid.corners, 0, 2, 1);
+    return drawn(raster);
+  };
+  assert.ok(seenAt(-2, -2) > 20);
+  assert.equal(seenAt(2, 2), 0);
+  assert.equal(seenAt(2, -2), 0);
 });
