@@ -154,6 +154,7 @@ def test_escape_stops_the_robot_and_resume_goes_on(studio: Studio):
     studio.until("!s.stopped && !document.querySelector('#perform').disabled")
 
 
+@pytest.mark.soak  # run by itself it may look too late to see the plan on its way
 def test_forty_gestures_in_two_minutes_are_planned_and_a_stop_does_not_wait_for_that(studio: Studio):
     beats = "".join(
         f'<gesture id="g{k}" lexeme="BEAT" mode="{("LEFT", "RIGHT")[k % 2]}_HAND" stroke="{2 + 3 * k}"/>'
