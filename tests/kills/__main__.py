@@ -15,8 +15,8 @@ from pathlib import Path
 
 from kinesic.tasks.cluster import cluster
 from kinesic.tasks.engine import Engine, Processes
-from tests.dask_programs import dask_scheduler, dask_workers
 from tests.kills.under_fire import perform_under_fire
+from tests.tasks.dask_programs import dask_scheduler, dask_workers
 
 
 @contextmanager

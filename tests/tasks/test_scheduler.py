@@ -14,7 +14,7 @@ from kinesic.cli.many.workers import Workers
 from kinesic.tasks import cluster as module
 from kinesic.tasks.cluster import cluster
 
-from ..dask_programs import dask_scheduler, dask_workers
+from .dask_programs import dask_scheduler, dask_workers
 
 pytestmark = [
     pytest.mark.skipif(find_spec("distributed") is None, reason="the extra cluster is not installed"),
