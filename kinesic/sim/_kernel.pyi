@@ -62,6 +62,16 @@ def inverse(
     accelerations: Floats,
     torques: Floats,
 ) -> None: ...
+def keep_left(
+    stages: Sequence[int],
+    model: int,
+    data: int,
+    qpos: Floats,
+    left: Floats,
+    places: Indices,
+    positions: Floats,
+    kept: Floats,
+) -> None: ...
 def measure_drives(
     log: tuple[Floats, Floats, Floats, Floats, Floats],
     places: tuple[Indices, Indices, Indices, Indices, Indices],

@@ -17,6 +17,7 @@ if KERNEL == "compiled":
     from kinesic.sim import _kernel
 
 STAGES = ("mj_kinematics", "mj_comPos", "mj_comVel", "mj_rne")  # of MuJoCo's inverse dynamics, without constraints
+INERTIA_STAGES = ("mj_kinematics", "mj_comPos", "mj_makeM")  # of the joint-space inertia
 FRICTION_SPEED = 0.05  # [rad/s] within which Coulomb friction fades, so that a plan's torque has no jumps
 
 
@@ -48,44 +49,35 @@ class MujocoDynamics:
         Returns:
             (m, n) [Nm].
         """
-        rigid = np.empty(angles.shape)  # of the links, by the recursive Newton-Euler method
-        ordered = [np.ascontiguousarray(values[:, self._hinges]) for values in (angles, speeds, accelerations)]
-        self._newton_euler(ordered[0], ordered[1], ordered[2], rigid)
+        rigid = self._newton_euler(angles, speeds, accelerations)
         drives = self._robot.drives
-        torques: Floats = rigid[:, self._order] + drives.armature * accelerations + drives.damping * speeds
+        torques: Floats = rigid + drives.armature * accelerations + drives.damping * speeds
         torques += drives.frictionloss * np.tanh(speeds / FRICTION_SPEED)
         return torques
 
-    def _newton_euler(self, angles: Floats, speeds: Floats, accelerations: Floats, rigid: Floats) -> None:
-        """Writes the torques (m, n) of the links for motions (m, n), all of them in MuJoCo's order."""
+    def holding(self, angles: Floats) -> Floats:
+        """Computes the torque (m, n) [Nm] that holds postures (m, n) [rad] against gravity; friction does not help."""
+        still = np.zeros_like(angles)
+        return self._newton_euler(angles, still, still)
+
+    def _newton_euler(self, angles: Floats, speeds: Floats, accelerations: Floats) -> Floats:
+        """Computes the torques (m, n) of the links alone by the recursive Newton-Euler method."""
         model, data = self._model, self._data
-        qpos, qvel, qacc = data.qpos, data.qvel, data.qacc
-        stages = [function_address(name) for name in STAGES]
-        *before, last = [stage for stage in stages if stage is not None] or [0]
-        if KERNEL == "compiled" and len(before) == len(STAGES) - 1:
+        qpos, qvel, qacc = moving = data.qpos, data.qvel, data.qacc
+        motions = [np.ascontiguousarray(values[:, self._hinges]) for values in (angles, speeds, accelerations)]
+        rigid = np.empty(angles.shape)
+        *before, last = [address or 0 for address in map(function_address, STAGES)]
+        if KERNEL == "compiled" and all((*before, last)):
             places = int(model._address), int(data._address)
-            _kernel.inverse(before, last, *places, True, qpos, qvel, qacc, angles, speeds, accelerations, rigid)
-            return
-        for row, angle, speed, acceleration in zip(rigid, angles, speeds, accelerations, strict=True):
+            _kernel.inverse(before, last, *places, True, *moving, motions[0], motions[1], motions[2], rigid)
+            return rigid[:, self._order]
+        for row, angle, speed, acceleration in zip(rigid, *motions, strict=True):
             qpos[:], qvel[:], qacc[:] = angle, speed, acceleration
             mujoco.mj_kinematics(model, data)
             mujoco.mj_comPos(model, data)
             mujoco.mj_comVel(model, data)
             mujoco.mj_rne(model, data, 1, row)
-
-    def holding(self, angles: Floats) -> Floats:
-        """Computes the torque (m, n) [Nm] that holds postures (m, n) [rad] against gravity; friction does not help."""
-        model, data, qpos = self._model, self._data, self._data.qpos
-        data.qvel[:] = 0.0
-        mujoco.mj_comVel(model, data)  # nothing moves in any posture
-        rigid = np.empty(angles.shape)
-        for row, angle in zip(rigid, angles[:, self._hinges], strict=True):
-            qpos[:] = angle
-            mujoco.mj_kinematics(model, data)
-            mujoco.mj_comPos(model, data)
-            mujoco.mj_rne(model, data, 0, row)
-        torques: Floats = rigid[:, self._order]
-        return torques
+        return rigid[:, self._order]
 
     def static_ratios(self, angles: Floats) -> Floats:
         """Computes the share (m, n) of the stall torque that holds each hinge in postures (m, n) [rad]."""
@@ -95,9 +87,14 @@ class MujocoDynamics:
     def inertias(self, angles: Floats) -> Floats:
         """Computes the diagonal (m, n) [kg m^2] of the joint-space inertia, armature included, for (m, n) [rad]."""
         model, data, qpos = self._model, self._data, self._data.qpos
+        ordered, inertias = np.ascontiguousarray(angles[:, self._hinges]), np.empty(angles.shape)
         matrix, diagonal = data.M, model.M_rowadr + model.M_rownnz - 1  # each row of its lower half ends there
-        inertias = np.empty(angles.shape)
-        for row, angle in zip(inertias, angles[:, self._hinges], strict=True):
+        stages = [address or 0 for address in map(function_address, INERTIA_STAGES)]
+        if KERNEL == "compiled" and all(stages):
+            places = int(model._address), int(data._address)
+            _kernel.keep_left(stages, *places, qpos, matrix, diagonal.astype(np.int64), ordered, inertias)
+            return inertias[:, self._order]
+        for row, angle in zip(inertias, ordered, strict=True):
             qpos[:] = angle
             mujoco.mj_kinematics(model, data)
             mujoco.mj_comPos(model, data)

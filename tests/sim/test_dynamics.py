@@ -106,3 +106,11 @@ def test_mujoco_finds_the_same_torques():
         mujoco.mj_inverse(model, data)
         rubbing = friction * np.tanh(speeds[k] / FRICTION_SPEED)
         assert found[k] == pytest.approx(data.qfrc_inverse[order] + rubbing, abs=1e-11)
+
+
+def test_mujoco_called_from_python_finds_the_same(monkeypatch: pytest.MonkeyPatch):
+    found = DYNAMICS.holding(POSTURES), DYNAMICS.inertias(POSTURES), DYNAMICS.torques(POSTURES, POSTURES, POSTURES)
+    monkeypatch.setattr("kinesic.sim.dynamics.KERNEL", "numpy")
+    again = DYNAMICS.holding(POSTURES), DYNAMICS.inertias(POSTURES), DYNAMICS.torques(POSTURES, POSTURES, POSTURES)
+    for kernel, python in zip(found, again, strict=True):
+        assert np.array_equal(kernel, python)

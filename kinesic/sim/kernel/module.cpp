@@ -222,6 +222,23 @@ void inverse(const std::vector<uintptr_t>& before, uintptr_t newton_euler, uintp
     }
 }
 
+// Calls stages of MuJoCo, known by addresses, for each row of positions (m, q), and keeps of what they leave behind the
+// numbers at some places, (m, places).
+void keep_left(const std::vector<uintptr_t>& stages, uintptr_t model, uintptr_t data, Result& qpos, const Numbers& left,
+               const Places& places, const Numbers& positions, Result& kept) {
+    using Stage = void (*)(const void*, void*);
+    const size_t size = qpos.size(), count = places.size();
+    require(size && count && positions.size() % size == 0 && positions.size() / size * count == kept.size());
+    for (size_t k = 0; k < count; ++k) require(places.data()[k] >= 0 && size_t(places.data()[k]) < left.size());
+    double* row = kept.data();
+    for (size_t at = 0; at < positions.size(); at += size, row += count) {
+        std::copy_n(positions.data() + at, size, qpos.data());
+        for (uintptr_t stage : stages)
+            reinterpret_cast<Stage>(stage)(reinterpret_cast<const void*>(model), reinterpret_cast<void*>(data));
+        for (size_t k = 0; k < count; ++k) row[k] = left.data()[places.data()[k]];
+    }
+}
+
 // Measures what hinges and servos did on each of s steps, from what a log keeps of them: `measure_drives`.
 void measure_drives(const std::array<Numbers, 5>& log, const std::array<Places, 5>& places, const Numbers& law,
                     const Numbers& figures, const Numbers& left, const std::array<Result, 5>& found) {
@@ -271,5 +288,6 @@ NB_MODULE(_kernel, module) {
     module.def("suspect", &suspect);
     module.def("make_pairs", &make_pairs);
     module.def("inverse", &inverse);
+    module.def("keep_left", &keep_left);
     module.def("measure_drives", &measure_drives);
 }
