@@ -36,11 +36,25 @@ def test_who_looks_for_no_garbage_goes_on_so(watching):
         gc.enable()
 
 
-def test_what_only_some_documents_need_is_not_there_before_them():
+BLOCK = '<bml id="b"><gesture id="g" lexeme="beat" stroke="1"/></bml>'
+
+
+@pytest.mark.parametrize(
+    ("code", "late"),
+    [
+        (
+            f"import kinesic; kinesic.Performer(idle=0.0, variation=0.0).plan({BLOCK!r})",
+            "scipy.interpolate scipy.optimize scipy.sparse casadi urllib.request jinja2 PIL.Image",
+        ),
+        (
+            "import kinesic.cli.live.serve",
+            "scipy.interpolate scipy.optimize scipy.sparse jinja2 PIL.Image rich kinesic.face.render.portrait",
+        ),
+    ],
+    ids=["a performer that plans", "a server that begins"],
+)
+def test_what_only_some_need_is_not_there_before_them(code, late):
     """Seen in a process of its own; each of these takes longer to import than a gesture to be planned."""
-    late = ("scipy.interpolate", "scipy.optimize", "scipy.sparse", "casadi", "urllib.request", "jinja2", "PIL.Image")
-    code = f"""import sys, kinesic
-kinesic.Performer(idle=0.0, variation=0.0).plan('<bml id="b"><gesture id="g" lexeme="beat" stroke="1"/></bml>')
-print([name for name in {late} if name in sys.modules])"""
+    code = f"{code}; import sys; print([name for name in {late.split()} if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

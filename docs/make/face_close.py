@@ -8,11 +8,12 @@ from typing import get_args
 import numpy as np
 from PIL import Image, ImageDraw
 
+from kinesic.body.arrays import Picture
 from kinesic.body.choices import Variant
 from kinesic.cli.face import read_emotion
 from kinesic.expressivity.face.visemes import viseme_of
 from kinesic.face.render.camera import CLOSE, FRONT, Camera
-from kinesic.face.render.portrait import Pixels, Portrait
+from kinesic.face.render.portrait import Portrait
 from kinesic.face.render.presets import NORMAL
 
 SIDE, LABEL, COLUMNS = 170, 16, 8
@@ -30,7 +31,7 @@ ASIDE = "-90 degrees"
 DOCS = Path(__file__).parents[1]
 
 
-def labelled(pixels: Pixels, text: str) -> Pixels:
+def labelled(pixels: Picture, text: str) -> Picture:
     """A picture under its name."""
     paper = Image.new("RGB", (SIDE, SIDE + LABEL), (250, 250, 250))
     ImageDraw.Draw(paper).text((4, 2), text, fill=(40, 40, 40))
@@ -38,20 +39,20 @@ def labelled(pixels: Pixels, text: str) -> Pixels:
     return np.asarray(paper)
 
 
-def stills(variant: Variant) -> list[Pixels]:
+def stills(variant: Variant) -> list[Picture]:
     """One head in every expression, and from the side."""
     with Portrait(variant, preset=replace(NORMAL, samples=2), size=(SIDE, SIDE)) as portrait:
         faces = [labelled(portrait.draw(units, CLOSE), name) for name, units in UNITS.items()]
         return [*faces, labelled(portrait.draw({}, replace(FRONT, yaw_deg=-90.0)), ASIDE)]
 
 
-def one(variant: Variant, units: Mapping[str, float], camera: Camera) -> Pixels:
+def one(variant: Variant, units: Mapping[str, float], camera: Camera) -> Picture:
     """A large picture."""
     with Portrait(variant, preset=replace(NORMAL, samples=2), size=(LARGE, LARGE)) as portrait:
         return portrait.draw(units, camera)
 
 
-def sheet(heads: list[list[Pixels]]) -> Pixels:
+def sheet(heads: list[list[Picture]]) -> Picture:
     """Rows of stills, those of one head under those of the other."""
     blank = np.full_like(heads[0][0], 250)
     rows = []

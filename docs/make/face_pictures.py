@@ -6,8 +6,9 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw
 
+from kinesic.body.arrays import Picture
 from kinesic.face.render.camera import Camera
-from kinesic.face.render.portrait import Pixels, Portrait
+from kinesic.face.render.portrait import Portrait
 from kinesic.face.render.presets import DRAFT, FULL, NORMAL, Preset
 
 SIDE, LABEL = 194, 18
@@ -26,13 +27,13 @@ ROUND = ((-90.0, {"4": 1.0}), (-60.0, {"27": 0.8}), (-30.0, {"20": 1.0}), (0.0, 
 ROUND += ((45.0, {"1": 1.0, "2": 1.0}), (90.0, {"10": 1.0, "4": 0.6}), (180.0, {"12": 1.0}))
 
 
-def drawn(preset: Preset, units: dict[str, float], camera: Camera) -> Pixels:
+def drawn(preset: Preset, units: dict[str, float], camera: Camera) -> Picture:
     """One picture."""
     with Portrait(preset=preset, size=(SIDE, SIDE)) as portrait:
         return portrait.draw(units, camera)
 
 
-def labelled(pixels: Pixels, text: str) -> Pixels:
+def labelled(pixels: Picture, text: str) -> Picture:
     """A picture under its name."""
     paper = Image.new("RGB", (SIDE, SIDE + LABEL), (250, 250, 250))
     ImageDraw.Draw(paper).text((4, 3), text, fill=(40, 40, 40))

@@ -5,9 +5,10 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw
 
+from kinesic.body.arrays import Picture
 from kinesic.body.choices import Variant
 from kinesic.face.render.camera import LIGHTS, Camera
-from kinesic.face.render.portrait import Pixels, Portrait
+from kinesic.face.render.portrait import Portrait
 from kinesic.face.render.presets import NORMAL
 from kinesic.face.render.pupils import Pupils, light_on_eyes
 
@@ -19,7 +20,7 @@ LATER = (0.0, 0.2, 0.4, 0.8)  # [s] after the light went on
 VARIANTS: tuple[Variant, ...] = ("female", "male")
 
 
-def eyes(variant: Variant) -> list[Pixels]:
+def eyes(variant: Variant) -> list[Picture]:
     """Pictures of one head, each under what it shows."""
     pupils, found = Pupils(), []
     with Portrait(variant, preset=NORMAL, size=(SIDE, SIDE)) as portrait:

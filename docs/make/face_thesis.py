@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw
 
-from kinesic.body.arrays import Floats
+from kinesic.body.arrays import Floats, Picture
 from kinesic.face.render.camera import FRONT, Camera
 from kinesic.face.render.effects import Effects, Shading
-from kinesic.face.render.portrait import Pixels, Portrait
+from kinesic.face.render.portrait import Portrait
 from kinesic.face.render.presets import NORMAL, Focus, Occlusion, Preset
 
 SIDE, LABEL = 194, 16
@@ -19,12 +19,12 @@ NEAR = Camera(yaw_deg=-30.0, field_deg=12.0)
 ASIDE = Camera(yaw_deg=-40.0, field_deg=17.0)
 LOUD, LOUDEST = 4.0, 8.0  # times that differences are shown
 WHOLE = replace(NORMAL, coarse=1)
-Tile = tuple[str, Pixels]
+Tile = tuple[str, Picture]
 Corner = tuple[int, int]  # row and column, of a part of a picture
 EYE, MOUTH, BROW = (48, 70), (150, 120), (70, 97)
 
 
-def grey(shares: Floats) -> Pixels:
+def grey(shares: Floats) -> Picture:
     """A picture of numbers 0..1."""
     found = np.rint(255 * np.clip(shares, 0.0, 1.0)).astype(np.uint8)
     return np.repeat(found[..., None], 3, axis=2)
@@ -42,31 +42,31 @@ def openness(occlusion: Occlusion, *, blurred: bool = True) -> Floats:
             return passes[-1 if blurred else 0].target.read()[..., 0]
 
 
-def zoomed(pixels: Pixels, corner: Corner) -> Pixels:
+def zoomed(pixels: Picture, corner: Corner) -> Picture:
     """A quarter of a picture, each pixel of it four."""
     row, column = corner
     return pixels[row : row + SIDE // 2, column : column + SIDE // 2].repeat(2, axis=0).repeat(2, axis=1)
 
 
-def seen(preset: Preset, effects: Effects, camera: Camera = ASIDE) -> Pixels:
+def seen(preset: Preset, effects: Effects, camera: Camera = ASIDE) -> Picture:
     """A smile with effects."""
     with Portrait(preset=effects.applied(preset), size=(SIDE, SIDE)) as portrait:
         return portrait.draw(SMILE, camera)
 
 
-def seen_close(preset: Preset, effects: Effects, camera: Camera, corner: Corner) -> Pixels:
+def seen_close(preset: Preset, effects: Effects, camera: Camera, corner: Corner) -> Picture:
     """A quarter of one that is twice as large."""
     with Portrait(preset=effects.applied(preset), size=(2 * SIDE, 2 * SIDE)) as portrait:
         return close(portrait.draw(SMILE, camera), corner)
 
 
-def close(pixels: Pixels, corner: Corner) -> Pixels:
+def close(pixels: Picture, corner: Corner) -> Picture:
     """A part as large as a tile."""
     row, column = corner
     return pixels[row : row + SIDE, column : column + SIDE]
 
 
-def apart(one: Pixels, other: Pixels, times: float) -> Pixels:
+def apart(one: Picture, other: Picture, times: float) -> Picture:
     """How far two pictures are apart: black is not at all."""
     return grey(times * np.abs(one.astype(float) - other.astype(float)).max(axis=2) / 255.0)
 
@@ -127,7 +127,7 @@ def planes() -> list[Tile]:
     def at(plane: float | None, within: float = 0.0) -> Preset:
         return replace(NORMAL, focus=Focus(circle=0.12, plane=plane, within=within))
 
-    def shaded(shadow: Shading) -> Pixels:
+    def shaded(shadow: Shading) -> Picture:
         return seen_close(NORMAL, Effects(shadow=shadow, eyeshade=True), FRONT, BROW)
 
     return [
@@ -141,7 +141,7 @@ def planes() -> list[Tile]:
     ]
 
 
-def row(tiles: Sequence[Tile]) -> Pixels:
+def row(tiles: Sequence[Tile]) -> Picture:
     """Pictures side by side, each under its name."""
     paper = Image.new("RGB", (SIDE * len(tiles), SIDE + LABEL), (250, 250, 250))
     pen = ImageDraw.Draw(paper)

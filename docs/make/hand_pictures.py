@@ -6,13 +6,12 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw
 
-from kinesic.body.arrays import Floats
+from kinesic.body.arrays import Floats, Picture
 from kinesic.body.robot import Robot
 from kinesic.expressivity.hands.fingers import finger_joints, shape_angles
 from kinesic.expressivity.lexicon.hand_shapes import hand_shapes
 from kinesic.face.render.camera import Camera
 from kinesic.face.render.figure import FigurePortrait
-from kinesic.face.render.portrait import Pixels
 from kinesic.sim.model import turn_order
 from kinesic.sim.scene_style import styled_model
 
@@ -21,7 +20,7 @@ VIEWS = (0.0, 90.0)  # [deg] round the hand: from the front, from the thumb's si
 AWAY = 1.6  # [m] of the camera
 SEEN = {"upper36": 0.155, "human": 0.205}  # [m] that a picture shows
 RAISED = {"shoulder_abduct": 45, "shoulder_flexion": 20, "elbow_flexion": 110, "elbow_twisting": -85}  # [deg]
-Draw = Callable[[Floats, Floats, float, float], Pixels]  # angles, middle, how much is seen, from where [deg]
+Draw = Callable[[Floats, Floats, float, float], Picture]  # angles, middle, how much is seen, from where [deg]
 
 
 def raised(robot: Robot) -> Floats:
@@ -41,7 +40,7 @@ def of_capsules(robot: Robot) -> Draw:
     model = styled_model(robot, width=SIDE, height=SIDE)
     data, order, renderer = mujoco.MjData(model), turn_order(robot, model), mujoco.Renderer(model, SIDE, SIDE)
 
-    def draw(angles: Floats, middle: Floats, seen: float, yaw: float) -> Pixels:
+    def draw(angles: Floats, middle: Floats, seen: float, yaw: float) -> Picture:
         data.qpos[order] = robot.skeleton.turns(angles)
         mujoco.mj_forward(model, data)
         camera = mujoco.MjvCamera()
@@ -56,7 +55,7 @@ def of_capsules(robot: Robot) -> Draw:
 def of_skin(portrait: FigurePortrait) -> Draw:
     """Draws the human."""
 
-    def draw(angles: Floats, middle: Floats, seen: float, yaw: float) -> Pixels:
+    def draw(angles: Floats, middle: Floats, seen: float, yaw: float) -> Picture:
         field = 2 * np.degrees(np.arctan(seen / 2 / AWAY))
         x, y, z = (float(value) for value in middle)
         return portrait.draw(angles, {}, Camera(yaw, AWAY, field, pivot=(x, y, z)))
@@ -64,7 +63,7 @@ def of_skin(portrait: FigurePortrait) -> Draw:
     return draw
 
 
-def row(robot: Robot, name: str, draw: Draw) -> list[Pixels]:
+def row(robot: Robot, name: str, draw: Draw) -> list[Picture]:
     """One shape, from each view."""
     angles = raised(robot)
     angles[list(finger_joints(robot, "l"))] = shape_angles(hand_shapes()[name], robot, "l")

@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw
 
+from kinesic.body.arrays import Picture
 from kinesic.body.robot import Robot
 from kinesic.face.assets.skinning import Blending
 from kinesic.face.render.figure import UPPER, FigurePortrait
-from kinesic.face.render.portrait import Pixels
 
 SIDE, ACROSS = 200, 7  # pixels of a picture, and pictures in a row
 CLOSE = replace(UPPER, distance=1.9, pivot=(0.05, 0.0, 1.22))
@@ -39,7 +39,7 @@ POSTURES: dict[str, tuple[float, dict[str, float]]] = {  # how the camera stands
 SKELETON = Robot.load("human").skeleton
 
 
-def drawn(blending: Blending) -> list[Pixels]:
+def drawn(blending: Blending) -> list[Picture]:
     """All postures."""
     pictures = []
     with FigurePortrait(SKELETON, size=(SIDE, SIDE), blending=blending) as portrait:

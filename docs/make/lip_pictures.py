@@ -7,10 +7,11 @@ from typing import get_args
 import numpy as np
 from PIL import Image, ImageDraw
 
+from kinesic.body.arrays import Picture
 from kinesic.body.choices import Variant
 from kinesic.expressivity.face.visemes import viseme_of
 from kinesic.face.render.camera import CLOSE
-from kinesic.face.render.portrait import Pixels, Portrait
+from kinesic.face.render.portrait import Portrait
 from kinesic.face.render.presets import NORMAL
 
 SOUNDS = {"m": "m", "f": "f", "th": "θ", "w": "w", "sh": "ʃ", "see": "i", "palm": "ɑ", "you": "u"}  # noqa: RUF001
@@ -18,7 +19,7 @@ SIDE, LABEL = 560, 16
 MOUTH = (slice(330, 458), slice(195, 365))  # rows and columns
 
 
-def mouth(portrait: Portrait, word: str) -> Pixels:
+def mouth(portrait: Portrait, word: str) -> Picture:
     """The mouth that says a sound, under a word that has it."""
     pixels = portrait.draw(viseme_of(SOUNDS[word]).units, CLOSE)[MOUTH]
     paper = Image.new("RGB", (pixels.shape[1], pixels.shape[0] + LABEL), (250, 250, 250))
@@ -27,7 +28,7 @@ def mouth(portrait: Portrait, word: str) -> Pixels:
     return np.asarray(paper)
 
 
-def row(variant: Variant) -> Pixels:
+def row(variant: Variant) -> Picture:
     """All sounds of one head."""
     with Portrait(variant, preset=replace(NORMAL, samples=2), size=(SIDE, SIDE)) as portrait:
         return np.concatenate([mouth(portrait, word) for word in SOUNDS], axis=1)

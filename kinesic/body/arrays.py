@@ -6,6 +6,7 @@ from numpy.typing import ArrayLike, NDArray
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Indices = NDArray[np.intp]
+Picture = NDArray[np.uint8]  # (height, width, 3) sRGB, first row on top
 
 
 def distinct_rows(values: Floats, least: float) -> tuple[Indices, Indices]:

@@ -9,6 +9,7 @@ import click
 import numpy as np
 
 from kinesic.bml.block import Face
+from kinesic.body.arrays import Picture
 from kinesic.body.command import Command
 from kinesic.body.config import ConfigError
 from kinesic.cli.effects import EffectOptions, FaceView
@@ -23,13 +24,13 @@ from kinesic.face.assets.action_units import intensities
 from kinesic.face.display import DisplayError
 from kinesic.face.render.camera import CLOSE, FRONT, LIGHTS, Camera
 from kinesic.face.render.effects import Effects
-from kinesic.face.render.portrait import Pixels, Portrait
+from kinesic.face.render.portrait import Portrait
 from kinesic.face.render.presets import PRESETS, Preset
 from kinesic.face.render.pupils import Pupils, light_on_eyes
 from kinesic.face.show.controls import HELP as KEYS
 from kinesic.face.show.files import check_ending, check_film, save, save_film
 from kinesic.face.show.preview import Preview
-from kinesic.face.show.process import PreviewSettings
+from kinesic.face.show.preview_settings import PreviewSettings
 from kinesic.face.show.recording import FaceRecording, PortraitSettings
 from kinesic.face.show.sheet import draw_units_sheet as contact_sheet
 from kinesic.face.show.window import has_display
@@ -212,7 +213,7 @@ def _draw(
 
 def _film(
     portrait: Portrait, units: Mapping[str, float], settings: ViewSettings, progress: Callable[[float], None]
-) -> Iterator[Pixels]:
+) -> Iterator[Picture]:
     """Yields the expression as it rises from rest, stays and goes again; pupils follow the light."""
     pupils = Pupils()
     for frame in range(round(SECONDS * FILM_RATE)):

@@ -18,7 +18,8 @@ from kinesic.cli.playback import follow_servos, perform_on_servos, play_whole, p
 from kinesic.cli.progress import Stage, share_of, show_stages
 from kinesic.cli.servos.memory import ServoMemory
 from kinesic.cli.servos.ports import all_ports
-from kinesic.cli.summary import MOST, print_checks, print_lesson, print_notices, print_side_by_side
+from kinesic.cli.servos.summary import print_lesson
+from kinesic.cli.summary import MOST, print_checks, print_notices, print_side_by_side
 from kinesic.cli.terminal import console
 from kinesic.controller.documents import write_bml
 from kinesic.controller.learned_gains import Lesson, learn

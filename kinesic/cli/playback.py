@@ -1,6 +1,6 @@
 """A document performed in real time: the face's window, the voice, the servos and the keys that stop them."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from time import monotonic
@@ -13,6 +13,7 @@ from kinesic.body.command import RATE
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 from kinesic.cli.ending_signals import leave_closed_terminal
+from kinesic.cli.servos.summary import warn_of_lost_events
 from kinesic.cli.terminal import pressed_keys
 from kinesic.controller.learned_gains import Lesson
 from kinesic.controller.performance import Performance
@@ -22,11 +23,11 @@ from kinesic.controller.soundtrack import open_speaker, sound, speak_along
 from kinesic.face.display import DisplayError
 from kinesic.face.show.controls import HELP
 from kinesic.face.show.preview import Preview
-from kinesic.face.show.process import PreviewSettings
+from kinesic.face.show.preview_settings import PreviewSettings
 from kinesic.face.show.window import has_display
 from kinesic.files.output_file import new_file
 from kinesic.hardware.servos import Servos
-from kinesic.hardware.supervisor.channel import Note, Status
+from kinesic.hardware.supervisor.channel import Status
 from kinesic.hardware.supervisor.state_machine import Awaited
 from kinesic.planning.face_track import commands_with_face
 from kinesic.planning.plan import Plan
@@ -193,13 +194,6 @@ def _line(status: Status) -> str:
         *((f"{status.silent} silent",) if status.silent else ()),
     )
     return "  ".join(parts)
-
-
-def warn_of_lost_events(notes: Iterable[Note]) -> None:
-    """Prints to standard error why events of the servos are not kept, where that is so."""
-    for note in notes:
-        if note.kind == "journal":
-            warn(note.text)
 
 
 def warn(line: str) -> None:

@@ -4,11 +4,11 @@ import json
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 import numpy as np
 
+from kinesic.body.arrays import Picture
 from kinesic.body.config import ConfigError, locate
 from kinesic.cli.options import Output, Performers, Planning, TwinOptions
 from kinesic.cli.perform import perform_file
@@ -21,9 +21,6 @@ from kinesic.files.output_file import check_file, new_file
 from kinesic.files.output_folder import check_folder
 from kinesic.report.gltf.scene import is_scene
 from kinesic.report.output import default_folder
-
-if TYPE_CHECKING:
-    from kinesic.face.render.portrait import Pixels
 
 FILM = "film.webp"
 HEIGHT, ASPECT = 720, 4 / 3  # [pixels] of the film, and width to height of each robot's part of it
@@ -98,7 +95,7 @@ class _Beside:
         self.rate = min(RATE, MOST_PICTURES / max(ends))  # [Hz]
         self.pictures = LazyPictures(int(max(ends) * self.rate) + 1, self._draw)
 
-    def _draw(self, index: int) -> "Pixels":
+    def _draw(self, index: int) -> Picture:
         time = index / self.rate
         return np.concatenate(
             [_middle(film.at(max(time - wait, 0.0))) for film, wait in zip(self._films, self._waits, strict=True)],
@@ -106,7 +103,7 @@ class _Beside:
         )
 
 
-def _middle(picture: "Pixels") -> "Pixels":
+def _middle(picture: Picture) -> Picture:
     """The part of a picture that is as wide as each robot's is."""
     width = min(round(HEIGHT * ASPECT), picture.shape[1])
     left = (picture.shape[1] - width) // 2

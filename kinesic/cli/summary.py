@@ -2,9 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
-from pathlib import Path
 
-import click
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
@@ -12,7 +10,6 @@ from rich.text import Text
 from kinesic.bml.block import Notice
 from kinesic.cli.plain_words import printable
 from kinesic.cli.terminal import quote_text
-from kinesic.controller.learned_gains import Lesson
 from kinesic.controller.performance import Performance
 from kinesic.expressivity.keyframes import Outcome
 from kinesic.planning.plan import Plan
@@ -75,13 +72,6 @@ def print_side_by_side(performances: Sequence[Performance], screen: Console) -> 
     for figure in found[0]:
         table.add_row(figure, *("-" if row[figure] is None else f"{row[figure]:.4g}" for row in found))
     screen.print(table)
-
-
-def print_lesson(lesson: Lesson, path: Path | None, *, on_error: bool) -> None:
-    """Prints what servos have told of themselves, and where it stands for the next performance."""
-    click.echo(f"servos: {lesson}", err=on_error)
-    if path is not None:
-        click.echo(f"the next performance leads by it: --learn {path}", err=on_error)
 
 
 def _table(verdicts: Iterable[Check]) -> Table:

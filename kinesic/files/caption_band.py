@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from kinesic.files.film_file import Box, Picture
+from kinesic.body.arrays import Picture
+from kinesic.files.film_file import Box
 
 TALL = 0.04  # of letters, in heights of the picture
 WIDE = 0.86  # of a line at most, in widths of the picture

@@ -13,10 +13,10 @@ from types import TracebackType
 from typing import BinaryIO, Protocol, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image
 
-Picture = NDArray[np.uint8]  # (height, width, 3) sRGB, first row on top
+from kinesic.body.arrays import Picture
+
 Box = tuple[int, int, int, int]  # left, top, right, bottom [pixels]; left and top are even
 
 WEBP, MP4 = ".webp", ".mp4"

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, UnidentifiedImageError
 
-from kinesic.files.film_file import Picture
+from kinesic.body.arrays import Picture
 
 
 class FilmReader:

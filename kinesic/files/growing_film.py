@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from kinesic.files.film_file import Picture
+from kinesic.body.arrays import Picture
 
 BEGIN = 12  # bytes before the first chunk: RIFF, the size of what follows, WEBP
 PLACE = 16  # bytes of a picture's chunk before its pixels: left and top halved, width, height, time, flags

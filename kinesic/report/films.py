@@ -13,11 +13,10 @@ from typing import ClassVar, Literal, Protocol
 
 import msgspec
 
-from kinesic.body.arrays import Floats
+from kinesic.body.arrays import Floats, Picture
 from kinesic.body.command import Command
 from kinesic.body.robot import Robot
 from kinesic.files.caption_band import Spoken
-from kinesic.files.film_file import Picture
 from kinesic.files.film_settings import USUAL, FilmSettings
 from kinesic.files.growing_film import GrowingFilm
 from kinesic.planning.captions import captions

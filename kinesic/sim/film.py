@@ -10,10 +10,10 @@ import mujoco
 import numpy as np
 from PIL import Image
 
-from kinesic.body.arrays import Floats
+from kinesic.body.arrays import Floats, Picture
 from kinesic.body.robot import Robot
 from kinesic.files.caption_band import Spoken, caption_box, words_at, write_caption
-from kinesic.files.film_file import Box, EncodingError, Picture, durations, open_film
+from kinesic.files.film_file import Box, EncodingError, durations, open_film
 from kinesic.sim.filming.canvas import Canvas, CanvasError
 from kinesic.sim.filming.framing import (
     joined,

@@ -13,8 +13,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from kinesic.body.arrays import Picture
 from kinesic.files import film_file
-from kinesic.files.film_file import EncodingError, Mp4Film, Picture, WebpFilm, durations, find_encoder, open_film
+from kinesic.files.film_file import EncodingError, Mp4Film, WebpFilm, durations, find_encoder, open_film
 from kinesic.files.film_reader import FilmReader
 
 SIZE = (64, 48)

@@ -7,7 +7,8 @@ from threading import Event
 import numpy as np
 import pytest
 
-from kinesic.files.film_file import WAITING, Picture, WebpFilm
+from kinesic.body.arrays import Picture
+from kinesic.files.film_file import WAITING, WebpFilm
 from kinesic.files.growing_film import GrowingFilm
 
 SIZE = (64, 48)

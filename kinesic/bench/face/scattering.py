@@ -6,11 +6,11 @@ from statistics import median
 
 from kinesic.bench.face.clock import Clock
 from kinesic.bench.face.occlusion import difference
-from kinesic.body.arrays import Flags
+from kinesic.body.arrays import Flags, Picture
 from kinesic.face.assets.action_units import intensities
 from kinesic.face.render.camera import FRONT
 from kinesic.face.render.pipeline import pixels_per_metre
-from kinesic.face.render.portrait import Pixels, Portrait
+from kinesic.face.render.portrait import Portrait
 from kinesic.face.render.presets import NORMAL, Preset, Scattering
 from kinesic.face.render.wrinkles import shares
 
@@ -47,7 +47,7 @@ def scattering() -> dict[str, float]:
     }
 
 
-def _drawn(settings: Scattering | None) -> tuple[Pixels, float, Flags]:
+def _drawn(settings: Scattering | None) -> tuple[Picture, float, Flags]:
     """A picture; the share of it that was filtered; where there is skin."""
     with Portrait(preset=_preset(settings)) as portrait:
         pixels, pipeline = portrait.draw(UNITS), portrait.pipeline

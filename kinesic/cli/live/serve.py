@@ -16,15 +16,13 @@ from kinesic.body.config import ConfigError, suggestion
 from kinesic.cli.ending_signals import leave_closed_terminal
 from kinesic.cli.live.frozen import FrozenPlanning
 from kinesic.cli.options import FAULT, Door, Performers, Planning, ServoOptions
-from kinesic.cli.playback import warn_of_lost_events
 from kinesic.cli.progress import show_stages
 from kinesic.cli.servos.memory import UNKNOWN, ServoMemory
 from kinesic.cli.servos.ports import all_ports
-from kinesic.cli.summary import print_lesson
+from kinesic.cli.servos.summary import print_lesson, warn_of_lost_events
 from kinesic.client import PORT
 from kinesic.controller.learned_gains import Lesson
 from kinesic.controller.servo_performance import DELAY, ENDING
-from kinesic.face.show.preview import Preview
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.planning.plan import Plan
@@ -174,6 +172,8 @@ def _open_sinks(
         learner = ServoLearner(robot, believed) if memory.learns else None
         opened.append(RealTimeSink(watched, ahead=AHEAD, delay=DELAY, believed=believed, learner=learner))
     if "face" in sinks:
+        from kinesic.face.show.preview import Preview  # noqa: PLC0415 - slow to import, and few ask for it
+
         opened.append(RealTimeSink(Preview(robot)))
     return opened
 

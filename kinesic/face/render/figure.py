@@ -6,7 +6,7 @@ from dataclasses import replace
 from functools import lru_cache
 from types import TracebackType
 
-from kinesic.body.arrays import Floats
+from kinesic.body.arrays import Floats, Picture
 from kinesic.body.skeleton import Skeleton
 from kinesic.face.assets.body import Figure, load_figure
 from kinesic.face.assets.paint import COMPLEXIONS
@@ -14,7 +14,7 @@ from kinesic.face.assets.skinning import Blending
 from kinesic.face.display import DisplayError, offscreen
 from kinesic.face.render.camera import LIGHTS, Camera, Lights
 from kinesic.face.render.pipeline import DrawnHead, Pipeline
-from kinesic.face.render.portrait import LARGEST, Pixels
+from kinesic.face.render.portrait import LARGEST
 from kinesic.face.render.presets import DRAFT, NORMAL, Occlusion, Preset, Shadow
 from kinesic.face.render.shape import FigureShape
 
@@ -64,7 +64,7 @@ class FigurePortrait:
             self.pipeline = Pipeline(self._context, drawn, preset=figure_preset(preset), size=size, lights=lights)
             self._opened = opened.pop_all()
 
-    def draw(self, angles: Floats, units: Mapping[str, float], camera: Camera = UPPER, *, gain: float = 1.0) -> Pixels:
+    def draw(self, angles: Floats, units: Mapping[str, float], camera: Camera = UPPER, *, gain: float = 1.0) -> Picture:
         """Draws the figure in a posture.
 
         Args:

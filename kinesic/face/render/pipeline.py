@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from kinesic.body.arrays import Picture
 from kinesic.face.assets.action_units import intensities
 from kinesic.face.assets.chart import chart_window
 from kinesic.face.assets.hair import Locks
@@ -29,8 +29,6 @@ from kinesic.face.render.wrinkles import WrinklePass, shares
 
 PAINT: Kind = "f2"  # of the painting: filtering bytes, drivers round to either side
 BACKDROP = (0.055, 0.075, 0.105)  # linear
-
-Pixels = NDArray[np.uint8]  # (height, width, 3) sRGB, first row on top
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +92,7 @@ class Pipeline:
         """Has what is drawn next look from pupils of a diameter [m]."""
         self.geometry.pupil = 0.5 * diameter / self._eyeball
 
-    def draw(self, units: Mapping[str, float], camera: Camera, gain: float) -> Pixels:
+    def draw(self, units: Mapping[str, float], camera: Camera, gain: float) -> Picture:
         """Draws the picture and reads it back."""
         return self.drawn(units, camera, gain).pixels()
 

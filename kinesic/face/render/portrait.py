@@ -9,9 +9,7 @@ from contextlib import ExitStack, nullcontext
 from functools import cache, lru_cache
 from types import TracebackType
 
-import numpy as np
-from numpy.typing import NDArray
-
+from kinesic.body.arrays import Picture
 from kinesic.body.choices import Variant
 from kinesic.face.assets.hair import STYLES, Locks, grow
 from kinesic.face.assets.mesh import Mesh, load_head
@@ -23,8 +21,6 @@ from kinesic.face.render.pipeline import DrawnHead, Pipeline
 from kinesic.face.render.presets import NORMAL, Preset
 from kinesic.face.render.pupils import light_on_eyes, settled_diameter
 from kinesic.face.render.shape import HeadShape
-
-Pixels = NDArray[np.uint8]  # (height, width, 3) sRGB, first row on top
 
 LARGEST = 4096  # pixels along a side
 LOUDEST = 4.0  # gain of the wrinkles
@@ -83,7 +79,7 @@ class Portrait:
         *,
         gain: float = 1.0,
         pupil: float | None = None,
-    ) -> Pixels:
+    ) -> Picture:
         """Draws a face that shows some action units.
 
         Args:

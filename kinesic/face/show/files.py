@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
+from kinesic.body.arrays import Picture
 from kinesic.face.display import DisplayError
-from kinesic.face.render.portrait import Pixels
 from kinesic.files.film_file import MP4 as ENCODED
 from kinesic.files.film_file import NO_ENCODER, EncodingError, Mp4Film, WebpFilm, find_encoder
 from kinesic.files.film_file import WEBP as FILM
@@ -21,7 +21,7 @@ QUALITY, METHOD = 86, 1  # of WebP: 2 takes three times as long for a seventh le
 STRIP_WIDTH = 2048  # pixels, about
 
 
-def save(pixels: Pixels, path: Path) -> None:
+def save(pixels: Picture, path: Path) -> None:
     """Writes one picture, PNG or WebP by its ending.
 
     Raises:
@@ -35,7 +35,7 @@ def save(pixels: Pixels, path: Path) -> None:
 
 
 def save_film(
-    frames: Iterable[Pixels], path: Path, *, rate: float, once: bool = False, sound: Path | None = None
+    frames: Iterable[Picture], path: Path, *, rate: float, once: bool = False, sound: Path | None = None
 ) -> None:
     """Writes a film by its ending: an animated WebP, an MP4, or as PNG all its pictures in rows.
 
@@ -70,7 +70,7 @@ def save_film(
         raise DisplayError(f"{path}: {error.strerror or error}") from None
 
 
-def film_strip(frames: Sequence[Pixels]) -> Pixels:
+def film_strip(frames: Sequence[Picture]) -> Picture:
     """Puts frames in rows, the first on the left of the uppermost."""
     height, width, depth = frames[0].shape
     across = max(1, min(len(frames), STRIP_WIDTH // width))
@@ -136,6 +136,6 @@ class SideFilm:
         width, tall = self._film.size
         self._size = (round(width * height / tall), height)
 
-    def at(self, time: float) -> Pixels:
+    def at(self, time: float) -> Picture:
         """(height, width, 3) the picture of a time [s]; times never decrease."""
         return np.asarray(Image.fromarray(self._film.at(time)).resize(self._size))

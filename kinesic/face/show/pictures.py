@@ -3,13 +3,13 @@
 from collections.abc import Callable, Sequence
 from typing import overload
 
-from kinesic.face.render.portrait import Pixels
+from kinesic.body.arrays import Picture
 
 
-class LazyPictures(Sequence[Pixels]):
+class LazyPictures(Sequence[Picture]):
     """A sequence that draws each picture whenever it is asked for."""
 
-    def __init__(self, count: int, draw: Callable[[int], Pixels]) -> None:
+    def __init__(self, count: int, draw: Callable[[int], Picture]) -> None:
         """Draws nothing yet.
 
         Args:
@@ -22,12 +22,12 @@ class LazyPictures(Sequence[Pixels]):
         return self._count
 
     @overload
-    def __getitem__(self, index: int) -> Pixels: ...
+    def __getitem__(self, index: int) -> Picture: ...
 
     @overload
-    def __getitem__(self, index: slice) -> Sequence[Pixels]: ...
+    def __getitem__(self, index: slice) -> Sequence[Picture]: ...
 
-    def __getitem__(self, index: int | slice) -> Pixels | Sequence[Pixels]:
+    def __getitem__(self, index: int | slice) -> Picture | Sequence[Picture]:
         if isinstance(index, slice):
             return [self[k] for k in range(self._count)[index]]
         return self._draw(range(self._count)[index])

@@ -11,7 +11,7 @@ from kinesic.body.robot import Robot
 from kinesic.child import Child
 from kinesic.face.display import DisplayError
 from kinesic.face.render.head_pose import turns
-from kinesic.face.show.process import PreviewSettings, show_face
+from kinesic.face.show.preview_settings import PreviewSettings
 from kinesic.face.show.shared_command import SharedCommand, ShownFace
 from kinesic.face.show.window import has_display
 
@@ -50,7 +50,7 @@ class Preview:
         self._robot, self._shared = robot, SharedCommand(context)
         self._number, self._last, self._waiting = 0, -PACE, False
         here, there = context.Pipe(duplex=False)
-        self._child = Child(context, show_face, self._shared, there, look)
+        self._child = Child(context, _show_face, self._shared, there, look)
         with here:
             why = _answer(here)
         if why:
@@ -101,6 +101,13 @@ class Preview:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+
+def _show_face(shared: SharedCommand, answer: Connection, look: PreviewSettings) -> None:
+    """Draws in the process that was begun: there alone is imported what draws, which takes half a second."""
+    from kinesic.face.show.process import show_face  # noqa: PLC0415 - as said
+
+    show_face(shared, answer, look)
 
 
 def _answer(pipe: Connection) -> str:

@@ -4,28 +4,28 @@ import multiprocessing
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
 
+from kinesic.body.arrays import Picture
 from kinesic.body.choices import Variant
 from kinesic.face.display import DisplayError, offscreen
 from kinesic.face.gl.context import Context
 from kinesic.face.render.camera import CLOSE, LIGHTS
 from kinesic.face.render.effects import Effects
-from kinesic.face.render.portrait import Pixels, Portrait
+from kinesic.face.render.portrait import Portrait
 from kinesic.face.render.presets import PRESETS
 from kinesic.face.render.pupils import Pupils, light_on_eyes
 from kinesic.face.show.controls import Controls
 from kinesic.face.show.files import SideFilm
+from kinesic.face.show.preview_settings import UNCHANGED, PreviewSettings
 from kinesic.face.show.shared_command import SharedCommand, ShownFace
 from kinesic.face.show.window import open_window
 
 PAUSE = 0.004  # [s] between two looks at the shared command
 FASTEST = 1 / 60  # [s] between two pictures
-UNCHANGED = Effects()
 
 
 class Screen(Protocol):
@@ -35,7 +35,7 @@ class Screen(Protocol):
     def closed(self) -> bool:
         """Whether somebody closed it."""
 
-    def show(self, pixels: Pixels, title: str, /) -> None:
+    def show(self, pixels: Picture, title: str, /) -> None:
         """Shows a picture."""
 
     def pressed(self) -> list[str]:
@@ -47,27 +47,12 @@ class Nowhere:
 
     closed = False
 
-    def show(self, pixels: Pixels, title: str, /) -> None:
+    def show(self, pixels: Picture, title: str, /) -> None:
         """Nothing."""
 
     def pressed(self) -> list[str]:
         """None."""
         return []
-
-
-@dataclass(frozen=True)
-class PreviewSettings:
-    """How a preview begins."""
-
-    variant: Variant = "female"
-    preset: str = "normal"
-    side: int = 512  # [pixels]
-    windowed: bool = True
-    gain: float = 1.0  # of the wrinkles
-    light: float = 1.0  # of the scene, by the usual one
-    yaw_deg: float = 0.0
-    beside: Path | None = None  # a film of the body on the clock of the performance
-    effects: Effects = UNCHANGED  # over the preset, whichever it is
 
 
 class ChildAnswer(Protocol):
@@ -106,12 +91,12 @@ def painter(
     effects: Effects = UNCHANGED,
     *,
     light: float = 1.0,
-) -> Callable[[ShownFace, Controls], Pixels]:
+) -> Callable[[ShownFace, Controls], Picture]:
     """Makes a function that draws; it keeps a portrait for each preset and variant."""
     portraits: dict[tuple[str, Variant], Portrait] = {}
     lights, pupils, last = LIGHTS.scaled(light), Pupils(), 0.0
 
-    def draw(shown: ShownFace, controls: Controls) -> Pixels:
+    def draw(shown: ShownFace, controls: Controls) -> Picture:
         nonlocal last
         kind = (controls.preset, controls.variant)
         if kind not in portraits:
@@ -127,7 +112,7 @@ def painter(
 
 
 def follow(
-    shared: SharedCommand, screen: Screen, draw: Callable[[ShownFace, Controls], Pixels], controls: Controls
+    shared: SharedCommand, screen: Screen, draw: Callable[[ShownFace, Controls], Picture], controls: Controls
 ) -> int:
     """Draws the newest command whenever it or a key changed something; frames are dropped, not commands.
 

@@ -7,13 +7,13 @@ from types import TracebackType
 
 import numpy as np
 
-from kinesic.body.arrays import Floats
+from kinesic.body.arrays import Floats, Picture
 from kinesic.body.choices import Variant
 from kinesic.body.command import Command
 from kinesic.body.robot import Robot
 from kinesic.face.render.camera import CLOSE, LIGHTS, Camera
 from kinesic.face.render.head_pose import turns
-from kinesic.face.render.portrait import Pixels, Portrait
+from kinesic.face.render.portrait import Portrait
 from kinesic.face.render.presets import NORMAL, Preset
 from kinesic.face.render.pupils import Pupils, light_on_eyes
 from kinesic.face.show.files import check_film, save_film
@@ -85,7 +85,7 @@ class FaceRecording:
             rows, self._rows = self._rows[::step], []
             save_film(self._drawn(rows), self._path, rate=self._rate / step, sound=self._sound)
 
-    def _drawn(self, rows: list[tuple[float, Mapping[str, float], Floats]]) -> Iterator[Pixels]:
+    def _drawn(self, rows: list[tuple[float, Mapping[str, float], Floats]]) -> Iterator[Picture]:
         angles = np.array([angles for _, _, angles in rows])
         stands = np.zeros((len(rows), 3)) if self._robot is None else turns(self._robot, angles)
         look, before, last, pupils = self._look, None, rows[0][0], Pupils()

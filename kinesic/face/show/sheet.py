@@ -6,8 +6,9 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from kinesic.body.action_units import UNITS
+from kinesic.body.arrays import Picture
 from kinesic.face.render.camera import CLOSE, Camera
-from kinesic.face.render.portrait import Pixels, Portrait
+from kinesic.face.render.portrait import Portrait
 
 LOW, HIGH = 0.4, 1.0
 KINDS = ((LOW, 0.0), (LOW, 1.0), (HIGH, 0.0), (HIGH, 1.0))  # intensity and gain of the wrinkles of each picture
@@ -24,7 +25,7 @@ def draw_units_sheet(
     *,
     units: Sequence[int] = tuple(UNITS),
     progress: Callable[[float], None] = lambda share: None,
-) -> Pixels:
+) -> Picture:
     """Draws four pictures of each action unit under its number and name, in one picture.
 
     Args:

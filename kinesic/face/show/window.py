@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from kinesic.body.arrays import Picture
 from kinesic.face.display import INSTALL_WINDOWS, DisplayError
 from kinesic.face.gl import numbers as gl
 from kinesic.face.gl.context import Context
@@ -17,7 +18,6 @@ from kinesic.face.gl.textures import Texture
 if TYPE_CHECKING:
     import glfw
 
-    from kinesic.face.render.portrait import Pixels
 
 KEYS = ("left", "right", "up", "down", "escape", "comma", "period", *"0123wvq")
 GROUND = (0.055, 0.075, 0.105)
@@ -66,7 +66,7 @@ class Window:
         """Whether somebody closed it."""
         return bool(self._glfw.window_should_close(self._handle))
 
-    def show(self, pixels: "Pixels", title: str) -> None:
+    def show(self, pixels: Picture, title: str) -> None:
         """Shows a picture, as large as the window has room for."""
         height, width, _ = pixels.shape
         if self._texture is None or self._texture.size != (width, height):

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from kinesic.files.film_file import Box, Picture
+from kinesic.body.arrays import Picture
+from kinesic.files.film_file import Box
 from kinesic.sim.filming.drawn_face import SCREEN
 from kinesic.sim.filming.scene_screen import has_screen, put_face
 from kinesic.sim.scene_style import CAMERA, FLOOR_GROUP

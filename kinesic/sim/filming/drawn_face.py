@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 from PIL import Image, ImageDraw
 
-from kinesic.files.film_file import Picture
+from kinesic.body.arrays import Picture
 
 GROUND, LIGHT, PUPIL = (20, 26, 38), (214, 240, 250), (14, 20, 32)
 FINER = 2  # pixels that are painted along a side of one

@@ -3,8 +3,8 @@
 import mujoco
 import numpy as np
 
+from kinesic.body.arrays import Picture
 from kinesic.body.robot import Robot
-from kinesic.files.film_file import Picture
 from kinesic.sim.filming.drawn_face import SCREEN
 from kinesic.sim.filming.face_screen import Sheet, screen_of
 

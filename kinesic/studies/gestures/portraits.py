@@ -7,9 +7,8 @@ from types import MappingProxyType
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
-from kinesic.body.arrays import Floats
+from kinesic.body.arrays import Floats, Picture
 from kinesic.body.robot import Robot
 from kinesic.body.rotation import about
 from kinesic.face.display import DisplayError
@@ -20,7 +19,6 @@ from kinesic.sim.model import turn_order
 from kinesic.sim.scene_style import styled_model
 from kinesic.studies.gestures.framing import RISE, Balls, Viewpoint
 
-Picture = NDArray[np.uint8]
 Units = Mapping[str, float]
 Draw = Callable[[Floats, Units, Viewpoint], Picture]
 NEUTRAL: Units = MappingProxyType({})

@@ -9,9 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
+from kinesic.body.arrays import Picture
 from kinesic.expressivity.face.expressions import Envelope
 from kinesic.face.render.camera import CLOSE
-from kinesic.face.render.portrait import Pixels, Portrait
+from kinesic.face.render.portrait import Portrait
 from kinesic.face.render.presets import NORMAL, Preset
 from kinesic.face.show.files import save, save_film
 from kinesic.report.report import Json
@@ -107,11 +108,11 @@ def draw_stimuli(
                 yield path
 
 
-def _film(portrait: Portrait, stimulus: Stimulus) -> Iterator[Pixels]:
+def _film(portrait: Portrait, stimulus: Stimulus) -> Iterator[Picture]:
     for share in COURSE.at(np.arange(round(SECONDS * RATE)) / RATE).tolist():
         yield _picture(portrait, stimulus, share)
 
 
-def _picture(portrait: Portrait, stimulus: Stimulus, share: float) -> Pixels:
+def _picture(portrait: Portrait, stimulus: Stimulus, share: float) -> Picture:
     units = {unit: share * peak for unit, peak in stimulus.units.items()}
     return portrait.draw(units, CLOSE, gain=1.0 if stimulus.wrinkles else 0.0)

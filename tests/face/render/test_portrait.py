@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 from scipy.ndimage import binary_erosion
 
+from kinesic.body.arrays import Picture
 from kinesic.face.display import DisplayError, offscreen
 from kinesic.face.gl import numbers as gl
 from kinesic.face.gl.context import Context
 from kinesic.face.gl.textures import Texture
 from kinesic.face.render.camera import Camera
-from kinesic.face.render.portrait import Pixels, Portrait
+from kinesic.face.render.portrait import Portrait
 from kinesic.face.render.presets import DRAFT, FULL, NORMAL, PRESETS, Preset, Shadow, quality_preset
 
 from ..conftest import Gallery
@@ -20,18 +21,18 @@ GRIN = {"6": 1.0, "12": 1.0, "1": 1.0}
 
 
 @pytest.fixture(scope="module")
-def everything(gallery: Gallery) -> Pixels:
+def everything(gallery: Gallery) -> Picture:
     with gallery(FULL, (96, 80)) as portrait:
         return portrait.draw(GRIN)
 
 
-def face_of(pixels: Pixels) -> np.ndarray:
+def face_of(pixels: Picture) -> np.ndarray:
     """(height, width) where skin is seen: redder than the backdrop is blue."""
     red, blue = pixels[..., 0].astype(int), pixels[..., 2].astype(int)
     return red > blue + 5
 
 
-def changed(one: Pixels, other: Pixels) -> np.ndarray:
+def changed(one: Picture, other: Picture) -> np.ndarray:
     """(height, width) where two pictures differ visibly."""
     return np.abs(one.astype(int) - other.astype(int)).max(axis=2) > 6
 
@@ -132,7 +133,7 @@ def test_full_has_the_finer_mesh(gallery: Gallery):
         {"coarse": 1},
     ],
 )
-def test_each_effect_can_be_switched(gallery: Gallery, everything: Pixels, off: dict[str, object]):
+def test_each_effect_can_be_switched(gallery: Gallery, everything: Picture, off: dict[str, object]):
     with gallery(dataclasses.replace(FULL, **off), (96, 80)) as portrait:
         without = portrait.draw(GRIN)
     apart = np.abs(without.astype(int) - everything.astype(int)).max(axis=2)

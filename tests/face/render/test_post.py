@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from kinesic.body.arrays import Picture
 from kinesic.face.display import DisplayError
 from kinesic.face.render.camera import FRONT, Camera
-from kinesic.face.render.portrait import Pixels
 from kinesic.face.render.presets import DRAFT, NORMAL, Focus, Occlusion, Preset, Scattering
 
 from ..conftest import Gallery
@@ -86,37 +86,37 @@ def test_more_samples_are_the_mean_of_a_larger_picture(drawn):
 
 
 @pytest.fixture(scope="module")
-def smiling(gallery: Gallery) -> Callable[[Preset], Pixels]:
+def smiling(gallery: Gallery) -> Callable[[Preset], Picture]:
     """A picture of a faint smile."""
 
-    def draw(preset: Preset) -> Pixels:
+    def draw(preset: Preset) -> Picture:
         with gallery(preset, (192, 192)) as portrait:
             return portrait.draw({"12": 0.5})
 
     return draw
 
 
-def apart(one: Pixels, other: Pixels) -> float:
+def apart(one: Picture, other: Picture) -> float:
     return float(np.abs(one.astype(float) - other.astype(float)).mean())
 
 
 @pytest.fixture(scope="module")
-def unscattered(smiling) -> Pixels:
+def unscattered(smiling) -> Picture:
     return smiling(PLAIN)
 
 
-def test_nothing_below_the_threshold_is_nothing_scattered(smiling, unscattered: Pixels):
+def test_nothing_below_the_threshold_is_nothing_scattered(smiling, unscattered: Picture):
     np.testing.assert_array_equal(smiling(replace(PLAIN, scattering=Scattering(threshold=-1.0))), unscattered)
 
 
-def test_a_higher_threshold_scatters_more(smiling, unscattered: Pixels):
+def test_a_higher_threshold_scatters_more(smiling, unscattered: Picture):
     effects = [
         apart(smiling(replace(PLAIN, scattering=Scattering(threshold=each))), unscattered) for each in (0.7, 0.93, 1.0)
     ]
     assert 0.0 < effects[0] < effects[1] < effects[2]
 
 
-def test_light_is_spread_not_lost(smiling, unscattered: Pixels):
+def test_light_is_spread_not_lost(smiling, unscattered: Picture):
     full = smiling(replace(PLAIN, scattering=Scattering(threshold=1.0)))
     assert abs(full.astype(float).mean() - unscattered.astype(float).mean()) < 0.5
     assert np.abs(full.astype(int) - unscattered.astype(int)).max() > 5
@@ -125,7 +125,7 @@ def test_light_is_spread_not_lost(smiling, unscattered: Pixels):
 EVERYWHERE = Scattering(threshold=1.0, steps=5)
 
 
-def test_levels_of_scattering_are_between_nothing_and_all(smiling, unscattered: Pixels):
+def test_levels_of_scattering_are_between_nothing_and_all(smiling, unscattered: Picture):
     full, levels, one = (
         smiling(replace(PLAIN, scattering=each))
         for each in (EVERYWHERE, replace(EVERYWHERE, levels=3), replace(EVERYWHERE, levels=1))

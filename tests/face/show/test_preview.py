@@ -20,7 +20,8 @@ from kinesic.face.render.portrait import Portrait
 from kinesic.face.show.controls import Controls
 from kinesic.face.show.files import SideFilm, save_film
 from kinesic.face.show.preview import Preview
-from kinesic.face.show.process import PreviewSettings, follow, painter
+from kinesic.face.show.preview_settings import PreviewSettings
+from kinesic.face.show.process import follow, painter
 from kinesic.face.show.shared_command import SharedCommand, ShownFace
 from kinesic.face.show.window import has_display
 

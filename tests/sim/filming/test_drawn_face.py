@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from kinesic.files.film_file import Picture
+from kinesic.body.arrays import Picture
 from kinesic.sim.filming.drawn_face import LIGHT, PUPIL, SIZE, paint_face
 
 EYES, MOUTH = slice(50, 145), slice(150, 240)  # rows
