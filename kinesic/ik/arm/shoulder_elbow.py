@@ -8,7 +8,7 @@ gone the share effort x length / reach of its way to where it helps most.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import pi, remainder, tau
+from math import inf, pi, remainder, tau
 
 import numpy as np
 
@@ -122,9 +122,10 @@ def bend_elbow(linkage: Linkage, place: ShoulderPlace, *, near: Sequence[float],
     """
     elbow = linkage.walk(near, len(linkage.links) - 2)[1][-1]
     lengths = (linkage.links[-3].length, linkage.links[-2].length)
-    slim = elbow_radius(linkage, place.shoulder, place.target) <= SLIM * linkage.farthest
-    begin, rounds = (place.shoulder, elbow, place.target), ROUNDS if slim else SWUNG
-    settled = settle_masses(begin, lengths, place.target, rounds=rounds)
+    radius = elbow_radius(linkage, place.shoulder, place.target)
+    point = radius == 0.0  # the arm is too short: all swivels are one, whatever the masses say
+    rounds = 0 if point else ROUNDS if radius <= SLIM * linkage.farthest else SWUNG
+    settled = settle_masses((place.shoulder, elbow, place.target), lengths, place.target, rounds=rounds)
     present = swivel_of(linkage, settled.points)
     if present is None:
         present = NATURAL_SWIVEL
@@ -135,7 +136,8 @@ def bend_elbow(linkage: Linkage, place: ShoulderPlace, *, near: Sequence[float],
         elbow = elbow_at(linkage, place.shoulder, place.target, wish + offset)
         return extract(linkage, (*place.girdle, elbow, place.target), near)
 
-    least = _least_miss(linkage, distance(place.shoulder, place.target)) + TIED * linkage.farthest
+    span = distance(place.shoulder, place.target)
+    least = inf if point else _least_miss(linkage, span) + TIED * linkage.farthest
     found, exact = _nearest_exact(at, towards, EXACT * linkage.farthest, least)
     return Bend(found.angles, exact, settled.iterations)
 

@@ -151,7 +151,7 @@ struct Scan {  // postures with the elbow at one swivel after the other
     const double* near;
     Vector ends[MOST_LINKS + 1];
     double wish, tolerance;
-    double least = 0.0;  // [m] that every swivel misses by at least
+    double least = 0.0;  // [m] where a posture misses no more, no other swivel is tried
     hinges::Stem stem = {};  // the collar bone's, which no swivel moves
 
     // A posture that misses by more than `bound` says no more than that.
@@ -205,14 +205,15 @@ inline Bend bent(const Linkage& arm, const Place& place, const double* near, con
     const double lengths[2] = {arm.upper().length, arm.fore().length};
     const Vector begin[3] = {place.shoulder, points[arm.links - 2], place.target};
     const Circle circle(arm, place.shoulder, place.target);
-    const int rounds = circle.radius > SLIM * arm.farthest ? masses::SWUNG : masses::ROUNDS;
+    const bool point = circle.radius == 0.0;  // the arm is too short: all swivels are one, whatever the masses say
+    const int rounds = point ? 0 : circle.radius > SLIM * arm.farthest ? masses::SWUNG : masses::ROUNDS;
     const Settled settled = settle(begin, lengths, 2, place.target, rounds);
     double present = NATURAL_SWIVEL;
     swivel_of(arm, settled.points, present);
     const double wish = swivel ? wrapped(*swivel) : present + NATURE * wrapped(NATURAL_SWIVEL - present);
     const double towards = wrapped(present - wish) >= 0.0 ? 1.0 : -1.0;
     places::Scan scan{arm, circle, near, {}, wish, EXACT * arm.farthest};
-    scan.least = places::least_miss(arm, distance(place.shoulder, place.target)) + TIED * arm.farthest;
+    scan.least = point ? INFINITY : places::least_miss(arm, distance(place.shoulder, place.target)) + TIED * arm.farthest;
     std::copy(place.ends, place.ends + arm.girdle(), scan.ends);
     scan.ends[arm.girdle() + 1] = place.target;
     Bend bend;
