@@ -14,39 +14,46 @@ namespace {
 constexpr double NARROW = 0.41421356237309504880;  // tangent of pi / 8
 
 // Of a tangent within +-NARROW: a quotient of polynomials (Cephes, Moshier).
-double small_arctangent(double t) {
-    const double z = t * t;
-    const double p = -6.485021904942025371773e1 +
-                     z * (-1.228866684490136173410e2 +
-                          z * (-7.500855792314704667340e1 +
-                               z * (-1.615753718733365076637e1 + z * -8.750608600031904122785e-1)));
-    const double q = 1.945506571482613964425e2 +
-                     z * (4.853903996359136964868e2 +
-                          z * (4.328810604912902668951e2 +
-                               z * (1.650270098316988542046e2 + z * (2.485846490142306297962e1 + z))));
+Lanes small_arctangent(Lanes t) {
+    const Lanes z = t * t;
+    const Lanes p = -6.485021904942025371773e1 +
+                    z * (-1.228866684490136173410e2 +
+                         z * (-7.500855792314704667340e1 +
+                              z * (-1.615753718733365076637e1 + z * -8.750608600031904122785e-1)));
+    const Lanes q = 1.945506571482613964425e2 +
+                    z * (4.853903996359136964868e2 +
+                         z * (4.328810604912902668951e2 +
+                              z * (1.650270098316988542046e2 + z * (2.485846490142306297962e1 + z))));
     return t + t * (z * p / q);
 }
 
 }  // namespace
 
-Turn turn_of(double angle) {
-    Lanes sine, cosine;
-    sincos(all(angle), sine, cosine);
-    return {cosine[0], sine[0]};
+Turns turns_of(Lanes angle) {
+    Turns turns;
+    sincos(angle, turns.sine, turns.cosine);
+    return turns;
 }
 
-double arctangent(double y, double x) {
-    const double across = std::fabs(y), along = std::fabs(x);
-    const double less = std::min(across, along), more = std::max(across, along);
-    double angle = 0.0;
-    if (less > NARROW * more)
-        angle = PI / 4.0 + small_arctangent((less - more) / (less + more));
-    else if (more > 0.0)
-        angle = small_arctangent(less / more);
-    if (across > along) angle = PI / 2.0 - angle;
-    if (std::signbit(x)) angle = PI - angle;
-    return std::copysign(angle, y);
+Turn turn_of(double angle) {
+    const Turns turns = turns_of(all(angle));
+    return {turns.cosine[0], turns.sine[0]};
 }
+
+Lanes arctangent(Lanes y, Lanes x) {
+    const Mask sign = Mask(all(-0.0));
+    const Lanes across = magnitude(y), along = magnitude(x);
+    const Mask steep = across > along;
+    const Lanes less = either(steep, along, across), more = either(steep, across, along);
+    const Mask wide = less > NARROW * more;
+    const Lanes part = either(wide, less - more, less), whole = either(wide, less + more, more);
+    Lanes angle = only(wide, all(PI / 4.0)) + small_arctangent(only(more > 0.0, part / whole));
+    angle = either(steep, PI / 2.0 - angle, angle);
+    angle = either(Mask(x) < 0, PI - angle, angle);
+    return Lanes(Mask(angle) | (Mask(y) & sign));
+}
+
+double arctangent(double y, double x) { return arctangent(all(y), all(x))[0]; }
 
 double arccosine(double x) { return 2.0 * arctangent(std::sqrt(1.0 - x), std::sqrt(1.0 + x)); }
 

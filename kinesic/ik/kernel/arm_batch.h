@@ -21,7 +21,9 @@ inline Vectors columns(const Linkage& arm, const Lanes* angles, Vectors* column)
         for (int k = link.first; k < link.first + link.count; ++k) {
             axis[k] = pointing(rotation, arm.pivot[k]);
             pole[k] = centre;
-            rotation = behind(rotation, arm.pivot[k], axis[k], angles[k]);
+            Turns turns;
+            sincos(angles[k], turns.sine, turns.cosine);
+            rotation = behind(rotation, arm.pivot[k], turns);
         }
         centre = centre + rotated(rotation, link.bone);
     }

@@ -4,22 +4,29 @@
 
 #include <algorithm>
 
-#include "arm_linkage.h"
+#include "arm_lanes.h"
 
 namespace kinesic::arm {
 
 constexpr double UNDEFINED = 1e-9;    // nearer than this to the axis, a direction defines no angle
 constexpr double MISS_COST = 1e3;     // per arm length that a joint misses its point
 constexpr double TRAVEL_COST = 1e-3;  // per radian away from the current angles
-constexpr double SLACK = 1e-3;        // of the bones' length: costs as much as a travel of a thousand radians
+constexpr double SLACK = 1e-4;        // of the bones' length: costs as much as a travel of a hundred radians
 
-// Subproblem 1: th = atan2(a.(r x v), r.v - (a.r)(a.v)); false where a direction lies along the axis.
+// Subproblem 1: th = atan2(a.(r x v), r.v - (a.r)(a.v)); not `defined` where a direction lies along the axis.
+inline Lanes turn_towards(const Vector& axis, const Vector& rest, const Vectors& wanted, Mask& defined) {
+    const Vectors a = all(axis), r = all(rest);
+    const Lanes s = dot(a, cross(r, wanted));
+    const Lanes c = dot(r, wanted) - dot(axis, rest) * dot(a, wanted);
+    defined = ~(root(s * s + c * c) < UNDEFINED);
+    return arctangent(s, c);
+}
+
+// One of them; false where it is not defined.
 inline bool turn_towards(const Vector& axis, const Vector& rest, const Vector& wanted, double& turn) {
-    const double s = dot(axis, cross(rest, wanted));
-    const double c = dot(rest, wanted) - dot(axis, rest) * dot(axis, wanted);
-    if (std::sqrt(s * s + c * c) < UNDEFINED) return false;
-    turn = arctangent(s, c);
-    return true;
+    Mask defined;
+    turn = turn_towards(axis, rest, all(wanted), defined)[0];
+    return defined[0];
 }
 
 // Subproblem 2, its first hinge: A cos q1 + B sin q1 = C. Up to two branches; their number is returned.
@@ -31,12 +38,14 @@ inline int first_of_two(const Vector& first, const Vector& second, const Vector&
     const double c = dot(second, rest) - skew * along;
     const double rho = std::sqrt(a * a + b * b);
     if (rho < UNDEFINED) return 0;
-    const double middle = arctangent(b, a);
     if (std::abs(c) >= rho) {
+        const double middle = arctangent(b, a);
         turns[0] = c > 0.0 ? middle : middle + PI;
         return 1;
     }
-    const double spread = arccosine(c / rho);
+    const double share = c / rho;
+    const Lanes angles = arctangent(Lanes{b, std::sqrt(1.0 - share)}, Lanes{a, std::sqrt(1.0 + share)});
+    const double middle = angles[0], spread = 2.0 * angles[1];
     turns[0] = middle + spread;
     turns[1] = middle - spread;
     return 2;
@@ -57,54 +66,83 @@ struct Branch {  // the first links aimed in one of the possible ways
     int links;
 };
 
-inline double aimed(const Pivot& pivot, const Vector& along, const Vector& wanted, double now) {
-    double turn;
-    return turn_towards(pivot.axis, along, wanted, turn) ? pivot.held(turn, now) : now;
+struct Ways {  // in which a link's hinges aim its bone, side by side
+    Lanes angle[MOST_HINGES];
+    Turns turns[MOST_HINGES];
+    int count = 1;
+};
+
+// How far points [m] are from an arc about an axis, at least.
+inline Lanes off_arc(const Arc& arc, const Vector& axis, const Vectors& point) {
+    const Lanes along = dot(all(axis), point);
+    const Mask beside = dot(all(arc.middle), point) >= arc.opening * norm(point - all(axis) * along);
+    const Lanes lower = norm(point - all(arc.lower)), upper = norm(point - all(arc.upper));
+    return either(beside, magnitude(along - arc.height), either(lower < upper, lower, upper));
 }
 
-// The branch with one more link turned by the angles already written into it.
-inline void grow(const Linkage& arm, Branch& branch, const Vector& point, const double* near, double size) {
-    const Link& link = arm.link[branch.links];
-    double travel = 0.0;
-    for (int k = link.first; k < link.first + link.count; ++k) {
-        branch.frame = behind(branch.frame, arm.pivot[k], branch.angles[k]);
-        travel += std::abs(branch.angles[k] - near[k]);
-    }
-    branch.end = branch.end + rotated(branch.frame, link.bone);
-    const double miss = distance(branch.end, point);
-    branch.cost = branch.cost + MISS_COST * miss / size + TRAVEL_COST * travel;
-    branch.miss += miss;
-    branch.links += 1;
-}
-
-// The ways to aim the next bone: its last two hinges aim, any before them stay. One or two children are written.
-inline int grown(const Linkage& arm, const Branch& branch, const Vector& point, const double* near, double size,
-                 Branch* children) {
+// The ways to aim the next bone: its last two hinges aim, any before them stay. None where all miss by more than `most`.
+inline Ways aimed(const Linkage& arm, const Branch& branch, const Vector& point, const double* near, double most) {
     const Link& link = arm.link[branch.links];
     const int end = link.first + link.count;
-    Vector wanted = within(branch.frame, unit(point - branch.end));
-    children[0] = branch;
-    for (int k = link.first; k < end - 2; ++k) {
-        children[0].angles[k] = near[k];
-        wanted = turned(wanted, arm.pivot[k].axis, -near[k]);
+    const Vector away = point - branch.end;
+    Ways ways;
+    Vectors wanted = all(within(branch.frame, unit(away)));
+    int k = link.first;
+    const auto turn = [&](Lanes angle) {
+        ways.angle[k] = angle;
+        ways.turns[k] = turns_of(angle);
+        if (k < end - 1) wanted = turned(wanted, arm.pivot[k].axis, ways.turns[k].cosine, -ways.turns[k].sine);
+        ++k;
+    };
+    while (k < end - 2) turn(all(near[k]));
+    if (link.count >= 2) {
+        const Pivot &first = arm.pivot[k], &last = arm.pivot[k + 1];
+        double turns[2] = {near[k], near[k]};
+        ways.count = std::max(1, first_of_two(first.axis, last.axis, link.along, lane(wanted, 0), turns));
+        const double held = first.held(turns[0], near[k]);
+        turn(Lanes{held, ways.count == 2 ? first.held(turns[1], near[k]) : held});
     }
-    int count = 1;
-    if (link.count == 1) {
-        children[0].angles[end - 1] = aimed(arm.pivot[end - 1], link.along, wanted, near[end - 1]);
-    } else if (link.count >= 2) {
-        const Pivot &first = arm.pivot[end - 2], &last = arm.pivot[end - 1];
-        double ways[2] = {near[end - 2], 0.0};
-        count = std::max(1, first_of_two(first.axis, last.axis, link.along, wanted, ways));
-        if (count == 2) children[1] = children[0];
-        for (int way = 0; way < count; ++way) {
-            const double turn = first.held(ways[way], near[end - 2]);
-            children[way].angles[end - 2] = turn;
-            const Vector seen = turned(wanted, first.axis, -turn);
-            children[way].angles[end - 1] = aimed(last, link.along, seen, near[end - 1]);
+    if (link.count >= 1) {
+        const Pivot& last = arm.pivot[k];
+        if (most < INFINITY && !any(off_arc(arm.arc[branch.links], last.axis, wanted * all(norm(away))) <= most)) {
+            ways.count = 0;
+            return ways;
         }
+        Mask defined;
+        Lanes angle = turn_towards(last.axis, link.along, wanted, defined);
+        for (int way = 0; way < LANES; ++way) angle[way] = defined[way] ? last.held(angle[way], near[k]) : near[k];
+        turn(angle);
     }
-    for (int way = 0; way < count; ++way) grow(arm, children[way], point, near, size);
-    return count;
+    return ways;
+}
+
+// The branch with one more link, aimed in every way. At most two children are written, none where all miss by more than
+// `most`.
+inline int grown(const Linkage& arm, const Branch& branch, const Vector& point, const double* near, double size,
+                 Branch* children, double most = INFINITY) {
+    const Link& link = arm.link[branch.links];
+    const Ways ways = aimed(arm, branch, point, near, most);
+    if (ways.count == 0) return 0;
+    Rotations frame = all(branch.frame);
+    Lanes travel = all(0.0);
+    for (int k = link.first; k < link.first + link.count; ++k) {
+        frame = behind(frame, arm.pivot[k], ways.turns[k]);
+        travel += magnitude(ways.angle[k] - near[k]);
+    }
+    const Vectors end = all(branch.end) + rotated(frame, link.bone);
+    const Lanes miss = norm(end - all(point));
+    const Lanes cost = branch.cost + MISS_COST * miss / size + TRAVEL_COST * travel;
+    for (int way = 0; way < ways.count; ++way) {
+        Branch& child = children[way];
+        child.cost = cost[way];
+        child.miss = branch.miss + miss[way];
+        child.frame = lane(frame, way);
+        child.end = lane(end, way);
+        std::copy(branch.angles, branch.angles + arm.own(), child.angles);
+        for (int k = link.first; k < link.first + link.count; ++k) child.angles[k] = ways.angle[k][way];
+        child.links = branch.links + 1;
+    }
+    return ways.count;
 }
 
 // The ways to aim the first bone, the cheaper last: the same for all postures whose first joint's centre is the same.
@@ -146,7 +184,8 @@ inline Extraction extract(const Linkage& arm, const hinges::Stem& stem, const Ve
     double least = INFINITY;
     while (left > 0) {
         const hinges::Branch branch = waiting[--left];
-        if (branch.cost >= least || branch.miss > bound + SLACK * size) continue;
+        const double most = bound + SLACK * size - branch.miss;
+        if (branch.cost >= least || most < 0.0) continue;
         if (branch.links == count) {
             least = branch.cost;
             best.miss = branch.miss;
@@ -154,7 +193,7 @@ inline Extraction extract(const Linkage& arm, const hinges::Stem& stem, const Ve
             continue;
         }
         hinges::Branch* children = waiting + left;
-        const int ways = hinges::grown(arm, branch, points[branch.links], near, size, children);
+        const int ways = hinges::grown(arm, branch, points[branch.links], near, size, children, most);
         if (ways == 2 && children[0].cost < children[1].cost) std::swap(children[0], children[1]);
         left += ways;
     }

@@ -10,9 +10,11 @@ constexpr int LANES = 2;
 typedef double Lanes __attribute__((vector_size(8 * LANES)));
 typedef long long Mask __attribute__((vector_size(8 * LANES)));  // of each lane all bits or none
 
-inline Lanes all(double value) { return Lanes{} + value; }
+inline Lanes all(double value) { return Lanes{value, value}; }
 inline Lanes either(Mask mask, Lanes yes, Lanes no) { return Lanes((mask & Mask(yes)) | (~mask & Mask(no))); }
 inline Lanes only(Mask mask, Lanes value) { return Lanes(mask & Mask(value)); }
+
+inline Lanes magnitude(Lanes value) { return Lanes(Mask(value) & ~Mask(all(-0.0))); }
 
 inline bool any(Mask mask) {
     long long bits = 0;
@@ -55,10 +57,19 @@ inline void sincos(Lanes angle, Lanes& sine, Lanes& cosine) {
     cosine = Lanes(Mask(either(swapped, s, c)) ^ (((quarter + 1) & 2) << 62));
 }
 
+struct Turns {
+    Lanes cosine, sine;
+};
+
+// As those of one angle in arm_angles.h, which take their bits from here.
+Turns turns_of(Lanes angle);
+Lanes arctangent(Lanes y, Lanes x);
+
 struct Vectors {
     Lanes x, y, z;
 };
 
+inline Vector lane(const Vectors& a, int which) { return {a.x[which], a.y[which], a.z[which]}; }
 inline Vectors all(const Vector& a) { return {all(a.x), all(a.y), all(a.z)}; }
 inline Vectors operator+(const Vectors& a, const Vectors& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 inline Vectors operator-(const Vectors& a, const Vectors& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
@@ -78,7 +89,11 @@ struct Rotations {
     Vectors x = all(Vector{1.0, 0.0, 0.0}), y = all(Vector{0.0, 1.0, 0.0}), z = all(Vector{0.0, 0.0, 1.0});
 };
 
-inline Vectors rotated(const Rotations& r, const Vector& a) {
+inline Rotation lane(const Rotations& r, int which) { return {lane(r.x, which), lane(r.y, which), lane(r.z, which)}; }
+inline Rotations all(const Rotation& r) { return {all(r.x), all(r.y), all(r.z)}; }
+
+template <class Each>  // Vector or Vectors
+Vectors rotated(const Rotations& r, const Each& a) {
     return {r.x.x * a.x + r.y.x * a.y + r.z.x * a.z, r.x.y * a.x + r.y.y * a.y + r.z.y * a.z,
             r.x.z * a.x + r.y.z * a.y + r.z.z * a.z};
 }
@@ -93,21 +108,28 @@ inline Vectors pointing(const Rotations& r, const Pivot& pivot) {
     }
 }
 
-// The frames behind a hinge. An oblique axis turns each column a of the frame about the axis u in the base:
-// a cos + (u x a) sin + u (u.a) (1 - cos).
-inline Rotations behind(const Rotations& r, const Pivot& pivot, const Vectors& axis, Lanes angle) {
-    Lanes s, c;
-    sincos(angle, s, c);
+// As `turned` of one vector.
+inline Vectors turned(const Vectors& a, const Vector& axis, Lanes c, Lanes s) {
+    const Lanes d = (axis.x * a.x + axis.y * a.y + axis.z * a.z) * (1.0 - c);
+    const Vectors k{axis.y * a.z - axis.z * a.y, axis.z * a.x - axis.x * a.z, axis.x * a.y - axis.y * a.x};
+    return {a.x * c + k.x * s + axis.x * d, a.y * c + k.y * s + axis.y * d, a.z * c + k.z * s + axis.z * d};
+}
+
+// As `behind` of one frame.
+inline Rotations behind(const Rotations& r, const Pivot& pivot, const Turns& turns) {
+    const Lanes c = turns.cosine, s = turns.sine, d = 1.0 - c, one = c + d;
+    const Vector& a = pivot.axis;
     switch (pivot.kind) {
-        case Kind::x: s = s * pivot.axis.x; return {r.x, r.y * c + r.z * s, r.z * c - r.y * s};
-        case Kind::y: s = s * pivot.axis.y; return {r.x * c - r.z * s, r.y, r.x * s + r.z * c};
-        case Kind::z: s = s * pivot.axis.z; return {r.x * c + r.y * s, r.y * c - r.x * s, r.z};
+        case Kind::x: return {r.x * one, r.y * c + r.z * (a.x * s), r.z * c - r.y * (a.x * s)};
+        case Kind::y: return {r.x * c - r.z * (a.y * s), r.y * one, r.x * (a.y * s) + r.z * c};
+        case Kind::z: return {r.x * c + r.y * (a.z * s), r.y * c - r.x * (a.z * s), r.z * one};
         default: break;
     }
-    const auto turned = [&](const Vectors& a) {
-        return a * c + cross(axis, a) * s + axis * (dot(axis, a) * (1.0 - c));
-    };
-    return {turned(r.x), turned(r.y), turned(r.z)};
+    const Lanes xs = a.x * s, ys = a.y * s, zs = a.z * s;
+    const Lanes xy = a.x * a.y * d, xz = a.x * a.z * d, yz = a.y * a.z * d;
+    return {rotated(r, Vectors{c + a.x * a.x * d, xy + zs, xz - ys}),
+            rotated(r, Vectors{xy - zs, c + a.y * a.y * d, yz + xs}),
+            rotated(r, Vectors{xz + ys, yz - xs, c + a.z * a.z * d})};
 }
 
 }  // namespace kinesic::arm

@@ -43,6 +43,23 @@ struct Link {  // a bone and the hinges that aim it
     double length = 0.0;       // [m]
 };
 
+struct Arc {  // on which a bone's end lies, whatever the last of its hinges does, seen from where the bone begins
+    Vector lower, upper;  // [m] at the stops
+    Vector middle;        // direction of the halfway from the hinge's axis; null for a bone along it
+    double opening = 0.0;  // cosine of half the range; -2 for a whole turn
+    double height = 0.0;  // [m] along the axis
+
+    Arc() = default;
+    Arc(const Pivot& last, const Vector& bone) {
+        const double half = 0.5 * (last.upper - last.lower);
+        lower = turned(bone, last.axis, last.lower);
+        upper = turned(bone, last.axis, last.upper);
+        middle = unit(across(turned(bone, last.axis, last.lower + half), last.axis));
+        opening = half < PI ? turn_of(half).cosine : -2.0;
+        height = dot(last.axis, bone);
+    }
+};
+
 struct Seed {  // a posture to begin again from, and where it holds the hand
     double angles[MOST_HINGES];
     Vector hand;
@@ -52,6 +69,7 @@ struct Linkage {
     Vector origin;  // [m] in the base
     int links = 0, hinges = 0, seeds = 0;
     Link link[MOST_LINKS];  // from the base outward; the last bone runs along the hand and moves no position
+    Arc arc[MOST_LINKS];    // of each link that has hinges
     Pivot pivot[MOST_HINGES];
     double side = 1.0;      // +1: an arm on the left; -1: on the right
     double farthest = 0.0;  // [m] shoulder to hand with the elbow as straight as it goes
@@ -65,6 +83,11 @@ struct Linkage {
     const Link& upper() const { return link[links - 3]; }      // from shoulder to elbow
     const Link& fore() const { return link[links - 2]; }       // from elbow to hand
     const Link& last() const { return link[links - 1]; }       // along the hand
+
+    void draw_arcs() {
+        for (int j = 0; j < links; ++j)
+            if (link[j].count > 0) arc[j] = Arc(pivot[link[j].first + link[j].count - 1], link[j].bone);
+    }
 };
 
 // The frame behind a hinge: `after`, without the products with zeros that most axes have.

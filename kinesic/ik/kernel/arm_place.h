@@ -152,6 +152,7 @@ struct Scan {  // postures with the elbow at one swivel after the other
     Vector ends[MOST_LINKS + 1];
     double wish, tolerance;
     double least = 0.0;  // [m] where a posture misses no more, no other swivel is tried
+    double most = INFINITY;  // [m] a posture that misses more is of no use
     hinges::Stem stem = {};  // the collar bone's, which no swivel moves
 
     // A posture that misses by more than `bound` says no more than that.
@@ -179,12 +180,12 @@ struct Scan {  // postures with the elbow at one swivel after the other
 
     // Outward from offset zero to the first posture that misses nothing; else the one that misses least.
     Extraction nearest(double towards, bool& exact) {
-        Extraction best = at(0.0);
+        Extraction best = at(0.0, most);
         exact = best.miss <= tolerance;
         for (int step = 1; step <= STEPS && !exact; ++step)
             for (const double side : {towards, -towards}) {
                 if (best.miss <= least) return best;
-                const Extraction found = at(side * step * PI / STEPS, best.miss);
+                const Extraction found = at(side * step * PI / STEPS, std::min(best.miss, most));
                 if (found.miss <= tolerance) {
                     exact = true;
                     return edge(side * (step - 1) * PI / STEPS, side * step * PI / STEPS, found);
@@ -198,8 +199,8 @@ struct Scan {  // postures with the elbow at one swivel after the other
 }  // namespace places
 
 // Chooses the elbow's place on its circle, as near to the wished swivel as the ranges allow. `swivel` null: between the
-// one to which the masses swing from `near`, and the natural one.
-inline Bend bent(const Linkage& arm, const Place& place, const double* near, const double* swivel) {
+// one to which the masses swing from `near`, and the natural one. `exact`: another posture is of no use.
+inline Bend bent(const Linkage& arm, const Place& place, const double* near, const double* swivel, bool exact = false) {
     Vector points[MOST_LINKS + 1];
     walk(arm, near, arm.links - 2, points);
     const double lengths[2] = {arm.upper().length, arm.fore().length};
@@ -214,6 +215,7 @@ inline Bend bent(const Linkage& arm, const Place& place, const double* near, con
     const double towards = wrapped(present - wish) >= 0.0 ? 1.0 : -1.0;
     places::Scan scan{arm, circle, near, {}, wish, EXACT * arm.farthest};
     scan.least = point ? INFINITY : places::least_miss(arm, distance(place.shoulder, place.target)) + TIED * arm.farthest;
+    if (exact) scan.most = scan.tolerance;
     std::copy(place.ends, place.ends + arm.girdle(), scan.ends);
     scan.ends[arm.girdle() + 1] = place.target;
     Bend bend;

@@ -71,7 +71,7 @@ inline Bend found(const Linkage& arm, const Place& place, const Question& questi
     first.iterations += best.rounds;
     if (best.miss >= STALLED) return first;
     const Place again = place_of(arm, best.angles, hand(arm, best.angles));
-    Bend second = bent(arm, again, best.angles, question.swivel);
+    Bend second = bent(arm, again, best.angles, question.swivel, true);
     if (!second.exact) std::copy(best.angles, best.angles + arm.own(), second.angles);
     second.iterations += first.iterations;
     return second;

@@ -62,6 +62,7 @@ void pack(Arm* self, const Triple& origin, const std::vector<int>& counts, const
         arm->rest[k] = linkage.pivot[k].clipped(rest[k]);
         arm->mobility[k] = mobility[k];
     }
+    linkage.draw_arcs();
     Vector points[MOST_LINKS + 1];
     walk(linkage, arm->rest, linkage.girdle(), points);
     linkage.resting = points[linkage.girdle()];

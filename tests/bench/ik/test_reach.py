@@ -5,6 +5,7 @@ import pytest
 
 from kinesic.bench.ik import reach, tasks, tracking
 from kinesic.bench.ik.arms import random_arm, targets
+from kinesic.body.robot import Robot
 from kinesic.ik import KERNEL
 from kinesic.ik.arm.linkage import linkage_of
 
@@ -27,6 +28,21 @@ def test_reach_is_sure_and_exact():
     for name in ("ik.success_mm", "ik.violations", "ik.repeatable", "ik.extraction", "ik.success_random_arms_worst"):
         assert figures[name].ok, figures[name]
     assert (figures["ik.batch"].value is None) == (KERNEL == "numpy")
+
+
+def test_what_interrupts_a_pass_is_not_the_solvers_time(monkeypatch):
+    chain, count = Robot.load().arms["l"], 50
+    monkeypatch.setattr(reach, "KERNEL", "compiled")
+    monkeypatch.setattr(reach, "ALONE", count)
+    calls = iter(range(count * reach.PASSES))  # every third target is interrupted, once
+
+    def seconds(chain, asked):
+        call = next(calls)
+        return 1.0 if call < count and call % 3 == 0 else 5e-6
+
+    monkeypatch.setattr(reach, "_seconds", seconds)
+    figures = reach._percentiles(chain, targets(np.random.default_rng(1), chain, count))
+    assert [figure.value for figure in figures] == pytest.approx([5.0, 5.0, 5.0])
 
 
 @pytest.mark.usefixtures("few")

@@ -127,3 +127,16 @@ def test_where_the_elbow_cannot_bend_enough_no_other_swivel_is_tried(monkeypatch
     assert distance(ARM.hand(bend.angles), near) < 0.11 * ARM.closest
     points = ARM.walk(bend.angles, 3)[1]
     assert swivel_of(ARM, points[-3:]) == pytest.approx(0.4, abs=0.005)
+
+
+def test_an_arm_that_is_too_short_tries_one_swivel_and_lets_no_mass_swing(monkeypatch) -> None:
+    looked, line = [], np.array(unit((0.3, 0.3, -0.9)))
+    lengths = ARM.links[-3].length, ARM.links[-2].length
+    far = vector(np.add(SHOULDER, 1.02 * sum(lengths) * line))
+    place = place_of(ARM, REST, far)
+    monkeypatch.setattr(shoulder_elbow, "extract", lambda *asked: looked.append(asked) or extract(*asked))
+    bends = [bend_elbow(ARM, place, near=REST, swivel=swivel) for swivel in (None, 0.4, 2.5)]
+    assert [bend.iterations for bend in bends] == [0, 0, 0]
+    assert len(looked) == 3
+    np.testing.assert_allclose([bend.angles for bend in bends], [bends[0].angles] * 3, atol=1e-12)
+    assert distance(ARM.hand(bends[0].angles), far) == pytest.approx(0.02 * sum(lengths), rel=1e-6)

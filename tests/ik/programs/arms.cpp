@@ -45,6 +45,7 @@ static Linkage linkage_read() {
         const double lower = number(), upper = number(), rest = number();
         arm.pivot[k] = Pivot(axis, lower, upper, rest);
     }
+    arm.draw_arcs();
     for (int n = 0; n < arm.seeds; ++n) {
         for (int k = 0; k < arm.own(); ++k) arm.seed[n].angles[k] = number();
         arm.seed[n].hand = hand(arm, arm.seed[n].angles);
