@@ -3,11 +3,13 @@ from collections.abc import Callable
 from kinesic.body.arrays import Flags, Floats, Indices
 
 class Observer: ...
+class Correction: ...
 class TwinPhysics: ...
 
 def make_observer(
     forecast: Floats, gain: Floats, step: Floats, full: Floats, arrival: Floats, constants: Floats
 ) -> Observer: ...
+def make_correction(observer: Observer, lower: Floats, upper: Floats, constants: Floats) -> Correction: ...
 def make_physics(
     step: int,
     model: int,
@@ -26,9 +28,8 @@ def make_physics(
 def perform(
     twin: TwinPhysics,
     times: Floats,
-    goals: Floats,
-    observer: Observer | None,
-    inputs: Floats,
+    led: tuple[Floats, Floats, Floats, Floats],
+    correction: Correction | None,
     progress: Callable[[int], None],
     every: int,
 ) -> tuple[Floats, Floats, Floats, Indices, Indices, Floats]: ...
@@ -37,14 +38,3 @@ def first_entry(
 ) -> float | None: ...
 def tracking_errors(planned: Floats, measured: Floats, moving: Flags) -> tuple[float, float, float, int, int, int]: ...
 def measure_stretch(times: Floats, path: Floats, begin: float, end: float) -> tuple[float, float]: ...
-def observer_inputs(
-    angles: Floats,
-    goals: Floats,
-    loads: Floats,
-    leads: Floats,
-    arrival: Floats,
-    lower: Floats,
-    upper: Floats,
-    constants: Floats,
-    rows: Floats,
-) -> None: ...

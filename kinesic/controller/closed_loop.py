@@ -1,9 +1,12 @@
-"""Performs a whole motion in twins: commands, correction and physics of all ticks in one compiled loop.
+"""Performs a motion in twins: commands, correction and physics of all ticks in one compiled loop.
 
-Where there is no compiler, or a twin's supply sags, Python does the same tick by tick, and slower.
+It goes on window by window, so that what a long motion leaves can be measured and let go on the way. Where there is no
+compiler, or a twin's supply sags, Python does the same tick by tick, and slower, all in one window.
 """
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -15,7 +18,6 @@ from kinesic.controller.observer import (
     FORGETTING,
     LARGEST,
     Observer,
-    ObserverInputs,
     correct_goals,
     noticing,
 )
@@ -33,83 +35,100 @@ if KERNEL == "compiled":
     from kinesic.controller import _kernel
 
 
+WINDOW = 2048  # commands that are performed before anybody looks: their steps stay in the cache
+
+Lead = Callable[[Floats], FeedForwardGoals]  # set points for goals that are sent at (m,) [s]
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """Some commands that one of several twins has just performed."""
+
+    twin: int
+    commands: slice  # which of all
+    setpoints: FeedForwardGoals  # of these
+
+
 def perform_in_twins(
     trajectory: Trajectory,
     times: Floats,
-    setpoints: FeedForwardGoals,
+    lead: Lead,
     twins: Sequence[Twin],
     observers: Callable[[int], Observer] | None,
     progress: Callable[[float], None],
-) -> Iterator[Twin]:
-    """Performs a motion in twins that were just built, and yields each when it is done and holds what it measured.
+) -> Iterator[Stretch]:
+    """Performs a motion in twins that were just built, and says each time one has done a window of it.
+
+    The twin then holds what it did in this window alone, once somebody has dropped what it did before.
 
     Args:
         trajectory: of the motion.
         times: (m,) [s] performance times of the commands.
-        setpoints: goals of the servos at these times.
-        twins: each follows for itself.
+        lead: the servos' goals.
+        twins: each follows for itself; each must be recorded or forget before it goes on.
         observers: makes the observer of so many bodies that corrects the goals; None: nobody does.
         progress: gets the share of the ticks that are over, now and then.
     """
     parts = [twin.parts() for twin in twins] if KERNEL == "compiled" else []
     known = [part for part in parts if part is not None]
     if len(known) < len(twins):
+        setpoints = lead(times)
         _perform_tick_by_tick(trajectory, times, setpoints, twins, observers, progress)
-        yield from twins
+        yield from (Stretch(k, slice(0, len(times)), setpoints) for k in range(len(twins)))
         return
-    angles, observer = trajectory.sample(times)[0], observers(1) if observers else None
-    inputs = _inputs(observer, angles, setpoints) if observer else np.empty(0)
-    for done, (twin, part) in enumerate(zip(twins, known, strict=True)):
-        twin.take(_perform(part, times, setpoints.goals, observer, inputs, progress, done, len(twins)))
-        if done + 1 == len(twins):
-            inputs = np.empty(0)  # as large as all that is measured, and not read any more
-        yield twin
+    observer = observers(1) if observers else None
+    loops = [CompiledLoop(twin, part, observer) for twin, part in zip(twins, known, strict=True)]
+    for begin in range(0, len(times), WINDOW):
+        rows = slice(begin, min(begin + WINDOW, len(times)))
+        setpoints = lead(times[rows])
+        angles = trajectory.sample(times[rows])[0] if observer else setpoints.goals
+        for k, loop in enumerate(loops):
+            done = begin + k * (rows.stop - begin) / len(loops)
+            loop.perform(times[rows], angles, setpoints, partial(_tell, progress, done, len(loops), len(times)))
+            yield Stretch(k, rows, setpoints)
 
 
-def _perform(
-    parts: TwinParts,
-    times: Floats,
-    goals: Floats,
-    observer: Observer | None,
-    inputs: Floats,
-    progress: Callable[[float], None],
-    done: int,
-    twins: int,
-) -> StepRecord:
-    """Performs in one twin, after so many of all."""
-
-    def tell(tick: int) -> None:
-        progress((done + tick / len(times)) / twins)
-
-    angles, speeds, spans, aimed, counts, sent = _kernel.perform(
-        _kernel.make_physics(*(getattr(parts, name) for name in TwinParts.__dataclass_fields__)),
-        times,
-        goals,
-        None if observer is None else _compiled(observer),
-        inputs,
-        tell,
-        RATE,
-    )
-    size = len(parts.positions)
-    return StepRecord(
-        times, sent.reshape(goals.shape), counts, aimed, angles.reshape(-1, size), speeds.reshape(-1, size), spans
-    )
+def _tell(progress: Callable[[float], None], done: float, loops: int, ticks: int, tick: int) -> None:
+    """Tells the share of all ticks that are over when one of some loops is at a tick of its window."""
+    progress((done + tick / loops) / ticks)
 
 
-def _inputs(observer: Observer, angles: Floats, setpoints: FeedForwardGoals) -> Floats:
-    """(m, 10, n) what `Observer.inputs` gives for the set points themselves."""
-    rows = np.empty((len(angles), len(ObserverInputs.__dataclass_fields__), angles.shape[1]))
-    constants = np.array([noticing(observer.period), observer.period / FORGETTING, CLEAR_LOAD, LARGEST])
-    led = setpoints.goals, setpoints.loads, setpoints.leads
-    _kernel.observer_inputs(angles, *led, observer.arrival, observer.lower, observer.upper, constants, rows)
-    return rows
+class CompiledLoop:
+    """The loop of one twin, which goes on where it was."""
+
+    def __init__(self, twin: Twin, parts: TwinParts, observer: Observer | None) -> None:
+        """Begins before the first command.
+
+        Args:
+            twin: that was just built.
+            parts: of its physics.
+            observer: of one body, which corrects its goals; None: nobody does.
+        """
+        self._twin, self._size = twin, len(parts.positions)
+        self._physics = _kernel.make_physics(*(getattr(parts, name) for name in TwinParts.__dataclass_fields__))
+        self._correction = None if observer is None else _correction(observer)
+        self._under_way = np.empty((0, len(parts.hinges)))  # (w, n) [rad] goals that are sent but not yet in force
+
+    def perform(self, times: Floats, angles: Floats, setpoints: FeedForwardGoals, tell: Callable[[int], None]) -> None:
+        """Performs commands at (m,) times [s], with the reference (m, n) [rad], and hands the twin what it did."""
+        led = angles, setpoints.goals, setpoints.loads, setpoints.leads
+        postures, speeds, spans, aimed, counts, sent = _kernel.perform(
+            self._physics, times, led, self._correction, tell, RATE
+        )
+        goals = sent.reshape(angles.shape)
+        coming = np.concatenate([self._under_way, goals])
+        aims, self._under_way = coming[: len(aimed)], coming[len(aimed) :].copy()
+        postures, speeds = postures.reshape(-1, self._size), speeds.reshape(-1, self._size)
+        self._twin.take(StepRecord(times, goals, counts, aims, aimed, postures, speeds, spans))
 
 
-def _compiled(observer: Observer) -> "_kernel.Observer":
+def _correction(observer: Observer) -> "_kernel.Correction":
     constants = np.array([*(observer.restoring * RESTORING), *SHARES, FADING])
-    return _kernel.make_observer(
+    compiled = _kernel.make_observer(
         observer.forecast, observer.gain, observer.step, observer.full, observer.arrival, constants
     )
+    noticed = np.array([noticing(observer.period), observer.period / FORGETTING, CLEAR_LOAD, LARGEST])
+    return _kernel.make_correction(compiled, observer.lower, observer.upper, noticed)
 
 
 def _perform_tick_by_tick(

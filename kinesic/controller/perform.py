@@ -10,7 +10,7 @@ from typing import Unpack
 
 import numpy as np
 
-from kinesic.body.arrays import Floats, sealed
+from kinesic.body.arrays import Floats, seal_own, sealed
 from kinesic.body.choices import Terms
 from kinesic.body.command import RATE, Measurements
 from kinesic.body.config import ConfigError
@@ -210,24 +210,24 @@ def dry_runs(
     times = command_times(planned.duration)
     leading = FeedForward.of(robot, known.dynamics, believed, delay=delay, terms=feedforward)
     delay = float(leading.delay)
-    setpoints = leading.lead(trajectory, times)
     observers = partial(make_observer, known, believed, delay) if correction else None
-    start = trajectory.at(0.0).angles
+    lead, start = partial(leading.lead, trajectory), trajectory.at(0.0).angles
+    duties = np.empty((len(times), len(start)))
 
     def performed(*, touches: bool) -> list[Measurements]:
         bodies = [Twin(robot, factors=factors, step=step, start=start, touches=touches) for factors in twins]
-        found = []
-        for body in perform_in_twins(trajectory, times, setpoints, bodies, observers, progress):
-            found.append(body.measurements())  # at once, while its steps are in the cache
-            body.forget()
-        return found
+        recorders = [body.recorder(len(times)) for body in bodies]
+        for stretch in perform_in_twins(trajectory, times, lead, bodies, observers, progress):
+            bodies[stretch.twin].record(recorders[stretch.twin])  # at once, while its steps are in the cache
+            duties[stretch.commands] = stretch.setpoints.duties
+        return [recorder.measurements() for recorder in recorders]
 
     alone = observers(1) if observers else None
     restoring = 1.0 if alone is None else alone.restoring
     measured = performed(touches=False)
     if min(each.clearance.distances.min() for each in measured) < robot.least_clearance:
         measured = performed(touches=True)  # between steps they may have met
-    reference, seconds = Reference(planned, times, setpoints.duties), perf_counter() - began
+    reference, seconds = Reference(planned, times, seal_own(duties)), perf_counter() - began
     runs = [
         Performance(reference, factors, each, parse_seconds, seconds, believed=believed, restoring=restoring)
         for factors, each in zip(twins, measured, strict=True)

@@ -78,5 +78,6 @@ def measure_drives(
     law: Floats,
     figures: Floats,
     left: Floats,
-    found: tuple[Floats, Floats, Floats, Floats, Floats],
+    first: int,
+    found: tuple[Floats, Floats, Floats, Floats, Floats, Floats],
 ) -> None: ...

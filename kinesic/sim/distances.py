@@ -69,9 +69,8 @@ class CapsuleDistances:
         self._begins = np.cumsum([0, *map(len, members)])  # (b + 1,) of each body's own among all members
         self._hulled = np.array([max(pair) >= len(plain) for pair in pairs], dtype=np.bool_)  # (p,)
         within = [np.array(list(product(members[i], members[j])), dtype=np.intp).T for i, j in pairs]
-        self._within = _by_size(
-            within, self._hulled
-        )  # rows of pairs with as many pairs of capsules within, and these (2, r, k)
+        # rows of pairs with as many pairs of capsules within, and these (2, r, k)
+        self._within = _by_size(within, self._hulled)
         reach = [capsule_reach(robot.skeleton, k, capsule) for k, capsule in self._members]
         reaches = np.array([np.max([reach[k] for k in row], axis=0) for row in members])
         self._reaches = reaches_of_pairs(reaches.reshape(-1, len(robot.skeleton.hinges)), pairs)  # (p, n) [m]
@@ -104,9 +103,8 @@ class CapsuleDistances:
             frames = body_frames(self._robot, angles)
             found = np.empty((len(self._names), len(angles)))
             if KERNEL == "compiled":
-                _compiled(self).gaps(
-                    np.ascontiguousarray(frames.rotations), np.ascontiguousarray(frames.origins), found
-                )
+                placed = np.ascontiguousarray(frames.rotations), np.ascontiguousarray(frames.origins)
+                _compiled(self).gaps(*placed, found)
             else:
                 found[:] = self._gaps(frames)
             self._measure_fingers(found, (found < SIGHT) & self._hulled[:, None], frames, angles)
@@ -121,7 +119,9 @@ class CapsuleDistances:
         found: Floats = segment_distances(*axes).reshape(len(first), -1) - self._radii[:, None]
         return found
 
-    def approach(self, angles: Floats, ends: Indices, *, near: float, lowest: Floats | None = None) -> Clearance:
+    def approach(
+        self, angles: Floats, ends: Indices, *, near: float, least: float = np.inf, lowest: Floats | None = None
+    ) -> Clearance:
         """Finds the closest approach in each stretch of a motion, and measures only postures that may count.
 
         A turn of a hinge brings no two capsules nearer than by its angle times what the hinge can reach, so most
@@ -131,11 +131,12 @@ class CapsuleDistances:
             angles: (s, n) [rad] the postures of the motion.
             ends: (m,) where each stretch ends among them, never decreasing; it begins after the one before.
             near: [m] every approach below this is found.
+            least: [m] the smallest that was found elsewhere.
             lowest: (p, m) [m] of the postures at the ends, when `lowest` was asked already.
 
         Returns:
-            Distance and pair for each stretch: the smallest of all its postures wherever that is below `near` or below
-            that of every end, and so the smallest of all; elsewhere that of its end.
+            Distance and pair for each stretch: the smallest of all its postures wherever that is below `near`, or below
+            `least` and that of every end, and so the smallest of all; elsewhere that of its end.
         """
         if not self._names or not len(ends):
             return self.clearance(angles[ends])
@@ -144,7 +145,7 @@ class CapsuleDistances:
         distances, pairs = np.full(len(angles), np.inf), np.zeros(len(angles), dtype=np.intp)
         pairs[ends] = lowest.argmin(axis=0)
         distances[ends] = lowest.min(axis=0)
-        between = suspects(angles, ends, lowest, self._reaches, limit=max(near, float(lowest.min())))
+        between = suspects(angles, ends, lowest, self._reaches, limit=max(near, min(least, float(lowest.min()))))
         distances[between], pairs[between] = self._nearest(angles[between])
         chosen, stretches = ends.copy(), np.searchsorted(ends, between)
         nearer = np.flatnonzero(distances[between] < distances[ends[stretches]])
@@ -190,9 +191,8 @@ class CapsuleDistances:
             return np.empty((0, len(angles)))
         if KERNEL == "compiled":
             lowest = np.empty((len(self._names), len(angles)))
-            _compiled(self).closest(
-                np.ascontiguousarray(frames.rotations), np.ascontiguousarray(frames.origins), lowest
-            )
+            placed = np.ascontiguousarray(frames.rotations), np.ascontiguousarray(frames.origins)
+            _compiled(self).closest(*placed, lowest)
         else:
             starts, ends = self._axes(frames)
             strips = (slice(k, k + STRIP) for k in range(0, len(angles), STRIP))

@@ -52,7 +52,23 @@ def effort(drives: Drives, errors: Floats, speeds: Floats, *, supplied: Floats =
     return DriveEffort(duties, applied, loads, supplied)
 
 
-def power(names: tuple[str, ...], drives: Drives, given: DriveEffort, *, spans: Floats, counts: list[int]) -> Power:
+@dataclass(frozen=True, eq=False)
+class Spent:
+    """What servos have taken up to a step of the physics, and how warm that left them."""
+
+    charge: Floats  # (n,) [As] of each drive's supply
+    warmth: Floats  # (w,) [K] of the windings whose thermal figures are known
+
+
+def power(
+    names: tuple[str, ...],
+    drives: Drives,
+    given: DriveEffort,
+    *,
+    spans: Floats,
+    counts: list[int],
+    before: Spent | None = None,
+) -> tuple[Power, Spent]:
     """Sums up what the servos took from the supply.
 
     Args:
@@ -61,32 +77,38 @@ def power(names: tuple[str, ...], drives: Drives, given: DriveEffort, *, spans: 
         given: what the servos did on each step.
         spans: (s,) [s] how long each step was.
         counts: (m,) steps so far at each command.
+        before: what was spent up to the first of these steps, if that is counted already.
     """
+    windings, new = windings_of(names, drives), 0 if before is None else 1
+    charge, warmth = (before.charge, before.warmth) if before else (0.0, np.zeros(len(windings)))
     drawn = given.applied * given.loads
     np.maximum(drawn, 0.0, out=drawn)
     drawn *= drives.stall_current
     drawn += drives.idle_current  # (s, n) [A]
     current = drawn.sum(axis=1)
-    edges = _edges(counts)
+    edges = _edges(counts, new)
     lasting = np.add.reduceat(np.append(spans, 0.0), edges)[::2]
     mean = current[edges[1::2] - 1]  # of an interval without length, as on the step before
     np.divide(np.add.reduceat(np.append(current * spans, 0.0), edges)[::2], lasting, out=mean, where=lasting > 0.0)
+    charge = charge + (spans * given.supplied)[new:] @ drawn[new:]
+    rises = [
+        np.append([rise] * new, each.warm(given.loads[new:, each.hinge], spans[new:], rise))
+        for each, rise in zip(windings, warmth.tolist(), strict=True)
+    ]
+    spent = Spent(sealed(charge), sealed([rise[-1] for rise in rises]))
     return Power(
         mean=sealed(mean),
         peak=sealed(np.maximum.reduceat(np.append(current, 0.0), edges)[::2]),
-        energy=float((spans * given.supplied) @ drawn @ drives.volt),
+        energy=float(spent.charge @ drives.volt),
         volts=float(given.supplied.min() * drives.volt.max()),
-        warming={
-            each.name: sealed(each.warm(given.loads[:, each.hinge], spans)[edges[1::2] - 1])
-            for each in windings_of(names, drives)
-        },
-    )
+        warming={each.name: sealed(rise[edges[1::2] - 1]) for each, rise in zip(windings, rises, strict=True)},
+    ), spent
 
 
-def _edges(counts: list[int]) -> Indices:
+def _edges(counts: list[int], first: int) -> Indices:
     """(2 m,) first step and end of each command's interval; of one without length, the step before."""
     ends = np.array(counts, dtype=np.intp)
-    return np.stack([np.minimum(np.concatenate([[0], ends[:-1]]), ends - 1), ends], axis=1).ravel()
+    return np.stack([np.minimum(np.concatenate([[first], ends[:-1]]), ends - 1), ends], axis=1).ravel()
 
 
 @dataclass(frozen=True)
@@ -103,10 +125,10 @@ class Winding:
         """Computes what each of some steps, (s,) [s], leaves of the warmth before it."""
         return np.exp(-spans / (self.resistance * self.capacity))
 
-    def warm(self, loads: Floats, spans: Floats) -> Floats:
-        """Computes the rise (s,) [K] of a winding that was cold, for shares (s,) of the stall torque."""
+    def warm(self, loads: Floats, spans: Floats, rise: float) -> Floats:
+        """Computes the rise (s,) [K] of a winding, from one [K] on, for shares (s,) of the stall torque."""
         settled = self.loss * loads**2 * self.resistance  # [K] where each loss alone would lead
-        rises, rise = [], 0.0
+        rises = []
         for goal, share in zip(settled.tolist(), self.kept(spans).tolist(), strict=True):
             rise = goal + (rise - goal) * share
             rises.append(rise)

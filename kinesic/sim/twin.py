@@ -8,15 +8,16 @@ from math import ceil, inf
 import mujoco
 import numpy as np
 
-from kinesic.body.arrays import Floats, Indices, seal_own, sealed
+from kinesic.body.arrays import Floats, Indices, sealed
 from kinesic.body.command import Command, Measurements, State
-from kinesic.body.robot import SIDES, Robot
+from kinesic.body.robot import Robot
 from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.model import actuator_order, build_model, joint_order, of_hinges, play_order
 from kinesic.sim.power import Supply
 from kinesic.sim.servo_factors import NOMINAL, Factors
 from kinesic.sim.stepping.addresses import TwinParts, function_address, timestep_address
-from kinesic.sim.stepping.driven_motion import HingePlaces, measure_drives
+from kinesic.sim.stepping.driven_motion import HingePlaces
+from kinesic.sim.stepping.recorder import Recorder
 from kinesic.sim.stepping.step_log import StepLog, StepRecord
 
 STEP = 0.004  # [s] longest physics step: angles stay within 0.05 deg of those with steps of 1 ms
@@ -165,43 +166,42 @@ class Twin:
         )
 
     def take(self, record: StepRecord) -> None:
-        """Takes what a compiled loop has done with its parts as if it had been written command by command."""
+        """Takes what a compiled loop has done with its parts as if it had been written command by command.
+
+        The log holds no more than one step before, as in the beginning or after `forget`.
+        """
         self._log.take(record)
-        arrived = len(record.aimed)
         self._time = float(record.times[-1])
-        self._goals = record.sent[arrived - 1] if arrived else self._goals
-        arrivals = (record.times[arrived:] + self._latency).tolist()
-        self._waiting = deque(zip(arrivals, record.sent[arrived:], strict=True))
+        self._waiting += zip((record.times + self._latency).tolist(), record.sent, strict=True)
+        for _ in record.aimed:
+            self._goals = self._waiting.popleft()[1]
 
     def measurements(self) -> Measurements:
         """Samples all that was measured so far at the times of the commands.
 
         Duties and torques are those of the servos' law for the goals in force just before each command. The clearance
         of a command is that of the closest posture since the command before, wherever one is nearer than the robot's
-        least clearance or than at any command; elsewhere it is that at the command.
+        least clearance or than at any command so far; elsewhere it is that at the command.
 
         Raises:
             ValueError: no command was written yet.
         """
-        log = self._log
-        if not log.times:
+        if not self._log.times:
             raise ValueError("no command was written, so nothing was measured: write commands first")
-        robot, motors = self._robot, np.arange(len(self._data.qpos))[self._order]
-        done = measure_drives(log.kept(), HingePlaces(motors, self._play), robot.skeleton.names, robot.drives)
-        lowest, hands = self._distances.survey(done.angles, [robot.arm(side).wrist for side in SIDES])
-        ends = np.array(log.counts, dtype=np.intp) - 1
-        return Measurements(
-            times=sealed(log.times),
-            angles=done.angles,
-            speeds=done.speeds,
-            torques=done.torques,
-            duties=done.duties,
-            goals=seal_own(log.sent()),
-            hands=dict(zip(SIDES, (seal_own(each) for each in hands), strict=True)),
-            clearance=self._distances.approach(done.postures, ends, near=robot.least_clearance, lowest=lowest),
-            latency=self._latency,
-            power=done.power,
-        )
+        recorder = self.recorder(len(self._log.times))
+        recorder.add(self._log)
+        return recorder.measurements()
+
+    def recorder(self, commands: int) -> Recorder:
+        """Makes a recorder with room for so many commands: see `record`."""
+        motors = np.arange(len(self._data.qpos))[self._order]
+        places = HingePlaces(motors, self._play)
+        return Recorder(self._robot, self._distances, places, commands=commands, latency=self._latency)
+
+    def record(self, recorder: Recorder) -> None:
+        """Has a recorder measure what was done since the last time, and drops it."""
+        recorder.add(self._log)
+        self.forget()
 
     def _advance(self, time: float) -> None:
         """Physics up to a time, in equal steps no longer than the asked one."""

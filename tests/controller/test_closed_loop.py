@@ -1,16 +1,18 @@
 """The compiled loop does what Python does tick by tick."""
 
-from weakref import ref
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from kinesic.body.command import Command
+from kinesic.body.command import RATE, Command
 from kinesic.controller import closed_loop
 from kinesic.controller.perform import dry_runs
 from kinesic.sim.servo_factors import NOMINAL, PESSIMISTIC, Factors
+from kinesic.sim.stepping import driven_motion
 from kinesic.sim.stepping.addresses import _timestep_offset, function_address, timestep_address
-from kinesic.sim.twin import Twin
+from kinesic.sim.stepping.recorder import Recorder
+from kinesic.sim.twin import STEP, Twin
 
 LATE_AND_LOOSE = Factors(gain=0.7, latency=0.013, play=0.004)
 
@@ -25,6 +27,19 @@ def in_python(monkeypatch):
             return dry_runs(*given, **options)
 
     return run
+
+
+@pytest.fixture
+def warm_motors(calm):
+    """The robot with thermal figures for the servos of its elbows."""
+    robot = calm.plan.setup.robot
+    mounts = (
+        replace(mount, drive=replace(mount.drive, servo=replace(mount.drive.servo, thermal=(5.0, 20.0))))
+        if "elbow_flexion" in name
+        else mount
+        for name, mount in zip(robot.skeleton.names, robot.mounts, strict=True)
+    )
+    return replace(robot, mounts=tuple(mounts))
 
 
 @pytest.mark.parametrize("correction", [True, False])
@@ -93,16 +108,38 @@ def test_where_mujoco_is_not_as_expected_python_steps(calm, monkeypatch):
     assert Twin(calm.plan.setup.robot).parts() is None
 
 
-def test_what_the_correction_reads_is_let_go_before_the_last_twin_is_measured(calm, monkeypatch):
-    read, alive = [], []
-    prepare, measure = closed_loop._inputs, Twin.measurements
+@pytest.mark.parametrize("measuring", ["compiled", "numpy"])
+def test_window_by_window_it_is_the_same_performance(calm, warm_motors, measuring, monkeypatch):
+    monkeypatch.setattr(driven_motion, "KERNEL", measuring)
+    plan = replace(calm.plan, setup=replace(calm.plan.setup, robot=warm_motors))
+    twins = (NOMINAL, LATE_AND_LOOSE)
+    whole = dry_runs(plan, twins, watch=False)
+    monkeypatch.setattr(closed_loop, "WINDOW", 40)
+    for one, other in zip(whole, dry_runs(plan, twins, watch=False), strict=True):
+        assert np.array_equal(one.reference.duties, other.reference.duties)
+        _assert_the_same(one.measured, other.measured)
 
-    def remember(*given):
-        rows = prepare(*given)
-        read.append(ref(rows))
-        return rows
 
-    monkeypatch.setattr(closed_loop, "_inputs", remember)
-    monkeypatch.setattr(Twin, "measurements", lambda self: alive.append(read[0]() is not None) or measure(self))
+def _assert_the_same(whole, parts):
+    for name in ("times", "angles", "speeds", "torques", "duties", "goals"):
+        assert np.array_equal(getattr(whole, name), getattr(parts, name)), name
+    assert all(np.array_equal(whole.hands[side], parts.hands[side]) for side in "lr")
+    assert whole.clearance.distances.min() == parts.clearance.distances.min()
+    assert (parts.clearance.distances <= whole.clearance.distances).all(), "until the least is known, more is measured"
+    assert np.array_equal(whole.power.mean, parts.power.mean)
+    assert np.array_equal(whole.power.peak, parts.power.peak)
+    assert parts.power.energy == pytest.approx(whole.power.energy, rel=1e-13)
+    assert parts.power.volts == whole.power.volts
+    rises = whole.power.warming["l_elbow_flexion"]
+    assert rises.max() > 0.01
+    np.testing.assert_allclose(parts.power.warming["l_elbow_flexion"], rises, rtol=1e-13)
+
+
+def test_no_more_than_a_window_of_steps_is_kept(calm, monkeypatch):
+    kept = []
+    add = Recorder.add
+    monkeypatch.setattr(Recorder, "add", lambda self, log: kept.append(len(log.kept().spans)) or add(self, log))
+    monkeypatch.setattr(closed_loop, "WINDOW", 40)
     dry_runs(calm.plan, (NOMINAL, PESSIMISTIC), watch=False)
-    assert alive == [True, False]
+    assert len(kept) == 2 * -(-len(calm.reference.times) // 40)
+    assert max(kept) <= 1 + 40 * np.ceil(1 / RATE / STEP)

@@ -22,7 +22,7 @@ def steady(duty, load, *, steps=6):
 def taken(given, *, counts=(1, 3, 6), drives=DRIVES, span=0.004):
     spans = np.full(len(given.duties), span)
     spans[0] = 0.0  # no step led to the first posture
-    return power(NAMES, drives, given, spans=spans, counts=list(counts))
+    return power(NAMES, drives, given, spans=spans, counts=list(counts))[0]
 
 
 def test_a_stalled_servo_at_full_duty_draws_its_stall_current():

@@ -136,11 +136,8 @@ def _stages(planned: Plan) -> tuple[dict[str, float], dict[str, float]]:
     spent["feed_forward"], setpoints = timed(lambda: leading.lead(trajectory, times))
     start = trajectory.at(0.0).angles
     spent["twin"], twin = timed(lambda: Twin(known.robot, start=start, touches=False))
-    spent["loop"], _ = timed(
-        lambda: list(
-            perform_in_twins(trajectory, times, setpoints, [twin], lambda bodies: observer, lambda share: None)
-        )
-    )
+    run = partial(perform_in_twins, trajectory, times, lambda part: setpoints, [twin])
+    spent["loop"], _ = timed(lambda: list(run(lambda bodies: observer, lambda share: None)))
     spent["measurements"], measured = timed(twin.measurements)
     performance = Performance(Reference(planned, times, setpoints.duties), NOMINAL, measured, 0.0, 0.0)
     spent["foreseen"], _ = timed(lambda: performance.rooms)

@@ -1,13 +1,15 @@
-// kinesic.controller._kernel: commands, correction and physics of a whole dry run in one loop.
+// kinesic.controller._kernel: commands, correction and physics of a dry run in one loop.
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 
+#include <array>
 #include <optional>
 
-#include "observer_tick.h"
+#include "correction.h"
 #include "twin_physics.h"
 
 namespace nb = nanobind;
@@ -19,7 +21,6 @@ using Numbers = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
 using Places = nb::ndarray<const int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Marks = nb::ndarray<const bool, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using Live = nb::ndarray<double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-using Rows = nb::ndarray<double, nb::c_contig, nb::device::cpu>;
 
 constexpr double DEGREES = 180.0 / 3.14159265358979323846;
 constexpr double SHORTEST = 1e-3;  // [s] of a step that has a speed
@@ -88,22 +89,29 @@ TwinPhysics make_physics(uintptr_t step, uintptr_t model, uintptr_t data, uintpt
     return made;
 }
 
-// Performs commands at (m,) times with goals (m, n), corrected by an observer with inputs (m, 10, n) if there is one.
-nb::tuple perform(TwinPhysics& twin, const Numbers& times, const Numbers& goals, const std::optional<Observer>& observer,
-                  const Numbers& inputs, const nb::callable& progress, int every) {
-    const int hinges = int(twin.hinges.size()), count = int(times.size());
-    require(count > 0 && every > 0 && goals.size() == size_t(count) * hinges);
-    require(!observer || (observer->hinges == hinges && inputs.size() == size_t(count) * INPUTS * hinges));
-    std::vector<double> belief(observer ? observer->rows() * hinges : 0), measured(hinges);
-    twin.time = times.data()[0];
-    for (int k = 0; k < count; ++k) {
-        const double* wanted = goals.data() + size_t(k) * hinges;
-        if (observer && k) {
-            const double* row = inputs.data() + size_t(k) * INPUTS * hinges;
+// Makes the correction by an observer; constants: share that is noticed a tick, share that is forgotten, lead that is clear,
+// largest correction.
+Correction make_correction(const Observer& observer, const Numbers& lower, const Numbers& upper, const Numbers& constants) {
+    require(lower.size() == observer.step.size() && upper.size() == lower.size() && constants.size() == 4);
+    const double *given = constants.data(), clear = given[2] * given[2];
+    return {observer, {copy(lower), copy(upper), given[0], given[1], clear, given[3]}};
+}
+
+// Goes on with commands at (m,) times, led by angles, goals, loads and leads (m, n), which are corrected if somebody does.
+// Gives all that the steps of these commands left.
+nb::tuple perform(TwinPhysics& twin, const Numbers& times, const std::array<Numbers, 4>& led, Correction* correction,
+                  const nb::callable& progress, int every) {
+    const size_t hinges = twin.hinges.size(), count = times.size();
+    require(count > 0 && every > 0 && (!correction || size_t(correction->hinges()) == hinges));
+    for (const Numbers& rows : led) require(rows.size() == count * hinges);
+    std::vector<double> measured(hinges);
+    twin.begin(times.data()[0]);
+    for (size_t k = 0; k < count; ++k) {
+        const auto row = [&](int part) { return led[part].data() + k * hinges; };
+        const double* wanted = row(1);
+        if (correction) {
             twin.read(measured.data());
-            for (int i = 0; i < hinges; ++i) measured[i] -= row[i - INPUTS * hinges];  // the reference a tick before
-            observe(*observer, row, measured.data(), belief.data());
-            wanted = belief.data() + (observer->rows() - 1) * hinges;
+            wanted = correction->correct({row(0), row(1), row(2), row(3)}, measured.data());
         }
         twin.write(times.data()[k], wanted);
         if (k % every == 0) progress(k);
@@ -111,55 +119,6 @@ nb::tuple perform(TwinPhysics& twin, const Numbers& times, const Numbers& goals,
     return nb::make_tuple(array(std::move(twin.angles_kept)), array(std::move(twin.speeds_kept)),
                           array(std::move(twin.spans)), array(std::move(twin.aimed)), array(std::move(twin.counts)),
                           array(std::move(twin.sent)));
-}
-
-// Follows values (n,) by a share of the difference each tick.
-void follow(const double* values, double share, int hinges, double* followed) {
-    for (int i = 0; i < hinges; ++i) followed[i] = share * values[i] + (1.0 - share) * followed[i];
-}
-
-// Writes the inputs (m, 10, n) of an observer from reference and goals (m, n), loads and leads: `Observer.inputs`.
-// Constants: share that is noticed a tick, share that is forgotten, lead that is clear, largest correction.
-void observer_inputs(const Numbers& angles, const Numbers& goals, const Numbers& loads, const Numbers& leads,
-                     const Numbers& arrival, const Numbers& lower, const Numbers& upper, const Numbers& constants,
-                     Rows& rows) {
-    const int n = int(lower.size()), late = int(arrival.size());
-    const size_t count = n ? angles.size() / n : 0;
-    require(count && angles.size() == count * n && goals.size() == angles.size() && loads.size() == angles.size());
-    require(leads.size() == angles.size() && upper.size() == lower.size() && constants.size() == 4 && late > 0);
-    require(rows.size() == INPUTS * angles.size());
-    const double noticing = constants.data()[0], forgotten = constants.data()[1], largest = constants.data()[3];
-    const double clear = constants.data()[2] * constants.data()[2];
-    const double* led[2] = {loads.data(), leads.data()};
-    std::vector<double> noticed[2] = {{led[0], led[0] + n}, {led[1], led[1] + n}}, squares(n), learned(n, 0.0), acting(n);
-    for (size_t k = 0; k < count; ++k) {
-        double* row = rows.data() + k * INPUTS * n;
-        for (int part = 0; part < 2; ++part) {
-            std::fill(acting.begin(), acting.end(), 0.0);
-            for (int j = 0; j < late; ++j) {  // what was led so many ticks ago, and the first before there was any
-                const double* earlier = led[part] + (int64_t(k) > j + 1 ? (k - j - 2) : 0) * n;
-                for (int i = 0; i < n; ++i) acting[i] += arrival.data()[j] * earlier[i];
-            }
-            follow(acting.data(), noticing, n, noticed[part].data());
-        }
-        for (int i = 0; i < n; ++i)
-            squares[i] = noticed[0][i] * noticed[0][i] + noticed[1][i] * noticed[1][i];
-        follow(squares.data(), forgotten, n, learned.data());
-        for (int i = 0; i < n; ++i) {
-            const size_t at = k * n + i;
-            const double trust = clear + learned[i] / forgotten, goal = goals.data()[at];
-            row[ANGLE * n + i] = angles.data()[at];
-            row[GOAL * n + i] = goal;
-            row[LOWEST * n + i] = std::max(lower.data()[i], goal - largest);
-            row[HIGHEST * n + i] = std::min(upper.data()[i], goal + largest);
-            row[LOAD * n + i] = led[0][at];
-            row[NOTICED * n + i] = noticed[0][i];
-            row[TRUST * n + i] = noticed[0][i] / trust;
-            row[LEAD * n + i] = led[1][at];
-            row[NOTICED_LEAD * n + i] = noticed[1][i];
-            row[TRUST_LEAD * n + i] = noticed[1][i] / trust;
-        }
-    }
 }
 
 // First time within a window about `at` at which a path (m, d) at (m,) times is inside a ball, between samples on a straight
@@ -253,12 +212,13 @@ std::pair<double, double> measure_stretch(const Numbers& times, const Numbers& p
 
 NB_MODULE(_kernel, module) {
     nb::class_<Observer>(module, "Observer");
+    nb::class_<Correction>(module, "Correction");
     nb::class_<TwinPhysics>(module, "TwinPhysics");
     module.def("make_observer", &make_observer);
     module.def("make_physics", &make_physics);
-    module.def("observer_inputs", &observer_inputs);
+    module.def("make_correction", &make_correction);
     module.def("first_entry", &first_entry);
     module.def("tracking_errors", &tracking_errors);
     module.def("measure_stretch", &measure_stretch);
-    module.def("perform", &perform, nb::arg(), nb::arg(), nb::arg(), nb::arg().none(), nb::arg(), nb::arg(), nb::arg());
+    module.def("perform", &perform, nb::arg(), nb::arg(), nb::arg(), nb::arg().none(), nb::arg(), nb::arg());
 }

@@ -28,14 +28,22 @@ struct TwinPhysics {
     std::vector<double> ticks;                 // (n,) [rad] of goals and positions; empty: they are not rounded
     double longest = 0.0, latency = 0.0;       // [s] of a step, and of goals
 
+    bool begun = false;
     double time = 0.0, last = 0.0;  // [s] now, and length of the last step
     std::vector<double> goals;      // (n,) [rad] in force
     std::deque<Goals> waiting;      // under way
 
+    // What was kept since somebody took it away:
     std::vector<double> angles_kept, speeds_kept, spans;  // (s, size), (s, size), (s,) of all steps
-    std::vector<int64_t> aimed;                              // steps before new goals came into force
-    std::vector<int64_t> counts;                             // steps so far at each command
+    std::vector<int64_t> aimed;                           // steps before new goals came into force
+    std::vector<int64_t> counts;                          // steps so far at each command
     std::vector<double> sent;                             // (m, n) [rad] goals of each command
+
+    // Time begins with the first command.
+    void begin(double at) {
+        if (!begun) time = at;
+        begun = true;
+    }
 
     double rounded(double value, int hinge) const {
         return ticks.empty() ? value : std::nearbyint(value / ticks[hinge]) * ticks[hinge];

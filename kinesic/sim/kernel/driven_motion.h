@@ -43,17 +43,17 @@ struct DrivenMotion {
     const std::vector<Winding>& windings;
     std::vector<double> now;  // (6, n) angles, speeds, duties, loads, currents, duties applied
 
-    // Measures all up to the last of (m,) commands, at each of which so many steps were made; [As] of each drive's supply.
-    void measure(const int64_t* ends, size_t commands, const DrivenRows& to, double* charge) {
+    // Measures all up to the last of (m,) commands, at each of which so many steps were made. Steps before the first were
+    // counted already; adds the others to the charge (n,) [As] of each drive's supply and the warmth (w,) [K] of windings.
+    void measure(const int64_t* ends, size_t commands, size_t first, const DrivenRows& to, double* warmth, double* charge) {
         const size_t n = motors.size();
-        std::vector<double> current(kept.count), warmth(windings.size(), 0.0);
+        std::vector<double> current(kept.count), counted(n);
         now.assign(6 * n, 0.0);
-        std::fill_n(charge, n, 0.0);
         size_t row = 0;
         for (size_t s = 0, k = 0; s < kept.count; ++s) {
             while (row + 1 < kept.rows && size_t(kept.begins[row + 1]) <= s) ++row;
-            current[s] = step(s, kept.aims + row * n, to.postures + s * n, charge);
-            for (size_t w = 0; w < windings.size(); ++w) {
+            current[s] = step(s, kept.aims + row * n, to.postures + s * n, s < first ? counted.data() : charge);
+            for (size_t w = 0; s >= first && w < windings.size(); ++w) {
                 const Winding& winding = windings[w];
                 const double load = now[3 * n + winding.hinge], goal = winding.loss * (load * load) * winding.resistance;
                 warmth[w] = goal + (warmth[w] - goal) * winding.kept[s];
@@ -62,7 +62,7 @@ struct DrivenMotion {
                 double* rows[4] = {to.angles, to.speeds, to.duties, to.loads};
                 for (int part = 0; part < 4; ++part) std::copy_n(&now[part * n], n, rows[part] + k * n);
                 for (size_t w = 0; w < windings.size(); ++w) to.warmth[w * commands + k] = warmth[w];
-                draw(k ? std::min<size_t>(ends[k - 1], s) : 0, s + 1, current.data(), to.mean[k], to.peak[k]);
+                draw(std::min<size_t>(k ? ends[k - 1] : first, s), s + 1, current.data(), to.mean[k], to.peak[k]);
             }
         }
     }

@@ -239,12 +239,13 @@ void keep_left(const std::vector<uintptr_t>& stages, uintptr_t model, uintptr_t 
     }
 }
 
-// Measures what hinges and servos did on each of s steps, from what a log keeps of them: `measure_drives`.
+// Measures what hinges and servos did on each of s steps, from what a log keeps of them: `measure_drives`. Steps before the first are
+// counted already.
 void measure_drives(const std::array<Numbers, 5>& log, const std::array<Places, 5>& places, const Numbers& law,
-                    const Numbers& figures, const Numbers& left, const std::array<Result, 5>& found) {
+                    const Numbers& figures, const Numbers& left, size_t first, const std::array<Result, 6>& found) {
     const auto& [angles, speeds, spans, supplied, aims] = log;
     const auto& [begins, ends, motors, play, wound] = places;
-    const auto& [postures, rows, currents, warmth, charge] = found;
+    const auto& [postures, rows, currents, rises, warmth, charge] = found;
     const size_t count = spans.size(), n = motors.size(), commands = ends.size(), windings = wound.size();
     require(count && n && commands && begins.size() && begins.data()[0] == 0 && aims.size() == begins.size() * n);
     const size_t joints = angles.size() / count;
@@ -252,7 +253,7 @@ void measure_drives(const std::array<Numbers, 5>& log, const std::array<Places, 
     require(supplied.size() == 1 || supplied.size() == count);
     require(law.size() == 5 * n && figures.size() == 2 * windings && left.size() == windings * count);
     require(postures.size() == count * n && rows.size() == 4 * commands * n && currents.size() == 2 * commands);
-    require(warmth.size() == windings * commands && charge.size() == n);
+    require(rises.size() == windings * commands && warmth.size() == windings && charge.size() == n);
     require(std::is_sorted(ends.data(), ends.data() + commands) && ends.data()[0] > 0 &&
             size_t(ends.data()[commands - 1]) <= count);
     const KeptSteps kept{angles.data(), speeds.data(), spans.data(), supplied.data(), aims.data(),
@@ -268,8 +269,9 @@ void measure_drives(const std::array<Numbers, 5>& log, const std::array<Places, 
     double *state = rows.data(), *drawn = currents.data();
     const size_t size = commands * n;
     const DrivenRows to{postures.data(), state, state + size, state + 2 * size, state + 3 * size,
-                        drawn, drawn + commands, warmth.data()};
-    DrivenMotion{kept, driven, free, drives, warming, {}}.measure(ends.data(), commands, to, charge.data());
+                        drawn, drawn + commands, rises.data()};
+    DrivenMotion{kept, driven, free, drives, warming, {}}.measure(ends.data(), commands, first, to, warmth.data(),
+                                                                  charge.data());
 }
 
 }  // namespace

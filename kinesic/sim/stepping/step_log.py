@@ -11,12 +11,13 @@ from kinesic.body.arrays import Floats, Indices
 
 @dataclass(frozen=True, eq=False)
 class StepRecord:
-    """What a compiled loop did: m commands and s steps, all that a twin did since it was built."""
+    """What a compiled loop did since its last record, or in all: m commands and s steps."""
 
     times: Floats  # (m,) [s] of the commands
     sent: Floats  # (m, n) [rad] goals of each command
-    counts: Indices  # (m,) steps so far at each command
-    aimed: Indices  # (g,) steps before the goals of the first g commands came into force
+    counts: Indices  # (m,) steps of this record so far at each command
+    aims: Floats  # (g, n) [rad] goals that came into force
+    aimed: Indices  # (g,) steps of this record before they did
     angles: Floats  # (s, q) [rad] after each step
     speeds: Floats  # (s, q) [rad/s] likewise
     spans: Floats  # (s,) [s] how long each step was
@@ -74,15 +75,16 @@ class StepLog:
         self._sent.append(goals[None])
 
     def take(self, record: StepRecord) -> None:
-        """Keeps all steps of a record, after the posture that no step led to."""
+        """Keeps all steps of a record, after one that is there."""
         self._angles.frombytes(np.ascontiguousarray(record.angles).data.cast("B"))
         self._speeds.frombytes(np.ascontiguousarray(record.speeds).data.cast("B"))
         self._steps.frombytes(np.ascontiguousarray(record.spans).data.cast("B"))
         self.times += record.times.tolist()
         self.counts += (record.counts + 1).tolist()
         self._sent.append(record.sent)
-        self._begins += (record.aimed + 1).tolist()
-        self._aims.append(record.sent[: len(record.aimed)])
+        if len(record.aims):
+            self._begins += (record.aimed + 1).tolist()
+            self._aims.append(record.aims)
 
     @property
     def posture(self) -> Floats:

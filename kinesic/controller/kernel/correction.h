@@ -1,0 +1,111 @@
+// An observer on its way: what it believes, and what it needs of the ticks before. The arithmetic of `Observer.inputs`.
+
+#pragma once
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "observer_tick.h"
+
+namespace kinesic::controller {
+
+// What an observer is told beside its gains: where goals may be, what is noticed and forgotten a tick, what is clear.
+struct Noticing {
+    std::vector<double> lower, upper;  // (n,) [rad]
+    double noticed = 0.0;              // share of what acts that is noticed after a tick
+    double forgotten = 0.0;            // share of what was learned that is forgotten in a tick
+    double clear = 0.0;                // [rad^2] square of a lead at which its first sign is half believed
+    double largest = 0.0;              // [rad] of a correction
+};
+
+// One tick as the feed-forward has it, (n,) [rad] each.
+struct Led {
+    const double *angles, *goals, *loads, *leads;
+};
+
+class Correction {
+  public:
+    Correction(Observer made, Noticing taught) : observer(std::move(made)), noticing(std::move(taught)) {}
+
+    int hinges() const { return observer.hinges; }
+    bool begun() const { return !earlier.empty(); }
+
+    // The goals (n,) [rad] of a tick, when hinges are measured at (n,) [rad]; those of the first tick as they are led.
+    const double* correct(const Led& led, const double* measured) {
+        const int n = observer.hinges;
+        const bool first = !begun();
+        if (first) begin(led);
+        notice(led);
+        if (!first) {
+            for (int i = 0; i < n; ++i) strayed[i] = measured[i] - before[i];
+            observe(observer, inputs.data(), strayed.data(), belief.data());
+        }
+        before.assign(led.angles, led.angles + n);
+        return first ? led.goals : belief.data() + size_t(observer.rows() - 1) * n;
+    }
+
+  private:
+    void begin(const Led& led) {
+        const int n = observer.hinges;
+        belief.assign(size_t(observer.rows()) * n, 0.0);
+        inputs.resize(size_t(INPUTS) * n);
+        strayed.resize(n);
+        learned.assign(n, 0.0);
+        for (int part = 0; part < 2; ++part) {
+            const double* now = part ? led.leads : led.loads;
+            noticed[part].assign(now, now + n);
+            earlier.resize(2 * size_t(observer.late + 1) * n);
+            for (int k = 0; k <= observer.late; ++k) std::copy_n(now, n, led_before(part, k));
+        }
+    }
+
+    // What was led so many ticks before this one, less one; before there was any, the first.
+    double* led_before(int part, int ticks) {
+        return earlier.data() + (size_t(part) * (observer.late + 1) + ticks) * observer.hinges;
+    }
+
+    void notice(const Led& led) {
+        const int n = observer.hinges, late = observer.late;
+        const double* now[2] = {led.loads, led.leads};
+        const double forgotten = noticing.forgotten;
+        for (int part = 0; part < 2; ++part) {
+            for (int i = 0; i < n; ++i) {
+                double acting = 0.0;
+                for (int j = 0; j < late; ++j) acting += observer.arrival[j] * led_before(part, j + 1)[i];
+                follow(acting, noticing.noticed, noticed[part][i]);
+            }
+            std::copy_backward(led_before(part, 0), led_before(part, late), led_before(part, late) + n);
+            std::copy_n(now[part], n, led_before(part, 0));
+        }
+        const auto row = [&](int kind) { return inputs.data() + size_t(kind) * n; };
+        for (int i = 0; i < n; ++i) {
+            const double load = noticed[0][i], lead = noticed[1][i], goal = led.goals[i];
+            follow(load * load + lead * lead, forgotten, learned[i]);
+            const double trust = noticing.clear + learned[i] / forgotten;
+            row(ANGLE)[i] = led.angles[i];
+            row(GOAL)[i] = goal;
+            row(LOWEST)[i] = std::max(noticing.lower[i], goal - noticing.largest);
+            row(HIGHEST)[i] = std::min(noticing.upper[i], goal + noticing.largest);
+            row(LOAD)[i] = now[0][i];
+            row(NOTICED)[i] = load;
+            row(TRUST)[i] = load / trust;
+            row(LEAD)[i] = now[1][i];
+            row(NOTICED_LEAD)[i] = lead;
+            row(TRUST_LEAD)[i] = lead / trust;
+        }
+    }
+
+    // Follows a value by a share of the difference.
+    static void follow(double value, double share, double& followed) {
+        followed = share * value + (1.0 - share) * followed;
+    }
+
+    const Observer observer;
+    const Noticing noticing;
+    std::vector<double> belief, inputs, strayed, before;  // rows of (n,) each
+    std::vector<double> noticed[2], learned;              // (n,)
+    std::vector<double> earlier;                          // (2, late + 1, n) loads and leads of the last ticks
+};
+
+}  // namespace kinesic::controller
