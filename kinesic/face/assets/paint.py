@@ -13,7 +13,7 @@ import scipy
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
-from kinesic.body.arrays import Floats, sealed
+from kinesic.body.arrays import Floats, seal_own, sealed
 from kinesic.body.choices import Variant
 from kinesic.face.assets.chart import LEFT_RIGHT, LOW_HIGH
 
@@ -83,11 +83,13 @@ def skin(complexion: Complexion) -> Floats:
     (left, right), (low, high) = LEFT_RIGHT, LOW_HIGH
     a = np.linspace(left, right, RESOLUTION)[None, :]
     y = np.linspace(low, high, RESOLUTION)[:, None]
-    found = np.broadcast_to(complexion.skin, (RESOLUTION, RESOLUTION, 3)).copy()
+    painted = np.empty((RESOLUTION, RESOLUTION, 4))
+    found = painted[..., :3]
+    found[:] = complexion.skin
     for centre, height, width, strength in FLUSHED:
-        found = _mixed(found, complexion.flush, strength * _bell(np.abs(a), centre, width) * _bell(y, height, width))
+        _mix(found, complexion.flush, strength * _bell(np.abs(a), centre, width) * _bell(y, height, width))
     shade = _bell(np.abs(a), 0.55, 0.30) * _bell(y, 0.02, 0.16)
-    found = _mixed(found, tuple(0.62 * each for each in complexion.flush), 0.30 * shade)  # lids are thin
+    _mix(found, tuple(0.62 * each for each in complexion.flush), 0.30 * shade)  # lids are thin
     mottled = sum(
         amount
         * scipy.ndimage.gaussian_filter(random.standard_normal((RESOLUTION, RESOLUTION)), size, mode="wrap")
@@ -95,12 +97,14 @@ def skin(complexion: Complexion) -> Floats:
         for size, amount in ((1.2, 0.035), (7.0, 0.05))
     )
     inside = _step(y, low, low + 0.5) * _step(-y, -high, -high + 0.3) * _step(-np.abs(a), -right, -right + 0.4)
-    mottled = mottled * inside  # the border's pixels go on for ever
-    found *= 1.0 + mottled[..., None] * np.array([0.6, 1.0, 1.0])
+    mottled *= inside  # the border's pixels go on for ever
+    found[..., 0] *= 1.0 + 0.6 * mottled
+    found[..., 1:] *= (1.0 + mottled)[..., None]
     red = _lips(np.abs(a), y)
-    found = _mixed(found, complexion.lips, 0.85 * red)
-    found = _mixed(found, complexion.hair, _brows(complexion, random))
-    return sealed(np.concatenate([found, 1.0 - red[..., None]], axis=2).clip(0.0, 1.0))
+    _mix(found, complexion.lips, 0.85 * red)
+    _mix(found, complexion.hair, _brows(complexion, random))
+    painted[..., 3] = 1.0 - red
+    return seal_own(painted.clip(0.0, 1.0, out=painted))
 
 
 @cache
@@ -112,10 +116,10 @@ def iris(complexion: Complexion) -> Floats:
     fibres = np.interp(angle, np.linspace(-np.pi, np.pi, 180), random.standard_normal(180), period=2 * np.pi)
     bright = 1.0 + 0.18 * fibres + 0.9 * np.exp(-(((radius - 0.24) / 0.07) ** 2)) - 0.35 * y / IRIS
     found = np.asarray(complexion.iris) * np.maximum(bright, 0.2)[..., None]
-    found = _mixed(found, (0.012, 0.012, 0.014), 0.85 * _step(radius, IRIS - 0.07, IRIS))  # the limbal ring
-    found = _mixed(found, (0.003, 0.003, 0.003), 1.0 - _step(radius, PUPIL - 0.02, PUPIL + 0.02))
+    _mix(found, (0.012, 0.012, 0.014), 0.85 * _step(radius, IRIS - 0.07, IRIS))  # the limbal ring
+    _mix(found, (0.003, 0.003, 0.003), 1.0 - _step(radius, PUPIL - 0.02, PUPIL + 0.02))
     white = np.array([0.74, 0.70, 0.67]) - np.array([0.10, 0.22, 0.22]) * _step(radius, 0.45, 0.95)[..., None]
-    found = _mixed(found, white, _step(radius, IRIS - 0.015, IRIS + 0.035))
+    _mix(found, white, _step(radius, IRIS - 0.015, IRIS + 0.035))
     return sealed(found.reshape(IRIS_RESOLUTION, FINE, IRIS_RESOLUTION, FINE, 3).mean(axis=(1, 3)))
 
 
@@ -161,14 +165,12 @@ def _pixel(a: float, y: float, size: int) -> tuple[float, float]:
     return (a - left) / (right - left) * size, (y - low) / (high - low) * size
 
 
-def _mixed(under: Floats, over: Colour | Floats, share: Floats) -> Floats:
+def _mix(picture: Floats, over: Colour | Floats, share: Floats) -> None:
     """Mixes some colour into a picture, and looks only where there is some of it."""
     part = _part(share > UNSEEN)
-    found = under.copy()
-    added = np.broadcast_to(over, under.shape)[part] - under[part]
+    added = np.broadcast_to(over, picture.shape)[part] - picture[part]
     added *= share[part][..., None]
-    found[part] += added
-    return found
+    picture[part] += added
 
 
 def _blurred(drawn: Floats, size: float) -> Floats:

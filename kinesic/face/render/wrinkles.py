@@ -8,6 +8,7 @@ drawn over the G-buffer, whose normals they bend.
 import tomllib
 from dataclasses import dataclass
 from functools import cache, lru_cache
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -26,7 +27,6 @@ FILE = CONFIGS / "faces" / "wrinkles.toml"
 MAPS = 16
 RESOLUTION = 512
 SPAN = 10  # points of the drawn line between two given ones
-FEW = 128  # points that are measured at once: what is found between stays in the processor's cache
 REACH = 5.5  # half widths beyond which a furrow has no height
 RIM = 1.35  # half widths from where the piled skin is lower
 LOWERED = 0.9
@@ -125,21 +125,16 @@ def shares(told: Floats) -> Floats:
 
 
 def _dig(height: Floats, curve: Curve) -> None:
-    resolution = len(height)
     low = np.array([LEFT_RIGHT[0], LOW_HIGH[0]])
-    step = np.array([np.ptp(LEFT_RIGHT), np.ptp(LOW_HIGH)]) / resolution
-    line = smooth_line(curve.points)
-    reach = REACH * curve.width
-    first = np.maximum(np.floor((line.min(axis=0) - reach - low) / step), 0).astype(int)
-    last = np.minimum(np.ceil((line.max(axis=0) + reach - low) / step), resolution).astype(int)
-    a, y = (low[k] + (np.arange(first[k], last[k]) + 0.5) * step[k] for k in (0, 1))
-    grid = np.stack(np.meshgrid(a, y), axis=-1)
-    away, along = _nearest(grid.reshape(-1, 2), line)
+    step = np.array([np.ptp(LEFT_RIGHT), np.ptp(LOW_HIGH)]) / len(height)
+    a, y = (low + (np.arange(len(height)) + 0.5)[:, None] * step).T
+    line, reach = smooth_line(curve.points), REACH * curve.width
+    rows, columns = _near(line, reach, a, y)
+    away, along = _nearest(line, reach, a[columns], y[rows])
     u = away / curve.width
     hat = -(1 - 0.55 * u * u) * np.exp(-u * u / 2) * np.where(u > RIM, LOWERED, 1.0)
     taper = np.sin(np.pi * along) ** 0.7 * (1 - np.exp(-12 * np.minimum(along, 1 - along)))
-    dug = curve.depth * np.where(u < REACH, hat * taper, 0.0)
-    height[first[1] : last[1], first[0] : last[0]] += dug.reshape(len(y), len(a))
+    height[rows, columns] += curve.depth * np.where(away < reach, hat * taper, 0.0)
 
 
 def smooth_line(points: Floats) -> Floats:
@@ -152,26 +147,27 @@ def smooth_line(points: Floats) -> Floats:
     return np.concatenate([*spans, points[-1:]])
 
 
-def _nearest(points: Floats, line: Floats) -> tuple[Floats, Floats]:
-    """(n,) distance of (n, 2) points from a line, and (n,) how far along it the nearest point lies, 0..1."""
-    blocks = [_nearest_of_few(points[first : first + FEW], line) for first in range(0, max(len(points), 1), FEW)]
-    away, along = (np.concatenate(each) for each in zip(*blocks, strict=True))
-    return away, along
+def _near(points: Floats, reach: float, a: Floats, y: Floats) -> tuple[slice, slice]:
+    """Rows at y and columns at a that hold all that is within reach of some points."""
+    ends = np.stack([points.min(axis=0) - reach, points.max(axis=0) + reach])
+    rows, columns = (slice(*np.searchsorted(each, ends[:, k])) for each, k in ((y, 1), (a, 0)))
+    return rows, columns
 
 
-def _nearest_of_few(points: Floats, line: Floats) -> tuple[Floats, Floats]:
-    start, way = line[:-1], np.diff(line, axis=0)
-    lengths = np.linalg.norm(way, axis=1)
-    before = np.concatenate([[0.0], np.cumsum(lengths)])
-    squares = lengths * lengths
-    projected = points @ way.T - (start * way).sum(axis=1)
-    share = np.clip(projected / squares, 0.0, 1.0)
-    away = (points * points).sum(axis=1)[:, None] - 2 * points @ start.T + (start * start).sum(axis=1)
-    away += share * (share * squares - 2 * projected)
-    nearest = away.argmin(axis=1)
-    rows = np.arange(len(points))
-    along = (before[nearest] + share[rows, nearest] * lengths[nearest]) / before[-1]
-    return np.sqrt(np.maximum(away[rows, nearest], 0.0)), along
+def _nearest(line: Floats, reach: float, a: Floats, y: Floats) -> tuple[Floats, Floats]:
+    """(rows, columns) distance from a line, the reach at most, and how far along it the nearest point lies, 0..1."""
+    squares, along = np.full((len(y), len(a)), reach * reach), np.zeros((len(y), len(a)))
+    before = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+    for first, last in pairwise(range(len(line))):
+        part = _near(line[[first, last]], reach, a, y)
+        right, up = a[part[1]] - line[first, 0], (y[part[0]] - line[first, 1])[:, None]
+        way = line[last] - line[first]
+        share = np.clip((right * way[0] + up * way[1]) / (way @ way), 0.0, 1.0)
+        square = (right - share * way[0]) ** 2 + (up - share * way[1]) ** 2
+        nearer = square < squares[part]
+        np.copyto(squares[part], square, where=nearer)
+        np.copyto(along[part], before[first] + share * (before[last] - before[first]), where=nearer)
+    return np.sqrt(squares), along / before[-1]
 
 
 class WrinklePass:

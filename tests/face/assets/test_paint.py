@@ -62,6 +62,9 @@ def test_a_colour_is_mixed_in_where_there_is_some_of_it():
     under = np.random.default_rng(2).uniform(0.0, 1.0, (9, 6, 3))
     share = np.zeros((9, 6))
     share[2:5, 3] = 0.25, 1.0, 0.5
-    found = paint._mixed(under, (0.0, 0.5, 1.0), share)
+    found = under.copy()
+    paint._mix(found, (0.0, 0.5, 1.0), share)
     np.testing.assert_allclose(found, under + share[..., None] * (np.array([0.0, 0.5, 1.0]) - under), atol=1e-15)
-    assert np.array_equal(paint._mixed(under, (0.0, 0.5, 1.0), np.zeros((9, 6))), under)
+    found = under.copy()
+    paint._mix(found, (0.0, 0.5, 1.0), np.zeros((9, 6)))
+    assert np.array_equal(found, under)

@@ -8,6 +8,7 @@ from scipy.ndimage import binary_dilation
 from kinesic.body.arrays import Floats
 from kinesic.face.assets.action_units import intensities
 from kinesic.face.assets.chart import chart_window
+from kinesic.face.render import wrinkles as wrinkle_maps
 from kinesic.face.render.camera import FRONT, Camera
 from kinesic.face.render.portrait import Portrait
 from kinesic.face.render.wrinkles import MAPS, maps, shares, smooth_line, wrinkles
@@ -103,6 +104,19 @@ def test_a_line_goes_through_its_points():
     line = smooth_line(points)
     for point in points:
         assert np.linalg.norm(line - point, axis=1).min() < 1e-12
+
+
+def test_pixels_near_a_line_know_how_far_it_is_and_which_share_of_it_is_before():
+    line, reach = smooth_line(np.array([[-0.3, -0.2], [0.1, 0.2], [0.4, -0.1], [0.2, -0.3]])), 0.2
+    a, y = np.linspace(-0.6, 0.7, 40), np.linspace(-0.5, 0.5, 30)
+    away, along = wrinkle_maps._nearest(line, reach, a, y)
+    shares = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+    dense = np.linspace(0.0, 1.0, 2000)
+    points = np.transpose([np.interp(dense, shares / shares[-1], each) for each in line.T])
+    exact = np.hypot(a[:, None] - points[:, 0], y[:, None, None] - points[:, 1])
+    np.testing.assert_allclose(away, np.minimum(exact.min(axis=2), reach), atol=1e-3)
+    reached = np.take_along_axis(exact, np.rint(1999 * along).astype(int)[..., None], axis=2)[..., 0]
+    np.testing.assert_allclose(reached[away < reach], away[away < reach], atol=1e-3)
 
 
 @pytest.mark.parametrize("yaw", [0.0, 60.0])
