@@ -19,6 +19,8 @@ __all__ = ["binary", "browser", "opened"]
 
 PATIENCE = 60.0  # [s] with a machine on which others work, too
 FOREIGN = "evil.example"  # which it is told to find on this machine, as a rebinding name server would
+NO_TRIANGLES = "window.drawElements ??= WebGL2RenderingContext.prototype.drawElements,"
+NO_TRIANGLES += "WebGL2RenderingContext.prototype.drawElements = () => undefined, 0"
 FLAGS = ("--window-size=1000,700", f"--host-resolver-rules=MAP {FOREIGN} 127.0.0.1")
 
 
@@ -63,6 +65,15 @@ class Page:
         for kind in ("rawKeyDown", "keyUp"):
             self.call("Input.dispatchKeyEvent", type=kind, key=key, code=key, windowsVirtualKeyCode=code)
 
+    @contextmanager
+    def undrawn(self) -> Iterator[None]:
+        """Lets WebGL draw no triangles meanwhile, which in software take most of a processor: nobody looks at them."""
+        self.value(NO_TRIANGLES)
+        try:
+            yield
+        finally:
+            self.value("WebGL2RenderingContext.prototype.drawElements = window.drawElements, 0")
+
     def click(self, selector: str) -> None:
         """A real click of the mouse in the middle of an element."""
         middle = self.value(
@@ -75,15 +86,23 @@ class Page:
 
 
 @contextmanager
-def opened(url: str, *more: str) -> Iterator[Page]:
-    """A page with a profile of its own, both gone afterwards, in the browser that has these flags more."""
+def opened(url: str, *more: str, drawn: bool = True) -> Iterator[Page]:
+    """A page with a profile of its own, both gone afterwards, in the browser that has these flags more.
+
+    Where it is not drawn, WebGL draws no triangles in it.
+    """
     chromium = browser(*more)
     with connect(f"{chromium.address}browser/{chromium.name}", max_size=None) as connection:
         door = Page(connection)
         context = door.call("Target.createBrowserContext", disposeOnDetach=True)["browserContextId"]
-        target = door.call("Target.createTarget", url=url, browserContextId=context)["targetId"]
+        first = url if drawn else "about:blank"
+        target = door.call("Target.createTarget", url=first, browserContextId=context)["targetId"]
         with connect(f"{chromium.address}page/{target}", max_size=None) as own:
-            yield Page(own, context)
+            page = Page(own, context)
+            if not drawn:
+                page.call("Page.addScriptToEvaluateOnNewDocument", source=NO_TRIANGLES)
+                page.call("Page.navigate", url=url)
+            yield page
         door.call("Target.disposeBrowserContext", browserContextId=context)
 
 

@@ -71,7 +71,7 @@ def test_words_make_no_element_no_handler_and_no_link(page: Path):
 @pytest.mark.realtime
 @pytest.mark.skipif(binary() is None, reason="no Chromium: apt-get install chromium")
 def test_a_browser_obeys_none_of_them_and_still_replays(page: Path, tmp_path: Path):
-    with opened(page.as_uri()) as tab:
+    with opened(page.as_uri(), drawn=False) as tab:
         tab.until("document.querySelector('#stage')?.hidden === false")
         assert tab.value("window.hacked ?? 0") == 0
         assert EVIL[0] in tab.value("document.body.innerText")

@@ -59,8 +59,8 @@ class Studio:
 
 
 @pytest.fixture(scope="module")
-def studio(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
-    """The page in a browser, with a real server and its twin."""
+def studio(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
+    """The page in a browser, with a real server and its twin; modules that look at no picture have DRAWN = False."""
     if binary() is None:
         pytest.skip("no Chromium: apt-get install chromium")
     folder, setup = tmp_path_factory.mktemp("documents"), set_up()
@@ -68,6 +68,6 @@ def studio(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
     make_setup = replace(StudioPlanning.of(Planning("upper22", "neutral", {"voice": "auto"})), folder=folder).set_up
     with running(PATIENT, files=files, folder=folder, make_setup=make_setup) as server:
         url = f"http://localhost:{server.port}/"
-        with opened(url) as page:
+        with opened(url, drawn=getattr(request.module, "DRAWN", True)) as page:
             page.until("window.kinesicStudio !== undefined && kinesicStudio.state().planned > 0")
             yield Studio(page, server, folder, files)

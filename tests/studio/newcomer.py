@@ -61,8 +61,8 @@ class Person:
 
 
 @contextmanager
-def before_the_studio(folder: Path, *flags: str) -> Iterator[Person]:
-    """Puts a newcomer before a studio whose folder this is; flags are the browser's."""
+def before_the_studio(folder: Path, *flags: str, drawn: bool = True) -> Iterator[Person]:
+    """Puts a newcomer before a studio whose folder this is, in a browser with these flags more, drawn or not."""
     kinesic = [sys.executable, "-m", "kinesic"]
     with subprocess.Popen(
         [*kinesic, "servos", "simulate", "--folder", str(folder)], stdout=subprocess.PIPE, text=True
@@ -74,7 +74,7 @@ def before_the_studio(folder: Path, *flags: str) -> Iterator[Person]:
             with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=folder) as studio:
                 try:
                     url = next(found[1] for line in studio.stderr if (found := re.search(r"the studio: (\S+)", line)))
-                    with opened(url.replace("127.0.0.1", "localhost"), *flags) as page:
+                    with opened(url.replace("127.0.0.1", "localhost"), *flags, drawn=drawn) as page:
                         page.until(f"window.kinesicStudio !== undefined && {STATE}.planned > 0")
                         yield Person(page)
                 finally:

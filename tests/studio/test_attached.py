@@ -61,7 +61,7 @@ def attached(tmp_path, limp: Limp) -> Iterator[Studio]:
     with (
         running(PATIENT, Access(TOKEN), more=[limp]) as server,
         relay(server.port, page_files(setup.robot, setup.lexicon)) as door,
-        opened(f"http://{door}/") as page,
+        opened(f"http://{door}/", drawn=False) as page,
     ):
         page.until("window.kinesicStudio !== undefined && kinesicStudio.state().connection === 'locked'")
         yield Studio(page, server, tmp_path)

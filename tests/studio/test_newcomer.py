@@ -19,7 +19,7 @@ MOST_ACTIONS = 25
 def person(tmp_path: Path) -> Iterator[Person]:
     if binary() is None:
         pytest.skip("no Chromium: apt-get install chromium")
-    with before_the_studio(tmp_path) as found:
+    with before_the_studio(tmp_path, drawn=False) as found:
         yield found
 
 

@@ -13,6 +13,7 @@ from .conftest import Studio
 
 pytestmark = pytest.mark.realtime
 
+DRAWN = False  # what WebGL draws is looked at in test_stage.py
 WORDS = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="doc">'
     '<speech id="s"><text>Say <sync id="m1"/>one and then <sync id="m2"/>another.</text></speech>'

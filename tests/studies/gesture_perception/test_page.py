@@ -82,8 +82,9 @@ def test_a_participant_who_knows_all_is_read_back_as_such(page: Page, tmp_path: 
     count = page.value("state.order.length")
     assert count == RECOGNITIONS + COMPARISONS * len(CONDITIONS)
     page.click("#begin")
-    for k in range(count):
-        choose(page, RIGHT if k < RECOGNITIONS else STANDARD)
+    with page.undrawn():
+        for k in range(count):
+            choose(page, RIGHT if k < RECOGNITIONS else STANDARD)
     page.until("!document.getElementById('thanks').hidden")
     file = written(page, tmp_path / "answers.csv")
     assert file.read_text().split("\n")[0] == ",".join(COLUMNS)

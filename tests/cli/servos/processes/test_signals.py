@@ -70,7 +70,7 @@ def test_a_server_that_is_ended_folds_the_arms_first(arms, run, way: str):
 
 
 def test_a_server_that_stood_still_needs_consent_and_one_whose_terminal_closes_folds_the_arms(arms, run):
-    command, client = serve(arms, run)
+    command, client = serve(arms, run, "--learn", "none")
     with client:
         client.send(RAISE.format(LONG, LONG + 1.0))
         command.wait(arms.raised)
@@ -110,10 +110,10 @@ def stood(supervisor: Channel, seconds: float) -> bool:
     return supervisor.status().time == before
 
 
-def serve(arms, run):
+def serve(arms, run, *more: str):
     """A server in a terminal, and a client of it."""
     options = ("--on", "servos", "--port", f"body={arms.port}", "--voice", "durations", "--no-sound")
-    command = run("serve", *options, "--listen", "127.0.0.1:0")
+    command = run("serve", *options, *more, "--listen", "127.0.0.1:0")
     command.wait(lambda: "listening at" in command.said)
     return command, Client(port=int(re.search(r"listening at 127.0.0.1:(\d+)", command.said)[1]))
 
