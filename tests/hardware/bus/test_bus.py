@@ -132,7 +132,7 @@ def test_many_faults_at_once_are_no_exception_and_no_lie(rig: Make):
     faults = FaultPlan(tuple(PlannedFault(name, rate=0.05, start=0.2) for name in names), seed=2)
     made = rig(14, faults=faults)
     made.energise()
-    cycles = made.run(300, np.full(14, MID))
+    cycles = made.run(150, np.full(14, MID))
     assert all((np.abs(cycle.positions - MID) <= 2).all() for cycle in cycles[30:])
     assert fresh_share(cycles) > 0.1
 
@@ -183,7 +183,7 @@ def test_when_all_are_silent_nobody_is_blamed(rig: Make):
 
 
 @pytest.mark.parametrize("error", HardwareError)
-@pytest.mark.parametrize("count", [7, 26])
+@pytest.mark.parametrize("count", [7, pytest.param(26, marks=pytest.mark.soak)])
 def test_an_alert_is_seen_in_the_next_cycle(rig: Make, count: int, error: HardwareError):
     made = rig(count)
     made.energise()

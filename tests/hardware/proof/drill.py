@@ -27,7 +27,7 @@ RAISED = np.radians([10.0, 70.0, 80.0, 20.0, 70.0, 80.0, -20.0])
 SWAY, SWAYING, RAISING = np.radians(8.0), 2.0, 1.3  # [rad]; [s] of a period; [s] until the arms are up
 LONG, AFTER = 22.0, 6.0  # [s] of the performance, [s] of looking after a fault has passed
 WEIGHTS = {"flexion": 0.6, "bend": 0.35}  # [Nm] of each part of an arm where it is level
-SETTINGS = SupervisorSettings(pace=2.0, patience=2.0, hopeless=12.0)
+SETTINGS = SupervisorSettings(pace=2.0, patience=1.2, hopeless=12.0)
 BITS = (1, 4, 8, 16, 32)
 KIN_OF_WIRE = ("corrupt", "drop", "truncate", "duplicate", "noise", "lost", "late")
 

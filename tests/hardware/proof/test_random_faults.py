@@ -6,7 +6,7 @@ import pytest
 
 from .drill import drill, random_strike
 
-FOLDED = 4.5  # [s] until what holds after a fault has lost its patience, and folded
+FOLDED = 3.5  # [s] until what holds after a fault has lost its patience, and folded
 SEEDS = (11, 13)  # one of a servo and one of a wire, on kinesic's servos and on those of the manual
 
 

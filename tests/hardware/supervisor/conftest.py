@@ -107,18 +107,21 @@ class Desk:
         supervisor, torque = self.supervisor, self.true(Register.TORQUE_ENABLE)
         due = supervisor.now() + self.settings.period
         supervisor.step()
-        self._look_for_drops(torque)
-        came = (self.true(Register.TORQUE_ENABLE) != 0) & (torque == 0)
-        if came.any():
-            self.jumps += np.abs(self.true(Register.GOAL_POSITION) - self.here)[came].tolist()
+        self._look_at_torque(torque, self.true(Register.TORQUE_ENABLE))
         supervisor.sleep(due)
         self.pass_time(0.0)
 
-    def _look_for_drops(self, torque: Ticks) -> None:
-        """Whose torque was taken while he was raised, unless he has failed, reboots, or a person wanted it."""
+    def _look_at_torque(self, before: Ticks, after: Ticks) -> None:
+        """Who gets torque beside his goal; whose was taken while he was raised.
+
+        Unless he has failed, reboots, or a person wanted it.
+        """
+        if (before == after).all():
+            return
+        came, lost = (before == 0) & (after != 0), (before != 0) & (after == 0) & self.raised
+        self.jumps += np.abs(self.true(Register.GOAL_POSITION) - self.here)[came].tolist()
         if self.channel.word("confirm") or self.channel.word("estop") == 2:
             return
-        lost = (torque != 0) & (self.true(Register.TORQUE_ENABLE) == 0) & self.raised
         for k in np.flatnonzero(lost):
             firmware = self.plant.servos[k].electronics
             if firmware.up and not firmware.latched:

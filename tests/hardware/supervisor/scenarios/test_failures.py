@@ -117,7 +117,7 @@ def test_a_servo_that_cannot_move_is_not_pushed_until_it_shuts_down(desk: Make):
     assert not made.raised[[0, 1, 4]].any()
     made.alive = False
     made.channel.set("release", 1)
-    made.run(4 * made.settings.patience)
+    made.run(1.5 * made.settings.patience)
     assert made.stage is Stage.WAITING
     made.channel.set("confirm", 1)
     made.until(Stage.CLOSED, within=1.0)
@@ -163,7 +163,7 @@ def test_a_port_that_goes_and_comes_is_held_within_250_ms_and_torque_stays(desk:
     assert made.true(TORQUE).all()
     assert (made.true(WATCHDOG) == 5).all()
     if seconds > 1.0:
-        made.run(3 * made.settings.patience)
+        made.run(2 * made.settings.patience)
         assert made.stage is Stage.HOLD
         assert made.status.waits == "consent"
         assert not made.raised.any(), "it folds after its patience"
@@ -234,8 +234,8 @@ def test_servos_of_which_some_have_torque_are_adopted_and_the_others_armed(desk:
 
 
 def test_an_end_while_a_servo_is_silent_folds_the_others_and_waits_for_it(desk: Make):
-    made = desk(settings=SupervisorSettings(patience=1.0, consent=2.0, hopeless=2.0, pace=3.0)).active(8.0)
-    made.run(0.9)
+    made = desk(settings=SupervisorSettings(patience=0.5, consent=1.0, hopeless=1.0, pace=3.0)).active(4.0)
+    made.run(0.4)
     made.plant.servos[2].mute = True
     made.channel.set("ended", 1)
     made.until(Stage.WAITING, within=15.0)

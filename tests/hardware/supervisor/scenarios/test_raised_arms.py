@@ -1,7 +1,6 @@
 """What becomes of two raised arms, with weight, when something fails: the twin's body behind virtual servos."""
 
 from collections.abc import Callable, Iterator
-from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +15,7 @@ from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.hardware.virtual.faults import PlannedFault
 from kinesic.hardware.virtual.wiring import build_bus, cables
 
+from ....reduced_robots import write_robot
 from ..conftest import PERIOD, Desk
 
 RAISED = {"shoulder_flexion": 70.0, "elbow_flexion": 60.0}  # [deg]
@@ -27,29 +27,26 @@ OVERLOAD, ENCODER, VOLTAGE = (
 )
 
 
-@cache
-def robot() -> Robot:
-    return Robot.load()
+@pytest.fixture(scope="module")
+def robot(tmp_path_factory: pytest.TempPathFactory) -> Robot:
+    """The default one's arms alone: its other servos would only take time."""
+    return Robot.load(write_robot(tmp_path_factory.mktemp("robot"), "neck", "torso", "clavicles"))
 
 
-def servo(hinge: str) -> int:
-    return next(member.id for member in Manifest.of(robot()).members if member.hinge == hinge)
-
-
-def assemble(wires):
-    return build_bus(wires, TwinPhysics(robot(), wires))
-
-
-def raised(log: Path) -> Desk:
+def raised(robot: Robot, log: Path) -> Desk:
     """Both arms up, in the middle of a performance that keeps them there."""
-    names, rest = robot().skeleton.names, robot().skeleton.rest
+    names, rest = robot.skeleton.names, robot.skeleton.rest
     there = rest.copy()
     for hinge, angle in RAISED.items():
         for side in "lr":
             there[names.index(f"{side}_{hinge}")] = np.radians(angle)
-    desk = Desk(Manifest.of(robot()), cables(robot()), log, settings=BRIEF, assemble=assemble)
+
+    def assemble(wires):
+        return build_bus(wires, TwinPhysics(robot, wires))
+
+    desk = Desk(Manifest.of(robot), cables(robot), log, settings=BRIEF, assemble=assemble)
     desk.open()
-    for k in range(3000):
+    for k in range(1800):
         share = min(1.0, k * PERIOD / UP)
         assert desk.channel.write(k * PERIOD, rest + share**3 * (10 - 15 * share + 6 * share**2) * (there - rest))
     desk.until(Stage.ACTIVE)
@@ -58,8 +55,8 @@ def raised(log: Path) -> Desk:
 
 
 @pytest.fixture
-def arms(tmp_path: Path) -> Iterator[Desk]:
-    desk = raised(tmp_path / "events.jsonl")
+def arms(robot: Robot, tmp_path: Path) -> Iterator[Desk]:
+    desk = raised(robot, tmp_path / "events.jsonl")
     yield desk
     desk.end()
     assert not desk.dropped
@@ -99,7 +96,11 @@ def nobody(desk: Desk) -> None:
 
 
 def alert(bits: int, *hinges: str) -> Callable[[Desk], None]:
-    return lambda desk: desk.expose(PlannedFault("alert", tuple(map(servo, hinges)), value=bits))
+    def strike(desk: Desk) -> None:
+        struck = tuple(member.id for member in desk.manifest.members if member.hinge in hinges)
+        desk.expose(PlannedFault("alert", struck, value=bits))
+
+    return strike
 
 
 FOLDED = {
