@@ -7,13 +7,18 @@ import pytest
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
+from kinesic.body.robot import Robot
 from kinesic.controller.perform import perform, set_up
 from kinesic.controller.performance import Performance
 from kinesic.motion.condition import condition
 from kinesic.motion.keys import KeyPosture
 from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.setup import Setup
+from kinesic.sim.dynamics import MujocoDynamics
 
+ROBOT = Robot.load()
+DYNAMICS = MujocoDynamics(ROBOT)
+LIMITS = Limits.of(ROBOT, DYNAMICS.load)  # once for all modules: worst postures take a while to be found
 BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="block">{}</bml>'
 HURRIED = BLOCK.format(
     '<speech id="s"><text><sync id="one"/>Hello there, <sync id="two"/>welcome</text></speech>'

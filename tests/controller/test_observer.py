@@ -7,7 +7,6 @@ from scipy.linalg import expm
 
 from kinesic.body.arrays import Floats
 from kinesic.body.command import Command
-from kinesic.body.robot import Robot
 from kinesic.body.servo import SPEED_SHARE
 from kinesic.controller import observer as observer_module
 from kinesic.controller.feedforward import FeedForwardGoals
@@ -15,14 +14,12 @@ from kinesic.controller.learned_gains import learn, soften
 from kinesic.controller.observer import LARGEST, LoadEstimate, Observer, ObserverInputs, _forecast, correct_goals
 from kinesic.controller.observer_step import FADING, RESTORING, SHARES
 from kinesic.controller.perform import dry_run, make_observer, plan
-from kinesic.sim.dynamics import MujocoDynamics
 from kinesic.sim.log import Log, log_of
 from kinesic.sim.servo_factors import NOMINAL, Factors
 
 from ..passage import passage_text
+from ..performances import DYNAMICS, ROBOT
 
-ROBOT = Robot.load()
-DYNAMICS = MujocoDynamics(ROBOT)
 COUNT = len(ROBOT.skeleton.hinges)
 PERIOD = 0.01
 OBSERVER = Observer.of(ROBOT, DYNAMICS, period=PERIOD)

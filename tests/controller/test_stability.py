@@ -12,8 +12,8 @@ from kinesic.report.checks import checks
 from kinesic.sim.dynamics import MujocoDynamics
 from kinesic.sim.servo_factors import NOMINAL, PESSIMISTIC, DriveFactors, Factors
 
-ROBOT = Robot.load()
-DYNAMICS = MujocoDynamics(ROBOT)
+from ..performances import DYNAMICS, ROBOT
+
 STIFF_AND_LATE = Factors(gain=2.0, latency=0.02)
 
 

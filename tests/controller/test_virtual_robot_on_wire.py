@@ -21,7 +21,7 @@ from kinesic.hardware.virtual.wiring import build_bus, cables
 from kinesic.planning.plan import Plan
 
 PERIOD = 1 / RATE
-SEEN = 350  # cycles: the first wave
+SEEN = 240  # cycles: most of the first wave
 
 
 @pytest.fixture(scope="module")

@@ -4,18 +4,15 @@ import numpy as np
 import pytest
 
 from kinesic.body.arrays import sealed
-from kinesic.body.limits import Limits
-from kinesic.body.robot import Robot
 from kinesic.motion.keys import KeyPosture, Passage
 from kinesic.motion.trajectory import STEP, Trajectory
 from kinesic.planning import detour
 from kinesic.planning.detour import LEAST_STEP, ClearPostures, PostureCourse, lead_around
 from kinesic.sim.distances import CapsuleDistances
-from kinesic.sim.dynamics import MujocoDynamics
 
-ROBOT = Robot.load()
+from ..performances import LIMITS, ROBOT
+
 DISTANCES = CapsuleDistances(ROBOT)
-LIMITS = Limits.of(ROBOT, MujocoDynamics(ROBOT).load)
 REST = ROBOT.skeleton.rest
 LEFT, RIGHT = (list(ROBOT.joints(f"{side}_arm")) for side in ("l", "r"))
 LEAST = 0.014

@@ -12,8 +12,6 @@ from kinesic.bml.block import (
     TimedBehaviour,
     Timeline,
 )
-from kinesic.body.limits import Limits
-from kinesic.body.robot import Robot
 from kinesic.expressivity.context import BlockContext, Context
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.realise import keyframes
@@ -22,10 +20,10 @@ from kinesic.expressivity.style.style import Style
 from kinesic.planning.collision import HOVER
 from kinesic.planning.postures import postures
 from kinesic.sim.distances import CapsuleDistances
-from kinesic.sim.dynamics import MujocoDynamics
 
-ROBOT = Robot.load()
-PACE = Pace(ROBOT, Limits.of(ROBOT, MujocoDynamics(ROBOT).load))
+from ..performances import LIMITS, ROBOT
+
+PACE = Pace(ROBOT, LIMITS)
 DISTANCES = CapsuleDistances(ROBOT)
 LEXICON = Lexicon.load()
 

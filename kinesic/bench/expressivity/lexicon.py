@@ -62,7 +62,8 @@ def lexicon_figures(results: Sequence[GestureResult]) -> list[Figure]:
 
 def every(styles: Iterable[str]) -> list[Task]:
     """Lists all gestures of the lexicon in each of the styles."""
-    return [(form.id, style) for style in styles for form in Lexicon.load().forms]
+    forms = Lexicon.load().forms
+    return [(form.id, style) for style in styles for form in forms]
 
 
 def sample(tasks: Sequence[Task], *, share: float, seed: int) -> list[Task]:

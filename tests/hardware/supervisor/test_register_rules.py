@@ -24,7 +24,7 @@ from .conftest import Desk, manifest_of
 DOCS = Path(__file__).parents[3] / "docs" / "servos.md"
 HEAD = ("| register | what is done | why |", "|---|---|---|")
 RULES = {register: rule for rule in REGISTER_RULES for register in rule.registers}
-SECONDS, AMPLITUDE = 1.0, 0.3  # [s], [rad] of the motion that is compared
+SECONDS, AMPLITUDE = 0.6, 0.25  # [s], [rad] of the motion that is compared
 USUAL = "xm430_w350"
 SET = {
     (Register.RETURN_DELAY_TIME, 254): 0,

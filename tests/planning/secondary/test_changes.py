@@ -3,16 +3,13 @@ from dataclasses import replace
 import numpy as np
 
 from kinesic.body.arrays import sealed
-from kinesic.body.limits import Limits
 from kinesic.motion.limit_check import check_limits, find_beyond
 from kinesic.motion.trajectory import STEP, Trajectory
 from kinesic.planning.secondary import changes
 from kinesic.planning.secondary.changes import LESS, Changes
-from kinesic.sim.dynamics import MujocoDynamics
 
-from .tilts import REST, ROBOT, STILL, TILT, swell
-
-LIMITS = Limits.of(ROBOT, MujocoDynamics(ROBOT).load)
+from ...performances import LIMITS
+from .tilts import REST, STILL, TILT, swell
 
 
 def allowed(motion, swells):

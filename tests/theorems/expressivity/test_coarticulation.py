@@ -8,19 +8,18 @@ from hypothesis import strategies as st
 
 from kinesic.bml.block import GESTURE_SYNCS
 from kinesic.body.arrays import sealed
-from kinesic.body.limits import Limits
 from kinesic.body.reach import Reach
-from kinesic.body.robot import SIDES, Robot
+from kinesic.body.robot import SIDES
 from kinesic.expressivity.hands.engaged import Engaged
 from kinesic.expressivity.hands.phases import Arranged, arrange_hands
 from kinesic.expressivity.hands.poses import REST, Poses, pose_distance, resting_hands
 from kinesic.expressivity.hands.strokes import Stroke
 from kinesic.expressivity.keyframes import Hand
 from kinesic.expressivity.style.pace import Pace
-from kinesic.sim.dynamics import MujocoDynamics
 
-ROBOT = Robot.load()
-PACE = Pace(ROBOT, Limits.of(ROBOT, MujocoDynamics(ROBOT).load))
+from ...performances import LIMITS, ROBOT
+
+PACE = Pace(ROBOT, LIMITS)
 OPTIONS = {
     side: Poses({side: tuple(Hand(Reach(sealed([0.25, sign * y, 0.8]))) for y in (0.1, 0.25))}, 1)
     for side, sign in zip(SIDES, (1, -1), strict=True)

@@ -25,8 +25,7 @@ from kinesic.bml.block import (
     Torso,
     Wait,
 )
-from kinesic.body.limits import Limits
-from kinesic.body.robot import SIDES, Robot
+from kinesic.body.robot import SIDES
 from kinesic.expressivity.context import BlockContext, Context
 from kinesic.expressivity.gather import TOGETHER
 from kinesic.expressivity.hands.poses import poses, resting_hands
@@ -35,12 +34,11 @@ from kinesic.expressivity.lexicon.lexicon import Lexicon, in_mode, mirror_form
 from kinesic.expressivity.realise import keyframes
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import Expressivity, Style
-from kinesic.sim.dynamics import MujocoDynamics
 
 from ...examples import examples
+from ...performances import LIMITS, ROBOT
 
-ROBOT = Robot.load()
-PACE = Pace(ROBOT, Limits.of(ROBOT, MujocoDynamics(ROBOT).load))
+PACE = Pace(ROBOT, LIMITS)
 LEXICON = Lexicon.load()
 PARTS = {"head", "torso", "l_hand", "r_hand"}
 

@@ -8,8 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kinesic.bml.block import GESTURE_SYNCS, Behaviour, Block, Gesture, Head, Place, TimedBehaviour, Timeline
-from kinesic.body.limits import Limits
-from kinesic.body.robot import OTHER_SIDE, Robot
+from kinesic.body.robot import OTHER_SIDE
 from kinesic.expressivity.context import BlockContext, Context
 from kinesic.expressivity.gather import TOGETHER
 from kinesic.expressivity.keyframes import KeyFrame, KeyFrames, Turn
@@ -19,12 +18,11 @@ from kinesic.expressivity.realise import keyframes
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import Style, style_preset
 from kinesic.expressivity.turns import axes
-from kinesic.sim.dynamics import MujocoDynamics
 
 from ...examples import examples
+from ...performances import LIMITS, ROBOT
 
-ROBOT = Robot.load()
-PACE = Pace(ROBOT, Limits.of(ROBOT, MujocoDynamics(ROBOT).load))
+PACE = Pace(ROBOT, LIMITS)
 LEXICON = Lexicon.load()
 HANDS = LEXICON.changed(lambda form: replace(form, body=NO_BODY))
 MIRRORED = LEXICON.changed(mirror_form)
