@@ -146,8 +146,9 @@ def test_records_that_are_late_or_missing_do_not_blind_it(pleading, tmp_path, se
 
 
 def test_servos_as_described_are_not_slowed(pleading, tmp_path):
-    seen = performed(pleading, tmp_path / "log", gain=1.0, watched=True, servos="kinesic")
-    assert (seen.least_pace, seen.performed) == (1.0, pytest.approx(1.0))
+    seen = performed(pleading, tmp_path / "log", gain=1.0, watched=True, servos="kinesic", seconds=FOLDED)
+    assert seen.least_pace == 1.0
+    assert seen.performed * pleading.duration > FOLDED - 0.2
 
 
 @pytest.mark.soak

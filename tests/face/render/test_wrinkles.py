@@ -1,5 +1,7 @@
 """The laws of wrinkles: of the maps on paper, and of the normals that pictures are lit with."""
 
+from collections.abc import Iterator
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -11,11 +13,15 @@ from kinesic.face.assets.chart import chart_window
 from kinesic.face.render import wrinkles as wrinkle_maps
 from kinesic.face.render.camera import FRONT, Camera
 from kinesic.face.render.portrait import Portrait
+from kinesic.face.render.presets import NORMAL
 from kinesic.face.render.wrinkles import MAPS, maps, shares, smooth_line, wrinkles
+
+from ..conftest import Gallery
 
 TABLE_41 = {1: (0,), 2: (1, 2), 4: (3,), 6: (4, 5), 10: (6, 7), 12: (8, 9), 20: (10, 11)}  # of the thesis
 BEYOND = {9: (12,), 15: (13,), 17: (14,), 14: (15,)}  # units that the table leaves out
 UNITS = sorted(TABLE_41 | BEYOND)
+SIDE = 160  # [pixels] of its pictures
 VIEWS = (0.0, 30.0, 90.0, -90.0, 140.0, 180.0)
 BACK = -0.6  # [distances between the eyes] the wrinkles end in front of this
 
@@ -57,8 +63,9 @@ class Bent:
 
 
 @pytest.fixture(scope="module")
-def bent(portrait: Portrait) -> Bent:
-    return Bent(portrait)
+def bent(gallery: Gallery) -> Iterator[Bent]:
+    with gallery(NORMAL, (SIDE, SIDE)) as portrait:
+        yield Bent(portrait)
 
 
 def tangent(normals: Floats, flat: Floats) -> Floats:
