@@ -1,8 +1,10 @@
-"""Compares other IK libraries with ours on upper22's left arm: same targets, one process, calls interleaved.
+"""Compares other IK libraries with ours on upper22's left arm: same targets, one process, in turn.
 
-A call goes from three numbers to the angles. Each peer meets ours alone, because what a peer leaves in the caches slows
-the next call: a third one would pay for it. Success is counted by the body's own forward kinematics: the hand within a
-millimetre, every hinge within its limits. Drawn as bars: the time of one reach, and how many targets are reached.
+A call goes from three numbers to the angles. What one library leaves in the processor's caches slows the next one's
+call, so it is measured three times: each peer with ours alone, call by call; all in one round, each with a block of
+targets in a row; and all call by call, where every call finds the caches cold. Success is counted by the body's own
+forward kinematics: the hand within a millimetre, every hinge within its limits. Drawn as bars: the time of one reach,
+and how many targets are reached.
 """
 
 from collections.abc import Mapping
@@ -26,11 +28,16 @@ from kinesic.ik import KERNEL
 from kinesic.ik.arm.compiled import arm_of
 from kinesic.ik.solve import solve
 
-TARGETS = 200
+TARGETS, BLOCK = 200, 25  # of these so many in a row go to one library in a round
 MM = 1e-3  # [m] where the hand counts as there
 SLACK = 1e-6  # [rad] outside a limit that is forgiven to a peer's rounding
 SOLVE, REACH = "kinesic_solve", "kinesic_reach"  # our entries
-GOALS = {("roboticstoolbox", SOLVE): 5.0, ("roboticstoolbox", REACH): 7.0}
+GOALS = {
+    ("roboticstoolbox", "ratio", SOLVE): 5.0,
+    ("roboticstoolbox", "ratio", REACH): 7.0,
+    ("roboticstoolbox", "one_round", SOLVE): 10.0,
+    ("roboticstoolbox", "one_round", REACH): 7.0,
+}
 NAMES = {"kinesic_reach": "kinesic, Arm.reach", "kinesic_solve": "kinesic, solve"}
 
 
@@ -51,25 +58,23 @@ def bench() -> list[Figure]:
     """Measures times, successes and how many times as long as ours each peer takes."""
     if KERNEL == "numpy":
         why = "the kernel is not compiled here"
-        return [*_own({}, why), *(figure for peer in PEERS for figure in _figures(peer, {}, why))]
+        return [
+            *_own({}, why),
+            *(figure for peer in PEERS for figure in [*_figures(peer, {}, why), *_all(peer, {}, {}, why)]),
+        ]
     chain = Robot.load().arms["l"]
     goals = targets(default_rng(33), chain, TARGETS)
     figures = _own(interleave(chain, ours(chain), goals), "beside no peer")
+    theirs = {peer.name: peer.build(chain) for peer in PEERS if installed(peer)}
     for peer in PEERS:
-        pair = ours(chain) | {peer.name: peer.build(chain)} if installed(peer) else {}
+        pair = ours(chain) | {peer.name: theirs[peer.name]} if installed(peer) else {}
         figures += _figures(peer, interleave(chain, pair, goals), _why(peer))
-    return [*figures, *_one_round(chain, goals)]
-
-
-def _one_round(chain: Chain, goals: Floats) -> list[Figure]:
-    """The same ratios with all libraries in turn: what each leaves in the processor's caches is the next one's cost."""
-    present = [peer for peer in PEERS if installed(peer)]
-    calls = interleave(chain, ours(chain) | {peer.name: peer.build(chain) for peer in present}, goals)
-    return [
-        _ratio(peer, "one_round", entry, calls, f"with {len(present) - 1} other libraries between the calls")
-        for peer in present
-        for entry in (SOLVE, REACH)
-    ]
+    everyone = ours(chain) | theirs
+    rounds, cold = take_turns(chain, everyone, goals), interleave(chain, everyone, goals)
+    for peer in PEERS:
+        why = f"with {len(theirs) - 1} other libraries in turn" if installed(peer) else _why(peer)
+        figures += _all(peer, rounds, cold, why)
+    return figures
 
 
 def installed(peer: Peer) -> bool:
@@ -109,6 +114,34 @@ def interleave(chain: Chain, solvers: Mapping[str, Solver], goals: Floats) -> di
     return {name: Calls(seconds[name], reached[name]) for name in solvers}
 
 
+def take_turns(chain: Chain, solvers: Mapping[str, Solver], goals: Floats) -> dict[str, Calls]:
+    """Gives a block of targets to one solver after the other, then the next block, each time another solver first.
+
+    A solver has its calls of a block in a row, the first of them with what the solver before left in the caches: it is
+    counted for all alike. A busy moment falls on none alone.
+
+    Args:
+        chain: the arm.
+        solvers: by name.
+        goals: (n, 3) [m] in the chain's base; the first is solved once more before, unmeasured.
+    """
+    seconds, reached = ({name: np.empty(len(goals)) for name in solvers} for _ in range(2))
+    for solver in solvers.values():
+        solver(goals[0])
+    names = list(solvers)
+    for turn, first in enumerate(range(0, len(goals), BLOCK)):
+        block, start = range(first, min(first + BLOCK, len(goals))), turn % len(names)
+        for name in names[start:] + names[:start]:
+            solver, found = solvers[name], []
+            for k in block:
+                target = goals[k]
+                began = perf_counter()
+                found.append(solver(target))
+                seconds[name][k] = perf_counter() - began
+            reached[name][block] = [_reached(chain, angles, goals[k]) for k, angles in zip(block, found, strict=True)]
+    return {name: Calls(seconds[name], reached[name]) for name in solvers}
+
+
 def _reached(chain: Chain, angles: Floats, target: Floats) -> bool:
     inside = np.all(angles >= chain.lower - SLACK) and np.all(angles <= chain.upper + SLACK)
     return bool(inside and np.linalg.norm(chain.hand(angles) - target) < MM)
@@ -130,10 +163,19 @@ def _figures(peer: Peer, calls: Mapping[str, Calls], why: str) -> list[Figure]:
     return [*_measured(peer.name, calls.get(peer.name), why), *ratios]
 
 
+def _all(peer: Peer, rounds: Mapping[str, Calls], cold: Mapping[str, Calls], why: str) -> list[Figure]:
+    """The ratios with all libraries in turn: by blocks of targets, and call by call, which finds the caches cold."""
+    return [
+        _ratio(peer, kind, entry, calls, why)
+        for kind, calls in (("one_round", rounds), ("cold_caches", cold))
+        for entry in (SOLVE, REACH)
+    ]
+
+
 def _ratio(peer: Peer, kind: str, entry: str, calls: Mapping[str, Calls], why: str) -> Figure:
     name, theirs = f"ik.peer_{peer.name}_{kind}_{entry.removeprefix('kinesic_')}", calls.get(peer.name)
     ratio = theirs.microseconds / calls[entry].microseconds if theirs else None
-    return Figure(name, ratio, "x ours", GOALS.get((peer.name, entry)), "higher", why)
+    return Figure(name, ratio, "x ours", GOALS.get((peer.name, kind, entry)), "higher", why)
 
 
 def _measured(name: str, calls: Calls | None, why: str) -> list[Figure]:

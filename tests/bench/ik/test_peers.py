@@ -54,8 +54,8 @@ def test_success_is_the_hand_within_a_millimetre_and_the_limits(chain):
     assert calls.microseconds > 0
 
 
-def test_each_target_goes_to_every_solver_before_the_next(chain):
-    order = []
+def _recording(chain, names, order):
+    """Solvers that write down in what order they are called."""
 
     def solver(name):
         def solve(target):
@@ -64,9 +64,32 @@ def test_each_target_goes_to_every_solver_before_the_next(chain):
 
         return solve
 
-    asked = targets(default_rng(1), chain, 3)
-    peers.interleave(chain, {name: solver(name) for name in "ab"}, asked)
+    return {name: solver(name) for name in names}
+
+
+def test_each_target_goes_to_every_solver_before_the_next(chain):
+    order, asked = [], targets(default_rng(1), chain, 3)
+    peers.interleave(chain, _recording(chain, "ab", order), asked)
     assert order[2:] == [(name, tuple(target)) for target in asked for name in "ab"]
+
+
+def test_in_a_round_each_solver_has_a_block_of_targets_in_a_row_and_each_block_begins_with_another_solver(
+    monkeypatch, chain
+):
+    monkeypatch.setattr(peers, "BLOCK", 2)
+    order, asked = [], targets(default_rng(1), chain, 7)
+    calls = peers.take_turns(chain, _recording(chain, "abc", order), asked)
+    turns = zip((asked[:2], asked[2:4], asked[4:6], asked[6:]), ("abc", "bca", "cab", "abc"), strict=True)
+    assert order[3:] == [(name, tuple(target)) for block, names in turns for name in names for target in block]
+    assert all((call.seconds > 0.0).all() for call in calls.values())
+
+
+def test_a_round_counts_success_for_each_target(monkeypatch, chain):
+    monkeypatch.setattr(peers, "BLOCK", 2)
+    off = np.array([0.0, 0.002, 0.0, 0.0, 0.002])
+    asked = chain.hand(chain.rest) + np.outer(off, [0.0, 0.0, 1.0])
+    calls = peers.take_turns(chain, {"x": lambda target: chain.rest}, asked)["x"]
+    assert calls.reached.tolist() == [1.0, 0.0, 1.0, 1.0, 0.0]
 
 
 @compiled
@@ -75,7 +98,8 @@ def test_without_the_libraries_each_figure_says_how_to_get_them(monkeypatch):
     monkeypatch.setattr(peers, "find_spec", lambda name: None)
     figures = {figure.name: figure for figure in peers.bench()}
     for peer in PEERS:
-        for what in ("us", "success", "ratio_solve", "ratio_reach"):
+        ratios = [f"{kind}_{entry}" for kind in ("ratio", "one_round", "cold_caches") for entry in ("solve", "reach")]
+        for what in ("us", "success", *ratios):
             figure = figures[f"ik.peer_{peer.name}_{what}"]
             assert figure.value is None
             assert figure.why == f"{peer.package} is not installed: pip install kinesic[bench]"
@@ -96,8 +120,19 @@ def test_a_peer_that_is_there_is_measured_against_both_entries(monkeypatch, chai
     figures = {figure.name: figure for figure in peers.bench()}
     assert figures["ik.peer_numpy_success"].value == 0.0
     assert figures["ik.peer_numpy_us"].why == f"numpy {np.__version__}"
-    assert figures["ik.peer_numpy_ratio_solve"].value > 0
-    assert figures["ik.peer_numpy_ratio_reach"].value > 0
+    for kind in ("ratio", "one_round", "cold_caches"):
+        for entry in ("solve", "reach"):
+            assert figures[f"ik.peer_numpy_{kind}_{entry}"].value > 0
+
+
+@pytest.mark.parametrize(("kind", "goal"), [("ratio", 5.0), ("one_round", 10.0), ("cold_caches", None)])
+def test_a_tenth_of_roboticstoolboxs_time_is_the_goal_of_a_round_and_cold_caches_have_none(kind, goal):
+    calls = {
+        "roboticstoolbox": peers.Calls(np.full(3, 9e-5), np.ones(3)),
+        peers.SOLVE: peers.Calls(np.full(3, 1e-5), np.ones(3)),
+    }
+    figure = peers._ratio(PEERS[0], kind, peers.SOLVE, calls, "")
+    assert (figure.value, figure.goal) == (pytest.approx(9.0), goal)
 
 
 @libraries
