@@ -25,6 +25,7 @@ LEAST_BALL = 0.005  # [m]
 LEAST_CONE = np.radians(0.5)  # [rad] the ball's like for head and torso
 SHARE = 0.05  # of the path
 SHORTEST = 1e-3  # [s] of a step that has a speed
+LOOK = 4096  # postures whose frames are looked at together
 
 
 def part_paths(angles: Floats, robot: Robot, hands: Mapping[str, Floats] | None = None) -> Mapping[PartName, Floats]:
@@ -45,8 +46,11 @@ def part_paths(angles: Floats, robot: Robot, hands: Mapping[str, Floats] | None 
 
 
 def _hands(angles: Floats, robot: Robot) -> dict[str, Floats]:
-    origins = body_frames(robot, angles).origins
-    return {side: np.ascontiguousarray(origins[robot.arm(side).wrist].T) for side in SIDES}
+    hands, wrists = np.empty((len(SIDES), len(angles), 3)), [robot.arm(side).wrist for side in SIDES]
+    for begin in range(0, len(angles), LOOK):
+        rows = slice(begin, begin + LOOK)
+        hands[:, rows] = body_frames(robot, angles[rows]).origins[wrists].transpose(0, 2, 1)
+    return dict(zip(SIDES, hands, strict=True))
 
 
 @dataclass(frozen=True, eq=False)

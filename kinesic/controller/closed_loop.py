@@ -81,7 +81,7 @@ def perform_in_twins(
     for begin in range(0, len(times), WINDOW):
         rows = slice(begin, min(begin + WINDOW, len(times)))
         setpoints = lead(times[rows])
-        angles = trajectory.sample(times[rows])[0] if observer else setpoints.goals
+        angles = trajectory.angles(times[rows]) if observer else setpoints.goals
         for k, loop in enumerate(loops):
             done = begin + k * (rows.stop - begin) / len(loops)
             loop.perform(times[rows], angles, setpoints, partial(_tell, progress, done, len(loops), len(times)))

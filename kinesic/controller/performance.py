@@ -3,13 +3,13 @@
 The reference is what a plan says at the times of its commands, whoever follows them.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from kinesic.body.arrays import Flags, Floats, sealed
+from kinesic.body.arrays import Flags, Floats, seal_own
 from kinesic.body.command import RATE, Measurements
 from kinesic.body.robot import SIDES, PartName, Robot
 from kinesic.controller.arrival import Arrival, arrivals, lags, part_paths
@@ -28,6 +28,7 @@ from kinesic.sim.servo_factors import NOMINAL, PESSIMISTIC, Factors
 MOVING = 0.05  # share of its speed limit above which a hinge counts as moving
 LEAST_WAY = 0.05  # [m] below which a hand only sways with the body
 EVERY = round(2 * LOOK * RATE)  # commands between two looks back at the clearance
+WINDOW = 4096  # commands that are looked at together
 HOLDING_RATE = 20  # [Hz] at which the torque of standing still is judged: gravity changes slowly
 
 
@@ -40,23 +41,25 @@ class Reference:
     duties: Floats  # (m, n) that the motion needs
 
     @cached_property
-    def _motion(self) -> tuple[Floats, Floats, Floats]:
-        return self.plan.trajectory.sample(self.times)
-
-    @property
     def angles(self) -> Floats:
         """(m, n) [rad]."""
-        return self._motion[0]
+        return self.plan.trajectory.angles(self.times)
 
     @property
     def speeds(self) -> Floats:
-        """(m, n) [rad/s]."""
-        return self._motion[1]
+        """(m, n) [rad/s], looked up anew each time."""
+        return self._sample(1)
 
     @property
     def accelerations(self) -> Floats:
-        """(m, n) [rad/s^2]."""
-        return self._motion[2]
+        """(m, n) [rad/s^2], likewise."""
+        return self._sample(2)
+
+    def _sample(self, order: int) -> Floats:
+        found = np.empty(self.duties.shape)
+        for rows in self._windows():
+            found[rows] = self.plan.trajectory.sample(self.times[rows])[order]
+        return found
 
     @cached_property
     def peaks(self) -> Peaks:
@@ -66,9 +69,16 @@ class Reference:
     @cached_property
     def hands(self) -> Mapping[str, Floats]:
         """Side -> (m, 3) [m] the wrist's centre in the world."""
-        robot = self.plan.setup.robot
-        origins = motion_frames(robot.skeleton, self.angles).origins
-        return {side: sealed(origins[robot.arm(side).wrist].T) for side in SIDES}
+        robot, hands = self.plan.setup.robot, np.empty((len(SIDES), len(self.times), 3))
+        wrists = [robot.arm(side).wrist for side in SIDES]
+        for rows in self._windows():
+            origins = motion_frames(robot.skeleton, self.angles[rows]).origins
+            hands[:, rows] = origins[wrists].transpose(0, 2, 1)
+        return dict(zip(SIDES, (seal_own(each) for each in hands), strict=True))
+
+    def _windows(self) -> Iterator[slice]:
+        """Yields commands that are looked at together, so that no more is held of what is made for a look."""
+        return (slice(begin, begin + WINDOW) for begin in range(0, len(self.times), WINDOW))
 
     @cached_property
     def smoothness(self) -> Mapping[str, float | None]:
@@ -98,7 +108,9 @@ class Reference:
     @cached_property
     def moving(self) -> Flags:
         """(m, n) where a hinge's speed is more than a small share of its limit."""
-        moving: Flags = np.abs(self.speeds) > MOVING * self.plan.setup.limits.speed
+        least, moving = MOVING * self.plan.setup.limits.speed, np.empty(self.duties.shape, dtype=np.bool_)
+        for rows in self._windows():
+            moving[rows] = np.abs(self.plan.trajectory.sample(self.times[rows])[1]) > least
         return moving
 
     @cached_property
@@ -106,7 +118,7 @@ class Reference:
         """Times (k,) [s] and share (k, n) of the stall torque that would hold the posture there."""
         known = self.plan.setup
         times = np.arange(0.0, self.plan.trajectory.duration + 1 / HOLDING_RATE, 1 / HOLDING_RATE)
-        angles = self.plan.trajectory.sample(times)[0]
+        angles = self.plan.trajectory.angles(times)
         still = np.zeros_like(angles)
         return times, np.abs(known.dynamics.torques(angles, still, still)) / known.robot.drives.stall
 

@@ -25,14 +25,21 @@ def tracking_delay(planned: Floats, performed: Floats, moving: Flags, *, period:
     late = np.full(planned.shape[1], np.nan)
     if not moving.any():
         return sealed(late)
-    reach = round(WINDOW / period)
-    size = scipy.fft.next_fast_len(len(planned) + reach, real=True)
-    asked, seen = (scipy.fft.rfft(speeds[:, moving].T, size) for speeds in (planned, performed))
-    likeness = scipy.fft.irfft(seen * asked.conj(), size)  # (k, size) at delays of 0, 1, ... -2, -1 samples
-    likeness = np.concatenate([likeness[:, -reach - 1 :], likeness[:, : reach + 2]], axis=1)
+    reach, hinges = round(WINDOW / period), np.flatnonzero(moving)
+    likeness = np.concatenate(
+        [_compare(planned[:, some], performed[:, some], reach) for some in np.split(hinges, range(4, len(hinges), 4))]
+    )
     best = 1 + likeness[:, 1:-1].argmax(axis=1)
-    late[moving] = period * (best - reach - 1 + _summit(likeness, best))
+    late[hinges] = period * (best - reach - 1 + _summit(likeness, best))
     return sealed(late)
+
+
+def _compare(planned: Floats, performed: Floats, reach: int) -> Floats:
+    """(k, 2 reach + 3) how much alike speeds (m, k) are at delays of up to so many samples, and one more."""
+    size = scipy.fft.next_fast_len(len(planned) + reach, real=True)
+    asked, seen = (scipy.fft.rfft(speeds.T, size) for speeds in (planned, performed))
+    likeness = scipy.fft.irfft(seen * asked.conj(), size)  # (k, size) at delays of 0, 1, ... -2, -1 samples
+    return np.concatenate([likeness[:, -reach - 1 :], likeness[:, : reach + 2]], axis=1)
 
 
 def _summit(likeness: Floats, best: Flags) -> Floats:

@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from kinesic.body.arrays import Floats, sealed
+from kinesic.body.arrays import Floats, seal_own, sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.bspline import grid
 from kinesic.motion.budget import ENDLESS, Budget
@@ -23,7 +23,7 @@ from kinesic.motion.keys import Bond, KeyPosture, Keys, Pair
 from kinesic.motion.plane_memory import PlaneMemory
 from kinesic.motion.segments import SplineSegment, pieces
 from kinesic.motion.spline_program import find_free_motion, nearest_within_limits
-from kinesic.motion.trajectory import STEP, Trajectory
+from kinesic.motion.trajectory import BLOCK, STEP, Trajectory
 
 LEAD_IN = 0.6  # [s] by which the motion may begin before it is asked to
 
@@ -95,10 +95,18 @@ def condition(
         nearer = NearestFinder(keys, limits, make_desired).find(search.times)
         found = found if isinstance(nearer, SplineSegment) else nearer
     desired, controls = found
-    motion = Trajectory(sealed(controls), -float(search.times[0]))
-    away = motion.sample(grid(len(desired) - 1, STEP).knots)[0] - desired
-    lost = sealed(np.sqrt(np.mean(away**2, axis=0)))
-    return Conditioned(motion, keys.asked, sealed(search.times), search.met, lost)
+    motion = Trajectory(seal_own(controls), -float(search.times[0]))
+    return Conditioned(motion, keys.asked, sealed(search.times), search.met, _distance(motion, desired))
+
+
+def _distance(motion: Trajectory, desired: Floats) -> Floats:
+    """(n,) [rad] root mean square distance from a desired motion (k + 1, n) [rad] at the knots."""
+    knots, sums = grid(len(desired) - 1, STEP).knots, np.zeros((1, desired.shape[1]))
+    for begin in range(0, len(desired), BLOCK):
+        rows = slice(begin, begin + BLOCK)
+        away = motion.sample(knots[rows])[0] - desired[rows]
+        sums = np.concatenate([sums, away**2]).sum(axis=0, keepdims=True)
+    return sealed(np.sqrt(sums[0] / len(desired)))
 
 
 class NearestFinder:

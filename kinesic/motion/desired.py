@@ -16,11 +16,11 @@ from math import ceil
 
 import numpy as np
 
-from kinesic.body.arrays import Flags, Floats, sealed
+from kinesic.body.arrays import Flags, Floats, seal_own, sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.easing import OVERSHOOT, PARTS, Easing, soften_easing
 from kinesic.motion.keys import EASINGS, EVEN, HOLD, SMOOTHEST, SOFTEST, Choices, Keys, flow
-from kinesic.motion.piecewise import PiecewisePolynomial
+from kinesic.motion.piecewise import QuinticSpline
 
 Hinges = tuple[int, ...]  # in joint order
 _Asked = tuple[tuple[Easing, float, float], ...]  # easing, overshoot and steepness of each hinge
@@ -36,6 +36,7 @@ LEAST_OVERSHOOT = 0.02  # of a way; with less room OutQuart takes the place of O
 FINEST = 0.01  # of a way, steps of the overshoot
 ROUNDING = 1e-6  # of such a step
 REMEMBERED = 24  # curves of hinges with the same keys
+LONGEST = 4096  # keys of a curve that is remembered, of all its hinges: 1.5 MB, two minutes of gestures
 ROOM = 3.0  # times the limits that an eased way may take: what is beyond them is rounded off without leaving the path
 
 SHARES = np.arange(PARTS) / PARTS  # of a way, at which an easing is given
@@ -180,7 +181,7 @@ class DesiredMotion:
     """The desired angles over performance time; at rest before the start and after the end."""
 
     # Of hinges with the same keys, over performance time, all from 0 to the same end.
-    curves: Mapping[Hinges, PiecewisePolynomial]
+    curves: Mapping[Hinges, QuinticSpline]
     zero: float  # [s] performance time of the block's zero
 
     @property
@@ -206,8 +207,7 @@ class DesiredMotion:
         inside = np.clip(times, 0.0, self.duration)
         found = np.empty((count, len(times), sum(map(len, self.curves))))
         for hinges, curve in self.curves.items():
-            for values, of_hinges in zip(found, curve.derivatives(inside, count), strict=True):
-                values[:, hinges] = of_hinges
+            found[:, :, hinges] = curve.derivatives(inside, count)
         return found
 
 
@@ -251,36 +251,32 @@ class _Ways:
         return cls(told, keys.limits, (times, keys, rows, hinges))
 
 
-@lru_cache(maxsize=REMEMBERED)
-def _curve(ways: _Ways) -> PiecewisePolynomial:
+def _curve(ways: _Ways) -> QuinticSpline:
     """Joins hinges, or remembers them: while a course changes, and is conditioned, most of them stay as they are."""
+    _, _, rows, hinges = ways.asked
+    return _remember(ways) if len(rows) * len(hinges) <= LONGEST else _draw(ways)
+
+
+def _draw(ways: _Ways) -> QuinticSpline:
     times, keys, rows, hinges = ways.asked
     return _join(times, keys.part(rows, hinges))
 
 
-def _join(times: Floats, keys: Keys) -> PiecewisePolynomial:
+_remember = lru_cache(maxsize=REMEMBERED)(_draw)
+
+
+def _join(times: Floats, keys: Keys) -> QuinticSpline:
     """Joins hinges that all have the same keys, at (k,) times."""
     course = _Course.of(times, keys)
     steps, passed = course.steps[:, 0], _choose_speeds(course)
-    quintics = _quintics(steps, keys.angles, passed, _choose_accelerations(course, passed))
-    plain = PiecewisePolynomial(sealed(times), sealed(quintics))
+    plain = QuinticSpline(sealed(times), sealed([keys.angles, passed, _choose_accelerations(course, passed)]))
     if np.all(keys.manner[4, 1:] == SMOOTHEST):
         return plain
     ways, carried = course.ways, course.steps * (passed[:-1] + passed[1:]) / 2
     left = np.where((ways - carried) * ways > 0.0, ways - carried, 0.0)
     fine = np.append((times[:-1, None] + steps[:, None] * SHARES).ravel(), times[-1])
-    states = np.stack(plain.derivatives(fine, 3))
+    states = plain.derivatives(fine, 3)
     along = states[:, :-1].reshape(3, len(steps), PARTS, -1).transpose(0, 1, 3, 2)
     added = _ease(left, along, steps, keys)
     states[:, :-1] += added.transpose(0, 1, 3, 2).reshape(3, len(fine) - 1, -1)
-    return PiecewisePolynomial(sealed(fine), sealed(_quintics(fine[1:] - fine[:-1], *states)))
-
-
-def _quintics(steps: Floats, angles: Floats, speeds: Floats, accelerations: Floats) -> Floats:
-    """(6, k, h) coefficients, highest power first, between (k + 1, h) angles, speeds and accelerations."""
-    h, v0, a0 = steps[:, None], speeds[:-1], accelerations[:-1]
-    d = angles[1:] - angles[:-1] - v0 * h - a0 * h**2 / 2
-    v = (speeds[1:] - v0 - a0 * h) * h
-    a = (accelerations[1:] - a0) * h**2
-    high = [(6 * d - 3 * v + a / 2) / h**5, (-15 * d + 7 * v - a) / h**4, (10 * d - 4 * v + a / 2) / h**3]
-    return np.stack([*high, a0 / 2, v0, angles[:-1]])
+    return QuinticSpline(seal_own(fine), seal_own(states))

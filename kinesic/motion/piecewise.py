@@ -1,4 +1,4 @@
-"""Polynomials one after the other, over time.
+"""Polynomials one after the other, over time: given by their coefficients, or by the states between them.
 
 They give the bits of SciPy's `PPoly`, without the third of a second of processor time that it takes to import.
 """
@@ -6,7 +6,11 @@ They give the bits of SciPy's `PPoly`, without the third of a second of processo
 from dataclasses import dataclass
 from math import perm
 
+import numpy as np
+
 from kinesic.body.arrays import Floats
+
+BLOCK = 1024  # times that are looked at together: their coefficients stay in the cache
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,3 +45,35 @@ def _sum(terms: Floats, since: Floats, order: int) -> Floats:
         found += raised * float(perm(k, order)) if order else raised
         power = power * since
     return found
+
+
+@dataclass(frozen=True, eq=False)
+class QuinticSpline:
+    """Some curves of quintics that meet up to the acceleration: half as many numbers as their coefficients."""
+
+    times: Floats  # (k + 1,) [s] where pieces begin, and the last one ends; increasing
+    states: Floats  # (3, k + 1, h) angles, speeds and accelerations at these
+
+    def derivatives(self, times: Floats, count: int) -> Floats:
+        """Finds (count, m, h) values, speeds, accelerations and so on, so many of them, at (m,) times [s]."""
+        found = np.empty((count, len(times), self.states.shape[2]))
+        for begin in range(0, len(times), BLOCK):
+            part = times[begin : begin + BLOCK]
+            pieces = self.times[1:-1].searchsorted([part.min(), part.max()], side="right")
+            found[:, begin : begin + BLOCK] = self._between(*pieces.tolist()).derivatives(part, count)
+        return found
+
+    def _between(self, first: int, last: int) -> PiecewisePolynomial:
+        """From one piece to another one."""
+        times, states = self.times[first : last + 2], self.states[:, first : last + 2]
+        return PiecewisePolynomial(times, _quintics(times[1:] - times[:-1], *states))
+
+
+def _quintics(steps: Floats, angles: Floats, speeds: Floats, accelerations: Floats) -> Floats:
+    """(6, k, h) coefficients, highest power first, between (k + 1, h) angles, speeds and accelerations."""
+    h, v0, a0 = steps[:, None], speeds[:-1], accelerations[:-1]
+    d = angles[1:] - angles[:-1] - v0 * h - a0 * h**2 / 2
+    v = (speeds[1:] - v0 - a0 * h) * h
+    a = (accelerations[1:] - a0) * h**2
+    high = [(6 * d - 3 * v + a / 2) / h**5, (-15 * d + 7 * v - a) / h**4, (10 * d - 4 * v + a / 2) / h**3]
+    return np.stack([*high, a0 / 2, v0, angles[:-1]])

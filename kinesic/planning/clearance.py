@@ -105,7 +105,7 @@ def _course(postures: tuple[KeyPosture, ...], planned: Floats, setup: Setup) -> 
 def scan_clearance(trajectory: Trajectory, distances: Distances) -> tuple[Floats, Clearance]:
     """Measures the clearance of a motion at times (m,) [s]."""
     times = trajectory.start + np.append(np.arange(0.0, trajectory.duration, 1.0 / SCAN_RATE), trajectory.duration)
-    return times, distances.clearance(trajectory.sample(times)[0])
+    return times, distances.clearance(trajectory.angles(times))
 
 
 def culprits(

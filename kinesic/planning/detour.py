@@ -63,7 +63,7 @@ class PostureCourse:
     def straying(self, trajectory: Trajectory) -> "PostureCourse":
         """Adds to the desired motion how far a trajectory is off it: a detour is then made where the robot will be."""
         times = np.arange(0.0, self.motion.duration, 1.0 / SCAN_RATE)
-        performed = trajectory.sample(times - self.motion.zero + trajectory.zero)[0]
+        performed = trajectory.angles(times - self.motion.zero + trajectory.zero)
         return replace(self, stray=sealed(performed - self.motion.angles(times)))
 
     def near(self, arm: Arm, time: float) -> int | None:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -77,19 +77,25 @@ class ChangedBehaviour:
         return max((abs(moved.planned - moved.asked) for moved in self.moved), default=0.0)
 
 
+# Of a plan, for all twins that perform it.
+_TOLD: WeakKeyDictionary[Reference, tuple[ChangedBehaviour, ...]] = WeakKeyDictionary()
+
+
 def story(performance: Performance) -> tuple[ChangedBehaviour, ...]:
     """Finds behaviours with a moved sync point, or a stroke that lost more than 5 %; the largest shift first."""
-    return _story(performance.reference)
+    reference = performance.reference
+    if reference not in _TOLD:
+        _TOLD[reference] = _tell(reference)
+    return _TOLD[reference]
 
 
-@lru_cache(maxsize=2)
-def _story(reference: Reference) -> tuple[ChangedBehaviour, ...]:
-    """The same for all twins that perform a plan."""
+def _tell(reference: Reference) -> tuple[ChangedBehaviour, ...]:
     plan = reference.plan
-    desired = _desired_paths(plan)
+    desired, behaviours = _desired_paths(plan), dict[str, list[SyncTime]]()
+    for sync in plan.syncs:
+        behaviours.setdefault(sync.behaviour, []).append(sync)
     found = []
-    for name in dict.fromkeys(sync.behaviour for sync in plan.syncs):
-        syncs = [sync for sync in plan.syncs if sync.behaviour == name]
+    for name, syncs in behaviours.items():
         moved = _together(_moved(sync, plan) for sync in syncs if abs(sync.planned - sync.asked) > SHIFT_TO_WARN)
         parts = sorted(plan.keyframes.uses.get(name, frozenset()) & set(reference.paths))
         core = _core(syncs)

@@ -85,7 +85,7 @@ class CapsuleDistances:
             Distance and pair of segments for each posture; infinite for a robot without counted pairs.
         """
         chosen, back = distinct_rows(angles, SAME)
-        distances, pairs = self._nearest(angles[chosen])
+        distances, pairs = self._nearest(angles, chosen)
         return self._named(distances[back], pairs[back])
 
     def gaps(self, angles: Floats) -> Floats:
@@ -146,7 +146,7 @@ class CapsuleDistances:
         pairs[ends] = lowest.argmin(axis=0)
         distances[ends] = lowest.min(axis=0)
         between = suspects(angles, ends, lowest, self._reaches, limit=max(near, min(least, float(lowest.min()))))
-        distances[between], pairs[between] = self._nearest(angles[between])
+        distances[between], pairs[between] = self._nearest(angles, between)
         chosen, stretches = ends.copy(), np.searchsorted(ends, between)
         nearer = np.flatnonzero(distances[between] < distances[ends[stretches]])
         nearer = nearer[np.argsort(-distances[between][nearer], kind="stable")]
@@ -172,16 +172,15 @@ class CapsuleDistances:
         names = self._names or [("", "")]
         return Clearance(sealed(distances), [names[k] for k in pairs])
 
-    def _nearest(self, angles: Floats) -> tuple[Floats, Indices]:
-        """(m,) [m] and index of the closest pair of capsules, for (m, n) [rad]."""
-        if not self._names:
-            return np.full(len(angles), np.inf), np.zeros(len(angles), dtype=np.intp)
-        distances, pairs = np.empty(len(angles)), np.empty(len(angles), dtype=np.int64)
-        if KERNEL == "compiled" and not self._fingers:
-            _compiled(self).nearest(*self._turned(angles), distances, pairs)
-            return distances, pairs
-        for block in (slice(k, k + BLOCK) for k in range(0, len(angles), BLOCK)):
-            lowest = self.lowest(body_frames(self._robot, angles[block]), angles[block])
+    def _nearest(self, angles: Floats, chosen: Indices) -> tuple[Floats, Indices]:
+        """(c,) [m] and index of the closest pair of capsules, for some of the postures (m, n) [rad]."""
+        distances, pairs = np.full(len(chosen), np.inf), np.zeros(len(chosen), dtype=np.int64)
+        for block in (slice(k, k + BLOCK) for k in range(0, len(chosen) if self._names else 0, BLOCK)):
+            postures = angles[chosen[block]]
+            if KERNEL == "compiled" and not self._fingers:
+                _compiled(self).nearest(*self._turned(postures), distances[block], pairs[block])
+                continue
+            lowest = self.lowest(body_frames(self._robot, postures), postures)
             distances[block], pairs[block] = lowest.min(axis=0), lowest.argmin(axis=0)
         return distances, pairs
 

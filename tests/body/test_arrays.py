@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from kinesic.body import arrays
 from kinesic.body.arrays import distinct_rows, sealed
 
 
@@ -31,6 +32,14 @@ def test_what_creeps_is_not_taken_for_still():
     chosen, back = distinct_rows(creeping, 1e-2)
     assert np.abs(creeping - creeping[chosen][back]).max() < 1.001e-2
     assert 90 < len(chosen) < 110
+
+
+def test_rows_are_the_same_however_many_are_compared_together(monkeypatch):
+    rows = np.random.default_rng(4).integers(0, 2, (50, 1)).astype(float)
+    at_once = distinct_rows(rows, 0.5)
+    monkeypatch.setattr(arrays, "BLOCK", 7)
+    for one, other in zip(at_once, distinct_rows(rows, 0.5), strict=True):
+        assert np.array_equal(one, other)
 
 
 def test_no_rows_are_none():

@@ -26,3 +26,13 @@ def test_a_hinge_that_does_not_move_has_none():
     assert found[0] == pytest.approx(0.0, abs=1e-9)
     assert np.isnan(found[1])
     assert np.isnan(tracking_delay(planned, planned, np.array([False, False]), period=0.01)).all()
+
+
+def test_every_hinge_of_many_has_its_own():
+    late = [0.0, 0.02, 0.05, -0.01, 0.11, 0.07, 0.03]
+    planned = np.stack([pulse(TIMES, 0.0)] * len(late), axis=1)
+    performed = np.stack([pulse(TIMES, each) for each in late], axis=1)
+    moving = np.array([True, True, False, True, True, True, True])
+    found = tracking_delay(planned, performed, moving, period=0.01)
+    assert np.isnan(found[2])
+    assert found[moving] == pytest.approx(np.array(late)[moving], abs=2e-4)

@@ -5,6 +5,7 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
+from kinesic.motion import desired
 from kinesic.motion.desired import DesiredMotion, join_keys
 from kinesic.motion.keys import PLAIN, KeyPosture, Keys, Passage
 
@@ -210,3 +211,12 @@ def test_hinges_whose_keys_stay_keep_their_curve_and_others_get_a_new_one():
     later = TIMES + np.array([0.0, 0.0, 0.1, 0.1, 0.1])
     for other in (join_keys(TIMES, tense), join_keys(later, asked), join_keys(TIMES, replace(asked, limits=LIMITS))):
         assert other.curves[1,] is not first.curves[1,]
+
+
+def test_long_curves_are_not_remembered(monkeypatch):
+    asked = Keys.of(keys(), LIMITS.part(np.arange(2)), room=0.0)
+    known = join_keys(TIMES, asked)
+    monkeypatch.setattr(desired, "LONGEST", len(TIMES) * 2 - 1)
+    again = join_keys(TIMES, asked)
+    assert again.curves[0, 1] is not known.curves[0, 1]
+    assert np.array_equal(again.curves[0, 1].states, known.curves[0, 1].states)

@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import PPoly
 
-from kinesic.motion.piecewise import PiecewisePolynomial
+from kinesic.motion import piecewise
+from kinesic.motion.piecewise import PiecewisePolynomial, QuinticSpline
 
 LONGEST = 3.0  # [s] since a piece began, the last one and what is beyond it
 
@@ -44,3 +45,14 @@ def test_derivatives_of_a_cubic(order: int):
         np.full(3, 12.0),
     )
     np.testing.assert_allclose(cubic.derivatives(2.0 + since, 4)[order][:, 0], exact[order], rtol=1e-14)
+
+
+def test_a_quintic_spline_is_given_by_the_states_between_its_pieces(monkeypatch):
+    random = np.random.default_rng(3)
+    curve = QuinticSpline(np.cumsum(random.uniform(0.1, 0.4, 9)), random.normal(size=(3, 9, 2)))
+    np.testing.assert_allclose(curve.derivatives(curve.times, 3), curve.states, rtol=0, atol=1e-9)
+    asked = random.uniform(curve.times[0] - 0.1, curve.times[-1] + 0.1, 50)
+    at_once = curve.derivatives(asked, 4)
+    monkeypatch.setattr(piecewise, "BLOCK", 7)
+    assert np.array_equal(curve.derivatives(asked, 4), at_once)
+    assert curve.derivatives(asked[:0], 4).shape == (4, 0, 2)

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import BSpline
 
+from kinesic.motion import trajectory
 from kinesic.motion.trajectory import STEP, Trajectory, spline_weights, stay
 
 CONTROLS = np.random.default_rng(7).normal(size=(33, 2))
@@ -62,6 +63,12 @@ def test_another_process_gets_it_without_its_derivatives():
     again = pickle.loads(pickle.dumps(moved))
     np.testing.assert_array_equal(again.controls, CONTROLS)
     assert (again.zero, again.start) == (0.1, 2.0)
+
+
+def test_angles_alone_are_those_of_a_sample(monkeypatch):
+    monkeypatch.setattr(trajectory, "BLOCK", 8)
+    times = np.linspace(-0.05, 0.35, 53)
+    assert np.array_equal(MOTION.angles(times), MOTION.sample(times)[0])
 
 
 def test_one_state_is_a_sample():

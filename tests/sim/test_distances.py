@@ -129,7 +129,9 @@ def test_an_approach_measures_few_postures(monkeypatch):
     measured = []
     nearest = CapsuleDistances._nearest
     monkeypatch.setattr(
-        CapsuleDistances, "_nearest", lambda self, angles: measured.append(len(angles)) or nearest(self, angles)
+        CapsuleDistances,
+        "_nearest",
+        lambda self, angles, chosen: measured.append(len(chosen)) or nearest(self, angles, chosen),
     )
     DISTANCES.approach(slow, ends, near=0.01)
     assert sum(measured) < 0.6 * len(slow)
@@ -198,7 +200,9 @@ def test_a_posture_that_lasts_is_measured_once(monkeypatch):
     measured: list[int] = []
     nearest = CapsuleDistances._nearest
     monkeypatch.setattr(
-        CapsuleDistances, "_nearest", lambda self, angles: measured.append(len(angles)) or nearest(self, angles)
+        CapsuleDistances,
+        "_nearest",
+        lambda self, angles, chosen: measured.append(len(chosen)) or nearest(self, angles, chosen),
     )
     first, second = random_postures(ROBOT.skeleton, 2, seed=4)
     lasting = np.repeat([first, second, first], 500, axis=0)

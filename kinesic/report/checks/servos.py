@@ -21,7 +21,7 @@ def servo_checks(performance: Performance) -> list[Check]:
     """Checks the time at full duty, and the torque that heats."""
     names = performance.plan.setup.robot.skeleton.names
     measured = performance.measured
-    over = np.abs(measured.duties) > FULL
+    over = (measured.duties > FULL) | (measured.duties < -FULL)
     saturated = over.sum(axis=0) * performance.period
     longest = int(saturated.argmax())
     where = f"{names[longest]} from {measured.times[over[:, longest].argmax()]:.2f} s" if over.any() else ""

@@ -1,9 +1,16 @@
+import gc
+import tracemalloc
+
 import numpy as np
 import pytest
 
 from kinesic.bench.growth import Cost, document, draw, exponents, measure
 from kinesic.bench.growth.robots import robots
-from kinesic.controller.perform import set_up
+from kinesic.controller import arrival, closed_loop, performance
+from kinesic.controller.perform import dry_run, plan, set_up
+from kinesic.report.checks import checks
+
+NUMBER = 8  # [bytes]
 
 
 def test_exponents_are_those_of_a_power_law_from_a_size_on():
@@ -31,6 +38,31 @@ def test_what_a_document_takes_is_measured():
     cost = measure(known, 2.0, 2.0)
     assert cost.size == 2.0
     assert min(cost.planning, cost.running, cost.memory) > 0.0
+
+
+@pytest.mark.skipif(closed_loop.KERNEL != "compiled", reason="Python performs all in one window")
+def test_a_dry_run_takes_little_more_than_what_it_measures(monkeypatch):
+    for module, name in ((closed_loop, "WINDOW"), (performance, "WINDOW"), (arrival, "LOOK")):
+        monkeypatch.setattr(module, name, 256)
+    known, rows, peaks = set_up(), [], []
+    for length in (6.0, 10.0, 20.0):  # the first imports what it needs
+        planned = plan(document(length), known)
+        run, taken = traced(lambda planned=planned: dry_run(planned, watch=False))
+        peaks.append((taken, traced(lambda run=run: checks(run))[1]))
+        rows.append(run.measured.angles.size)
+    (performed, judged), count = np.diff(peaks[1:], axis=0)[0] / NUMBER, rows[2] - rows[1]
+    assert performed < 8 * count  # angles, speeds, torques, duties, goals and the plan's own duties are six
+    assert judged < 5 * count  # the plan's angles, the desired ones, and what is compared with them
+
+
+def traced(work):
+    """What some work gives, and the memory [bytes] that it took at most."""
+    gc.collect()
+    tracemalloc.start()
+    try:
+        return work(), tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
 
 
 def test_growth_is_drawn(tmp_path, monkeypatch):
