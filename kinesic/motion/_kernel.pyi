@@ -17,7 +17,14 @@ def nearest(
     upper: Floats,
 ) -> Floats | None: ...
 def relax(
-    first: Indices, shares: Floats, values: Floats, stencils: Floats, lower: Floats, upper: Floats, easy: float
+    first: Indices,
+    shares: Floats,
+    values: Floats,
+    stencils: Floats,
+    lower: Floats,
+    upper: Floats,
+    easy: float,
+    enough: float,
 ) -> tuple[Floats, float, Floats, Floats] | None: ...
 
 # -- motions of n hinges through m keys, over k pieces (free_motion.h); a rest is a knot, the own key before, an angle

@@ -59,11 +59,19 @@ def guess_share(segment: SplineSegment, limits: Limits) -> float:
     return segment.grid.largest(smoothest(segment), limits, segment.hinge)
 
 
-def measure_shortage(segment: SplineSegment, limits: Limits) -> Infeasibility | None:
-    """Measures how much time a segment lacks; None when the program cannot be solved."""
-    found = _least(segment, limits)
+def measure_shortage(segment: SplineSegment, limits: Limits, *, enough: float | None = None) -> Infeasibility | None:
+    """Measures how much time a segment lacks; None when the program cannot be solved.
+
+    Args:
+        segment: whose keys are to be passed.
+        limits: of all hinges.
+        enough: amount at which nothing more is asked, neither how much less it is nor where.
+    """
+    found = _least(segment, limits, enough)
     if found is None:
         return None
+    if enough is not None and found.amount <= enough:
+        return Infeasibility(found.amount, np.zeros(len(segment.marks)), (), found.controls)
     slopes, programs = _slopes(segment, found), 1
     if found.amount > SPARE and (abs(slopes.sum()) > UNEVEN * np.abs(slopes).sum() or np.abs(slopes).max() < FLAT):
         beside = [key for key, pair in enumerate(pairwise(found.binding)) if pair != (None, None)]
@@ -117,8 +125,9 @@ class _Least:
     binding: tuple[Quantity | None, ...]
 
 
-def _least(segment: SplineSegment, limits: Limits) -> _Least | None:
-    grid, found = segment.grid, relax_limits(segment, limits, easy=EASY)
+def _least(segment: SplineSegment, limits: Limits, enough: float | None = None) -> _Least | None:
+    least = -np.inf if enough is None else float(np.expm1(2 * enough) / 2)
+    grid, found = segment.grid, relax_limits(segment, limits, easy=EASY, enough=least)
     if found is None:
         return None
     free = grid.free_rows

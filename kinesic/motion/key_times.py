@@ -42,6 +42,7 @@ REPEATS = 2  # strokes once more, from which on times are stretched before any p
 STRETCHES = 6  # of a way before its hinge rests
 LONGER = 1.1  # on rests that do not suffice after all
 LONGEST = 100.0  # times as long as a rest should suffice, before nothing does
+ENOUGH = -MARGIN / 4  # amount at which a segment does not lack time
 ROUGH = 1.3  # share of a limit on a smooth way that makes a segment suspect
 ABOUT = 2.0  # [s] about what is short that are stretched with it
 NEAR = 0.02  # share of the time within which a segment is looked at again
@@ -136,8 +137,8 @@ class Search:
     def _lacking(self, pending: list[SplineSegment]) -> list[tuple[SplineSegment, Infeasibility | None]]:
         """Those that lack time, as far as the budget allows to measure them: others turn up as they have no motion."""
         within = takewhile(lambda segment: not self._budget.spent, pending)
-        found = [(segment, self._shortage(segment)) for segment in within]
-        return [(segment, lack) for segment, lack in found if lack is None or lack.amount > -MARGIN / 4]
+        found = [(segment, self._shortage(segment, ENOUGH)) for segment in within]
+        return [(segment, lack) for segment, lack in found if lack is None or lack.amount > ENOUGH]
 
     def _lengthen(self, segment: SplineSegment, found: Infeasibility | None) -> None:
         """Sees to it that a segment gets more time: by a plane, by a stretch, in the end by rests."""
@@ -155,11 +156,11 @@ class Search:
         else:
             self._cuts.setdefault(segment.hinge, []).extend(planes_before(segment, found, self.times))
 
-    def _shortage(self, segment: SplineSegment) -> Infeasibility | None:
+    def _shortage(self, segment: SplineSegment, enough: float | None = None) -> Infeasibility | None:
         """Remembered by keys and places, which determine it: many a segment stays the same when others move."""
-        known = (segment.hinge, segment.marks, segment.grid.pieces, segment.places.tobytes())
+        known = (segment.hinge, segment.marks, segment.grid.pieces, segment.places.tobytes(), enough)
         if known not in self._shortages:
-            found = self._shortages[known] = measure_shortage(segment, self._limits)
+            found = self._shortages[known] = measure_shortage(segment, self._limits, enough=enough)
             work = segment.grid.pieces * (1 if found is None else found.programs)
             self._budget.spend(work)
             self._looked += work

@@ -119,13 +119,14 @@ def _find_in_python(times: Floats, keys: Keys, limits: Limits, desired: Floats) 
     return controls, beyond
 
 
-def relax_limits(segment: SplineSegment, limits: Limits, *, easy: float) -> Relaxation | None:
+def relax_limits(segment: SplineSegment, limits: Limits, *, easy: float, enough: float = -np.inf) -> Relaxation | None:
     """Finds the least relaxation of a segment's limits with which it can be passed.
 
     Args:
         segment: of k pieces.
         limits: of all hinges.
         easy: relaxation, mostly below 0, that need not be lower.
+        enough: relaxation at which the search may end, with multipliers that tell nothing.
 
     Returns:
         None when the program cannot be solved.
@@ -135,7 +136,7 @@ def relax_limits(segment: SplineSegment, limits: Limits, *, easy: float) -> Rela
         found = piqp.relax_limits(segment, limits, corridor, easy)
     else:
         stencils = segment.grid.stencils(limits, segment.hinge)
-        found = _kernel.relax(fixed.first, fixed.shares, fixed.values, stencils, *corridor, easy)
+        found = _kernel.relax(fixed.first, fixed.shares, fixed.values, stencils, *corridor, easy, enough)
     return None if found is None else Relaxation(*found)
 
 

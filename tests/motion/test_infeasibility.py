@@ -8,7 +8,7 @@ from kinesic.body.limits import Limits
 from kinesic.motion.bspline import grid
 from kinesic.motion.infeasibility import EASY, guess_share, measure_shortage
 from kinesic.motion.segments import SplineSegment
-from kinesic.motion.spline_program import nearest_motion
+from kinesic.motion.spline_program import KERNEL, nearest_motion
 from kinesic.motion.trajectory import STEP
 
 LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
@@ -65,6 +65,20 @@ def test_an_end_between_two_knots_counts():
 
 def test_time_to_spare_is_not_counted_beyond_need():
     assert measure_shortage(way(300, 150.0), LIMITS).amount == pytest.approx(np.log1p(2 * EASY) / 2)
+
+
+@pytest.mark.parametrize("enough", [-0.05, -0.0005, 0.05])
+def test_a_search_that_ends_with_enough_tells_as_much_as_one_that_goes_on(enough):
+    ended = 0
+    for pieces in range(30, 90, 3):
+        found = measure_shortage(way(pieces, pieces / 2), LIMITS)
+        sooner = measure_shortage(way(pieces, pieces / 2), LIMITS, enough=enough)
+        assert (sooner.amount <= enough) == (found.amount <= enough)
+        if sooner.amount > enough:
+            assert sooner.amount == found.amount
+            np.testing.assert_array_equal(sooner.slopes, found.slopes)
+        ended += sooner.amount > found.amount
+    assert ended > 0 or KERNEL == "numpy"
 
 
 def test_the_smoothest_way_takes_no_less_than_it_must():

@@ -154,9 +154,9 @@ def measured(monkeypatch) -> list[int]:
     """Hinges whose shortage is measured from now on."""
     seen: list[int] = []
 
-    def measure(segment, limits):
+    def measure(segment, limits, **options):
         seen.append(segment.hinge)
-        return measure_shortage(segment, limits)
+        return measure_shortage(segment, limits, **options)
 
     monkeypatch.setattr(key_times, "measure_shortage", measure)
     return seen
@@ -220,8 +220,12 @@ def test_with_its_budget_spent_nothing_is_measured_and_hinges_rest_wherever_they
 def test_what_a_crowd_lacks_is_always_found(known, monkeypatch):
     """A program that is not solved makes a hinge rest at its keys, and strokes move far."""
     found = []
-    measure = key_times.measure_shortage
-    monkeypatch.setattr(key_times, "measure_shortage", lambda *given: found.append(measure(*given)) or found[-1])
+
+    def measure(*given, **options):
+        found.append(measure_shortage(*given, **options))
+        return found[-1]
+
+    monkeypatch.setattr(key_times, "measure_shortage", measure)
     plan(crowd(102, [form.id for form in known.lexicon.forms]), known)
     assert len(found) > 20
     assert all(found)

@@ -31,7 +31,9 @@ def measured(monkeypatch):
     found = []
     measure = key_times.measure_shortage
     monkeypatch.setattr(
-        key_times, "measure_shortage", lambda segment, limits: found.append(segment) or measure(segment, limits)
+        key_times,
+        "measure_shortage",
+        lambda segment, limits, **options: found.append(segment) or measure(segment, limits, **options),
     )
     return found
 

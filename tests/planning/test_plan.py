@@ -132,9 +132,9 @@ def measured(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     pieces: list[int] = []
     measure = key_times.measure_shortage
 
-    def count(segment: SplineSegment, limits: Limits) -> Infeasibility | None:
+    def count(segment: SplineSegment, limits: Limits, *, enough: float | None = None) -> Infeasibility | None:
         pieces.append(segment.grid.pieces)
-        return measure(segment, limits)
+        return measure(segment, limits, enough=enough)
 
     monkeypatch.setattr(key_times, "measure_shortage", count)
     return pieces

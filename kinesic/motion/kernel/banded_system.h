@@ -11,6 +11,8 @@
 
 namespace kinesic::motion {
 
+constexpr int WIDTH = 3;  // columns of most rows before their own
+
 class BandedSystem {
   public:
     // Args: the column in which each row begins, up to its own.
@@ -22,6 +24,10 @@ class BandedSystem {
             count += row - first_[row] + 1;
         }
         entries_.resize(count);
+        for (int row = 0, last = 0; row < size_; ++row) {
+            while (last + 1 < size_ && first_[last + 1] <= row) ++last;
+            last_.push_back(last);
+        }
     }
 
     void clear() { std::fill(entries_.begin(), entries_.end(), 0.0); }
@@ -35,18 +41,21 @@ class BandedSystem {
         }
     }
 
-    // Adds the product with a vector to another one.
+    // The product with a vector.
     void multiply(const std::vector<double>& by, std::vector<double>& into) const {
         const double* x = by.data();
-        double* sums = into.data();
         for (int row = 0; row < size_; ++row) {
             const double* own = line(row);
             double sum = own[row] * x[row];
-            each_before(row, [&](int column) {
-                sum += own[column] * x[column];
-                sums[column] += own[column] * x[row];
-            });
-            sums[row] += sum;
+            if (row - first_[row] == WIDTH) {
+                sum += own[row - 3] * x[row - 3];
+                sum += own[row - 2] * x[row - 2];
+                sum += own[row - 1] * x[row - 1];
+            } else {
+                for (int column = first_[row]; column < row; ++column) sum += own[column] * x[column];
+            }
+            for (int below = row + 1; below <= last_[row]; ++below) sum += line(below)[row] * x[below];
+            into[row] = sum;
         }
     }
 
@@ -72,20 +81,27 @@ class BandedSystem {
         }
     }
 
-    // Solves in place, after `factorise`.
+    // Solves in place, after `factorise`. The last three values stay in registers: each row waits for the one before it.
     void solve(std::vector<double>& right) const {
         double* x = right.data();
+        double third = 0.0, second = 0.0, next = 0.0;
         for (int row = 0; row < size_; ++row) {
             const double* own = line(row);
             double sum = x[row];
-            each_before(row, [&](int k) { sum -= own[k] * x[k]; });
-            x[row] = sum;
+            if (row - first_[row] == WIDTH)
+                sum = sum - own[row - 3] * third - own[row - 2] * second - own[row - 1] * next;
+            else
+                for (int k = first_[row]; k < row; ++k) sum -= own[k] * x[k];
+            third = second, second = next, next = x[row] = sum;
         }
         for (int row = 0; row < size_; ++row) x[row] *= inverse_[row];
         for (int row = size_ - 1; row >= 0; --row) {
-            const double* own = line(row);
-            const double value = x[row];
-            each_before(row, [&](int k) { x[k] -= own[k] * value; });
+            double sum = x[row];
+            if (last_[row] - row == WIDTH)
+                sum = sum - line(row + 3)[row] * third - line(row + 2)[row] * second - line(row + 1)[row] * next;
+            else
+                for (int below = last_[row]; below > row; --below) sum -= line(below)[row] * x[below];
+            third = second, second = next, next = x[row] = sum;
         }
     }
 
@@ -107,7 +123,7 @@ class BandedSystem {
     }
 
     int size_;
-    std::vector<int> first_, starts_;  // (size,)
+    std::vector<int> first_, starts_, last_;  // (size,) the columns of a row begin, its entries do; the last row with its column
     std::vector<double> entries_, inverse_;  // row after row; (size,) of D
 };
 

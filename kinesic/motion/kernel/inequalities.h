@@ -10,25 +10,30 @@ namespace kinesic::motion {
 class Inequalities {
   public:
     explicit Inequalities(const SplineProgram& program)
-        : p(program), n(p.size), rows_(p.rows()), bounds_(2 * rows_ + 2 * n + (p.relaxing ? 1 : 0)), norms_(rows_) {
+        : p(program), n(p.size), rows_(p.rows()), bounds_(2 * rows_ + 2 * n + (p.relaxing ? 1 : 0)), norms_(rows_), powers_(bounds_.size()) {
         p.each_kind([&](auto kind, int number) {
             double norm = 0.0;
             for (double share : p.stencils[kind]) norm += share * share;
             for (int row = p.begin(kind); row < p.end(kind); ++row, ++number) {
                 bounds_[number] = bounds_[rows_ + number] = p.bound(kind, row);
                 norms_[number] = norm;
+                powers_[number] = powers_[rows_ + number] = POWERS[kind];
             }
         });
         for (int j = 0; j < n; ++j) {
             bounds_[2 * rows_ + j] = p.upper[j];
             bounds_[2 * rows_ + n + j] = -p.lower[j];
         }
-        if (p.relaxing) bounds_.back() = -p.easy;
+        if (p.relaxing) {
+            bounds_.back() = -p.easy;
+            powers_.back() = 1.0;
+        }
     }
 
     int rows() const { return rows_; }  // of limits
     int count() const { return int(bounds_.size()); }
     const std::vector<double>& bounds() const { return bounds_; }  // h
+    const std::vector<double>& powers() const { return powers_; }  // of s in each of them, where it is relaxed
     double norm(int q) const { return q < 2 * rows_ ? norms_[q % rows_] : 1.0; }  // square of the length of a row of G
 
     // G (x, s)
@@ -136,7 +141,7 @@ class Inequalities {
 
     const SplineProgram& p;
     const int n, rows_;
-    std::vector<double> bounds_, norms_;
+    std::vector<double> bounds_, norms_, powers_;
 };
 
 }  // namespace kinesic::motion

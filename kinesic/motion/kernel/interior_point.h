@@ -20,6 +20,7 @@ constexpr double ROUNDED = 1e-7;  // by which multipliers may be out of balance,
 constexpr double SMALL = 1e-10;  // mean product t z at a solution
 constexpr double ENOUGH = 1e-7;  // the same where it gets no smaller
 constexpr double LEAST = 1e-15;  // the same where it tells no more
+constexpr double SMALL_RELAXING = 1e-9;  // the same for a relaxation, which is then known to 2e-6
 constexpr double ACTIVE_RATIO = 1e-5;  // multiplier to slack of a limit that is met
 constexpr double ACTIVE_WEIGHT = 1e8;  // of such a limit
 constexpr int POLISHED = 20;  // times at most
@@ -27,7 +28,10 @@ constexpr double POLISH = 1e-12;  // residuals of an exact optimum
 constexpr double SHORT = 0.995;  // of the way to the nearest bound
 constexpr double STALLED = 1e-7;  // step that leads nowhere
 constexpr double LIFT_BELOW = 1e-3;  // least slack and multiplier of a start
+constexpr double EASED = 0.1;  // by which the start of a relaxation is easier than it must be
+constexpr double AWAY = 0.01;  // [rad] slack of control points in such a start
 constexpr double DIRECTED = 1e-12;  // share of its right side that a step may leave; with 1e-9 one program in a thousand stalls
+constexpr double ROUGH = 1.0;  // the same of a step that is only looked at
 constexpr double EXACT = 1e-13;  // the same on the way to an exact optimum
 
 class InteriorPoint {
@@ -46,16 +50,17 @@ class InteriorPoint {
         double mean = mean_product({0.0, 0.0});
         for (int k = 0; k < MOST; ++k) {
             residuals.measure(at, s, t, z);
+            if (p.relaxing && residuals.primal <= CLOSE && s <= p.enough) return true;
             if (residuals.primal <= CLOSE && residuals.dual <= ROUNDED * (1.0 + residuals.largest_tie_multiplier)) {
-                if (mean <= SMALL && (p.relaxing || polish())) return true;
+                if (p.relaxing ? mean <= SMALL_RELAXING : mean <= SMALL && polish()) return true;
                 if (mean <= ENOUGH) best = {at, z, s};
             }
             if (mean <= LEAST || residuals.impossible) break;
             weigh();
             assemble();
-            find_direction(0.0, false);
+            find_direction(0.0, false, p.relaxing ? ROUGH : DIRECTED);
             const double share = mean_product(reach(1.0)) / mean;
-            find_direction(share * share * share * mean, true);
+            find_direction(share * share * share * mean, true, DIRECTED);
             const Steps steps = reach(SHORT);
             mean = mean_product(steps);
             if (!(std::max(steps.primal, steps.dual) > STALLED && std::isfinite(mean))) break;
@@ -99,8 +104,28 @@ class InteriorPoint {
             t[q] = limits.bounds()[q] - t[q];
             z[q] = -t[q];
         }
-        lift(t);
-        lift(z);
+        if (p.relaxing) {
+            ease();
+        } else {
+            lift(t);
+            lift(z);
+        }
+    }
+
+    // Relaxes the limits of a start until all of them are kept; multipliers have products t z of one size, and the sum that an
+    // optimum of the relaxation asks for.
+    void ease() {
+        const std::vector<double>& powers = limits.powers();
+        double more = 0.0, sum = 0.0;
+        for (int q = 0; q < inequality_count; ++q)
+            if (powers[q] > 0.0) more = std::max(more, -t[q] / powers[q]);
+        more += EASED;
+        s += more;
+        for (int q = 0; q < inequality_count; ++q) {
+            t[q] = std::max(t[q] + powers[q] * more, AWAY);
+            sum += powers[q] / t[q];
+        }
+        for (int q = 0; q < inequality_count; ++q) z[q] = 1.0 / (sum * t[q]);
     }
 
     static void lift(std::vector<double>& values) {
@@ -196,7 +221,7 @@ class InteriorPoint {
     }
 
     // Newton's step towards products t z of `target`; with what the last step left out, where that is known.
-    void find_direction(double target, bool corrected) {
+    void find_direction(double target, bool corrected, double exact) {
         const double *slacks = t.data(), *multipliers = z.data(), *residual = residuals.inequalities.data();
         const double *by_slack = inverse_slacks.data(), *weight = weights.data(), *along = change.data();
         double *slack_step = dt.data(), *multiplier_step = dz.data(), *rest = eliminated.data();
@@ -207,7 +232,7 @@ class InteriorPoint {
             const double product = slacks[q] * multipliers[q] + before * (slack_step[q] * multiplier_step[q]) - target;
             rest[q] = (multipliers[q] * residual[q] - product) * by_slack[q];
         }
-        ds = solve_system(set_right(), DIRECTED);
+        ds = solve_system(set_right(), exact);
         limits.apply(step.points, ds, change);
 #pragma GCC ivdep
         for (int q = 0; q < count; ++q) {

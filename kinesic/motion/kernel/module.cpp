@@ -97,11 +97,12 @@ nb::object nearest(const Places& first, const Numbers& shares, const Numbers& va
 
 // The least relaxation of all limits: control points, relaxation, multipliers of what is fixed and of rows of limits.
 nb::object relax(const Places& first, const Numbers& shares, const Numbers& values, const Numbers& stencils,
-                 const Numbers& lower, const Numbers& upper, double easy) {
+                 const Numbers& lower, const Numbers& upper, double easy, double enough) {
     SplineProgram program;
     program.size = int(lower.size());
     program.relaxing = true;
     program.easy = easy;
+    program.enough = enough;
     fix(program, first, shares, values);
     limit(program, stencils, lower, upper);
     InteriorPoint method(program);

@@ -61,8 +61,7 @@ class TiedSystem {
         solve_scaled(answer_);
         double last = HUGE_VAL, enough = 0.0;
         for (double value : right_) enough = std::max(enough, exact * std::abs(value));
-        for (int k = 0; k < REFINED; ++k) {
-            std::fill(left_.begin(), left_.end(), 0.0);
+        for (int k = 0; k < REFINED && exact < 1.0; ++k) {
             system_.multiply(answer_, left_);
             double most = 0.0;
             for (int i = 0; i < n + m; ++i) {

@@ -34,9 +34,9 @@ def test_a_pile_takes_no_more_than_its_budgets(known, lexemes, monkeypatch):
     pieces, rounds = [], []
     measure, solve = key_times.measure_shortage, plan_module.postures
 
-    def count(segment, limits):
+    def count(segment, limits, **options):
         pieces.append(segment.grid.pieces)
-        return measure(segment, limits)
+        return measure(segment, limits, **options)
 
     monkeypatch.setattr(key_times, "measure_shortage", count)
     monkeypatch.setattr(plan_module, "postures", lambda *given: rounds.append(1) or solve(*given))
