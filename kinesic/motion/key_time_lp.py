@@ -8,10 +8,16 @@ import scipy
 
 from kinesic.body.arrays import Floats
 from kinesic.motion.keys import Keys, Pair
+from kinesic.motion.trajectory import KERNEL
+
+if KERNEL == "compiled":
+    from kinesic.motion import _kernel
 
 LATENESS = 3.0  # weight of being late over being early
 BROKEN = 50.0  # weight of a bond that cannot be kept, per second
 UNMOVED = 1e-7  # [s]
+KEPT = 1e-7  # [s] by which a row may be missed
+FEW = 20_000  # entries of a program that the kernel solves sooner than HiGHS does
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,6 +103,39 @@ def relax_key_times(problem: KeyTimeProblem) -> Floats:
     keys = problem.keys
     if problem.kept_as_asked:
         return keys.spread(keys.asked)
+    times = _relax_few(problem)
+    if times is None:
+        times = _relax_many(problem)
+    return keys.spread(np.where(np.abs(times - keys.asked) < UNMOVED, keys.asked, times))
+
+
+def _relax_few(problem: KeyTimeProblem) -> Floats | None:
+    """Finds the times with the kernel; None where there is none, or too many keys, or no times."""
+    keys, pairs = problem.keys, [*problem.gaps, *problem.keys.bonds]
+    count = len(keys.asked)
+    if KERNEL == "numpy" or count * (len(pairs) + len(problem.cuts) + count) > FEW:
+        return None
+    rows = len(pairs) + len(problem.cuts)
+    shares = np.zeros((rows + count, count))
+    before, after = np.array(pairs, dtype=np.intp).reshape(-1, 2).T
+    shares[np.arange(len(pairs)), before] = 1.0
+    shares[np.arange(len(pairs)), after] -= 1.0
+    if problem.cuts:
+        shares[len(pairs) : rows] = [cut.slopes for cut in problem.cuts]
+    shares[rows:] = -np.eye(count)
+    apart, bounds = [*problem.gaps.values(), *keys.bonds.values()], [cut.bound for cut in problem.cuts]
+    most = np.full(len(shares), np.inf)
+    most[len(problem.gaps) : len(pairs)] = BROKEN
+    limits = np.concatenate([-np.array(apart), bounds, np.full(count, problem.lead_in - keys.asked[0])])
+    broken = shares @ keys.asked - limits
+    moved = _kernel.move_keys(shares, broken, LATENESS * keys.weights, keys.weights, most)
+    if moved is None or (shares @ moved > KEPT - broken)[np.isinf(most)].any():
+        return None
+    return keys.asked + moved
+
+
+def _relax_many(problem: KeyTimeProblem) -> Floats:
+    """Finds the times with HiGHS, which looks at no more than the entries that are not 0."""
     program = state_program(problem)
     result = scipy.optimize.milp(  # which has no integers here, and reads a program in half the time of `linprog`
         program.costs,
@@ -105,8 +144,7 @@ def relax_key_times(problem: KeyTimeProblem) -> Floats:
     )
     if result.x is None:
         raise ArithmeticError(f"no key times: {result.message}")
-    times = np.array(result.x[: len(keys.asked)])
-    return keys.spread(np.where(np.abs(times - keys.asked) < UNMOVED, keys.asked, times))
+    return np.array(result.x[: len(problem.keys.asked)])
 
 
 def strain(keys: Keys, times: Floats) -> float:

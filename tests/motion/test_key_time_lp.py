@@ -5,7 +5,7 @@ from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.motion import key_time_lp
 from kinesic.motion.key_time_lp import CuttingPlane, KeyTimeProblem, relax_key_times, strain
-from kinesic.motion.keys import KeyPosture, Keys
+from kinesic.motion.keys import Bond, KeyPosture, Keys
 
 LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
 
@@ -24,7 +24,8 @@ def test_times_that_keep_everything_as_asked_need_no_program(monkeypatch):
     keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "ready"), (1.2, 0, "stroke"), (2, 0, "end")), LIMITS)
     kept = [CuttingPlane(sealed([0.0, 1.0, -1.0, 0.0]), -0.15)]
     met = KeyTimeProblem(keys, keys.gaps | {(1, 2): 0.15}, 0.6, kept)
-    monkeypatch.setattr(key_time_lp, "state_program", lambda problem: pytest.fail("there is nothing to solve"))
+    for solve in ("_relax_few", "_relax_many"):
+        monkeypatch.setattr(key_time_lp, solve, lambda problem: pytest.fail("there is nothing to solve"))
     np.testing.assert_array_equal(relax_key_times(met), keys.asked)
 
 
@@ -46,6 +47,50 @@ def test_cuts_that_leave_nothing_are_told():
     cuts = [CuttingPlane(sealed([0.0, 1.0]), 0.5), CuttingPlane(sealed([0.0, -1.0]), -0.7)]
     with pytest.raises(ArithmeticError, match="no key times"):
         relax_key_times(KeyTimeProblem(keys, keys.gaps, 0.6, cuts))
+
+
+def random_problem(seed: int) -> KeyTimeProblem:
+    """Up to twelve keys that are too near to one another, with planes over some of them, and bonds that may break."""
+    chance = np.random.default_rng(seed)
+    count = int(chance.integers(3, 13))
+    syncs = chance.choice(["start", "ready", "stroke", "strokeEnd", "relax", "end"], count)
+    asked = np.cumsum(chance.uniform(0.05, 0.6, count))
+    postures = tuple(
+        KeyPosture(float(time), sealed([angle]), (True,), ((f"b{k}", str(sync)),))
+        for k, (time, angle, sync) in enumerate(zip(asked, chance.uniform(-1, 1, count), syncs, strict=True))
+    )
+    tied = [(int(k), int(k) + 1) for k in chance.choice(count - 1, 2)]
+    bonds = tuple(Bond(postures[i].syncs[0], postures[j].syncs[0], float(chance.uniform(-0.2, 0.4))) for i, j in tied)
+    keys = Keys.of(postures, LIMITS, bonds)
+    gaps = {pair: max(gap, float(chance.uniform(0.0, 0.7))) for pair, gap in keys.gaps.items()}
+    cuts = []
+    for _ in range(int(chance.integers(0, 5))):
+        first = int(chance.integers(0, count - 1))
+        slopes = np.zeros(count)
+        slopes[first : first + 2] = [2.0, -2.0]
+        slopes[first : first + 3] += chance.normal(0.0, 0.5, len(slopes[first : first + 3]))
+        cuts.append(CuttingPlane(sealed(slopes - slopes.mean()), float(-chance.uniform(0.1, 1.0))))
+    return KeyTimeProblem(keys, gaps, 0.6, cuts)
+
+
+@pytest.mark.skipif(key_time_lp.KERNEL == "numpy", reason="there is no compiled kernel")
+def test_the_kernel_moves_keys_as_little_as_highs_does():
+    moved = 0
+    for seed in range(200):
+        problem = random_problem(seed)
+        try:
+            many = key_time_lp._relax_many(problem)
+        except ArithmeticError:
+            assert key_time_lp._relax_few(problem) is None
+            continue
+        few = key_time_lp._relax_few(problem)
+        assert few is not None
+        assert strain(problem.keys, few) == pytest.approx(strain(problem.keys, many), abs=1e-6)
+        assert all(few[j] - few[i] >= gap - 1e-7 for (i, j), gap in problem.gaps.items())
+        assert all(float(cut.slopes @ few) <= cut.bound + 1e-7 for cut in problem.cuts)
+        assert few.min() >= problem.keys.asked[0] - problem.lead_in - 1e-7
+        moved += not np.allclose(few, problem.keys.asked)
+    assert moved >= 100
 
 
 def test_the_strain_is_what_is_made_least():

@@ -7,6 +7,7 @@
 
 #include "beyond_limits.h"
 #include "free_motion.h"
+#include "key_time_simplex.h"
 #include "limit_peaks.h"
 #include "nearest_motion.h"
 #include "spline_sample.h"
@@ -112,6 +113,15 @@ nb::object relax(const Places& first, const Numbers& shares, const Numbers& valu
     return nb::make_tuple(array(method.controls()), method.relaxation(), array(method.ties()), array(pulls));
 }
 
+// By how much key times (m,) are moved; None where the method finds nothing.
+nb::object move_keys(const Numbers& shares, const Numbers& broken, const Numbers& late, const Numbers& early,
+                     const Numbers& most) {
+    require(early.size() == late.size() && most.size() == broken.size() && shares.size() == late.size() * broken.size());
+    KeyTimeSimplex method(int(late.size()), int(broken.size()), shares.data(), broken.data(), late.data(), early.data(),
+                          most.data());
+    return method.solve() ? array(method.moves()) : nb::none();
+}
+
 // Writes angles, speeds and accelerations (m, n) at places (m,); scales are the steps' powers.
 void sample(const Numbers& controls, const Numbers& places, const Numbers& scales, Result& angles, Result& speeds,
             Result& accelerations) {
@@ -174,6 +184,7 @@ NB_MODULE(_kernel, module) {
     module.def("free_motion", &free_motion);
     module.def("nearest", &nearest);
     module.def("relax", &relax);
+    module.def("move_keys", &move_keys);
     module.def("sample", &sample);
     module.def("peaks", &peaks);
     module.def("beyond", &beyond);
