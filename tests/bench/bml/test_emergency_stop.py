@@ -60,7 +60,7 @@ def test_floods_say_what_they_are_to_say(name, first):
 
 
 def test_a_flood_of_questions_asks_what_is_answered(server):
-    with flooding("questions", server.port), Client(port=server.port) as client:
+    with Client(port=server.port) as client:
         answers = {"plan", "gesture", "reach", "saved", "document", "documents"}
         for number, question in enumerate(flood._questions(1)):
             if b"reach" not in question or number % 10 == 0:
