@@ -122,9 +122,9 @@ def test_documents_that_come_at_once_are_all_performed(server: Running):
 
 def test_a_stop_waits_for_nothing_and_only_a_person_goes_on_with_servos(server: Running):
     async def act(client):
-        says = ("and so on. " * 300, "and so on.")  # the first is planned for seconds, the other waits for it
-        slow = [asyncio.create_task(client.call_tool("say", {"text": words})) for words in says]
-        await asyncio.sleep(0.05)
+        slow = [asyncio.create_task(client.call_tool("say", {"text": "and so on. " * 300}))]
+        await asyncio.sleep(0.5)  # until it is planned, which takes seconds
+        slow.append(asyncio.create_task(client.call_tool("say", {"text": "and so on."})))  # which waits for that
         begun = monotonic()
         stopped = await client.call_tool("stop", {})
         took = monotonic() - begun
