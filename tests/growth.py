@@ -25,11 +25,13 @@ def growth(work: Callable[[T], object], make: Callable[[int], T], *, size: int =
         size: to begin with; it grows until the work takes long enough to be compared.
         most: to which it grows.
     """
-    while _seconds(work, make(size)) < ENOUGH and size < most:
+    while (once := _seconds(work, make(size))) < ENOUGH and size < most:
         size *= 2
     small, large = make(size), make(4 * size)
-    times = 1 + int(ENOUGH / max(_seconds(work, small), ENOUGH / 100))
-    least = min(_seconds(work, small, times) for _ in range(ROUNDS))
+    times = 1 if once > ENOUGH else 1 + int(ENOUGH / max(once, ENOUGH / 100))
+    rounds = [once] if times == 1 else []
+    rounds += [_seconds(work, small, times) for _ in range(ROUNDS - len(rounds))]
+    least = min(rounds)
     found = inf
     for _ in range(ROUNDS):
         found = min(found, sqrt(_seconds(work, large, times) / least))
