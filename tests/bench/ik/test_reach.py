@@ -20,6 +20,8 @@ def few(monkeypatch):
     monkeypatch.setattr(tasks, "POSES", 20)
     monkeypatch.setattr(tasks, "PAIRS", 6)
     monkeypatch.setattr(tasks, "BEYOND", 6)
+    monkeypatch.setattr(tasks, "ARMS", 6)
+    monkeypatch.setattr(tasks, "POSES_OF_ARM", 20)
 
 
 @pytest.mark.usefixtures("few")
@@ -49,6 +51,7 @@ def test_what_interrupts_a_pass_is_not_the_solvers_time(monkeypatch):
 def test_tasks_are_met():
     figures = {figure.name: figure for figure in tasks.bench()}
     assert figures["ik.pose"].value >= 0.95
+    assert figures["ik.pose_random_arms"].value >= 0.95
     assert figures["ik.both_hands"].ok
     assert figures["ik.unreachable"].value >= 0.8
 
