@@ -14,7 +14,7 @@ from kinesic.ik.thesis.task import Effort, Rest, Task
 from kinesic.ik.thesis.verlet import draw_by_force, swing_pinned
 
 WAYS = {"force": draw_by_force, "position": swing_pinned, "direct": balance_springs}
-REACHABLE, BEYOND = 60, 15
+REACHABLE, BEYOND = 40, 15
 
 
 def _directions(count: int, seed: int) -> Floats:

@@ -46,7 +46,7 @@ def struck(make: Make, case: FaultCase, count: int, baud: int, seed: int) -> Non
     desk.channel.set("ended", 1)
     desk.until(Stage.ACTIVE)
     desk.buses["body"].expose(FaultPlan(later, seed))
-    desk.run(STRIKE + 1.0)
+    desk.run(STRIKE + 0.8)
     desk.channel.set("release", 1)
     desk.until(Stage.CLOSED, Stage.WAITING, within=60.0)
     assert (desk.stage is Stage.WAITING) == (case.name in HELD)
