@@ -1,6 +1,13 @@
-"""Measures how time and memory of planning and of dry runs grow with the length of a document and with hinges."""
+"""Measures how time and memory of planning and of dry runs grow with the length of a document and with hinges.
+
+Documents of each length have a process of their own, which has done one of ten seconds before. Its memory counts as a
+whole, with Python and all libraries: it is what the system has to give it.
+"""
 
 import gc
+import json
+import subprocess
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -16,16 +23,18 @@ from kinesic.controller.perform import dry_run, plan, set_up
 from kinesic.planning.setup import Setup
 from kinesic.report.checks import checks
 
-LENGTHS = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 600.0)  # [s]
+PROGRAM = "kinesic.bench.growth.length_process"
+LENGTHS = (1.0, 3.0, 10.0, 30.0, 60.0, 100.0, 300.0, 600.0)  # [s]
 LONG = 10.0  # [s] from which on the exponent counts: a short block is mostly its fixed cost
+SHORTER, LONGER = 60.0, 600.0  # [s] between which memory is to stay flat
 PACE = 2.0  # [s] from stroke to stroke
 LEXEMES = ("beat", "flat_surface", "shrug", "stop", "wave")
-FORGET_PEAK = Path("/proc/self/clear_refs")  # 5 written to it makes the peak of memory begin anew
 SHORT = 10.0  # [s] of the document that robots of all sizes perform
-SAID: Mapping[str, str] = {"plan": "planning", "run": "dry run", "memory": "memory"}
-TIMES = ("plan", "run")  # what is told by hinges: memory of a short document is lost in what is there already
-UNITS: Mapping[str, str] = {"plan": "s", "run": "s", "memory": "MB"}
+TIMES: Mapping[str, str] = {"plan": "planning", "run": "dry run"}
+MEMORY: Mapping[str, str] = {"plan_memory": "planning", "memory": "with the dry run"}
+COLOURS: Mapping[str, str] = {"plan": OURS, "run": SECOND, "plan_memory": OTHERS, "memory": SECOND}
 LINEAR, NEARLY = 1.1, 1.3  # goals: exponents in length, and in hinges
+FLAT = 1.5  # goal: times as much memory for the longer document
 
 
 @dataclass(frozen=True)
@@ -35,50 +44,68 @@ class Cost:
     size: float  # [s] of length, or hinges
     planning: float  # [s] of CPU
     running: float  # [s] of CPU, checks included
-    memory: float  # [MB] at most, beyond what the process had before
+    planning_memory: float  # [MB] of the process at most until it was planned
+    memory: float  # [MB] of the process at most until it was performed and judged
 
 
 def bench() -> list[Figure]:
     """Measures every figure of the part."""
     return [
-        *_figures("length", by_length(), "s", LINEAR, least=LONG),
-        *_figures("hinges", by_hinges(), "hinges", NEARLY, least=0.0, names=TIMES),
+        *_exponents("length", by_length(), LINEAR, least=LONG, names=TIMES),
+        *_flatness(by_length()),
+        *_exponents("hinges", by_hinges(), NEARLY, least=0.0, names=TIMES),
+        *_points("length", by_length(), "s", names=(*TIMES, *MEMORY)),
+        *_points("hinges", by_hinges(), "hinges", names=tuple(TIMES)),
     ]
 
 
 def draw(folder: Path) -> list[Path]:
-    """Draws what was measured: time and memory over length and over hinges, with the fitted exponents."""
-    path = folder / "growth.png"
-    with picture(path, 10.0, 3.6) as drawn:
+    """Draws what was measured: time and memory over length, and time over hinges, with the fitted exponents."""
+    path, lengths, across = folder / "growth.png", by_length(), "length of the document [s]"
+    with picture(path, 12.0, 3.6) as drawn:
         columns = zip(
-            drawn.subplots(1, 2),
-            ("length of the document [s]", "hinges"),
-            ((by_length(), LONG, tuple(SAID)), (by_hinges(), 0.0, TIMES)),
+            drawn.subplots(1, 3),
+            ((lengths, LONG, TIMES), (lengths, LONG, MEMORY), (by_hinges(), 0.0, TIMES)),
+            ((across, "s of CPU"), (across, "MB of the process"), ("hinges", "s of CPU")),
             strict=True,
         )
-        for axes, across, (costs, least, names) in columns:
-            sizes, slopes = [cost.size for cost in costs], exponents(costs, least=least)
-            for name, colour in zip(names, (OURS, SECOND, OTHERS), strict=False):
-                values = [figure_of(cost, name) for cost in costs]
-                label = f"{SAID[name]}, exponent {slopes[name]:.2f}"
-                axes.loglog(sizes, values, "o-", color=colour, label=label, markersize=4)
+        for axes, (costs, least, names), labels in columns:
+            slopes = exponents(costs, least=least)
+            sizes, plot = [cost.size for cost in costs], axes.semilogx if names is MEMORY else axes.loglog
+            for name, said in names.items():
+                values, label = [figure_of(cost, name) for cost in costs], f"{said}, exponent {slopes[name]:.2f}"
+                plot(sizes, values, "o-", color=COLOURS[name], label=label, markersize=4)
+            if names is MEMORY:
+                axes.set_ylim(bottom=0.0)
+            axes.set_xticks(sizes, [f"{size:g}" for size in sizes], fontsize=SMALL)
+            axes.tick_params(axis="x", which="minor", bottom=False, labelbottom=False)
             axes.legend(fontsize=SMALL, frameon=False)
-            label_axes(axes, across, "s of CPU; MB" if "memory" in names else "s of CPU")
+            label_axes(axes, *labels)
     return [path]
 
 
 @cache
 def by_length() -> tuple[Cost, ...]:
-    """Plans and performs documents of growing length, on upper22."""
-    known = set_up()
-    measure(known, 1.0, 1.0)  # the first one imports what it needs
-    return tuple(measure(known, length, length) for length in LENGTHS)
+    """Plans and performs documents of growing length, on upper22, each in a process of its own."""
+    return tuple(_measure_apart(length) for length in LENGTHS)
+
+
+def _measure_apart(length: float) -> Cost:
+    command = [sys.executable, "-m", PROGRAM, str(length)]
+    done = subprocess.run(command, stdout=subprocess.PIPE, check=True)
+    return Cost(**json.loads(done.stdout))
 
 
 @cache
 def by_hinges() -> tuple[Cost, ...]:
     """Plans and performs the same document with robots of more and more hinges."""
+    warm_up(set_up())
     return tuple(measure(set_up(robot), SHORT, float(len(robot.drives))) for robot in robots())
+
+
+def warm_up(known: Setup) -> None:
+    """Plans and performs a document like those that are measured, so that all is imported."""
+    measure(known, SHORT, SHORT)
 
 
 def document(length: float) -> str:
@@ -102,34 +129,62 @@ def measure(known: Setup, length: float, size: float) -> Cost:
     """
     text = document(length)
     gc.collect()
-    if FORGET_PEAK.exists():
-        FORGET_PEAK.write_text("5", encoding="ascii")
-    before, began = peak_memory(), process_time()
+    began = process_time()
     planned = plan(text, known)
-    middle = process_time()
+    middle, planning_memory = process_time(), peak_memory()
     checks(dry_run(planned))
-    return Cost(size, middle - began, process_time() - middle, max(peak_memory() - before, 0.1))
+    return Cost(size, middle - began, process_time() - middle, planning_memory, peak_memory())
 
 
 def figure_of(cost: Cost, name: str) -> float:
-    """Looks up one of the figures of a cost by its name in `SAID`."""
-    return {"plan": cost.planning, "run": cost.running, "memory": cost.memory}[name]
+    """Looks up one of the figures of a cost by its name in `TIMES` or `MEMORY`."""
+    every = {"plan": cost.planning, "run": cost.running, "plan_memory": cost.planning_memory, "memory": cost.memory}
+    return every[name]
 
 
 def exponents(costs: Sequence[Cost], *, least: float) -> dict[str, float]:
     """Fits y = a x^e to each figure, from a least size on, and gives e."""
     chosen = [cost for cost in costs if cost.size >= least]
     sizes = np.log([cost.size for cost in chosen])
-    return {name: float(np.polyfit(sizes, np.log([figure_of(cost, name) for cost in chosen]), 1)[0]) for name in SAID}
+    return {
+        name: float(np.polyfit(sizes, np.log([figure_of(cost, name) for cost in chosen]), 1)[0])
+        for name in (*TIMES, *MEMORY)
+    }
 
 
-def _figures(
-    kind: str, costs: Sequence[Cost], unit: str, goal: float, *, least: float, names: Sequence[str] = tuple(SAID)
+def _exponents(
+    kind: str, costs: Sequence[Cost], goal: float, *, least: float, names: Mapping[str, str]
 ) -> list[Figure]:
-    points = [
-        Figure(f"growth.{kind}.{cost.size:g}.{name}", figure_of(cost, name), UNITS[name], None, "lower", unit)
+    slopes = exponents(costs, least=least)
+    return [Figure(f"growth.{kind}.{name}", slopes[name], "exponent", goal, "lower") for name in names]
+
+
+def _flatness(costs: Sequence[Cost]) -> list[Figure]:
+    """Says how many times as much memory the longer document takes as the shorter one."""
+    by_size, why = {cost.size: cost for cost in costs}, f"{LONGER:g} s beside {SHORTER:g} s"
+    return [
+        Figure(
+            f"growth.length.{name}",
+            figure_of(by_size[LONGER], name) / figure_of(by_size[SHORTER], name),
+            "times",
+            FLAT,
+            "lower",
+            why,
+        )
+        for name in MEMORY
+    ]
+
+
+def _points(kind: str, costs: Sequence[Cost], unit: str, *, names: Sequence[str]) -> list[Figure]:
+    return [
+        Figure(
+            f"growth.{kind}.{cost.size:g}.{name}",
+            figure_of(cost, name),
+            "MB" if name in MEMORY else "s",
+            None,
+            "lower",
+            unit,
+        )
         for cost in costs
         for name in names
     ]
-    slopes = exponents(costs, least=least)
-    return [Figure(f"growth.{kind}.{name}", slopes[name], "exponent", goal, "lower") for name in names] + points

@@ -4,7 +4,7 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from kinesic.bench.growth import Cost, document, draw, exponents, measure
+from kinesic.bench.growth import Cost, bench, by_length, document, draw, exponents
 from kinesic.bench.growth.robots import robots
 from kinesic.controller import arrival, closed_loop, performance
 from kinesic.controller.perform import dry_run, plan, set_up
@@ -14,10 +14,21 @@ NUMBER = 8  # [bytes]
 
 
 def test_exponents_are_those_of_a_power_law_from_a_size_on():
-    costs = [Cost(size, 2.0 * size**1.5, 3.0 * size, 5.0 * size**0.5) for size in (10.0, 30.0, 90.0)]
-    short = Cost(1.0, 50.0, 50.0, 50.0)
+    costs = [Cost(size, 2.0 * size**1.5, 3.0 * size, 7.0, 5.0 * size**0.5) for size in (10.0, 30.0, 90.0)]
+    short = Cost(1.0, 50.0, 50.0, 50.0, 50.0)
     found = exponents([short, *costs], least=10.0)
-    assert found == pytest.approx({"plan": 1.5, "run": 1.0, "memory": 0.5})
+    assert found == pytest.approx({"plan": 1.5, "run": 1.0, "plan_memory": 0.0, "memory": 0.5}, abs=1e-12)
+
+
+def test_memory_of_a_long_document_is_told_beside_that_of_a_shorter_one(monkeypatch):
+    costs = (Cost(60.0, 1.0, 2.0, 100.0, 150.0), Cost(600.0, 10.0, 20.0, 130.0, 300.0))
+    monkeypatch.setattr("kinesic.bench.growth.by_length", lambda: costs)
+    monkeypatch.setattr("kinesic.bench.growth.by_hinges", lambda: costs)
+    found = {figure.name: figure for figure in bench()}
+    assert found["growth.length.plan"].value == pytest.approx(1.0)
+    flat, grown = found["growth.length.plan_memory"], found["growth.length.memory"]
+    assert (flat.value, flat.ok) == (1.3, True)
+    assert (grown.value, grown.ok) == (2.0, False)
 
 
 def test_robots_have_more_and_more_hinges_and_the_last_one_has_no_couplings():
@@ -32,12 +43,12 @@ def test_a_document_has_a_gesture_every_two_seconds():
     assert document(60.0).count("<gesture") == 30
 
 
-def test_what_a_document_takes_is_measured():
-    known = set_up()
-    measure(known, 1.0, 1.0)
-    cost = measure(known, 2.0, 2.0)
+def test_what_a_document_takes_is_measured_in_a_process_of_its_own(monkeypatch):
+    monkeypatch.setattr("kinesic.bench.growth.LENGTHS", (2.0,))
+    (cost,) = by_length.__wrapped__()
     assert cost.size == 2.0
-    assert min(cost.planning, cost.running, cost.memory) > 0.0
+    assert min(cost.planning, cost.running) > 0.0
+    assert 30.0 < cost.planning_memory <= cost.memory
 
 
 @pytest.mark.skipif(closed_loop.KERNEL != "compiled", reason="Python performs all in one window")
@@ -66,7 +77,7 @@ def traced(work):
 
 
 def test_growth_is_drawn(tmp_path, monkeypatch):
-    costs = tuple(Cost(size, size, size, size) for size in np.array([10.0, 100.0]))
+    costs = tuple(Cost(size, size, size, size, size) for size in np.array([10.0, 100.0]))
     monkeypatch.setattr("kinesic.bench.growth.by_length", lambda: costs)
     monkeypatch.setattr("kinesic.bench.growth.by_hinges", lambda: costs)
     (path,) = draw(tmp_path)
