@@ -43,23 +43,29 @@ class Reference:
     @cached_property
     def angles(self) -> Floats:
         """(m, n) [rad]."""
-        return self.plan.trajectory.angles(self.times)
+        return self._sample(0)
 
     @property
     def speeds(self) -> Floats:
-        """(m, n) [rad/s], looked up anew each time."""
+        """(m, n) [rad/s]; of a long motion looked up anew each time."""
         return self._sample(1)
 
     @property
     def accelerations(self) -> Floats:
-        """(m, n) [rad/s^2], likewise."""
+        """(m, n) [rad/s^2]; likewise."""
         return self._sample(2)
 
     def _sample(self, order: int) -> Floats:
+        if len(self.times) <= WINDOW:
+            return self._motion[order]
         found = np.empty(self.duties.shape)
         for rows in self._windows():
             found[rows] = self.plan.trajectory.sample(self.times[rows])[order]
         return found
+
+    @cached_property
+    def _motion(self) -> tuple[Floats, Floats, Floats]:
+        return self.plan.trajectory.sample(self.times)
 
     @cached_property
     def peaks(self) -> Peaks:
@@ -108,9 +114,8 @@ class Reference:
     @cached_property
     def moving(self) -> Flags:
         """(m, n) where a hinge's speed is more than a small share of its limit."""
-        least, moving = MOVING * self.plan.setup.limits.speed, np.empty(self.duties.shape, dtype=np.bool_)
-        for rows in self._windows():
-            moving[rows] = np.abs(self.plan.trajectory.sample(self.times[rows])[1]) > least
+        least, speeds = MOVING * self.plan.setup.limits.speed, self.speeds
+        moving: Flags = (speeds > least) | (speeds < -least)
         return moving
 
     @cached_property

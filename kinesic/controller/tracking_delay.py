@@ -8,6 +8,7 @@ import scipy
 from kinesic.body.arrays import Flags, Floats, sealed
 
 WINDOW = 0.3  # [s] longest lateness that is looked for
+TOGETHER = 100_000  # speeds that are compared together
 
 
 def tracking_delay(planned: Floats, performed: Floats, moving: Flags, *, period: float) -> Floats:
@@ -26,9 +27,9 @@ def tracking_delay(planned: Floats, performed: Floats, moving: Flags, *, period:
     if not moving.any():
         return sealed(late)
     reach, hinges = round(WINDOW / period), np.flatnonzero(moving)
-    likeness = np.concatenate(
-        [_compare(planned[:, some], performed[:, some], reach) for some in np.split(hinges, range(4, len(hinges), 4))]
-    )
+    few = max(1, TOGETHER // len(planned))
+    parts = [hinges[k : k + few] for k in range(0, len(hinges), few)]
+    likeness = np.concatenate([_compare(planned[:, some], performed[:, some], reach) for some in parts])
     best = 1 + likeness[:, 1:-1].argmax(axis=1)
     late[hinges] = period * (best - reach - 1 + _summit(likeness, best))
     return sealed(late)

@@ -4,6 +4,7 @@ They give the bits of SciPy's `PPoly`, without the third of a second of processo
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import perm
 
 import numpy as np
@@ -59,9 +60,19 @@ class QuinticSpline:
         found = np.empty((count, len(times), self.states.shape[2]))
         for begin in range(0, len(times), BLOCK):
             part = times[begin : begin + BLOCK]
-            pieces = self.times[1:-1].searchsorted([part.min(), part.max()], side="right")
-            found[:, begin : begin + BLOCK] = self._between(*pieces.tolist()).derivatives(part, count)
+            found[:, begin : begin + BLOCK] = self._around(part).derivatives(part, count)
         return found
+
+    def _around(self, times: Floats) -> PiecewisePolynomial:
+        """The pieces in which some times are, or all of a short curve."""
+        if len(self.times) <= BLOCK:
+            return self._whole
+        first, last = self.times[1:-1].searchsorted([times.min(), times.max()], side="right").tolist()
+        return self._between(first, last)
+
+    @cached_property
+    def _whole(self) -> PiecewisePolynomial:
+        return self._between(0, len(self.times) - 2)
 
     def _between(self, first: int, last: int) -> PiecewisePolynomial:
         """From one piece to another one."""

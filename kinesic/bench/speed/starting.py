@@ -22,11 +22,12 @@ print(json.dumps([seconds, peak_memory()]))
 
 
 def bench() -> list[Figure]:
-    """Measures the CPU until a performer is there, and the memory of a process that has planned."""
+    """Measures CPU and memory until a performer is there, and until a process has planned a beat."""
     ready, planned = _measure(PERFORMER), _measure(PLANNER)
     return [
         Figure("speed.ready", ready[0], "s", READY, "lower", "CPU, from the start of Python"),
         Figure("speed.ready_memory", ready[1], "MB", None, "lower"),
+        Figure("speed.beat", planned[0], "s", None, "lower", "CPU, from the start of Python until one beat is planned"),
         Figure("speed.planner_memory", planned[1], "MB", MEMORY, "lower"),
     ]
 

@@ -6,8 +6,9 @@ import pytest
 
 from kinesic.bench.growth import Cost, bench, by_length, document, draw, exponents
 from kinesic.bench.growth.robots import robots
-from kinesic.controller import arrival, closed_loop, performance
+from kinesic.controller import arrival, closed_loop, performance, tracking_delay
 from kinesic.controller.perform import dry_run, plan, set_up
+from kinesic.motion import piecewise
 from kinesic.report.checks import checks
 
 NUMBER = 8  # [bytes]
@@ -53,7 +54,8 @@ def test_what_a_document_takes_is_measured_in_a_process_of_its_own(monkeypatch):
 
 @pytest.mark.skipif(closed_loop.KERNEL != "compiled", reason="Python performs all in one window")
 def test_a_dry_run_takes_little_more_than_what_it_measures(monkeypatch):
-    for module, name in ((closed_loop, "WINDOW"), (performance, "WINDOW"), (arrival, "LOOK")):
+    monkeypatch.setattr(tracking_delay, "TOGETHER", 4096)
+    for module, name in ((closed_loop, "WINDOW"), (performance, "WINDOW"), (arrival, "LOOK"), (piecewise, "BLOCK")):
         monkeypatch.setattr(module, name, 256)
     known, rows, peaks = set_up(), [], []
     for length in (6.0, 10.0, 20.0):  # the first imports what it needs

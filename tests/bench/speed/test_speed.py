@@ -41,3 +41,4 @@ def test_a_variant_of_servos_takes_less_than_a_dry_run(figures):
 def test_planning_needs_no_more_memory_than_it_promises(figures):
     assert figures["speed.planner_memory"].ok
     assert figures["speed.ready_memory"].value < figures["speed.planner_memory"].value
+    assert figures["speed.ready"].value < figures["speed.beat"].value
