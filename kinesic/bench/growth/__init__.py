@@ -1,8 +1,4 @@
-"""Measures how time and memory of planning and of dry runs grow with the length of a document and with hinges.
-
-Documents of each length have a process of their own, which has done one of ten seconds before. Its memory counts as a
-whole, with Python and all libraries: it is what the system has to give it.
-"""
+"""Measures how time and memory of planning and of dry runs grow with the length of a document and with hinges."""
 
 import gc
 import json
@@ -86,7 +82,11 @@ def draw(folder: Path) -> list[Path]:
 
 @cache
 def by_length() -> tuple[Cost, ...]:
-    """Plans and performs documents of growing length, on upper22, each in a process of its own."""
+    """Plans and performs documents of growing length, on upper22.
+
+    Each has a process of its own, which has done one of ten seconds before. Its memory counts as a whole, with Python
+    and all libraries: it is what the system has to give it.
+    """
     return tuple(_measure_apart(length) for length in LENGTHS)
 
 
