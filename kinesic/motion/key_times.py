@@ -110,7 +110,7 @@ class Search:
 
     def remember(self) -> None:
         """Leaves the planes of this search to the next."""
-        self._memory.keep(self._keys, self._limits, self._cuts, self.met)
+        self._memory.keep(self._keys, self._limits, self._cuts, self.met, self.times)
 
     def _recall(self) -> None:
         """Begins with the planes that are known already, unless rests would do better."""

@@ -5,7 +5,7 @@ wherever the hinge passes the same keys again, under the same limits or tighter 
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,6 +19,7 @@ Mark = tuple[tuple[Sync, ...], float]  # sync points that fall on a key of a hin
 Cuts = Mapping[int, Sequence[CuttingPlane]]  # of each hinge
 
 SLIGHT = 1e-4  # share of the steepest slope below which a plane is not about a key
+TIGHT = 0.002  # share of the time by which times keep a plane that holds them back
 MOST = 200  # planes that are remembered
 GROWING = ("speed", "acceleration", "jerk", "duty")  # limits within which a plane holds under smaller ones, too
 
@@ -33,6 +34,13 @@ class _KnownPlane:
     bound: float
     limits: Limits  # of the hinge
     met: tuple[tuple[Pair, Bottleneck], ...]  # what was too fast between which of the keys
+    reaches: tuple[bool, bool]  # whether it is about the first, and the last key of the motion for which it was found
+    spare: float = 0.0  # share of the time by which the times that were found last keep it
+
+    def of(self, hinge: int) -> "_KnownPlane":
+        """The same plane where its hinge has another number."""
+        met = tuple((pair, replace(found, hinge=hinge)) for pair, found in self.met)
+        return replace(self, hinge=hinge, met=met)
 
     def holds(self, limits: Limits) -> bool:
         """Whether it holds under other limits of the hinge."""
@@ -48,7 +56,38 @@ class PlaneMemory:
         self._planes: list[_KnownPlane] = []
         self._recalled: list[tuple[CuttingPlane, _KnownPlane]] = []
 
-    def keep(self, keys: Keys, limits: Limits, cuts: Cuts, met: Mapping[Pair, Bottleneck]) -> None:
+    def part(self, hinges: Sequence[int]) -> "PlaneMemory":
+        """Copies what is known of some hinges, for a search of other keys, which numbers them from 0.
+
+        Of planes only those that hold back the times which were found: shortage is nearly convex alone, so that others,
+        from farther away, may cut off times that would do.
+        """
+        found, number = PlaneMemory(), {hinge: k for k, hinge in enumerate(hinges)}
+        own = (plane for plane in self._planes if plane.hinge in number and plane.spare < TIGHT)
+        found._planes = [plane.of(number[plane.hinge]) for plane in own]
+        return found
+
+    def learn(self, other: "PlaneMemory", hinges: Sequence[int], whole: tuple[bool, bool]) -> None:
+        """Takes over what a search of some hinges alone has left, in place of what was known of them.
+
+        A hinge rests at the first and the last key of its motion: what was found about these does not hold where there
+        are others before, or after them.
+
+        Args:
+            other: what it has left.
+            hinges: that it numbers from 0.
+            whole: whether its motion began with the first key of all, and ended with the last one.
+        """
+        begun, ended = whole
+        found = [
+            plane.of(hinges[plane.hinge])
+            for plane in other._planes
+            if (begun or not plane.reaches[0]) and (ended or not plane.reaches[1])
+        ]
+        others = [plane for plane in self._planes if plane.hinge not in hinges]
+        self._planes = [*found, *others][:MOST]
+
+    def keep(self, keys: Keys, limits: Limits, cuts: Cuts, met: Mapping[Pair, Bottleneck], times: Floats) -> None:
         """Learns the planes that a search ends with, and forgets those that it was given and did without.
 
         Args:
@@ -56,12 +95,18 @@ class PlaneMemory:
             limits: of all hinges.
             cuts: the planes, over the times of all keys.
             met: what was too fast between which keys.
+            times: (m,) [s] of all keys, with which it ends.
         """
         known = {id(cut): plane for cut, plane in self._recalled}
         found = [
-            known.get(id(cut)) or _portable(cut, hinge, keys, limits, met) for hinge, own in cuts.items() for cut in own
+            replace(
+                known.get(id(cut)) or _portable(cut, hinge, keys, limits, met),
+                spare=float(cut.bound - cut.slopes @ times),
+            )
+            for hinge, own in cuts.items()
+            for cut in own
         ]
-        forgotten = {id(plane) for plane in (*found, *known.values())}
+        forgotten = {id(plane) for plane in known.values()}
         others = [plane for plane in self._planes if id(plane) not in forgotten]
         self._planes, self._recalled = [*found, *others][:MOST], []
 
@@ -115,4 +160,5 @@ def _portable(cut: CuttingPlane, hinge: int, keys: Keys, limits: Limits, met: Ma
         for (i, j), found in met.items()
         if found.hinge == hinge and i in place and j in place
     ]
-    return _KnownPlane(hinge, _marks(keys, hinge, rows), sealed(slopes[wide]), cut.bound, part, tuple(within))
+    reaches = first == 0, last == len(own) - 1
+    return _KnownPlane(hinge, _marks(keys, hinge, rows), sealed(slopes[wide]), cut.bound, part, tuple(within), reaches)

@@ -22,6 +22,7 @@ from kinesic.motion.condition import condition
 from kinesic.motion.double_s import Gaps, full_speed, least_rest_times_of
 from kinesic.motion.key_time_lp import KeyTimeProblem, relax_key_times
 from kinesic.motion.keys import HOLD, Choices, KeyPosture, Keys, Pair
+from kinesic.motion.plane_memory import PlaneMemory
 from kinesic.planning.setup import Setup
 
 APART = 0.2  # [s] by which strokes may move apart; more is seen beside a word
@@ -61,6 +62,7 @@ class ClashFinder:
             setup: robot and limits.
         """
         self.clashes: dict[frozenset[str], Clash] = {}
+        self.memory = PlaneMemory()  # of what searches for the times of neighbours have found
         self.crowded = False  # whether the last look found so many that nothing can be searched exactly
         self._setup, self._budget = setup, Budget(WORK)
         self._exactly: dict[tuple[tuple[str, str], tuple[int, ...], bool], float] = {}  # [s], which takes long
@@ -125,7 +127,7 @@ class ClashFinder:
         known, budget = pair.known_as, self._budget
         if known not in self._exactly:
             exactly = len(self._exactly) < SEARCHES and not budget.spent
-            found = _search(pair, postures, self._setup, budget) if exactly else guess
+            found = _search(pair, postures, self._setup, budget, self.memory) if exactly else guess
             self._exactly[known] = guess if budget.spent else found
         return self._exactly[known]
 
@@ -206,14 +208,18 @@ def _neighbours(frames: KeyFrames, postures: Sequence[KeyPosture], setup: Setup)
     ]
 
 
-def _search(pair: Neighbours, postures: Sequence[KeyPosture], setup: Setup, budget: Budget) -> float:
+def _search(
+    pair: Neighbours, postures: Sequence[KeyPosture], setup: Setup, budget: Budget, memory: PlaneMemory
+) -> float:
     """By how much two strokes move apart [s] when nothing but their hands moves, from rest before to rest after."""
     keyed = np.array([any(posture.keyed[hinge] for hinge in pair.hinges) for posture in postures])
     begin, end = _around(pair, postures, keyed)
     rows = sorted({row for row in range(begin, end + 1) if keyed[row]} | {*pair.strokes})  # some strokes move no hand
     hinges = np.array(pair.hinges, dtype=np.intp)
     part = tuple(_part(postures[row], hinges, whole=row in (rows[0], rows[-1])) for row in rows)
-    times = condition(part, setup.limits.part(hinges), budget=budget).planned
+    known = memory.part(pair.hinges)
+    times = condition(part, setup.limits.part(hinges), budget=budget, memory=known).planned
+    memory.learn(known, pair.hinges, (rows[0] == 0, rows[-1] == len(postures) - 1))
     first, second = (rows.index(row) for row in pair.strokes)
     asked = [posture.time for posture in part]
     return float(times[second] - times[first] - (asked[second] - asked[first]))

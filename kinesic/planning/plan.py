@@ -206,7 +206,8 @@ def _plan_once(
 ) -> Plan:
     timeline = schedule(context.block, utterances, spans(context, utterances))
     without: dict[str, str] = {}
-    finder, bounded = ClashFinder(setup), partial(conditioned, budget=budget, memory=PlaneMemory())
+    finder = ClashFinder(setup)
+    memory: PlaneMemory | None = None  # which begins with what shows whether gestures clash
     while True:
         frames = keyframes(timeline, context, without=without, clashes=finder.clashes)
         asked = postures(frames, setup.robot, setup.distances)
@@ -217,7 +218,8 @@ def _plan_once(
                 without |= thin_out(frames, clashing, FEWER if finder.crowded else 1.0)
             continue
         asked = replace(asked, postures=with_finger_keys(asked.postures, frames.fingers, setup.robot))
-        repairs = 0 if budget.spent else REPAIRS
+        memory = memory or finder.memory.part(range(len(setup.limits.lower)))
+        bounded, repairs = partial(conditioned, budget=budget, memory=memory), 0 if budget.spent else REPAIRS
         solved, motion, times, clearance = keep_clear(
             asked, setup, find_bonds(timeline), conditioned=bounded, repairs=repairs
         )

@@ -96,3 +96,46 @@ def test_what_was_known_before_the_last_search_is_kept(memory):
     condition(others, LIMITS, memory=memory, budget=ENDLESS)
     assert memory.recall(keys, LIMITS)[0]
     assert memory.recall(Keys.of(others, LIMITS), LIMITS)[0]
+
+
+def test_what_a_search_of_one_hinge_found_is_known_to_that_of_all(measured):
+    other, alone = PlaneMemory(), PlaneMemory()
+    part = tuple(
+        KeyPosture(key.time, sealed(key.angles[1:]), (True,), key.syncs)  # of the second hinge
+        for key in keys_of()
+    )
+    condition(part, LIMITS.part(np.array([1])), memory=alone)
+    other.learn(alone, [1], (True, True))
+    cuts, met = other.recall(Keys.of(keys_of(), LIMITS), LIMITS)
+    assert cuts.keys() == {1}
+    assert {found.hinge for found in met.values()} == {1}
+    assert not PlaneMemory().recall(Keys.of(keys_of(), LIMITS), LIMITS)[0]
+    assert not other.part([0]).recall(Keys.of(part, LIMITS.part(np.array([1]))), LIMITS)[0]
+
+
+@pytest.mark.parametrize("backwards", [False, True])
+def test_what_is_about_a_rest_at_the_end_of_a_part_is_not_known_to_the_whole(backwards):
+    """There the hinge of the whole may go on."""
+    turned = tuple((ROWS[-1][0] - time, *turn, sync) for time, *turn, sync in reversed(ROWS))
+    rows, memory = turned if backwards else ROWS, PlaneMemory()
+    condition(keys_of(rows), LIMITS, memory=memory)
+    keys, end = Keys.of(keys_of(rows), LIMITS), len(ROWS) - 1 if backwards else 0
+
+    def about(*whole: bool) -> set[int]:
+        learned = PlaneMemory()
+        learned.learn(memory, [0, 1], whole)
+        cuts = [cut for own in learned.recall(keys, LIMITS)[0].values() for cut in own]
+        return {int(key) for cut in cuts for key in np.flatnonzero(cut.slopes)}
+
+    assert end in about(True, True)
+    assert end in about(not backwards, backwards)
+    assert end not in about(backwards, not backwards)
+
+
+def test_only_planes_that_hold_back_the_times_are_lent_to_other_searches(memory):
+    keys = Keys.of(keys_of(), LIMITS)
+    every = [cut for own in memory.recall(keys, LIMITS)[0].values() for cut in own]
+    lent = [cut for own in memory.part([0, 1]).recall(keys, LIMITS)[0].values() for cut in own]
+    times = condition(keys_of(), LIMITS).planned
+    assert 0 < len(lent) < len(every)
+    assert all(abs(float(cut.slopes @ times) - cut.bound) < 0.005 for cut in lent)

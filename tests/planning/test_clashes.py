@@ -161,9 +161,9 @@ def test_exact_searches_are_counted_and_then_the_estimate_decides(planned, monke
     searched: list[Neighbours] = []
     exactly = clashes._search
 
-    def search(pair, postures, setup, budget):
+    def search(pair, postures, setup, budget, memory):
         searched.append(pair)
-        return exactly(pair, postures, setup, budget)
+        return exactly(pair, postures, setup, budget, memory)
 
     monkeypatch.setattr(clashes, "_search", search)
     crowd = ROOT.format(

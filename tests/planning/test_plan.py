@@ -7,13 +7,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from kinesic.bench.blocks import crowd
 from kinesic.bench.plan import violations
 from kinesic.bml.parse import parse
 from kinesic.body.limits import Limits
+from kinesic.controller.perform import plan
 from kinesic.expressivity.hands.poses import poses
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.motion import key_times
 from kinesic.motion.infeasibility import Infeasibility
+from kinesic.motion.plane_memory import PlaneMemory
 from kinesic.motion.segments import SplineSegment
 from kinesic.planning import clashes
 from kinesic.planning import plan as plan_module
@@ -138,6 +141,18 @@ def measured(monkeypatch: pytest.MonkeyPatch) -> list[int]:
 
     monkeypatch.setattr(key_times, "measure_shortage", count)
     return pieces
+
+
+def test_what_shows_whether_gestures_clash_is_known_to_the_whole(
+    known: Setup, measured: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = crowd(84, [form.id for form in known.lexicon.forms])
+    plan(text, known)
+    taken = sum(measured)
+    measured.clear()
+    monkeypatch.setattr(PlaneMemory, "learn", lambda *given: None)
+    plan(text, known)
+    assert 0 < taken < 0.8 * sum(measured)
 
 
 def test_a_pile_is_planned_within_its_budget_and_what_is_left_out_is_named(planned, monkeypatch, measured):

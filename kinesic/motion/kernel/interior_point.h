@@ -25,6 +25,7 @@ constexpr double ACTIVE_RATIO = 1e-5;  // multiplier to slack of a limit that is
 constexpr double ACTIVE_WEIGHT = 1e8;  // of such a limit
 constexpr int POLISHED = 20;  // times at most
 constexpr double POLISH = 1e-12;  // residuals of an exact optimum
+constexpr double STUCK = 0.99;  // of the residuals before, above which some of the limits contradict one another
 constexpr double SHORT = 0.995;  // of the way to the nearest bound
 constexpr double STALLED = 1e-7;  // step that leads nowhere
 constexpr double LIFT_BELOW = 1e-3;  // least slack and multiplier of a start
@@ -144,6 +145,7 @@ class InteriorPoint {
         }
         assemble();
         std::vector<double>& left = residuals.inequalities;
+        double last = HUGE_VAL;
         for (int k = 0; k < POLISHED; ++k) {
             residuals.measure(at, s, t, z);
             double off = residuals.dual;
@@ -153,7 +155,8 @@ class InteriorPoint {
                 if (weights[q] > 0.0) off = std::max(off, std::abs(left[q]));
             }
             for (double lacking : residuals.conditions.ties) off = std::max(off, std::abs(lacking));
-            if (off <= POLISH) break;
+            if (off <= POLISH || (k > 1 && off > STUCK * last)) break;
+            last = off;
             set_right();
             system.solve(right, step, EXACT);
             limits.apply(step.points, 0.0, change);
