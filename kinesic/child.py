@@ -9,7 +9,12 @@ from multiprocessing.process import parent_process
 from threading import Thread
 from typing import TypeVarTuple
 
-SLOW = ("scipy.interpolate", "scipy.optimize", "scipy.spatial.transform")  # to import; plans need them where times move
+SLOW = (  # to import: plans need the first three where times move, and the last where a word means no gesture
+    "scipy.interpolate",
+    "scipy.optimize",
+    "scipy.spatial.transform",
+    "kinesic.expressivity.lexicon.read_ahead",
+)
 
 ORPHANED = 1  # the exit code of a child whose parent has gone
 

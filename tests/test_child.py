@@ -10,6 +10,7 @@ from multiprocessing.connection import Connection
 import pytest
 
 from kinesic.child import Child, child_context
+from kinesic.expressivity.lexicon.entries import own_gestures
 
 pytestmark = pytest.mark.realtime
 
@@ -27,6 +28,12 @@ def tell_group(line: Connection) -> None:
     line.send(os.getpgrp())
 
 
+def tell_gestures(line: Connection) -> None:
+    """A child's work: says how many gestures have been read, and how many there are."""
+    entries = own_gestures().entries
+    line.send((sum("_entry" in vars(entry) for entry in entries), len(entries)))
+
+
 def test_a_child_ends_when_its_work_is_done():
     ours, theirs = CONTEXT.Pipe()
     child = Child(CONTEXT, answer, theirs, "ready", name="answer")
@@ -42,6 +49,15 @@ def test_what_a_terminal_signals_is_for_whoever_began_a_child_alone():
     ours, theirs = CONTEXT.Pipe()
     child = Child(CONTEXT, tell_group, theirs)
     assert ours.recv() not in (os.getpgrp(), 0)
+    assert child.wait() == 0
+
+
+@pytest.mark.skipif(CONTEXT.get_start_method() != "forkserver", reason="children are no forks here")
+def test_a_child_begins_with_all_gestures_read():
+    ours, theirs = CONTEXT.Pipe()
+    child = Child(CONTEXT, tell_gestures, theirs)
+    read, there = ours.recv()
+    assert read == there > 0
     assert child.wait() == 0
 
 
