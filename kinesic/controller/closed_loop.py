@@ -57,17 +57,23 @@ def perform_in_twins(
     observers: Callable[[int], Observer] | None,
     progress: Callable[[float], None],
 ) -> Iterator[Stretch]:
-    """Performs a motion in twins that were just built, and says each time one has done a window of it.
+    """Performs a motion in twins that were just built, and yields after every window of each.
 
-    The twin then holds what it did in this window alone, once somebody has dropped what it did before.
+    Whoever has it measured window by window calls the twin's `record` before the next one.
 
     Args:
         trajectory: of the motion.
         times: (m,) [s] performance times of the commands.
         lead: the servos' goals.
-        twins: each follows for itself; each must be recorded or forget before it goes on.
+        twins: each follows for itself.
         observers: makes the observer of so many bodies that corrects the goals; None: nobody does.
         progress: gets the share of the ticks that are over, now and then.
+
+    Yields:
+        Which twin has performed which commands.
+
+    Raises:
+        ValueError: times decrease, or are none.
     """
     parts = [twin.parts() for twin in twins] if KERNEL == "compiled" else []
     known = [part for part in parts if part is not None]

@@ -43,7 +43,10 @@ class Bottleneck:
 
 @dataclass(frozen=True, eq=False)
 class Infeasibility:
-    """How much time a segment lacks, and where."""
+    """How much time a segment lacks, and where; of one that does not, it may be known by no more than a bound.
+
+    Then the amount is the bound, slopes are 0, and no limit binds.
+    """
 
     amount: float  # of the logarithm of their time; negative where there is some to spare
     slopes: Floats  # (m + 2,) [1/s] of the amount over the times of start, keys and end
@@ -65,13 +68,14 @@ def measure_shortage(segment: SplineSegment, limits: Limits, *, enough: float | 
     Args:
         segment: whose keys are to be passed.
         limits: of all hinges.
-        enough: amount at which nothing more is asked, neither how much less it is nor where.
+        enough: amount below which a bound on it does; None: it is asked for exactly.
     """
     found = _least(segment, limits, enough)
     if found is None:
         return None
-    if enough is not None and found.amount <= enough:
-        return Infeasibility(found.amount, np.zeros(len(segment.marks)), (), found.controls)
+    if found.bound:
+        amount = found.amount if enough is None else min(found.amount, enough)  # its logarithm may be an ulp more
+        return Infeasibility(amount, np.zeros(len(segment.marks)), (None,) * len(found.binding), found.controls)
     slopes, programs = _slopes(segment, found), 1
     if found.amount > SPARE and (abs(slopes.sum()) > UNEVEN * np.abs(slopes).sum() or np.abs(slopes).max() < FLAT):
         beside = [key for key, pair in enumerate(pairwise(found.binding)) if pair != (None, None)]
@@ -123,6 +127,7 @@ class _Least:
     amount: float  # of the logarithm of the time
     pulls: Floats  # multipliers of what is fixed, of the amount
     binding: tuple[Quantity | None, ...]
+    bound: bool  # the amount is no more than that, which did
 
 
 def _least(segment: SplineSegment, limits: Limits, enough: float | None = None) -> _Least | None:
@@ -137,6 +142,7 @@ def _least(segment: SplineSegment, limits: Limits, enough: float | None = None) 
         float(np.log1p(2 * found.amount) / 2),
         found.ties / (1 + 2 * found.amount),
         _binding(gaps, free.kinds, found.pulls * free.powers, len(segment.places) + 1),
+        found.amount <= least,
     )
 
 

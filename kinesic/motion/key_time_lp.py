@@ -16,7 +16,7 @@ if KERNEL == "compiled":
 LATENESS = 3.0  # weight of being late over being early
 BROKEN = 50.0  # weight of a bond that cannot be kept, per second
 UNMOVED = 1e-7  # [s]
-KEPT = 1e-7  # [s] by which a row may be missed
+KEPT = 1e-7  # [s], or of a plane's amount, by which a row may be missed
 FEW = 20_000  # entries of a program that the kernel solves sooner than HiGHS does
 
 

@@ -74,6 +74,7 @@ class Search:
         self._rests: dict[Way, float] = {}  # by which rests at both ends are longer
         self._tight: dict[tuple[int, bytes, float], tuple[SplineSegment, ...]] = {}  # by hinge and its times
         self._shortages: dict[tuple[object, ...], Infeasibility | None] = {}  # that were looked at
+        self._spare: dict[tuple[object, ...], Infeasibility] = {}  # likewise, of which a bound was enough
         self._lengthen_to_full_speed()
         spaced = all(keys.asked[j] - keys.asked[i] >= gap - SAME for (i, j), gap in self._gaps.items())
         self.times = keys.asked if spaced else relax_key_times(self._problem(self._gaps))
@@ -158,13 +159,20 @@ class Search:
 
     def _shortage(self, segment: SplineSegment, enough: float | None = None) -> Infeasibility | None:
         """Remembered by keys and places, which determine it: many a segment stays the same when others move."""
-        known = (segment.hinge, segment.marks, segment.grid.pieces, segment.places.tobytes(), enough)
-        if known not in self._shortages:
-            found = self._shortages[known] = measure_shortage(segment, self._limits, enough=enough)
-            work = segment.grid.pieces * (1 if found is None else found.programs)
-            self._budget.spend(work)
-            self._looked += work
-        return self._shortages[known]
+        known = (segment.hinge, segment.marks, segment.grid.pieces, segment.places.tobytes())
+        if known in self._shortages:
+            return self._shortages[known]
+        if enough is not None and known in self._spare:
+            return self._spare[known]
+        found = measure_shortage(segment, self._limits, enough=enough)
+        work = segment.grid.pieces * (1 if found is None else found.programs)
+        self._budget.spend(work)
+        self._looked += work
+        if found is None or enough is None or found.amount > enough:
+            self._shortages[known] = found
+        else:
+            self._spare[known] = found
+        return found
 
     def _segments(self, times: Floats, hinges: Iterable[int] | None = None) -> Iterator[SplineSegment]:
         """Those of a motion that may lack time, each as short as can be; of all hinges, if none are given."""

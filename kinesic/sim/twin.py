@@ -166,10 +166,7 @@ class Twin:
         )
 
     def take(self, record: StepRecord) -> None:
-        """Takes what a compiled loop has done with its parts as if it had been written command by command.
-
-        The log holds no more than one step before, as in the beginning or after `forget`.
-        """
+        """Takes what a compiled loop has done with its parts as if it had been written command by command."""
         self._log.take(record)
         self._time = float(record.times[-1])
         self._waiting += zip((record.times + self._latency).tolist(), record.sent, strict=True)
@@ -186,8 +183,6 @@ class Twin:
         Raises:
             ValueError: no command was written yet.
         """
-        if not self._log.times:
-            raise ValueError("no command was written, so nothing was measured: write commands first")
         recorder = self.recorder(len(self._log.times))
         recorder.add(self._log)
         return recorder.measurements()
@@ -199,7 +194,11 @@ class Twin:
         return Recorder(self._robot, self._distances, places, commands=commands, latency=self._latency)
 
     def record(self, recorder: Recorder) -> None:
-        """Has a recorder measure what was done since the last time, and drops it."""
+        """Has a recorder measure what was done since the last time, and forgets it here.
+
+        Raises:
+            ValueError: no command was written since, or more than the recorder has room for.
+        """
         recorder.add(self._log)
         self.forget()
 

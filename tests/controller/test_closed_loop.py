@@ -7,6 +7,8 @@ import pytest
 
 from kinesic.body.command import RATE, Command
 from kinesic.controller import closed_loop
+from kinesic.controller.closed_loop import perform_in_twins
+from kinesic.controller.feedforward import FeedForward
 from kinesic.controller.perform import dry_runs
 from kinesic.sim.servo_factors import NOMINAL, PESSIMISTIC, Factors
 from kinesic.sim.stepping import driven_motion
@@ -143,3 +145,53 @@ def test_no_more_than_a_window_of_steps_is_kept(calm, monkeypatch):
     dry_runs(calm.plan, (NOMINAL, PESSIMISTIC), watch=False)
     assert len(kept) == 2 * -(-len(calm.reference.times) // 40)
     assert max(kept) <= 1 + 40 * np.ceil(1 / RATE / STEP)
+
+
+@pytest.fixture
+def perform(calm):
+    """Performs commands at some times in a twin that was just built, and gives this twin."""
+    known, trajectory = calm.plan.setup, calm.plan.trajectory
+    leading = FeedForward(known.robot, known.dynamics)
+
+    def run(times):
+        twin = Twin(known.robot, start=trajectory.at(0.0).angles)
+        for _ in perform_in_twins(
+            trajectory, times, lambda part: leading.lead(trajectory, part), [twin], None, lambda share: None
+        ):
+            pass
+        return twin
+
+    return run
+
+
+def test_who_looks_only_at_the_end_sees_the_same(calm, perform, monkeypatch):
+    whole = perform(calm.reference.times).measurements()
+    monkeypatch.setattr(closed_loop, "WINDOW", 64)
+    parts = perform(calm.reference.times).measurements()
+    for name in ("times", "angles", "speeds", "torques", "duties", "goals"):
+        assert np.array_equal(getattr(whole, name), getattr(parts, name)), name
+
+
+def test_one_command_is_a_performance(calm, perform):
+    assert perform(calm.reference.times[:1]).measurements().angles.shape == (1, len(calm.plan.trajectory.controls[0]))
+
+
+@pytest.mark.parametrize("times", [[0.0, 0.01, 0.0], [0.0, float("nan")], [0.0, float("inf")]])
+def test_times_that_do_not_go_on_are_refused(perform, times):
+    with pytest.raises(ValueError, match="finite and not decrease"):
+        perform(np.array(times))
+
+
+def test_a_recorder_is_filled_once_and_wholly(calm):
+    twin, still = Twin(calm.plan.setup.robot), [np.zeros_like(calm.reference.angles[0])] * 4
+    recorder = twin.recorder(2)
+    with pytest.raises(ValueError, match="no command was written"):
+        twin.record(recorder)
+    twin.write(Command(0.0, *still))
+    twin.record(recorder)
+    with pytest.raises(ValueError, match="1 of 2 commands"):
+        recorder.measurements()
+    twin.write(Command(0.01, *still))
+    twin.write(Command(0.02, *still))
+    with pytest.raises(ValueError, match="room for 2"):
+        twin.record(recorder)

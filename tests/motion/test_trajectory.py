@@ -65,6 +65,12 @@ def test_another_process_gets_it_without_its_derivatives():
     assert (again.zero, again.start) == (0.1, 2.0)
 
 
+@pytest.mark.skipif(trajectory.KERNEL != "compiled", reason="NumPy warns")
+def test_a_time_that_is_none_has_no_state():
+    for values in MOTION.sample(np.array([0.2, np.nan, 0.3])):
+        assert np.isnan(values).all(axis=1).tolist() == [False, True, False]
+
+
 def test_angles_alone_are_those_of_a_sample(monkeypatch):
     monkeypatch.setattr(trajectory, "BLOCK", 8)
     times = np.linspace(-0.05, 0.35, 53)

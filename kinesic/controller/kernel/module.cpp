@@ -104,8 +104,12 @@ nb::tuple perform(TwinPhysics& twin, const Numbers& times, const std::array<Numb
     const size_t hinges = twin.hinges.size(), count = times.size();
     require(count > 0 && every > 0 && (!correction || size_t(correction->hinges()) == hinges));
     for (const Numbers& rows : led) require(rows.size() == count * hinges);
-    std::vector<double> measured(hinges);
     twin.begin(times.data()[0]);
+    double before = twin.time;
+    for (size_t k = 0; k < count; before = times.data()[k++])
+        if (!std::isfinite(times.data()[k]) || times.data()[k] < before - SAME_TIME)
+            throw nb::value_error("times of commands must be finite and not decrease");
+    std::vector<double> measured(hinges);
     for (size_t k = 0; k < count; ++k) {
         const auto row = [&](int part) { return led[part].data() + k * hinges; };
         const double* wanted = row(1);

@@ -39,8 +39,8 @@ void pack(Arm* self, const Triple& origin, const std::vector<int>& counts, const
           const Numbers& lower, const Numbers& upper, const Numbers& rest, const Numbers& mobility, const Triple& palm,
           double side, double farthest, double closest, const std::vector<Numbers>& seeds, bool mirrored) {
     const size_t hinges = axes.size(), aiming = size_t(std::accumulate(counts.begin(), counts.end(), 0));
-    if (aiming != hinges || counts.size() < 3 || counts.size() > MOST_LINKS || bones.size() != counts.size() || hinges > MOST_HINGES ||
-        lower.size() != hinges || upper.size() != hinges || rest.size() != hinges ||
+    if (aiming != hinges || counts.size() < 3 || counts.size() > MOST_LINKS || bones.size() != counts.size() ||
+        hinges > MOST_HINGES || lower.size() != hinges || upper.size() != hinges || rest.size() != hinges ||
         mobility.size() != hinges || seeds.size() > MOST_SEEDS)
         throw std::invalid_argument("an arm has 3 to 6 bones, at most 12 hinges and 64 seeds, and each its numbers");
     Arm* arm = new (self) Arm();

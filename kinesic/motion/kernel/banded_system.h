@@ -11,11 +11,11 @@
 
 namespace kinesic::motion {
 
-constexpr int WIDTH = 3;  // columns of most rows before their own
+constexpr int WIDTH = 3;  // columns of most rows before their own: written out where it counts
 
 class BandedSystem {
   public:
-    // Args: the column in which each row begins, up to its own.
+    // Args: the column in which each row begins, up to its own; no row begins before the one above.
     explicit BandedSystem(const std::vector<int>& first)
         : size_(int(first.size())), first_(first), starts_(first.size()), inverse_(first.size()) {
         int count = 0;
@@ -113,7 +113,7 @@ class BandedSystem {
     // Calls visit(column) for the columns of a row before its own; most rows have three.
     template <typename Visit>
     void each_before(int row, Visit visit) const {
-        if (row - first_[row] == 3) {
+        if (row - first_[row] == WIDTH) {
             visit(row - 3);
             visit(row - 2);
             visit(row - 1);
@@ -123,7 +123,9 @@ class BandedSystem {
     }
 
     int size_;
-    std::vector<int> first_, starts_, last_;  // (size,) the columns of a row begin, its entries do; the last row with its column
+    std::vector<int> first_;  // (size,) column in which a row begins
+    std::vector<int> starts_;  // (size,) place of its entries, less that column
+    std::vector<int> last_;  // (size,) the last row that reaches a column
     std::vector<double> entries_, inverse_;  // row after row; (size,) of D
 };
 

@@ -10,7 +10,8 @@ namespace kinesic::motion {
 class Inequalities {
   public:
     explicit Inequalities(const SplineProgram& program)
-        : p(program), n(p.size), rows_(p.rows()), bounds_(2 * rows_ + 2 * n + (p.relaxing ? 1 : 0)), norms_(rows_), powers_(bounds_.size()) {
+        : p(program), n(p.size), rows_(p.rows()), bounds_(2 * rows_ + 2 * n + (p.relaxing ? 1 : 0)), norms_(rows_),
+          powers_(bounds_.size()) {
         p.each_kind([&](auto kind, int number) {
             double norm = 0.0;
             for (double share : p.stencils[kind]) norm += share * share;

@@ -1,6 +1,7 @@
 // Moves key times t away from the asked ones a as little as needed: the simplex method on the dual program.
 //
-//   least  sum late_k (t_k - a_k)+ + early_k (a_k - t_k)+ + sum most_r (c_r t - d_r)+     most_r: endless where a row has to be kept
+//   least  sum late_k (t_k - a_k)+ + early_k (a_k - t_k)+ + sum most_r (c_r t - d_r)+
+//          most_r: endless where a row has to be kept
 //   dual   largest  sum y_r (c_r a - d_r)   with  0 <= y_r <= most_r,  -late <= z = C' y <= early
 //
 // It begins with y = 0, which stands for the asked times, and lets in what they break most; a key is moved where z_k comes to a
@@ -14,10 +15,10 @@
 
 namespace kinesic::motion {
 
-constexpr double BROKEN_BY = 1e-9;  // [s] by which a row counts as broken
+constexpr double BROKEN_BY = 1e-9;  // [s], or of a plane's amount, by which a row counts as broken
 constexpr double PIVOT = 1e-9;  // least entry that is divided by
 constexpr int TURNS = 20;  // exchanges for each row and key, after which nothing is found
-constexpr int PLAIN = 3;  // of them, after which the first variable comes in instead of the best: it never goes in a circle (Bland, 1977)
+constexpr int PLAIN = 3;  // of them, after which the first variable comes in instead of the best: circles are rarer so
 
 class KeyTimeSimplex {
   public:

@@ -116,7 +116,8 @@ nb::object relax(const Places& first, const Numbers& shares, const Numbers& valu
 // By how much key times (m,) are moved; None where the method finds nothing.
 nb::object move_keys(const Numbers& shares, const Numbers& broken, const Numbers& late, const Numbers& early,
                      const Numbers& most) {
-    require(early.size() == late.size() && most.size() == broken.size() && shares.size() == late.size() * broken.size());
+    require(early.size() == late.size() && most.size() == broken.size() && shares.ndim() == 2);
+    require(shares.shape(0) == broken.size() && shares.shape(1) == late.size());
     KeyTimeSimplex method(int(late.size()), int(broken.size()), shares.data(), broken.data(), late.data(), early.data(),
                           most.data());
     return method.solve() ? array(method.moves()) : nb::none();

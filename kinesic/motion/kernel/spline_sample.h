@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 namespace kinesic::motion {
@@ -11,9 +12,9 @@ namespace kinesic::motion {
 inline void sample_spline(const double* controls, int pieces, int hinges, const double* places, size_t count, int order,
                           double scale, double* values) {
     for (size_t m = 0; m < count; ++m) {
-        const double place = std::min(std::max(places[m], 0.0), double(pieces));
+        const double place = places[m] > 0.0 ? std::min(places[m], double(pieces)) : 0.0;
         const int piece = std::min(int(place), pieces - 1);
-        const double u = place - piece, v = 1.0 - u, *p = controls + size_t(piece) * hinges;
+        const double u = std::isnan(places[m]) ? places[m] : place - piece, v = 1.0 - u, *p = controls + size_t(piece) * hinges;
         double* row = values + m * hinges;
         if (order == 0) {
             const double shares[4] = {v * v * v / 6, (3 * (u * u * u) - 6 * (u * u) + 4) / 6,

@@ -67,7 +67,7 @@ struct DrivenMotion {
         }
     }
 
-private:
+  private:
     // One step; [A] of all drives together.
     double step(size_t s, const double* __restrict goals, double* __restrict posture, double* __restrict charge) {
         const size_t n = motors.size();

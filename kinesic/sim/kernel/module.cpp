@@ -239,8 +239,8 @@ void keep_left(const std::vector<uintptr_t>& stages, uintptr_t model, uintptr_t 
     }
 }
 
-// Measures what hinges and servos did on each of s steps, from what a log keeps of them: `measure_drives`. Steps before the first are
-// counted already.
+// Measures what hinges and servos did on each of s steps, from what a log keeps of them: `measure_drives`. Steps before
+// the first are counted already.
 void measure_drives(const std::array<Numbers, 5>& log, const std::array<Places, 5>& places, const Numbers& law,
                     const Numbers& figures, const Numbers& left, size_t first, const std::array<Result, 6>& found) {
     const auto& [angles, speeds, spans, supplied, aims] = log;

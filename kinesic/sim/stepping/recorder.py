@@ -1,4 +1,4 @@
-"""Measures what a twin does stretch by stretch, so that no more than a stretch of its steps has to be kept."""
+"""Measures what a twin does window by window, so that no more than a window of its steps has to be kept."""
 
 from math import inf
 
@@ -39,7 +39,16 @@ class Recorder:
         self._least = inf  # [m] at any command so far
 
     def add(self, log: StepLog) -> None:
-        """Measures what a log holds; from the second time on its first step is the last one of the stretch before."""
+        """Measures what a log holds; from the second time on its first step is the last one of the window before.
+
+        Raises:
+            ValueError: the log holds no command, or more than there is room for.
+        """
+        if not log.times:
+            raise ValueError("no command was written, so nothing was measured: write commands first")
+        if self._done + len(log.times) > self._commands:
+            count = self._done + len(log.times)
+            raise ValueError(f"{count} commands were written, and the recorder has room for {self._commands}")
         robot = self._robot
         done = measure_drives(log.kept(), self._places, robot.skeleton.names, robot.drives, self._spent)
         self._add_clearance(done, np.array(log.counts, dtype=np.intp) - 1)
@@ -51,7 +60,7 @@ class Recorder:
         self._done += len(log.times)
 
     def _add_clearance(self, done: DrivenMotion, ends: Indices) -> None:
-        """What lies between the last posture before and the first command is bounded by both, as everywhere."""
+        """Adds the distances; the last posture of the window before bounds those on the way to the first command."""
         lowest, hands = self._distances.survey(done.angles, [self._robot.arm(side).wrist for side in SIDES])
         known = self._last.shape[1]
         found = self._distances.approach(
@@ -66,9 +75,9 @@ class Recorder:
         self._last = lowest[:, -1:].copy()
         self._least = min(self._least, float(lowest.min(initial=inf)))
 
-    def _add(self, **stretch: Floats) -> None:
-        """Adds rows for the commands of a stretch; where that is all, they need not be copied."""
-        for name, rows in stretch.items():
+    def _add(self, **window: Floats) -> None:
+        """Adds rows for the commands of a window; where that is all, they need not be copied."""
+        for name, rows in window.items():
             if len(rows) == self._commands:
                 self._rows[name] = rows
                 continue
@@ -77,7 +86,13 @@ class Recorder:
             self._rows[name][self._done : self._done + len(rows)] = rows
 
     def measurements(self) -> Measurements:
-        """Hands over all that was measured, once every command has been; nothing more can be added."""
+        """Hands over all that was measured, once every command has been; nothing more can be added.
+
+        Raises:
+            ValueError: some commands are not there yet.
+        """
+        if self._done < self._commands:
+            raise ValueError(f"{self._done} of {self._commands} commands were measured: record the others first")
         rows = {name: seal_own(values) for name, values in self._rows.items()}
         return Measurements(
             **{name: rows[name] for name in ("times", "angles", "speeds", "torques", "duties", "goals")},

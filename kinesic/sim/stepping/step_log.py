@@ -75,15 +75,15 @@ class StepLog:
         self._sent.append(goals[None])
 
     def take(self, record: StepRecord) -> None:
-        """Keeps all steps of a record, after one that is there."""
-        self._angles.frombytes(np.ascontiguousarray(record.angles).data.cast("B"))
-        self._speeds.frombytes(np.ascontiguousarray(record.speeds).data.cast("B"))
-        self._steps.frombytes(np.ascontiguousarray(record.spans).data.cast("B"))
+        """Keeps all steps of a record, after those that are there."""
+        before = len(self._steps)
+        for kept, more in ((self._angles, record.angles), (self._speeds, record.speeds), (self._steps, record.spans)):
+            kept.frombytes(np.ascontiguousarray(more).reshape(-1).view(np.uint8).data)
         self.times += record.times.tolist()
-        self.counts += (record.counts + 1).tolist()
+        self.counts += (record.counts + before).tolist()
         self._sent.append(record.sent)
         if len(record.aims):
-            self._begins += (record.aimed + 1).tolist()
+            self._begins += (record.aimed + before).tolist()
             self._aims.append(record.aims)
 
     @property
