@@ -64,6 +64,7 @@ def pytest_collection() -> Generator[None, object, object]:
 
 
 atexit.register(gc.unfreeze)  # so that nothing seems to leak when the interpreter ends
+atexit.register(gc.disable)  # the interpreter collects twice more all the same
 
 
 @pytest.hookimpl(wrapper=True)
