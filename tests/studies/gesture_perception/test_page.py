@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -23,13 +24,13 @@ CONDITIONS = ("whole_body=0", "power=-1")
 HOSTILE = "</script><img src=x onerror=window.hacked=1>"
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def robot(known) -> Robot:
     return known.robot
 
 
-@pytest.fixture
-def study(tmp_path: Path, robot: Robot) -> Path:
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory, robot: Robot) -> Path:
     """The page of a study of thirty gestures, each of which turns one hinge a little."""
     names = [f"gesture_{k}" for k in range(29)] + [HOSTILE]
     questions = draw_questions([Meaning(name, Sense((f"{name}!",), "emblem")) for name in names], 0)
@@ -42,13 +43,14 @@ def study(tmp_path: Path, robot: Robot) -> Path:
         for condition in CONDITIONS
         for name in names[:8]
     ]
-    path = tmp_path / "index.html"
+    path = tmp_path_factory.mktemp("study") / "index.html"
     write_gesture_page(path, robot, questions, motions, pairs)
     return path
 
 
-@pytest.fixture
-def page(study: Path) -> Iterator[Page]:
+@contextmanager
+def ready(study: Path) -> Iterator[Page]:
+    """A page with a profile of its own, on which nobody has begun."""
     if binary() is None:
         pytest.skip("no Chromium: apt-get install chromium")
     with opened(study.as_uri()) as page:
@@ -58,6 +60,19 @@ def page(study: Path) -> Iterator[Page]:
             pytest.skip("this Chromium draws no WebGL 2")
         page.value("study.pace = 500")  # the speed of motions is not the matter here
         yield page
+
+
+@pytest.fixture
+def page(study: Path) -> Iterator[Page]:
+    with ready(study) as found:
+        yield found
+
+
+@pytest.fixture(scope="module")
+def unbegun(study: Path) -> Iterator[Page]:
+    """For tests that do not begin."""
+    with ready(study) as found:
+        yield found
 
 
 def choose(page: Page, choice: str) -> None:
@@ -100,8 +115,8 @@ def test_a_participant_who_knows_all_is_read_back_as_such(page: Page, tmp_path: 
         assert {each.chosen for each in own} == {"standard"}
 
 
-def test_orders_are_those_of_chance(page: Page):
-    orders = {tuple(page.value("drawn().map((item) => item.options.join())")) for _ in range(5)}
+def test_orders_are_those_of_chance(unbegun: Page):
+    orders = {tuple(unbegun.value("drawn().map((item) => item.options.join())")) for _ in range(5)}
     assert len(orders) == 5
 
 
@@ -116,20 +131,20 @@ def test_the_robot_is_drawn_and_moves_once(page: Page):
     page.until("document.readyState === 'complete' && typeof state === 'object' && state.place === 2")
 
 
-def test_what_we_did_not_write_ourselves_is_not_believed(page: Page):
-    first = page.value("JSON.stringify(state.order[0])")
+def test_what_we_did_not_write_ourselves_is_not_believed(unbegun: Page):
+    first = unbegun.value("JSON.stringify(state.order[0])")
     for order in ('[{"id": "nowhere", "options": []}]', "[null]", "[7]", f"[{first.replace('gesture_', 'x')}]"):
         kept = f'{{"participant": "ab", "order": {order}, "place": 0, "rows": []}}'
-        assert not page.value(f"sound({kept})"), order
-    assert page.value(f'sound({{"participant": "ab", "order": [{first}], "place": 0, "rows": []}})')
+        assert not unbegun.value(f"sound({kept})"), order
+    assert unbegun.value(f'sound({{"participant": "ab", "order": [{first}], "place": 0, "rows": []}})')
 
 
-def test_names_of_gestures_are_no_markup(page: Page, study: Path):
+def test_names_of_gestures_are_no_markup(unbegun: Page, study: Path):
     assert study.read_text().count("</script>") == 2
-    page.value("ask('chosen', 'which?', Object.entries(study.meanings), 'list')")
-    assert HOSTILE in page.value("document.getElementById('questions').textContent")
-    assert page.value("window.hacked ?? 0") == 0
-    assert page.value("document.images.length") == 0
+    unbegun.value("ask('chosen', 'which?', Object.entries(study.meanings), 'list')")
+    assert HOSTILE in unbegun.value("document.getElementById('questions').textContent")
+    assert unbegun.value("window.hacked ?? 0") == 0
+    assert unbegun.value("document.images.length") == 0
 
 
 def test_a_browser_that_cannot_draw_says_so(page: Page):
