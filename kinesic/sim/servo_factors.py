@@ -3,7 +3,7 @@
 import json
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import lru_cache
+from functools import cache, lru_cache
 from math import inf
 from pathlib import Path
 from typing import Literal
@@ -118,12 +118,14 @@ def _applied(factors: Factors, robot: Robot) -> Robot:
     for name in factors.servos:
         if name not in models:
             raise ConfigError(f"factors of servo {name}: {robot.name} has none{suggestion(name, models)}")
-    skeleton = robot.skeleton
-    segments = tuple(replace(segment, mass=segment.mass * factors.mass) for segment in skeleton.segments)
+    skeleton, adjust = robot.skeleton, cache(factors.adjust)  # a robot has few models of servos
+    if factors.mass != 1.0:
+        segments = tuple(replace(segment, mass=segment.mass * factors.mass) for segment in skeleton.segments)
+        skeleton = replace(skeleton, segments=segments)
     mounts = tuple(
-        replace(mount, drive=replace(mount.drive, servo=factors.adjust(mount.drive.servo))) for mount in robot.mounts
+        replace(mount, drive=replace(mount.drive, servo=adjust(mount.drive.servo))) for mount in robot.mounts
     )
-    return replace(robot, skeleton=replace(skeleton, segments=segments), mounts=mounts)
+    return replace(robot, skeleton=skeleton, mounts=mounts)
 
 
 def _departures(of: DriveFactors) -> list[str]:
