@@ -68,13 +68,14 @@ def test_a_folder_takes_no_place_but_that_of_a_marked_or_empty_one(tree, names, 
     with TemporaryDirectory() as place:
         grow(Path(place), tree)
         target, before = Path(place).joinpath(*names), letters(Path(place))
-        inside_a_marked = any((folder / MARKER).exists() for folder in target.resolve().parents)
+        leads_to = Path(os.path.realpath(target))  # as far as links lead, if they go in a circle
+        inside_a_marked = any((folder / MARKER).exists() for folder in leads_to.parents)
         with suppress(ConfigError, ZeroDivisionError), new_folder(target, force=force) as fresh:
             (fresh / "result").write_text("new")
             if fails:
                 raise ZeroDivisionError
         gone = before - letters(Path(place))
-        assert gone <= {str(target.resolve())}  # an empty folder that is a marked one now
+        assert gone <= {os.path.realpath(target)}  # an empty folder that is a marked one now
         assert not gone or (target / MARKER).read_bytes() == MARK or inside_a_marked
         assert not [name for name in letters(Path(place)) if "/." in name.removeprefix(place)]
 
