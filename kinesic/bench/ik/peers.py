@@ -7,7 +7,7 @@ forward kinematics: the hand within a millimetre, every hinge within its limits.
 and how many targets are reached.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
 from importlib.util import find_spec
@@ -102,16 +102,7 @@ def interleave(chain: Chain, solvers: Mapping[str, Solver], goals: Floats) -> di
         solvers: by name.
         goals: (n, 3) [m] in the chain's base; the first is solved once more before, unmeasured.
     """
-    seconds, reached = ({name: np.empty(len(goals)) for name in solvers} for _ in range(2))
-    for solver in solvers.values():
-        solver(goals[0])
-    for k, target in enumerate(goals):
-        for name, solver in solvers.items():
-            began = perf_counter()
-            angles = solver(target)
-            seconds[name][k] = perf_counter() - began
-            reached[name][k] = _reached(chain, angles, target)
-    return {name: Calls(seconds[name], reached[name]) for name in solvers}
+    return _timed(chain, solvers, goals, ((name, range(k, k + 1)) for k in range(len(goals)) for name in solvers))
 
 
 def take_turns(chain: Chain, solvers: Mapping[str, Solver], goals: Floats) -> dict[str, Calls]:
@@ -125,20 +116,32 @@ def take_turns(chain: Chain, solvers: Mapping[str, Solver], goals: Floats) -> di
         solvers: by name.
         goals: (n, 3) [m] in the chain's base; the first is solved once more before, unmeasured.
     """
+    return _timed(chain, solvers, goals, _turns(list(solvers), len(goals)))
+
+
+def _turns(names: list[str], count: int) -> Iterator[tuple[str, range]]:
+    """Lists whose turn it is with which of so many targets, beginning each time with another one."""
+    for turn, first in enumerate(range(0, count, BLOCK)):
+        start = turn % len(names)
+        for name in names[start:] + names[:start]:
+            yield name, range(first, min(first + BLOCK, count))
+
+
+def _timed(
+    chain: Chain, solvers: Mapping[str, Solver], goals: Floats, turns: Iterable[tuple[str, range]]
+) -> dict[str, Calls]:
+    """Times each call of a turn, and looks only after the turn at what was reached."""
     seconds, reached = ({name: np.empty(len(goals)) for name in solvers} for _ in range(2))
     for solver in solvers.values():
         solver(goals[0])
-    names = list(solvers)
-    for turn, first in enumerate(range(0, len(goals), BLOCK)):
-        block, start = range(first, min(first + BLOCK, len(goals))), turn % len(names)
-        for name in names[start:] + names[:start]:
-            solver, found = solvers[name], []
-            for k in block:
-                target = goals[k]
-                began = perf_counter()
-                found.append(solver(target))
-                seconds[name][k] = perf_counter() - began
-            reached[name][block] = [_reached(chain, angles, goals[k]) for k, angles in zip(block, found, strict=True)]
+    for name, block in turns:
+        solver, found = solvers[name], []
+        for k in block:
+            target = goals[k]
+            began = perf_counter()
+            found.append(solver(target))
+            seconds[name][k] = perf_counter() - began
+        reached[name][block] = [_reached(chain, angles, goals[k]) for k, angles in zip(block, found, strict=True)]
     return {name: Calls(seconds[name], reached[name]) for name in solvers}
 
 
