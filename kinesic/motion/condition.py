@@ -105,7 +105,7 @@ def _distance(motion: Trajectory, desired: Floats) -> Floats:
     for begin in range(0, len(desired), BLOCK):
         rows = slice(begin, begin + BLOCK)
         away = motion.sample(knots[rows])[0] - desired[rows]
-        sums = np.concatenate([sums, away**2]).sum(axis=0, keepdims=True)
+        sums = np.concatenate([sums, away**2]).sum(axis=0, keepdims=True)  # row by row, as if it were one block
     return sealed(np.sqrt(sums[0] / len(desired)))
 
 
