@@ -22,7 +22,7 @@ from kinesic.motion.key_times import Search
 from kinesic.motion.keys import Bond, KeyPosture, Keys, Pair
 from kinesic.motion.plane_memory import PlaneMemory
 from kinesic.motion.segments import SplineSegment, pieces
-from kinesic.motion.spline_program import find_free_motion, nearest_within_limits
+from kinesic.motion.spline_program import can_pass, find_free_motion, nearest_within_limits
 from kinesic.motion.trajectory import BLOCK, STEP, Trajectory
 
 LEAD_IN = 0.6  # [s] by which the motion may begin before it is asked to
@@ -85,15 +85,16 @@ def condition(
     """
     keys = Keys.of(postures, limits, bonds)
     eased = limits.times(ease)
-    search, finder = Search(keys, eased, lead_in, budget, memory), NearestFinder(keys, eased, make_desired)
-    found = finder.find(search.times)
-    while isinstance(found, SplineSegment):
+    search, finder = Search(keys, eased, lead_in, budget, memory), NearestFinder(keys, limits, make_desired)
+    with_ease = NearestFinder(keys, eased, make_desired) if ease < 1.0 else None
+
+    def attempt() -> tuple[Floats, Floats] | SplineSegment:
+        lost = with_ease.find_lost(search.times) if with_ease else None
+        return lost or finder.find(search.times)
+
+    while isinstance(found := attempt(), SplineSegment):
         search.avoid(found)
-        found = finder.find(search.times)
     search.remember()
-    if ease < 1.0:
-        nearer = NearestFinder(keys, limits, make_desired).find(search.times)
-        found = found if isinstance(nearer, SplineSegment) else nearer
     desired, controls = found
     motion = Trajectory(seal_own(controls), -float(search.times[0]))
     return Conditioned(motion, keys.asked, sealed(search.times), search.met, _distance(motion, desired))
@@ -122,26 +123,49 @@ class NearestFinder:
         """
         self._keys, self._limits, self._make_desired = keys, limits, make_desired
         self._known: dict[tuple[object, ...], Floats] = {}
+        self._passed: set[tuple[object, ...]] = set()  # segments that have a motion, which was not looked for
 
     def find(self, times: Floats) -> tuple[Floats, Floats] | SplineSegment:
         """The desired motion (k + 1, n) [rad] at the knots, and the nearest one's control points (k + 3, n) [rad].
 
         Or else the first segment that has none. The farther a segment is beyond the limits, the earlier its turn.
         """
-        desired = self._make_desired(times, self._keys).angles(grid(pieces(times, STEP), STEP).knots)
-        controls, beyond = find_free_motion(times, self._keys, self._limits, desired)
-        for _, segment in sorted(beyond, key=lambda pair: -pair[0]):
-            found = self._within_limits(segment, desired[segment.knots, segment.hinge])
+        desired, controls, beyond = self._without_limits(times)
+        for segment, own in beyond:
+            found = self._within_limits(segment, own)
             if found is None:
                 return segment
             controls[segment.controls, segment.hinge] = found
         return desired, controls
 
+    def find_lost(self, times: Floats) -> SplineSegment | None:
+        """The first segment that has no motion within the limits, which is known sooner than all motions are."""
+        _, _, beyond = self._without_limits(times)
+        return next((segment for segment, own in beyond if not self._can_pass(segment, own)), None)
+
+    def _without_limits(self, times: Floats) -> tuple[Floats, Floats, list[tuple[SplineSegment, Floats]]]:
+        """The desired motion, the nearest one without limits, and the segments that exceed these, with their wishes."""
+        desired = self._make_desired(times, self._keys).angles(grid(pieces(times, STEP), STEP).knots)
+        controls, beyond = find_free_motion(times, self._keys, self._limits, desired)
+        every = [segment for _, segment in sorted(beyond, key=lambda pair: -pair[0])]
+        return desired, controls, [(segment, desired[segment.knots, segment.hinge]) for segment in every]
+
     def _within_limits(self, segment: SplineSegment, desired: Floats) -> Floats | None:
-        given = (segment.hinge, segment.marks, segment.grid.pieces, segment.places.tobytes(), desired.tobytes())
+        given = _determine(segment, desired)
         if given not in self._known:
             found = nearest_within_limits(segment, desired, self._limits)
             if found is None:
                 return None
             self._known[given] = found
         return self._known[given]
+
+    def _can_pass(self, segment: SplineSegment, desired: Floats) -> bool:
+        given = _determine(segment, desired)
+        if given not in self._passed and can_pass(segment, desired, self._limits):
+            self._passed.add(given)
+        return given in self._passed
+
+
+def _determine(segment: SplineSegment, desired: Floats) -> tuple[object, ...]:
+    """All that the motion of a segment depends on, beside the limits."""
+    return segment.hinge, segment.marks, segment.grid.pieces, segment.places.tobytes(), desired.tobytes()

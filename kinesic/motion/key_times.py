@@ -105,7 +105,7 @@ class Search:
             elif not self._stretch(stretched):
                 continue
             about = {way for segment, _ in lacking for way in segment.ways}
-            near = [segment for segment in self._segments(self.times, self._moved_hinges) if self._near(segment)]
+            near = [*self._near()]
             tight = [segment for segment in near if not about.isdisjoint(segment.ways)]
             lacking = self._lacking(tight) or self._lacking(near)
 
@@ -184,19 +184,21 @@ class Search:
                 self._tight[known] = tuple(own)
             yield from self._tight[known]
 
-    @property
-    def _moved_hinges(self) -> list[int]:
-        """Hinges for which times have moved: those with planes or spans."""
-        return sorted({hinge for hinge, cuts in self._cuts.items() if cuts} | {hinge for hinge, _ in self._spans})
-
     def _suspect(self, segment: SplineSegment) -> bool:
         return guess_share(segment, self._limits) > ROUGH
 
-    def _near(self, segment: SplineSegment) -> bool:
-        own = [key for mark in segment.marks for key in mark]
-        cuts = (cut for cut in self._cuts.get(segment.hinge, ()) if cut.slopes[own].any())
-        stretched = not self._spans.keys().isdisjoint(segment.ways)
-        return stretched or any(cut.slopes @ self.times > cut.bound - NEAR for cut in cuts)
+    def _near(self) -> Iterator[SplineSegment]:
+        """Segments that may lack time now: those about a plane which the times hardly keep, and those with spans."""
+        for hinge in sorted({*self._cuts, *(hinge for hinge, _ in self._spans)}):
+            cuts = (cut for cut in self._cuts.get(hinge, ()) if cut.slopes @ self.times > cut.bound - NEAR)
+            tight = [cut.slopes != 0.0 for cut in cuts]
+            ways = {way for way in self._spans if way[0] == hinge}
+            if not tight and not ways:
+                continue
+            about = np.any(tight, axis=0) if tight else np.zeros(len(self.times), dtype=bool)
+            for segment in self._segments(self.times, [hinge]):
+                if any(about[key] for mark in segment.marks for key in mark) or not ways.isdisjoint(segment.ways):
+                    yield segment
 
     def _in_rhythm(self, segment: SplineSegment, ways: set[Way]) -> bool:
         """Whether a hinge goes back and forth there over a repeated stroke; planes would hardly find its times."""

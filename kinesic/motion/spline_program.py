@@ -20,6 +20,8 @@ from kinesic.motion.trajectory import STEP
 
 KERNEL: Kernel = find_kernel("kinesic.motion._kernel")  # which implementation runs
 WITHIN = 1.0 + 1e-9  # share of a limit that counts as kept
+NO_MORE = 1e-6  # relaxation that counts as none, as precise as PIQP
+EASIER = -0.2  # relaxation below which none is looked for, where 0 is enough
 
 CLOSENESS = sealed(
     [np.array([1.0, 4.0, 1.0]) / 6, np.sqrt(SMOOTHNESS) * np.array([1.0, -2.0, 1.0]) / STEP**2]
@@ -119,7 +121,20 @@ def _find_in_python(times: Floats, keys: Keys, limits: Limits, desired: Floats) 
     return controls, beyond
 
 
-def relax_limits(segment: SplineSegment, limits: Limits, *, easy: float, enough: float = -np.inf) -> Relaxation | None:
+def can_pass(segment: SplineSegment, desired: Floats, limits: Limits) -> bool:
+    """Tells whether `nearest_within_limits` would find a motion, in a third of its time."""
+    found = relax_limits(segment, limits, desired=desired, easy=EASIER, enough=NO_MORE)
+    return found is not None and found.amount <= NO_MORE
+
+
+def relax_limits(
+    segment: SplineSegment,
+    limits: Limits,
+    *,
+    easy: float,
+    enough: float = -np.inf,
+    desired: Floats | None = None,
+) -> Relaxation | None:
     """Finds the least relaxation of a segment's limits with which it can be passed.
 
     Args:
@@ -127,11 +142,12 @@ def relax_limits(segment: SplineSegment, limits: Limits, *, easy: float, enough:
         limits: of all hinges.
         easy: relaxation, mostly below 0, that need not be lower.
         enough: relaxation at which the search may end, with multipliers that tell nothing.
+        desired: (k + 1,) [rad] at its knots, a motion near to which the hinge may swing.
 
     Returns:
         None when the program cannot be solved.
     """
-    corridor, fixed = segment.corridor(limits), segment.fixed
+    corridor, fixed = segment.corridor(limits, desired), segment.fixed
     if KERNEL == "numpy":
         found = piqp.relax_limits(segment, limits, corridor, easy)
     else:

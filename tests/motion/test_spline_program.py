@@ -13,6 +13,7 @@ from kinesic.motion.segments import SplineSegment
 from kinesic.motion.spline_program import (
     KERNEL,
     _pull,
+    can_pass,
     nearest_motion,
     nearest_within_limits,
     nearest_without_limits,
@@ -151,6 +152,24 @@ def distance(way: SplineSegment, wish: Floats, controls: Floats) -> float:
     """What is made least, but for the part that is the same for all."""
     form = way.grid.closeness
     return float(controls @ (form @ controls) / 2 - (way.grid.at_knots.T @ wish) @ controls)
+
+
+def test_a_segment_can_pass_where_there_is_a_motion_of_it():
+    stuck = 0
+    for seed in range(60):
+        with about(f"seed {seed}"):
+            way, wish = random_segment(seed)
+            found = can_pass(way, wish, LIMITS)
+            assert found == (nearest_within_limits(way, wish, LIMITS) is not None)
+            stuck += not found
+    assert 4 <= stuck <= 40
+
+
+def test_a_wish_that_swings_farther_than_the_keys_makes_room():
+    way, wish = random_segment(7)
+    narrow, wide = (relax_limits(way, LIMITS, easy=EASY, desired=desired) for desired in (None, wish))
+    assert narrow.amount > 1e-3
+    assert wide.amount < -1e-3
 
 
 @compiled

@@ -54,7 +54,13 @@ class BandedSystem {
             } else {
                 for (int column = first_[row]; column < row; ++column) sum += own[column] * x[column];
             }
-            for (int below = row + 1; below <= last_[row]; ++below) sum += line(below)[row] * x[below];
+            if (last_[row] - row == WIDTH) {
+                sum += line(row + 1)[row] * x[row + 1];
+                sum += line(row + 2)[row] * x[row + 2];
+                sum += line(row + 3)[row] * x[row + 3];
+            } else {
+                for (int below = row + 1; below <= last_[row]; ++below) sum += line(below)[row] * x[below];
+            }
             into[row] = sum;
         }
     }
@@ -63,13 +69,7 @@ class BandedSystem {
     void factorise() {
         for (int row = 0; row < size_; ++row) {
             double* own = line(row);
-            const int begin = first_[row];
-            for (int column = begin + 1; column < row; ++column) {
-                const double* other = line(column);
-                double sum = own[column];
-                for (int k = std::max(begin, first_[column]); k < column; ++k) sum -= own[k] * other[k];
-                own[column] = sum;  // times D, until the row is done
-            }
+            eliminate(row);
             double pivot = own[row];
             each_before(row, [&](int column) {
                 const double scaled = own[column];
@@ -110,6 +110,24 @@ class BandedSystem {
     const double* line(int row) const { return entries_.data() + starts_[row]; }
 
   private:
+    // Turns the entries of a row before its own into those of L times D.
+    void eliminate(int row) {
+        double* own = line(row);
+        const int begin = first_[row];
+        if (row - begin == WIDTH) {
+            const double *above = line(row - 1), *second = line(row - 2);
+            own[row - 2] -= own[row - 3] * second[row - 3];
+            own[row - 1] = own[row - 1] - own[row - 3] * above[row - 3] - own[row - 2] * above[row - 2];
+            return;
+        }
+        for (int column = begin + 1; column < row; ++column) {
+            const double* other = line(column);
+            double sum = own[column];
+            for (int k = std::max(begin, first_[column]); k < column; ++k) sum -= own[k] * other[k];
+            own[column] = sum;
+        }
+    }
+
     // Calls visit(column) for the columns of a row before its own; most rows have three.
     template <typename Visit>
     void each_before(int row, Visit visit) const {

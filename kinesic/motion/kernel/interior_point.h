@@ -26,9 +26,11 @@ constexpr double ACTIVE_WEIGHT = 1e8;  // of such a limit
 constexpr int POLISHED = 20;  // times at most
 constexpr double POLISH = 1e-12;  // residuals of an exact optimum
 constexpr double STUCK = 0.99;  // of the residuals before, above which some of the limits contradict one another
-constexpr double SHORT = 0.995;  // of the way to the nearest bound
+constexpr double SHORT = 0.999;  // of the way to the nearest bound
 constexpr double STALLED = 1e-7;  // step that leads nowhere
-constexpr double LIFT_BELOW = 1e-3;  // least slack and multiplier of a start
+constexpr double LIGHT = 0.01;  // weight of limits in a start, beside which the desired motion counts
+constexpr double ROOM = 0.1;  // least slack of such a start
+constexpr double LIFT_BELOW = 1e-3;  // slack below which it has none
 constexpr double EASED = 0.1;  // by which the start of a relaxation is easier than it must be
 constexpr double AWAY = 0.01;  // [rad] slack of control points in such a start
 constexpr double DIRECTED = 1e-12;  // share of its right side that a step may leave; with 1e-9 one program in a thousand stalls
@@ -61,7 +63,7 @@ class InteriorPoint {
             assemble();
             find_direction(0.0, false, p.relaxing ? ROUGH : DIRECTED);
             const double share = mean_product(reach(1.0)) / mean;
-            find_direction(share * share * share * mean, true, DIRECTED);
+            find_direction(share * share * mean, true, DIRECTED);
             const Steps steps = reach(SHORT);
             mean = mean_product(steps);
             if (!(std::max(steps.primal, steps.dual) > STALLED && std::isfinite(mean))) break;
@@ -90,26 +92,27 @@ class InteriorPoint {
         double primal, dual;
     };
 
-    // The solution of all conditions with D = 1, with slacks and multipliers moved to be positive.
+    // The solution of all conditions with the same weights D of all limits; slacks and multipliers are moved to be positive.
     void begin() {
-        std::fill(weights.begin(), weights.end(), 1.0);
+        const double weight = p.relaxing ? 1.0 : LIGHT;
+        std::fill(weights.begin(), weights.end(), weight);
         assemble();
         right.clear();
         const double part = limits.transpose(limits.bounds(), right.points) - (p.relaxing ? 1.0 : 0.0);
-        for (int j = 0; j < n && !p.relaxing; ++j) right.points[j] += p.pull[j];
+        for (int j = 0; j < n && !p.relaxing; ++j) right.points[j] = weight * right.points[j] + p.pull[j];
         right.ties = p.values;
         s = solve_system(part, DIRECTED);
         at = step;
         limits.apply(at.points, s, t);
         for (int q = 0; q < inequality_count; ++q) {
             t[q] = limits.bounds()[q] - t[q];
-            z[q] = -t[q];
+            z[q] = -weight * t[q];
         }
         if (p.relaxing) {
             ease();
         } else {
-            lift(t);
-            lift(z);
+            lift(t, ROOM);
+            lift(z, weight);
         }
     }
 
@@ -129,10 +132,10 @@ class InteriorPoint {
         for (int q = 0; q < inequality_count; ++q) z[q] = 1.0 / (sum * t[q]);
     }
 
-    static void lift(std::vector<double>& values) {
+    static void lift(std::vector<double>& values, double least) {
         const double lowest = *std::min_element(values.begin(), values.end());
         if (lowest < LIFT_BELOW)
-            for (double& value : values) value += 1.0 - std::min(lowest, 0.0);
+            for (double& value : values) value += least - std::min(lowest, 0.0);
     }
 
     // Moves on to the exact optimum on the limits that are met; false where these cannot be told yet.

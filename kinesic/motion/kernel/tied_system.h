@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "banded_system.h"
+#include "lanes.h"
 #include "spline_program.h"
 
 namespace kinesic::motion {
@@ -59,16 +60,15 @@ class TiedSystem {
         for (int k = 0; k < m; ++k) right_[ties_[k]] = right.ties[k];
         answer_ = right_;
         solve_scaled(answer_);
-        double last = HUGE_VAL, enough = 0.0;
-        for (double value : right_) enough = std::max(enough, exact * std::abs(value));
+        const double* wanted = right_.data();
+        double* left = left_.data();
+        const double tolerance = exact * largest_of(n + m, [=](int i) { return std::abs(wanted[i]); });
+        double last = HUGE_VAL;
         for (int k = 0; k < REFINED && exact < 1.0; ++k) {
             system_.multiply(answer_, left_);
-            double most = 0.0;
-            for (int i = 0; i < n + m; ++i) {
-                left_[i] = right_[i] - left_[i];
-                most = std::max(most, std::abs(left_[i]));
-            }
-            if (most <= enough || most > last / 2) break;
+            for (int i = 0; i < n + m; ++i) left[i] = wanted[i] - left[i];
+            const double most = largest_of(n + m, [=](int i) { return std::abs(left[i]); });
+            if (most <= tolerance || most > last / 2) break;
             last = most;
             solve_scaled(left_);
             for (int i = 0; i < n + m; ++i) answer_[i] += left_[i];
