@@ -14,6 +14,7 @@ def make_physics(
     step: int,
     model: int,
     data: int,
+    clock: int,
     timestep: int,
     positions: Floats,
     speeds: Floats,
@@ -25,6 +26,21 @@ def make_physics(
     longest: float,
     latency: float,
 ) -> TwinPhysics: ...
+def split_steps(
+    twin: TwinPhysics,
+    before: Indices,
+    after: Indices,
+    lower: Floats,
+    upper: Floats,
+    begins: Indices,
+    ends: Indices,
+    columns: Indices,
+    positions: Floats,
+    factor: Floats,
+    inverse_d: Floats,
+    softness: Floats,
+    matrix: Floats,
+) -> None: ...
 def perform(
     twin: TwinPhysics,
     times: Floats,

@@ -26,6 +26,7 @@ from kinesic.controller.play import commands, play_together
 from kinesic.kernels import Kernel, find_kernel
 from kinesic.motion.trajectory import Trajectory
 from kinesic.sim.stepping.addresses import TwinParts
+from kinesic.sim.stepping.friction_step import FrictionParts
 from kinesic.sim.stepping.step_log import StepRecord
 from kinesic.sim.twin import Twin
 
@@ -112,6 +113,8 @@ class CompiledLoop:
         """
         self._twin, self._size = twin, len(parts.positions)
         self._physics = _kernel.make_physics(*(getattr(parts, name) for name in TwinParts.__dataclass_fields__))
+        if stages := twin.friction():
+            _kernel.split_steps(self._physics, *(getattr(stages, name) for name in FrictionParts.__dataclass_fields__))
         self._correction = None if observer is None else _correction(observer)
         self._under_way = np.empty((0, len(parts.hinges)))  # (w, n) [rad] goals that are sent but not yet in force
 

@@ -17,6 +17,7 @@ from kinesic.sim.power import Supply
 from kinesic.sim.servo_factors import NOMINAL, Factors
 from kinesic.sim.stepping.addresses import TwinParts, function_address, timestep_address
 from kinesic.sim.stepping.driven_motion import HingePlaces
+from kinesic.sim.stepping.friction_step import FrictionParts, friction_parts
 from kinesic.sim.stepping.recorder import Recorder
 from kinesic.sim.stepping.step_log import StepLog, StepRecord
 
@@ -153,6 +154,7 @@ class Twin:
             step=step,
             model=int(self._model._address),
             data=int(data._address),
+            clock=function_address("mjcb_time") or 0,
             timestep=timestep,
             positions=data.qpos,
             speeds=data.qvel,
@@ -164,6 +166,10 @@ class Twin:
             longest=self._step,
             latency=self._latency,
         )
+
+    def friction(self) -> FrictionParts | None:
+        """Hands the stages of its steps to a compiled loop, before the first command; None: steps stay whole."""
+        return friction_parts(self._model, self._data, self._step)
 
     def take(self, record: StepRecord) -> None:
         """Takes what a compiled loop has done with its parts as if it had been written command by command."""

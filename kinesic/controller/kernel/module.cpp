@@ -23,6 +23,7 @@ using Marks = nb::ndarray<const bool, nb::ndim<2>, nb::c_contig, nb::device::cpu
 using Live = nb::ndarray<double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
 constexpr double DEGREES = 180.0 / 3.14159265358979323846;
+constexpr double SAME_COUPLING = 1e-9;  // relative to what MuJoCo finds, or to 1/(kg m^2)
 constexpr double SHORTEST = 1e-3;  // [s] of a step that has a speed
 
 std::vector<double> copy(const Numbers& from) { return {from.data(), from.data() + from.size()}; }
@@ -64,16 +65,49 @@ Observer make_observer(const Numbers& forecast, const Numbers& gain, const Numbe
     return made;
 }
 
-TwinPhysics make_physics(uintptr_t step, uintptr_t model, uintptr_t data, uintptr_t timestep, const Live& positions,
-                         const Live& speeds, const Live& control, const Places& hinges, const Places& play,
-                         const Places& actuators, const Numbers& ticks, double longest, double latency) {
+std::vector<Stage> stages(const Places& addresses) {
+    std::vector<Stage> found;
+    for (size_t k = 0; k < addresses.size(); ++k) found.push_back(reinterpret_cast<Stage>(addresses.data()[k]));
+    return found;
+}
+
+// Has a twin do stages of mj_step where friction alone acts on its (n,) hinges, unless MuJoCo's matrix is not what it would be
+// here. Arrays are MuJoCo's own, but for the stops.
+void split_steps(TwinPhysics& twin, const Places& before, const Places& after, const Numbers& lower, const Numbers& upper,
+                 const Places& begins, const Places& ends, const Places& columns, const Live& positions,
+                 const Live& factor, const Live& inverse_d, const Live& softness, const Live& matrix) {
+    const size_t n = lower.size(), count = factor.size();
+    require(upper.size() == n && positions.size() == n && inverse_d.size() == n && softness.size() == n);
+    require(begins.size() == n && ends.size() == n && columns.size() == count && matrix.size() == n * n);
+    FrictionStep made;
+    made.before = stages(before);
+    made.after = stages(after);
+    made.inertia = {factor.data(), inverse_d.data(), copy(begins, count), copy(ends, count), copy(columns, n)};
+    made.lower = copy(lower);
+    made.upper = copy(upper);
+    made.positions = positions.data();
+    made.softness = softness.data();
+    made.matrix = matrix.data();
+    const std::vector<double> known(made.matrix, made.matrix + n * n);
+    made.couple();
+    const bool same = std::equal(known.begin(), known.end(), made.matrix, [](double a, double b) {
+        return std::abs(a - b) <= SAME_COUPLING * std::max(std::abs(a), 1.0);
+    });
+    if (same) twin.step.friction = std::move(made);
+}
+
+TwinPhysics make_physics(uintptr_t step, uintptr_t model, uintptr_t data, uintptr_t clock, uintptr_t timestep,
+                         const Live& positions, const Live& speeds, const Live& control, const Places& hinges,
+                         const Places& play, const Places& actuators, const Numbers& ticks, double longest,
+                         double latency) {
     TwinPhysics made;
     require(step && model && data && timestep && speeds.size() == positions.size() && longest > 0.0);
     require(actuators.size() == hinges.size() && (!play.size() || play.size() == hinges.size()));
     require(!ticks.size() || ticks.size() == hinges.size());
-    made.step = reinterpret_cast<void (*)(void*, void*)>(step);
-    made.model = reinterpret_cast<void*>(model);
-    made.data = reinterpret_cast<void*>(data);
+    made.step.whole = reinterpret_cast<Stage>(step);
+    made.step.model = reinterpret_cast<void*>(model);
+    made.step.data = reinterpret_cast<void*>(data);
+    made.step.clock = reinterpret_cast<void**>(clock);
     made.timestep = reinterpret_cast<double*>(timestep);
     made.positions = positions.data();
     made.speeds = speeds.data();
@@ -220,6 +254,7 @@ NB_MODULE(_kernel, module) {
     nb::class_<TwinPhysics>(module, "TwinPhysics");
     module.def("make_observer", &make_observer);
     module.def("make_physics", &make_physics);
+    module.def("split_steps", &split_steps);
     module.def("make_correction", &make_correction);
     module.def("first_entry", &first_entry);
     module.def("tracking_errors", &tracking_errors);

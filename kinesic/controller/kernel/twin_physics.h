@@ -1,5 +1,4 @@
-// A twin's physics, stepped by MuJoCo's own mj_step, and every step of it kept: what `sim/twin.py` does command by
-// command. MuJoCo is known by addresses alone, so that no version of its headers is built in.
+// A twin's physics, and every step of it kept: what `sim/twin.py` does command by command.
 
 #pragma once
 
@@ -7,6 +6,8 @@
 #include <cstdint>
 #include <deque>
 #include <vector>
+
+#include "physics_step.h"
 
 namespace kinesic::controller {
 
@@ -18,8 +19,7 @@ struct Goals {
 };
 
 struct TwinPhysics {
-    void (*step)(void*, void*) = nullptr;
-    void *model = nullptr, *data = nullptr;
+    PhysicsStep step;
     double* timestep = nullptr;
     const double *positions = nullptr, *speeds = nullptr;  // MuJoCo's qpos and qvel
     double* control = nullptr;                             // its ctrl
@@ -74,7 +74,7 @@ struct TwinPhysics {
         *timestep = last = span / count;
         for (int k = 0; k < count; ++k) {
             if (!play.empty()) aim_through_play();
-            step(model, data);
+            step.advance();
             angles_kept.insert(angles_kept.end(), positions, positions + size);
             speeds_kept.insert(speeds_kept.end(), speeds, speeds + size);
         }

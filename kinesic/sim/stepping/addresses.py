@@ -21,6 +21,7 @@ class TwinParts:
     step: int  # address of the function `mj_step`
     model: int  # address
     data: int  # address
+    clock: int  # address of the pointer to the function by which MuJoCo times its stages; 0: there is none
     timestep: int  # address, within the model
     positions: Floats  # (q,) [rad] qpos
     speeds: Floats  # (q,) [rad/s] qvel
@@ -35,7 +36,7 @@ class TwinParts:
 
 @cache
 def function_address(name: str) -> int | None:
-    """Finds the address of a function of the library that Python's MuJoCo has loaded; None where it is not found."""
+    """Finds the address of a function or a variable of the library that Python's MuJoCo has loaded; None: no such."""
     for library in sorted(Path(mujoco.__file__).parent.glob("libmujoco*")):
         try:
             found = getattr(ctypes.CDLL(str(library)), name)

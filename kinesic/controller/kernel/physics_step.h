@@ -1,0 +1,84 @@
+// One step of MuJoCo: its own mj_step, or the same stages without those that make constraints and their matrix, which are a
+// sixth of it. Where only friction constrains the hinges, its rows stay as they are, and the Jacobian of all is the
+// identity, so that their matrix is M^-1 + R. MuJoCo is known by addresses alone: no version of its headers is built in.
+
+#pragma once
+
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+namespace kinesic::controller {
+
+using Stage = void (*)(void* model, void* data);
+
+// M = L^T D L of n hinges, as MuJoCo factors it anew in each step.
+struct FactoredInertia {
+    const double *entries = nullptr, *inverse_d = nullptr;  // of L, row by row; (n,) of 1 / D
+    std::vector<int> begins, ends, columns;                 // (n,) of each row left of its diagonal; of each entry
+
+    // Writes M^-1 (n, n): left of the diagonal L M^-1 = D^-1 L^-T is zero, which gives each row from those above.
+    void invert(double* inverse) const {
+        const size_t n = begins.size();
+        for (size_t i = 0; i < n; ++i) {
+            double* row = inverse + i * n;
+            std::fill_n(row, i, 0.0);
+            for (int e = begins[i]; e < ends[i]; ++e) {
+                const double *above = inverse + columns[e] * n, l = entries[e];
+                for (size_t j = 0; j < i; ++j) row[j] -= l * above[j];
+            }
+            row[i] = inverse_d[i];
+            for (int e = begins[i]; e < ends[i]; ++e) row[i] -= entries[e] * row[columns[e]];
+            for (size_t j = 0; j < i; ++j) inverse[j * n + i] = row[j];
+        }
+    }
+};
+
+struct FrictionStep {
+    std::vector<Stage> before, after;  // stages of mj_step, up to the factors of the inertia and from then on
+    FactoredInertia inertia;
+    std::vector<double> lower, upper;   // (n,) [rad] between which no stop acts
+    const double* positions = nullptr;  // (n,) [rad] qpos
+    const double* softness = nullptr;   // (n,) efc_R
+    double* matrix = nullptr;           // (n, n) efc_AR
+    bool ready = false;                 // whether the last rows that MuJoCo made are those of friction alone
+
+    bool stops_act() const {
+        for (size_t i = 0; i < lower.size(); ++i)
+            if (!(positions[i] >= lower[i] && positions[i] <= upper[i])) return true;
+        return false;
+    }
+
+    // Writes what couples the rows.
+    void couple() const {
+        inertia.invert(matrix);
+        for (size_t i = 0, n = lower.size(); i < n; ++i) matrix[i * n + i] += softness[i];
+    }
+
+    void advance(void* model, void* data) const {
+        for (const Stage stage : before) stage(model, data);
+        couple();
+        for (const Stage stage : after) stage(model, data);
+    }
+};
+
+struct PhysicsStep {
+    Stage whole = nullptr;  // mj_step
+    void *model = nullptr, *data = nullptr;
+    void** clock = nullptr;  // the function by which MuJoCo times its stages, a twentieth of them; null: there is none
+    std::optional<FrictionStep> friction;
+
+    void advance() {
+        void* const ticking = clock ? *clock : nullptr;
+        if (clock) *clock = nullptr;
+        const bool free = friction && !friction->stops_act();
+        if (free && friction->ready)
+            friction->advance(model, data);
+        else
+            whole(model, data);
+        if (friction) friction->ready = free;
+        if (clock) *clock = ticking;
+    }
+};
+
+}  // namespace kinesic::controller

@@ -1,0 +1,115 @@
+"""Finds the stages of a step of the physics whose constraints are the friction of hinges alone.
+
+The rows of friction are the same in any posture, and each is a hinge of its own: a compiled loop has MuJoCo make them
+once, and only replaces the matrix that couples them. Where a hinge is beyond its stop, MuJoCo makes all rows anew.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+
+import mujoco
+import numpy as np
+
+from kinesic.body.arrays import Floats, Indices
+from kinesic.sim.stepping.addresses import function_address
+
+# Stages of `mj_step` in its order, without `mj_makeConstraint` and `mj_projectConstraint`.
+BEFORE = ("mj_checkPos", "mj_checkVel", "mj_kinematics", "mj_comPos", "mj_makeM", "mj_factorM")
+AFTER = (
+    "mj_transmission",
+    "mj_fwdVelocity",
+    "mj_fwdActuation",
+    "mj_fwdAcceleration",
+    "mj_fwdConstraint",
+    "mj_checkAcc",
+    "mj_implicit",
+)
+
+PENDULUM = """
+<mujoco>
+  <option solver="PGS" jacobian="dense" integrator="implicitfast"/>
+  <worldbody>
+    <body>
+      <joint name="hinge" axis="0 1 0" damping="0.1" frictionloss="0.1"/>
+      <geom pos="0.3 0 0" size="0.1"/>
+    </body>
+  </worldbody>
+  <actuator>
+    <position joint="hinge" kp="5"/>
+  </actuator>
+</mujoco>
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class FrictionParts:
+    """What a compiled loop needs for such steps; from `positions` on, arrays are MuJoCo's own."""
+
+    before: Indices  # (k,) addresses of the stages up to the factors of the inertia
+    after: Indices  # (l,) addresses of those from then on
+    lower: Floats  # (n,) [rad] between which no stop acts
+    upper: Floats  # (n,) [rad] likewise
+    begins: Indices  # (n,) where the rows of qLD begin
+    ends: Indices  # (n,) where their diagonal is
+    columns: Indices  # (c,) of its entries
+    positions: Floats  # (n,) [rad] qpos
+    factor: Floats  # (c,) qLD
+    inverse_d: Floats  # (n,) qLDiagInv
+    softness: Floats  # (n,) efc_R
+    matrix: Floats  # (n * n,) efc_AR
+
+
+def friction_parts(model: mujoco.MjModel, data: mujoco.MjData, longest: float) -> FrictionParts | None:
+    """Finds the parts of a model that cannot touch anything, before its first step; None where its steps stay whole.
+
+    Args:
+        model: of which only the timestep changes from now on.
+        data: its first posture.
+        longest: [s] of a step.
+    """
+    before, after = ([function_address(name) or 0 for name in stages] for stages in (BEFORE, AFTER))
+    if not all((*before, *after)) or not _is_as_expected(model, longest) or not stages_make_a_step():
+        return None
+    mujoco.mj_fwdPosition(model, data)
+    if not data.nefc == data.nf == model.nv:
+        return None
+    bounded = model.jnt_limited.astype(np.bool_)
+    return FrictionParts(
+        before=np.array(before, dtype=np.int64),
+        after=np.array(after, dtype=np.int64),
+        lower=np.where(bounded, model.jnt_range[:, 0] + model.jnt_margin, -np.inf),
+        upper=np.where(bounded, model.jnt_range[:, 1] - model.jnt_margin, np.inf),
+        begins=model.M_rowadr.astype(np.int64),
+        ends=(model.M_rowadr + model.M_rownnz - 1).astype(np.int64),
+        columns=model.M_colind.astype(np.int64),
+        positions=data.qpos,
+        factor=data.qLD,
+        inverse_d=data.qLDiagInv,
+        softness=data.efc_R,
+        matrix=data.efc_AR,
+    )
+
+
+@cache
+def stages_make_a_step() -> bool:
+    """Tries whether these stages are all that `mj_step` does to a pendulum, whose matrix is the same in any posture."""
+    model = mujoco.MjModel.from_xml_string(PENDULUM)
+    whole, staged = mujoco.MjData(model), mujoco.MjData(model)
+    whole.ctrl[:] = staged.ctrl[:] = 1.0
+    mujoco.mj_step(model, whole, 3)
+    mujoco.mj_step(model, staged)
+    for name in (*BEFORE, *AFTER) * 2:
+        getattr(mujoco, name)(model, staged)
+    return np.array_equal(whole.qpos, staged.qpos) and np.array_equal(whole.qvel, staged.qvel)
+
+
+def _is_as_expected(model: mujoco.MjModel, longest: float) -> bool:
+    """Whether MuJoCo needs just this matrix of constraints, and makes the same rows with every timestep."""
+    return bool(
+        model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_CONTACT
+        and model.opt.solver == mujoco.mjtSolver.mjSOL_PGS
+        and model.opt.jacobian == mujoco.mjtJacobian.mjJAC_DENSE
+        and model.opt.integrator == mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+        and (model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE).all()
+        and (model.dof_solref[:, 0] >= 2 * longest).all()
+    )
