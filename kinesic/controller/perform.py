@@ -37,6 +37,7 @@ from kinesic.planning.setup import IntentionFiles, Setup
 from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.dynamics import MujocoDynamics
 from kinesic.sim.servo_factors import NOMINAL, Factors
+from kinesic.sim.stepping.simulation import borrow_simulations
 from kinesic.sim.twin import STEP, Twin
 from kinesic.speech.voice import voice as make_voice
 
@@ -215,12 +216,16 @@ def dry_runs(
     duties = np.empty((len(times), len(start)))
 
     def performed(*, touches: bool) -> list[Measurements]:
-        bodies = [Twin(robot, factors=factors, step=step, start=start, touches=touches) for factors in twins]
-        recorders = [body.recorder(len(times)) for body in bodies]
-        for stretch in perform_in_twins(trajectory, times, lead, bodies, observers, progress):
-            bodies[stretch.twin].record(recorders[stretch.twin])  # at once, while its steps are in the cache
-            duties[stretch.commands] = stretch.setpoints.duties
-        return [recorder.measurements() for recorder in recorders]
+        with borrow_simulations(robot, twins, touches=touches) as simulations:
+            bodies = [
+                Twin(robot, factors=factors, step=step, start=start, touches=touches, simulation=simulation)
+                for factors, simulation in zip(twins, simulations, strict=True)
+            ]
+            recorders = [body.recorder(len(times)) for body in bodies]
+            for stretch in perform_in_twins(trajectory, times, lead, bodies, observers, progress):
+                bodies[stretch.twin].record(recorders[stretch.twin])  # at once, while its steps are in the cache
+                duties[stretch.commands] = stretch.setpoints.duties
+            return [recorder.measurements() for recorder in recorders]
 
     alone = observers(1) if observers else None
     restoring = 1.0 if alone is None else alone.restoring

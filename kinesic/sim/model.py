@@ -53,18 +53,23 @@ def build_model(robot: Robot, *, servos: Factors = NOMINAL) -> mujoco.MjModel:
 
 @lru_cache(maxsize=8)
 def _compiled(robot: Robot, servos: Factors) -> mujoco.MjModel:
-    links = Factors(mass=servos.mass, play=servos.play)  # all else that compiling looks at are figures of drives
+    links = figures_of_links(servos)
     if servos != links:
         model = copy(_compiled(robot, links))
-        _fit_drives(model, robot, servos)
+        fit_drives(model, robot, servos)
         return model
     spec = describe(uncouple(servos.applied(robot)), play=servos.play)
     spec.compiler.discardvisual = True  # the servos' boxes leave only their weight
     return spec.compile()
 
 
-def _fit_drives(model: mujoco.MjModel, robot: Robot, servos: Factors) -> None:
-    """Writes what `_add_hinge` says of drives into a compiled model: it takes a tenth of compiling."""
+def figures_of_links(servos: Factors) -> Factors:
+    """Picks what compiling looks at beside figures of drives."""
+    return Factors(mass=servos.mass, play=servos.play)
+
+
+def fit_drives(model: mujoco.MjModel, robot: Robot, servos: Factors) -> None:
+    """Writes what `_add_hinge` says of drives into a model with the same figures of links: a tenth of compiling."""
     drives, hinges, motors = servos.applied(robot).drives, joint_order(robot, model), actuator_order(robot, model)
     model.dof_frictionloss[hinges], model.dof_damping[hinges] = drives.frictionloss, drives.damping
     for motor, drive in zip(motors, drives, strict=True):

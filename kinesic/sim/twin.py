@@ -8,17 +8,18 @@ from math import ceil, inf
 import mujoco
 import numpy as np
 
-from kinesic.body.arrays import Floats, Indices, sealed
+from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import Command, Measurements, State
 from kinesic.body.robot import Robot
 from kinesic.sim.distances import CapsuleDistances
-from kinesic.sim.model import actuator_order, build_model, joint_order, of_hinges, play_order
+from kinesic.sim.model import of_hinges
 from kinesic.sim.power import Supply
 from kinesic.sim.servo_factors import NOMINAL, Factors
 from kinesic.sim.stepping.addresses import TwinParts, function_address, timestep_address
 from kinesic.sim.stepping.driven_motion import HingePlaces
 from kinesic.sim.stepping.friction_step import FrictionParts, friction_parts
 from kinesic.sim.stepping.recorder import Recorder
+from kinesic.sim.stepping.simulation import Simulation, build_simulation
 from kinesic.sim.stepping.step_log import StepLog, StepRecord
 
 STEP = 0.004  # [s] longest physics step: angles stay within 0.05 deg of those with steps of 1 ms
@@ -40,6 +41,7 @@ class Twin:
         start: Floats | None = None,
         rounds: bool = True,
         touches: bool = True,
+        simulation: Simulation | None = None,
     ) -> None:
         """Builds the physics; its servos hold the posture it starts from.
 
@@ -50,6 +52,7 @@ class Twin:
             start: (n,) [rad] first posture; the robot's rest posture if not given.
             rounds: goals to ticks, as the servos' registers do.
             touches: itself where segments meet; a tenth faster without, and the same as long as they stay apart.
+            simulation: as if just built for all of this; its own if not given.
 
         Raises:
             ValueError: step is not positive.
@@ -59,15 +62,9 @@ class Twin:
         self._robot = factors.applied(robot)
         self._distances = _distances(robot)  # the same for all factors
         self._step, self._latency = step, factors.latency
-        self._model = build_model(robot, servos=factors)
-        if not touches:
-            self._model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
-            if not factors.play:
-                self._model.opt.solver = mujoco.mjtSolver.mjSOL_PGS  # what friction leaves to solve, it solves soonest
-        self._data = mujoco.MjData(self._model)
-        self._order = _place(joint_order(robot, self._model))
-        self._actuators = _place(actuator_order(robot, self._model))
-        self._play = play_order(robot, self._model)
+        body = simulation or build_simulation(robot, factors, touches=touches)
+        self._model, self._data = body.model, body.data
+        self._order, self._play, self._actuators = body.joints, body.play, body.actuators
         self._supply = Supply.of(self._robot.drives, factors)
         self._ticks = robot.drives.tick if rounds else None
         posture = robot.skeleton.rest if start is None else start
@@ -240,11 +237,6 @@ class Twin:
     def _rounded(self, goals: Floats) -> Floats:
         """(n,) [rad] as the servos' registers hold them."""
         return goals.copy() if self._ticks is None else np.rint(goals / self._ticks) * self._ticks
-
-
-def _place(order: Indices) -> Indices | slice:
-    """A slice where the robot's own order is MuJoCo's: a view costs less than a copy."""
-    return slice(None) if np.array_equal(order, np.arange(len(order))) else order
 
 
 @lru_cache(maxsize=4)

@@ -13,7 +13,7 @@ from kinesic.controller.closed_loop import perform_in_twins
 from kinesic.controller.feedforward import FeedForward, FeedForwardGoals
 from kinesic.controller.perform import dry_runs
 from kinesic.sim.servo_factors import NOMINAL, PESSIMISTIC, Factors
-from kinesic.sim.stepping import driven_motion, friction_step
+from kinesic.sim.stepping import driven_motion, friction_step, simulation
 from kinesic.sim.stepping.addresses import _timestep_offset, function_address, timestep_address
 from kinesic.sim.stepping.recorder import Recorder
 from kinesic.sim.twin import STEP, Twin
@@ -68,6 +68,7 @@ def test_a_twin_goes_on_from_where_the_loop_left_it(calm, in_python, monkeypatch
         made.append(self)
 
     monkeypatch.setattr(Twin, "__init__", remember)
+    monkeypatch.setattr(simulation, "_shelf", lambda *given, **options: [])  # each keeps its own
     for run in (dry_runs, in_python):
         run(calm.plan, (LATE_AND_LOOSE,), watch=False)
     still = np.zeros_like(calm.reference.angles[0])
@@ -76,6 +77,7 @@ def test_a_twin_goes_on_from_where_the_loop_left_it(calm, in_python, monkeypatch
         for k in range(1, 6):
             twin.write(Command(end + 0.01 * k, still, still, still, calm.reference.angles[0]))
     fast, slow = made
+    assert fast.physics[1] is not slow.physics[1]
     np.testing.assert_allclose(fast.positions(), slow.positions(), rtol=0, atol=1e-9)
     assert np.ptp(fast.measurements().angles[-6:], axis=0).max() > 0.001
 
