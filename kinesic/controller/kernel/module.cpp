@@ -107,7 +107,7 @@ TwinPhysics make_physics(uintptr_t step, uintptr_t model, uintptr_t data, uintpt
     made.step.whole = reinterpret_cast<Stage>(step);
     made.step.model = reinterpret_cast<void*>(model);
     made.step.data = reinterpret_cast<void*>(data);
-    made.step.clock = reinterpret_cast<void**>(clock);
+    made.step.clock = reinterpret_cast<Clock*>(clock);
     made.timestep = reinterpret_cast<double*>(timestep);
     made.positions = positions.data();
     made.speeds = speeds.data();

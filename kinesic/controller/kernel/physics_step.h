@@ -11,6 +11,9 @@
 namespace kinesic::controller {
 
 using Stage = void (*)(void* model, void* data);
+using Clock = double (*)();
+
+inline double stand_still() { return 0.0; }
 
 // M = L^T D L of n hinges, as MuJoCo factors it anew in each step.
 struct FactoredInertia {
@@ -65,19 +68,19 @@ struct FrictionStep {
 struct PhysicsStep {
     Stage whole = nullptr;  // mj_step
     void *model = nullptr, *data = nullptr;
-    void** clock = nullptr;  // the function by which MuJoCo times its stages, a twentieth of them; null: there is none
+    Clock* clock = nullptr;  // by which MuJoCo times its stages, a twentieth of them; null: there is none
     std::optional<FrictionStep> friction;
 
     void advance() {
-        void* const ticking = clock ? *clock : nullptr;
-        if (clock) *clock = nullptr;
+        const Clock ticking = clock ? *clock : nullptr;
+        if (ticking) *clock = stand_still;  // other threads may be about to call it
         const bool free = friction && !friction->stops_act();
         if (free && friction->ready)
             friction->advance(model, data);
         else
             whole(model, data);
         if (friction) friction->ready = free;
-        if (clock) *clock = ticking;
+        if (ticking) *clock = ticking;
     }
 };
 
