@@ -124,12 +124,12 @@ def _relax_few(problem: KeyTimeProblem) -> Floats | None:
         shares[len(pairs) : rows] = [cut.slopes for cut in problem.cuts]
     shares[rows:] = -np.eye(count)
     apart, bounds = [*problem.gaps.values(), *keys.bonds.values()], [cut.bound for cut in problem.cuts]
-    most = np.full(len(shares), np.inf)
-    most[len(problem.gaps) : len(pairs)] = BROKEN
+    penalties = np.full(len(shares), np.inf)
+    penalties[len(problem.gaps) : len(pairs)] = BROKEN
     limits = np.concatenate([-np.array(apart), bounds, np.full(count, problem.lead_in - keys.asked[0])])
     broken = shares @ keys.asked - limits
-    moved = _kernel.move_keys(shares, broken, LATENESS * keys.weights, keys.weights, most)
-    if moved is None or (shares @ moved > KEPT - broken)[np.isinf(most)].any():
+    moved = _kernel.move_keys(shares, broken, LATENESS * keys.weights, keys.weights, penalties)
+    if moved is None or (shares @ moved > KEPT - broken)[np.isinf(penalties)].any():
         return None
     return keys.asked + moved
 

@@ -1,48 +1,50 @@
 // Moves key times t away from the asked ones a as little as needed: the simplex method on the dual program.
 //
-//   least  sum late_k (t_k - a_k)+ + early_k (a_k - t_k)+ + sum most_r (c_r t - d_r)+
-//          most_r: endless where a row has to be kept
-//   dual   largest  sum y_r (c_r a - d_r)   with  0 <= y_r <= most_r,  -late <= z = C' y <= early
+//   primal  least    sum late_k (t_k - a_k)+ + early_k (a_k - t_k)+ + sum penalty_r (c_r t - d_r)+
+//           penalty_r: infinite where a row has to be kept
+//   dual    largest  sum y_r (c_r a - d_r)   with  0 <= y_r <= penalty_r,  -late <= z = C' y <= early
 //
-// It begins with y = 0, which stands for the asked times, and lets in what they break most; a key is moved where z_k comes to a
-// bound. The slope of the sum over z_k is a_k - t_k, over y_r it is c_r t - d_r (Dantzig, Linear programming and extensions,
-// 1963, chapter 18: bounded variables).
+// It begins with y = 0 outside the basis and z in it, which stands for the asked times. The reduced cost of y_r is
+// c_r t - d_r, by which the times break a row; that of z_k is a_k - t_k (Dantzig, Linear programming and extensions,
+// 1963, chapter 18: bounded variables; dictionary, entering and leaving as in Chvatal, Linear programming, 1983).
 
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
 namespace kinesic::motion {
 
-constexpr double BROKEN_BY = 1e-9;  // [s], or of a plane's amount, by which a row counts as broken
-constexpr double PIVOT = 1e-9;  // least entry that is divided by
-constexpr int TURNS = 20;  // exchanges for each row and key, after which nothing is found
-constexpr int PLAIN = 3;  // of them, after which the first variable comes in instead of the best: circles are rarer so
+constexpr double OPTIMALITY = 1e-9;  // [s], or of a plane's amount: reduced costs up to this are optimal
+constexpr double SMALLEST_PIVOT = 1e-9;  // least entry that is divided by
+constexpr int MOST_ITERATIONS = 20;  // for each row and key, after which nothing is found
+constexpr int LARGEST_COST_ITERATIONS = 3;  // of them, after which the smallest index enters (Bland 1977): it cycles less
 
 class KeyTimeSimplex {
   public:
     // Args: shares (rows, keys) of the times in each row, by how much the asked times break it, and the weights above.
     KeyTimeSimplex(int keys, int rows, const double* shares, const double* broken, const double* late, const double* early,
-                   const double* most)
-        : keys_(keys), rows_(rows), entries_(size_t(keys) * rows), slopes_(broken, broken + rows), values_(keys, 0.0),
-          inside_(keys), outside_(rows), lower_(rows + keys, 0.0), upper_(most, most + rows), at_upper_(rows + keys, false) {
+                   const double* penalties)
+        : keys_(keys), rows_(rows), dictionary_(size_t(keys) * rows), reduced_costs_(broken, broken + rows),
+          basic_values_(keys, 0.0), basic_(keys), nonbasic_(rows), lower_(rows + keys, 0.0),
+          upper_(penalties, penalties + rows), at_upper_(rows + keys, false) {
         upper_.insert(upper_.end(), early, early + keys);
         for (int k = 0; k < keys; ++k) {
             lower_[rows + k] = -late[k];
-            inside_[k] = rows + k;
+            basic_[k] = rows + k;
             for (int r = 0; r < rows; ++r) entry(k, r) = shares[size_t(r) * keys + k];
         }
-        for (int r = 0; r < rows; ++r) outside_[r] = r;
+        for (int r = 0; r < rows; ++r) nonbasic_[r] = r;
     }
 
-    // Whether an optimum is found; there is none where no times keep all rows.
+    // Whether an optimum is found; there is none where no times keep all rows: the dual program is unbounded.
     bool solve() {
         const int size = keys_ + rows_;
-        for (int turn = 0; turn < TURNS * size; ++turn) {
-            const int column = choose(turn > PLAIN * size);
+        for (int iteration = 0; iteration < MOST_ITERATIONS * size; ++iteration) {
+            const int column = choose_entering(iteration > LARGEST_COST_ITERATIONS * size);
             if (column < 0) return true;
-            if (!bring_in(column)) return false;
+            if (!enter(column)) return false;
         }
         return false;
     }
@@ -51,83 +53,92 @@ class KeyTimeSimplex {
     std::vector<double> moves() const {
         std::vector<double> found(keys_, 0.0);
         for (int r = 0; r < rows_; ++r)
-            if (outside_[r] >= rows_) found[outside_[r] - rows_] = -slopes_[r];
+            if (nonbasic_[r] >= rows_) found[nonbasic_[r] - rows_] = -reduced_costs_[r];
         return found;
     }
 
   private:
-    double& entry(int row, int column) { return entries_[size_t(row) * rows_ + column]; }
+    double& entry(int row, int column) { return dictionary_[size_t(row) * rows_ + column]; }
 
-    // The variable at a bound that is worth most away from it; -1: none is.
-    int choose(bool plain) const {
-        int best = -1;
-        double most = BROKEN_BY;
+    // Prices the nonbasic variables: the column of the one that enters, by largest cost or by smallest index; -1: none.
+    int choose_entering(bool by_index) const {
+        int entering = -1;
+        double largest = OPTIMALITY;
         for (int r = 0; r < rows_; ++r) {
-            const int variable = outside_[r];
-            const double worth = at_upper_[variable] ? -slopes_[r] : slopes_[r];
-            if (worth <= (plain ? BROKEN_BY : most) || lower_[variable] == upper_[variable]) continue;
-            if (plain && best >= 0 && variable > outside_[best]) continue;
-            best = r;
-            most = worth;
+            const int variable = nonbasic_[r];
+            const double cost = at_upper_[variable] ? -reduced_costs_[r] : reduced_costs_[r];
+            if (cost <= (by_index ? OPTIMALITY : largest) || lower_[variable] == upper_[variable]) continue;
+            if (by_index && entering >= 0 && variable > nonbasic_[entering]) continue;
+            entering = r;
+            largest = cost;
         }
-        return best;
+        return entering;
     }
 
-    // Moves a variable off its bound until another one comes to its own; false where none ever does.
-    bool bring_in(int column) {
-        const int variable = outside_[column];
-        const double way = at_upper_[variable] ? -1.0 : 1.0;
-        double step = upper_[variable] - lower_[variable], pivot = 0.0;
-        int leaving = -1;
-        for (int k = 0; k < keys_; ++k) {
-            const double rate = way * entry(k, column);
-            if (std::abs(rate) < PIVOT) continue;
-            const double room = rate > 0.0 ? upper_[inside_[k]] - values_[k] : values_[k] - lower_[inside_[k]];
-            const double reach = std::max(room, 0.0) / std::abs(rate);
-            if (reach > step || (reach == step && std::abs(rate) <= pivot)) continue;
-            step = reach;
-            pivot = std::abs(rate);
-            leaving = k;
-        }
+    // Moves the variable of a column off its bound until a variable comes to a bound; false where none ever does.
+    bool enter(int column) {
+        const int entering = nonbasic_[column];
+        const double direction = at_upper_[entering] ? -1.0 : 1.0;
+        double step = upper_[entering] - lower_[entering];
+        const int leaving_row = run_ratio_test(column, direction, step);
         if (!std::isfinite(step)) return false;
-        for (int k = 0; k < keys_; ++k) values_[k] += step * way * entry(k, column);
-        if (leaving < 0) {
-            at_upper_[variable] = !at_upper_[variable];
+        for (int k = 0; k < keys_; ++k) basic_values_[k] += step * direction * entry(k, column);
+        if (leaving_row < 0) {
+            at_upper_[entering] = !at_upper_[entering];
             return true;
         }
-        exchange(leaving, column, way, step);
+        pivot(leaving_row, column, direction, step);
         return true;
     }
 
-    // Lets the variable of a column in, and that of a row out, at the bound to which it has come.
-    void exchange(int row, int column, double way, double step) {
-        const int in = outside_[column], out = inside_[row];
-        at_upper_[out] = way * entry(row, column) > 0.0;
-        values_[row] = (at_upper_[in] ? upper_[in] : lower_[in]) + way * step;
-        inside_[row] = in;
-        outside_[column] = out;
-        const double inverse = 1.0 / entry(row, column);
-        double* own = &entry(row, 0);
-        for (int r = 0; r < rows_; ++r) own[r] *= -inverse;
-        own[column] = inverse;
-        for (int k = 0; k < keys_; ++k)
-            if (k != row) add(&entry(k, 0), own, column);
-        add(slopes_.data(), own, column);
+    // The row of the variable that leaves, and the step until then; -1: none before the step to the other bound.
+    int run_ratio_test(int column, double direction, double& step) {
+        int leaving_row = -1;
+        double largest = 0.0;  // pivot of equal ratios
+        for (int k = 0; k < keys_; ++k) {
+            const double rate = direction * entry(k, column);
+            if (std::abs(rate) < SMALLEST_PIVOT) continue;
+            const int variable = basic_[k];
+            const double slack = rate > 0.0 ? upper_[variable] - basic_values_[k] : basic_values_[k] - lower_[variable];
+            const double ratio = std::max(slack, 0.0) / std::abs(rate);
+            if (ratio > step || (ratio == step && std::abs(rate) <= largest)) continue;
+            step = ratio;
+            largest = std::abs(rate);
+            leaving_row = k;
+        }
+        return leaving_row;
     }
 
-    // Replaces the variable of a column in a line by the row in which it stands now.
-    void add(double* line, const double* own, int column) const {
-        const double share = line[column];
-        if (share == 0.0) return;
-        line[column] = 0.0;
-        for (int r = 0; r < rows_; ++r) line[r] += share * own[r];
+    // Lets the variable of a column enter the basis, and that of a row leave it at the bound to which it has come.
+    void pivot(int row, int column, double direction, double step) {
+        const int entering = nonbasic_[column], leaving = basic_[row];
+        at_upper_[leaving] = direction * entry(row, column) > 0.0;
+        basic_values_[row] = (at_upper_[entering] ? upper_[entering] : lower_[entering]) + direction * step;
+        basic_[row] = entering;
+        nonbasic_[column] = leaving;
+        const double inverse = 1.0 / entry(row, column);
+        double* pivot_row = &entry(row, 0);
+        for (int r = 0; r < rows_; ++r) pivot_row[r] *= -inverse;
+        pivot_row[column] = inverse;
+        for (int k = 0; k < keys_; ++k)
+            if (k != row) substitute(&entry(k, 0), pivot_row, column);
+        substitute(reduced_costs_.data(), pivot_row, column);
+    }
+
+    // Replaces the entering variable in a row of the dictionary by the pivot row, which says what it is.
+    void substitute(double* row, const double* pivot_row, int column) const {
+        const double factor = row[column];
+        if (factor == 0.0) return;
+        row[column] = 0.0;
+        for (int r = 0; r < rows_; ++r) row[r] += factor * pivot_row[r];
     }
 
     const int keys_, rows_;
-    std::vector<double> entries_, slopes_, values_;  // (keys, rows), (rows,) of the sum, (keys,)
-    std::vector<int> inside_, outside_;  // variables of lines and columns: rows first, then keys
-    std::vector<double> lower_, upper_;  // (rows + keys,)
-    std::vector<bool> at_upper_;
+    std::vector<double> dictionary_;  // (keys, rows) basic variables by nonbasic ones
+    std::vector<double> reduced_costs_, basic_values_;  // (rows,) of the nonbasic, (keys,) of the basic variables
+    std::vector<int> basic_, nonbasic_;  // variables of rows and columns of the dictionary: y first, then z
+    std::vector<double> lower_, upper_;  // (rows + keys,) bounds of all variables
+    std::vector<bool> at_upper_;  // where a nonbasic variable is; else at its lower bound
 };
 
 }  // namespace kinesic::motion
