@@ -8,7 +8,7 @@ Flags = NDArray[np.bool_]
 Indices = NDArray[np.intp]
 Picture = NDArray[np.uint8]  # (height, width, 3) sRGB, first row on top
 
-BLOCK = 4096  # rows that are compared together
+ROWS_PER_COMPARISON = 4096  # rows that are compared together
 
 
 def distinct_rows(values: Floats, least: float) -> tuple[Indices, Indices]:
@@ -22,9 +22,9 @@ def distinct_rows(values: Floats, least: float) -> tuple[Indices, Indices]:
         (k,) the rows that stand for themselves and those after them; (m,) index of the one that stands for each.
     """
     fresh = np.ones(len(values), dtype=np.bool_)
-    for begin in range(0, len(values) - 1, BLOCK):
-        steps = np.round(values[begin : begin + BLOCK + 1] / least)
-        fresh[begin + 1 : begin + BLOCK + 1] = np.any(steps[1:] != steps[:-1], axis=1)
+    for begin in range(0, len(values) - 1, ROWS_PER_COMPARISON):
+        steps = np.round(values[begin : begin + ROWS_PER_COMPARISON + 1] / least)
+        fresh[begin + 1 : begin + ROWS_PER_COMPARISON + 1] = np.any(steps[1:] != steps[:-1], axis=1)
     return np.flatnonzero(fresh), np.cumsum(fresh) - 1
 
 

@@ -36,7 +36,7 @@ if KERNEL == "compiled":
     from kinesic.controller import _kernel
 
 
-WINDOW = 2048  # commands that are performed before anybody looks: their steps stay in the cache
+COMMANDS_PER_WINDOW = 2048  # commands that are performed before anybody looks: their steps stay in the cache
 
 Lead = Callable[[Floats], FeedForwardGoals]  # set points for goals that are sent at (m,) [s]
 
@@ -85,8 +85,8 @@ def perform_in_twins(
         return
     observer = observers(1) if observers else None
     loops = [CompiledLoop(twin, part, observer) for twin, part in zip(twins, known, strict=True)]
-    for begin in range(0, len(times), WINDOW):
-        rows = slice(begin, min(begin + WINDOW, len(times)))
+    for begin in range(0, len(times), COMMANDS_PER_WINDOW):
+        rows = slice(begin, min(begin + COMMANDS_PER_WINDOW, len(times)))
         setpoints = lead(times[rows])
         angles = trajectory.angles(times[rows]) if observer else setpoints.goals
         for k, loop in enumerate(loops):

@@ -11,7 +11,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 
-BLOCK = 1024  # times that are looked at together: their coefficients stay in the cache
+TIMES_PER_EVALUATION = 1024  # times that are looked at together: their coefficients stay in the cache
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,14 +58,14 @@ class QuinticSpline:
     def derivatives(self, times: Floats, count: int) -> Floats:
         """Finds (count, m, h) values, speeds, accelerations and so on, so many of them, at (m,) times [s]."""
         found = np.empty((count, len(times), self.states.shape[2]))
-        for begin in range(0, len(times), BLOCK):
-            part = times[begin : begin + BLOCK]
-            found[:, begin : begin + BLOCK] = self._around(part).derivatives(part, count)
+        for begin in range(0, len(times), TIMES_PER_EVALUATION):
+            part = times[begin : begin + TIMES_PER_EVALUATION]
+            found[:, begin : begin + TIMES_PER_EVALUATION] = self._around(part).derivatives(part, count)
         return found
 
     def _around(self, times: Floats) -> PiecewisePolynomial:
         """The pieces in which some times are, or all of a short curve."""
-        if len(self.times) <= BLOCK:
+        if len(self.times) <= TIMES_PER_EVALUATION:
             return self._whole
         first, last = self.times[1:-1].searchsorted([times.min(), times.max()], side="right").tolist()
         return self._between(first, last)

@@ -11,7 +11,7 @@ import pytest
 from kinesic.bml.block import Block, BmlError, Gesture, Posture, Speech
 from kinesic.bml.parse import parse
 from kinesic.bml.reading.sync_names import sync_name
-from kinesic.bml.reading.vocabulary import AGENTS, ATTRIBUTES, BLOCK, SPOKEN
+from kinesic.bml.reading.vocabulary import AGENTS, ATTRIBUTES, BLOCK_ATTRIBUTES, SPOKEN
 from kinesic.bml.schedule import schedule
 from kinesic.body.utterance import Utterance
 from kinesic.speech.writing import unreadable_letters
@@ -68,7 +68,13 @@ SPELLINGS = {  # attributes of behaviours, as other dialects spell them -> ours
     "strokeEnd": ("stroke_end", "stroke-end"),
     "relax": ("relax_start",),
 }
-READ = {"id", "xmlns", *BLOCK, *AGENTS, *(name for names in (*ATTRIBUTES.values(), *SPOKEN.values()) for name in names)}
+READ = {
+    "id",
+    "xmlns",
+    *BLOCK_ATTRIBUTES,
+    *AGENTS,
+    *(name for names in (*ATTRIBUTES.values(), *SPOKEN.values()) for name in names),
+}
 
 
 def blocks() -> list[tuple[Path, bytes, Block]]:

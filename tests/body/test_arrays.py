@@ -37,7 +37,7 @@ def test_what_creeps_is_not_taken_for_still():
 def test_rows_are_the_same_however_many_are_compared_together(monkeypatch):
     rows = np.random.default_rng(4).integers(0, 2, (50, 1)).astype(float)
     at_once = distinct_rows(rows, 0.5)
-    monkeypatch.setattr(arrays, "BLOCK", 7)
+    monkeypatch.setattr(arrays, "ROWS_PER_COMPARISON", 7)
     for one, other in zip(at_once, distinct_rows(rows, 0.5), strict=True):
         assert np.array_equal(one, other)
 

@@ -214,7 +214,7 @@ def test_window_by_window_it_is_the_same_performance(calm, warm_motors, measurin
     plan = replace(calm.plan, setup=replace(calm.plan.setup, robot=warm_motors))
     twins = (NOMINAL, LATE_AND_LOOSE)
     whole = dry_runs(plan, twins, watch=False)
-    monkeypatch.setattr(closed_loop, "WINDOW", 40)
+    monkeypatch.setattr(closed_loop, "COMMANDS_PER_WINDOW", 40)
     for one, other in zip(whole, dry_runs(plan, twins, watch=False), strict=True):
         assert np.array_equal(one.reference.duties, other.reference.duties)
         _assert_the_same(one.measured, other.measured)
@@ -239,7 +239,7 @@ def test_no_more_than_a_window_of_steps_is_kept(calm, monkeypatch):
     kept = []
     add = Recorder.add
     monkeypatch.setattr(Recorder, "add", lambda self, log: kept.append(len(log.kept().spans)) or add(self, log))
-    monkeypatch.setattr(closed_loop, "WINDOW", 40)
+    monkeypatch.setattr(closed_loop, "COMMANDS_PER_WINDOW", 40)
     dry_runs(calm.plan, (NOMINAL, PESSIMISTIC), watch=False)
     assert len(kept) == 2 * -(-len(calm.reference.times) // 40)
     assert max(kept) <= 1 + 40 * np.ceil(1 / RATE / STEP)
@@ -264,7 +264,7 @@ def perform(calm):
 
 def test_who_looks_only_at_the_end_sees_the_same(calm, perform, monkeypatch):
     whole = perform(calm.reference.times).measurements()
-    monkeypatch.setattr(closed_loop, "WINDOW", 64)
+    monkeypatch.setattr(closed_loop, "COMMANDS_PER_WINDOW", 64)
     parts = perform(calm.reference.times).measurements()
     for name in ("times", "angles", "speeds", "torques", "duties", "goals"):
         assert np.array_equal(getattr(whole, name), getattr(parts, name)), name

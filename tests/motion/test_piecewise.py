@@ -54,7 +54,7 @@ def test_a_quintic_spline_is_given_by_the_states_between_its_pieces(monkeypatch)
     asked = random.uniform(curve.times[0] - 0.1, curve.times[-1] + 0.1, 50)
     at_once = curve.derivatives(asked, 4)
     assert curve._around(asked) is curve._around(asked[:1]), "of a short one the coefficients are kept"
-    monkeypatch.setattr(piecewise, "BLOCK", 7)
+    monkeypatch.setattr(piecewise, "TIMES_PER_EVALUATION", 7)
     assert len(curve._around(asked[:1]).times) == 2
     assert np.array_equal(curve.derivatives(asked, 4), at_once)
     assert curve.derivatives(asked[:0], 4).shape == (4, 0, 2)

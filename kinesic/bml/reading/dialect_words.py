@@ -10,11 +10,11 @@ from types import MappingProxyType
 from kinesic.bml.reading.fragments import REWRITTEN
 from kinesic.bml.reading.head_words import names_head_movement
 from kinesic.bml.reading.tree import Element
-from kinesic.bml.reading.vocabulary import AGENTS, ATTRIBUTES, BLOCK, INSIDE, SPOKEN
+from kinesic.bml.reading.vocabulary import AGENTS, ATTRIBUTES, BLOCK_ATTRIBUTES, INSIDE, SPOKEN
 
 _NAMES = ("bml", "required", *ATTRIBUTES, *INSIDE, *SPOKEN)
 _FOLDED = {name.lower(): name for name in _NAMES}
-_ATTRIBUTES = {name.lower(): name for names in (BLOCK, AGENTS, *ATTRIBUTES.values()) for name in names}
+_ATTRIBUTES = {name.lower(): name for names in (BLOCK_ATTRIBUTES, AGENTS, *ATTRIBUTES.values()) for name in names}
 _SMARTBODY = ("animation", "body")
 
 

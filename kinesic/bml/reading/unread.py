@@ -15,7 +15,7 @@ from kinesic.bml.reading.vocabulary import (
     AGENTS,
     ALTERNATIVES,
     ATTRIBUTES,
-    BLOCK,
+    BLOCK_ATTRIBUTES,
     EMPTY,
     INSIDE,
     KINDS,
@@ -42,7 +42,7 @@ def note_unread(root: Element, bml: Element, named: Iterable[BehaviourElement], 
     notes = _Notes(reading)
     for element in _beside(root, bml):
         notes.note_element(element, root)
-    notes.note_block(bml, BLOCK)
+    notes.note_block(bml, BLOCK_ATTRIBUTES)
     for behaviour in named:
         if is_core(behaviour.element, home=reading.home) and behaviour.element.local in ATTRIBUTES:
             notes.note_behaviour(behaviour.element)

@@ -6,7 +6,7 @@ _FACE = ("lexeme", "au", "side", "amount", "type")
 _GAZE = ("target", "type", "influence", "modality", "offsetAngle", "offsetDirection")
 HAND_SHAPE = ("handShape", "handshape")  # of a gesture, as attribute or element
 _POSTURE = ("stance", "part", "shape")
-BLOCK = ("id", "characterId", "character", "agent", "composition")  # of a <bml>
+BLOCK_ATTRIBUTES = ("id", "characterId", "character", "agent", "composition")  # of a <bml>
 AGENTS = ("characterId", "character", "agent")  # of a <bml> or a behaviour: who performs
 ATTRIBUTES: Mapping[str, tuple[str, ...]] = {  # of behaviours, beside the id, the agent and the sync points
     "gesture": ("lexeme", "type", "mode", "hand", "target", *HAND_SHAPE),

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from kinesic.bml.block import Block, Speech, Timeline
 from kinesic.bml.timing.constraints import Point, point_of, ties
 
-BLOCK = "bml"  # the block itself, which every time is counted from
+BLOCK_NAME = "bml"  # the block itself, which every time is counted from
 SILENT = "end"  # the one sync point of a speech at which no word begins
 
 
@@ -51,7 +51,9 @@ def tied_words(block: Block, known: Mapping[Point, float] | None = None) -> Mapp
     beside: dict[Point, list[tuple[Point, float]]] = {}
     for tie in ties(block):
         left, right = point_of(tie.left), point_of(tie.right)
-        counted = {left, right} <= known.keys() if known is not None else BLOCK not in (left.behaviour, right.behaviour)
+        counted = (
+            {left, right} <= known.keys() if known is not None else BLOCK_NAME not in (left.behaviour, right.behaviour)
+        )
         if left.behaviour != right.behaviour and counted:
             later = tie.left.offset - tie.right.offset
             beside.setdefault(left, []).append((right, later))

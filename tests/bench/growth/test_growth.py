@@ -55,7 +55,12 @@ def test_what_a_document_takes_is_measured_in_a_process_of_its_own(monkeypatch):
 @pytest.mark.skipif(closed_loop.KERNEL != "compiled", reason="Python performs all in one window")
 def test_a_dry_run_takes_little_more_than_what_it_measures(monkeypatch):
     monkeypatch.setattr(tracking_delay, "TOGETHER", 4096)
-    for module, name in ((closed_loop, "WINDOW"), (performance, "WINDOW"), (arrival, "LOOK"), (piecewise, "BLOCK")):
+    for module, name in (
+        (closed_loop, "COMMANDS_PER_WINDOW"),
+        (performance, "WINDOW"),
+        (arrival, "LOOK"),
+        (piecewise, "TIMES_PER_EVALUATION"),
+    ):
         monkeypatch.setattr(module, name, 256)
     known, rows, peaks = set_up(), [], []
     for length in (6.0, 10.0, 20.0):  # the first imports what it needs
