@@ -20,7 +20,7 @@ if KERNEL == "compiled":
     from kinesic.controller import _kernel
 
 HANDS: tuple[PartName, PartName] = ("l_hand", "r_hand")
-WINDOW = 0.3  # [s] before and after the planned time
+ENTRY_WINDOW = 0.3  # [s] before and after the planned time
 LEAST_BALL = 0.005  # [m]
 LEAST_CONE = np.radians(0.5)  # [rad] the ball's like for head and torso
 SHARE = 0.05  # of the path
@@ -142,8 +142,8 @@ def _place(at: float, times: Sequence[float], path: Floats) -> Floats:
 def _first_entry(at: float, times: Floats, path: Floats, centre: Floats, radius: float) -> float | None:
     """First time [s] within the window at which a path is inside a ball."""
     if KERNEL == "compiled":
-        return _kernel.first_entry(times, np.ascontiguousarray(path), at, WINDOW, centre, radius)
-    window = slice(*times.searchsorted([at - WINDOW, at + WINDOW]))
+        return _kernel.first_entry(times, np.ascontiguousarray(path), at, ENTRY_WINDOW, centre, radius)
+    window = slice(*times.searchsorted([at - ENTRY_WINDOW, at + ENTRY_WINDOW]))
     apart = path[window] - centre
     return entry(times[window].tolist(), np.sqrt(np.vecdot(apart, apart)), radius)
 

@@ -7,7 +7,7 @@ import scipy
 
 from kinesic.body.arrays import Flags, Floats, sealed
 
-WINDOW = 0.3  # [s] longest lateness that is looked for
+LONGEST_DELAY = 0.3  # [s] longest lateness that is looked for
 TOGETHER = 100_000  # speeds that are compared together
 
 
@@ -26,7 +26,7 @@ def tracking_delay(planned: Floats, performed: Floats, moving: Flags, *, period:
     late = np.full(planned.shape[1], np.nan)
     if not moving.any():
         return sealed(late)
-    reach, hinges = round(WINDOW / period), np.flatnonzero(moving)
+    reach, hinges = round(LONGEST_DELAY / period), np.flatnonzero(moving)
     few = max(1, TOGETHER // len(planned))
     parts = [hinges[k : k + few] for k in range(0, len(hinges), few)]
     likeness = np.concatenate([_compare(planned[:, some], performed[:, some], reach) for some in parts])

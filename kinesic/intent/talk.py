@@ -21,7 +21,7 @@ from kinesic.intent.writing import name_behaviours, write_text
 
 SETTLED = 0.12  # [s] without further words after which the last one is whole, and punctuation ends a phrase
 SILENT = 2.0  # [s] after which what has come is said as it is
-WINDOW = 1500  # letters that are looked at
+LETTERS_PER_WINDOW = 1500  # letters that are looked at
 LONGEST = 16  # words of a phrase that waits for its end
 SHORT = 3  # words below which a phrase that is no sentence waits for what follows at once
 MOST = 24  # words that are said together
@@ -110,7 +110,10 @@ def next_part(
     if not words:
         return None
     words = _together(passage, words)
-    begins, ends = talk.parts == 0, talk.is_over and words.stop == len(passage.words) and len(talk.text) < WINDOW
+    begins, ends = (
+        talk.parts == 0,
+        talk.is_over and words.stop == len(passage.words) and len(talk.text) < LETTERS_PER_WINDOW,
+    )
     intents = [
         _within(each, passage, words)
         for each in find_intents(passage, language, lexicon, grammar=grammar, begins=begins, ends=ends)
@@ -152,19 +155,19 @@ def is_all_said(talk: Talk, language: Language) -> bool:
 
 def _read(talk: Talk, language: Language, quiet: float) -> Passage:
     """Reads what has come, without a last word that may go on."""
-    text = talk.text[:WINDOW]
-    is_cut = len(text) == WINDOW
+    text = talk.text[:LETTERS_PER_WINDOW]
+    is_cut = len(text) == LETTERS_PER_WINDOW
     if is_cut or not (talk.is_over or quiet >= SETTLED):
         ends = [found.end() for found in re.finditer(r"\s|[\u3001\u3002\uff01\uff1f]", text)]
-        text = text[: ends[-1] if ends else WINDOW * is_cut]
+        text = text[: ends[-1] if ends else LETTERS_PER_WINDOW * is_cut]
     return read_text(text, language)
 
 
 def _forget_sentences(talk: Talk, language: Language, quiet: float) -> tuple[Talk, Passage, float]:
     """Forgets sentences that are said once another one has begun; also tells the silence before the next word [s]."""
     passage = _read(talk, language, quiet)
-    while len(talk.text) >= WINDOW and talk.said == len(passage.words):  # there is more than is looked at
-        end = passage.words[-1].end if passage.words else WINDOW
+    while len(talk.text) >= LETTERS_PER_WINDOW and talk.said == len(passage.words):  # there is more than is looked at
+        end = passage.words[-1].end if passage.words else LETTERS_PER_WINDOW
         talk = replace(talk, text=talk.text[end:], said=0, shown=_earlier(talk.shown, passage.starts[-1]))
         passage = _read(talk, language, quiet)
     words, said = passage.words, talk.said
@@ -198,13 +201,13 @@ def _earlier(shown: tuple[tuple[str, ChosenBehaviour], ...], seconds: float) -> 
 def _whole(passage: Passage, talk: Talk, quiet: float) -> int:
     """How many words of a passage may be said: those of whole phrases."""
     words, count = passage.words, len(passage.words)
-    if (talk.is_over or quiet >= SILENT) and len(talk.text) < WINDOW:
+    if (talk.is_over or quiet >= SILENT) and len(talk.text) < LETTERS_PER_WINDOW:
         return count
     if not words:
         return 0
     last = passage.phrases[-1]
     whole = count if passage.is_over else last[0]
-    if whole <= talk.said and (count - talk.said > LONGEST or len(talk.text) >= WINDOW):
+    if whole <= talk.said and (count - talk.said > LONGEST or len(talk.text) >= LETTERS_PER_WINDOW):
         return max(count - 1, talk.said + 1)
     is_sentence = whole and passage.is_over and passage.tail[-1:] in _STOPS
     is_short = whole - talk.said < SHORT and whole == count and not is_sentence

@@ -22,9 +22,9 @@ from kinesic.sim.segment_distances import segment_distances
 if KERNEL == "compiled":
     from kinesic.sim import _kernel
 
-BLOCK = 512  # postures whose kinematics are computed at once
-STRIP = 128  # of them for all pairs, so that arrays stay in the cache
-WINDOW = 4096  # postures whose frames are kept together while a whole motion is looked at
+POSTURES_PER_BATCH = 512  # postures whose kinematics are computed at once
+POSTURES_PER_STRIP = 128  # of them for all pairs, so that arrays stay in the cache
+POSTURES_PER_WINDOW = 4096  # postures whose frames are kept together while a whole motion is looked at
 SAME = 1e-5  # [rad] postures that differ by less are one: no capsule is farther off than 0.01 mm for each hinge
 NEAR = 0.03  # [m] the ball about fingers comes to something, from which on they are measured in a motion
 SIGHT = 0.13  # [m] likewise where gaps are asked for: those that are wider are no less than they are said to be
@@ -175,7 +175,9 @@ class CapsuleDistances:
     def _nearest(self, angles: Floats, chosen: Indices) -> tuple[Floats, Indices]:
         """(c,) [m] and index of the closest pair of capsules, for some of the postures (m, n) [rad]."""
         distances, pairs = np.full(len(chosen), np.inf), np.zeros(len(chosen), dtype=np.int64)
-        for block in (slice(k, k + BLOCK) for k in range(0, len(chosen) if self._names else 0, BLOCK)):
+        for block in (
+            slice(k, k + POSTURES_PER_BATCH) for k in range(0, len(chosen) if self._names else 0, POSTURES_PER_BATCH)
+        ):
             postures = angles[chosen[block]]
             if KERNEL == "compiled" and not self._fingers:
                 _compiled(self).nearest(*self._turned(postures), distances[block], pairs[block])
@@ -194,7 +196,7 @@ class CapsuleDistances:
             _compiled(self).closest(*placed, lowest)
         else:
             starts, ends = self._axes(frames)
-            strips = (slice(k, k + STRIP) for k in range(0, len(angles), STRIP))
+            strips = (slice(k, k + POSTURES_PER_STRIP) for k in range(0, len(angles), POSTURES_PER_STRIP))
             lowest = np.concatenate([self._closest(starts[:, :, strip], ends[:, :, strip]) for strip in strips], axis=1)
         near = np.maximum(lowest[~self._hulled].min(axis=0, initial=np.inf), NEAR)
         self._measure_fingers(lowest, (lowest <= near) & self._hulled[:, None], frames, angles)
@@ -216,7 +218,7 @@ class CapsuleDistances:
             _compiled(self).survey(*self._turned(angles), asked, lowest, origins)
             return lowest, origins
         found = []
-        for block in (angles[k : k + WINDOW] for k in range(0, len(angles), WINDOW)):
+        for block in (angles[k : k + POSTURES_PER_WINDOW] for k in range(0, len(angles), POSTURES_PER_WINDOW)):
             frames = body_frames(self._robot, block)
             found.append((self.lowest(frames, block), frames.origins[list(segments)].transpose(0, 2, 1)))
         lowest, origins = (np.concatenate(parts, axis=1) for parts in zip(*found, strict=True))

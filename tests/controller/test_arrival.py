@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from kinesic.controller import arrival
-from kinesic.controller.arrival import LEAST_BALL, SHARE, WINDOW, _first_entry, arrivals, measure_stretch
+from kinesic.controller.arrival import ENTRY_WINDOW, LEAST_BALL, SHARE, _first_entry, arrivals, measure_stretch
 from kinesic.controller.performance import MOVING
 
 TIMES = np.arange(0.0, 2.0, 0.01)
@@ -26,7 +26,7 @@ def test_a_path_that_never_comes_near_does_not_arrive():
 
 
 def test_the_rule_is_a_ball_of_5_mm_or_5_percent_of_the_path_within_300_ms():
-    assert (LEAST_BALL, SHARE, WINDOW) == (0.005, 0.05, 0.3)
+    assert (LEAST_BALL, SHARE, ENTRY_WINDOW) == (0.005, 0.05, 0.3)
 
 
 def test_tracking_counts_hinges_faster_than_5_percent_of_their_limit():

@@ -15,7 +15,7 @@ from kinesic.intent.behaviour_sets import own_sets
 from kinesic.intent.budget import budget_of
 from kinesic.intent.reading.language import load_language
 from kinesic.intent.reading.words import read_text
-from kinesic.intent.talk import CONTEXT, MOST, SETTLED, SILENT, WINDOW, Talk, hear, is_all_said, next_part
+from kinesic.intent.talk import CONTEXT, LETTERS_PER_WINDOW, MOST, SETTLED, SILENT, Talk, hear, is_all_said, next_part
 
 LEXICON, STYLE, LANGUAGE = Lexicon.load(), Style.load("neutral"), load_language()
 STORY = (
@@ -132,11 +132,14 @@ def test_endless_sentences_and_texts_are_said_in_parts_that_stay_small():
     text = "and so the river went on " * 80
     parts, talk = parts_of([text])
     assert words_of(parts) == text.split()
-    assert max(len(part.passage.words) for part in parts) <= max(CONTEXT + MOST, WINDOW // 4)
+    assert max(len(part.passage.words) for part in parts) <= max(CONTEXT + MOST, LETTERS_PER_WINDOW // 4)
     assert is_all_said(talk, LANGUAGE)
 
 
-@pytest.mark.parametrize("text", ["x" * 3 * WINDOW + " at last", "." * 3 * WINDOW + "at last", "," * 9 * WINDOW])
+@pytest.mark.parametrize(
+    "text",
+    ["x" * 3 * LETTERS_PER_WINDOW + " at last", "." * 3 * LETTERS_PER_WINDOW + "at last", "," * 9 * LETTERS_PER_WINDOW],
+)
 def test_what_is_no_word_and_what_is_too_long_for_one_holds_nothing_up(text):
     parts, talk = parts_of([text])
     assert is_all_said(talk, LANGUAGE)

@@ -77,7 +77,7 @@ def test_approaches_are_the_same_and_so_are_the_postures_that_are_measured(robot
 def test_surveys_are_the_same_whatever_the_window(robot, in_python, monkeypatch):
     measure, postures = CapsuleDistances(robot), random_postures(robot.skeleton, 70, seed=8)
     wrists = [robot.arm(side).wrist for side in "lr"]
-    monkeypatch.setattr(distances, "WINDOW", 32)
+    monkeypatch.setattr(distances, "POSTURES_PER_WINDOW", 32)
     lowest, origins = measure.survey(postures, wrists)
     slow, places = in_python(lambda: measure.survey(postures, wrists))
     np.testing.assert_allclose(lowest, slow, rtol=0, atol=1e-12)

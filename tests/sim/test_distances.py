@@ -8,7 +8,7 @@ from scipy.interpolate import make_interp_spline
 from kinesic.body.arrays import sealed
 from kinesic.body.description import Exclusion
 from kinesic.body.robot import Robot
-from kinesic.sim.distances import BLOCK, CapsuleDistances
+from kinesic.sim.distances import POSTURES_PER_BATCH, CapsuleDistances
 from kinesic.sim.kinematics import motion_frames
 from kinesic.sim.model import build_model, capsule_name
 from kinesic.sim.reaches import capsule_reach
@@ -76,12 +76,12 @@ def test_rest_and_zero_are_as_far_as_computed_once():
 
 
 def test_long_motions_are_measured_like_short_ones():
-    postures = random_postures(ROBOT.skeleton, BLOCK + 70, seed=3)
+    postures = random_postures(ROBOT.skeleton, POSTURES_PER_BATCH + 70, seed=3)
     whole = DISTANCES.clearance(postures)
-    part = DISTANCES.clearance(postures[BLOCK - 5 : BLOCK + 5])
-    assert whole.distances[BLOCK - 5 : BLOCK + 5] == pytest.approx(part.distances, abs=1e-15)
-    assert list(whole.pairs[BLOCK - 5 : BLOCK + 5]) == list(part.pairs)
-    assert len(whole.pairs) == len(whole.distances) == BLOCK + 70
+    part = DISTANCES.clearance(postures[POSTURES_PER_BATCH - 5 : POSTURES_PER_BATCH + 5])
+    assert whole.distances[POSTURES_PER_BATCH - 5 : POSTURES_PER_BATCH + 5] == pytest.approx(part.distances, abs=1e-15)
+    assert list(whole.pairs[POSTURES_PER_BATCH - 5 : POSTURES_PER_BATCH + 5]) == list(part.pairs)
+    assert len(whole.pairs) == len(whole.distances) == POSTURES_PER_BATCH + 70
 
 
 def test_no_posture_has_no_distance():

@@ -10,7 +10,7 @@ ROBOT = Robot.load()
 
 
 def test_frames_of_a_long_motion_are_never_all_there(monkeypatch):
-    monkeypatch.setattr("kinesic.sim.distances.WINDOW", 128)
+    monkeypatch.setattr("kinesic.sim.distances.POSTURES_PER_WINDOW", 128)
     angles = np.tile(ROBOT.skeleton.rest, (4000, 1)) + 0.1 * np.sin(np.arange(4000))[:, None]
     measure, peaks = CapsuleDistances(ROBOT), []
     measure.survey(angles[:2], [0])

@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib import colormaps
 
 from kinesic.bench.figure import ALARM, INK, OURS, Figure, picture
-from kinesic.controller.arrival import WINDOW
+from kinesic.controller.arrival import ENTRY_WINDOW
 from kinesic.controller.perform import set_up
 from kinesic.studies.sweep.measures import SHOWN
 from kinesic.studies.sweep.series import LATE, MEASURE_OF, Series, sweep_parameter
@@ -65,8 +65,8 @@ def _monotone(parameter: str, series: Sequence[Series]) -> Figure:
 
 def _stroke(parameter: str, series: Sequence[Series]) -> Figure:
     """A stroke that never comes counts as far off as the window in which it is looked for."""
-    worst = max(series, key=lambda each: WINDOW if each.worst_stroke is None else each.worst_stroke)
-    seconds = WINDOW if worst.worst_stroke is None else worst.worst_stroke
+    worst = max(series, key=lambda each: ENTRY_WINDOW if each.worst_stroke is None else each.worst_stroke)
+    seconds = ENTRY_WINDOW if worst.worst_stroke is None else worst.worst_stroke
     why = "" if worst.in_time else worst.gesture
     return Figure(f"expressivity.{parameter}_stroke", 1000 * seconds, "ms", 1000 * LATE, "lower", why)
 

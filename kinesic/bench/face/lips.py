@@ -35,7 +35,7 @@ BESIDE = 0.03  # [s] round a sound, in which its burst is looked for
 BEFORE = 0.07  # [s] before it, in which the sound before may stop
 BANDS = (400.0, 900.0, 1500.0, 3500.0, 8000.0)  # [Hz]; between the second and the third lies what nasals keep
 KEPT = (0, 2, 3)  # of the bands between them
-WINDOW, HOP = 0.012, 0.001  # [s]
+SPECTRUM_WINDOW, HOP = 0.012, 0.001  # [s]
 QUIET = 3e-4  # of a band's mean power, below which nothing is heard
 MIDDLE = slice(9, 16)  # columns of the lips
 
@@ -98,7 +98,7 @@ def loudness_steps(sound: Sound) -> tuple[Floats, Floats]:
     Returns:
         (n,) [s] moments, and (n,) [dB] the mean over three bands.
     """
-    wide, hop = round(WINDOW * sound.rate), round(HOP * sound.rate)
+    wide, hop = round(SPECTRUM_WINDOW * sound.rate), round(HOP * sound.rate)
     samples = np.pad(sound.samples.astype(np.float64), 10 * wide)
     frames = np.lib.stride_tricks.sliding_window_view(samples, wide)[::hop]
     power = np.abs(np.fft.rfft(frames * np.hanning(wide), 4 * wide)) ** 2
@@ -151,7 +151,7 @@ def _closing(run: _Run, mouth: tuple[Floats, Floats], heard: tuple[Floats, Float
     begin, end = run.sounds[0].start, run.sounds[-1].end
     near = (moments > begin - BESIDE) & (moments < end + BESIDE)
     bursts = float(moments[near][steps[near].argmax()])
-    earlier = (moments > begin - BEFORE) & (moments < bursts - WINDOW)
+    earlier = (moments > begin - BEFORE) & (moments < bursts - SPECTRUM_WINDOW)
     closing = Closing(
         "".join(sound.letters for sound in run.sounds),
         shut=None,

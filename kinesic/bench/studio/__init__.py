@@ -13,7 +13,7 @@ import numpy as np
 from kinesic.bench.bml.server import Server, open_server
 from kinesic.bench.figure import Figure
 from kinesic.bench.studio.browser import Browser, find_binary, open_browser
-from kinesic.bench.studio.dragging import WINDOW, time_drags, time_first_paints
+from kinesic.bench.studio.dragging import WINDOW_SIZE, time_drags, time_first_paints
 from kinesic.body.robot import Robot
 from kinesic.client import Client
 from kinesic.studio.page import PAGE
@@ -57,7 +57,7 @@ def bench_page() -> list[Figure]:
     """Measures the page in a browser, with the robot that a studio has where none is named."""
     if find_binary() is None:
         return [Figure(name, None, "ms", goal, "lower", why=NO_BROWSER) for name, goal in PAGE_GOALS.items()]
-    size = f"--window-size={WINDOW[0]},{WINDOW[1]}"
+    size = f"--window-size={WINDOW_SIZE[0]},{WINDOW_SIZE[1]}"
     with open_server("--no-browser", "--no-sound", verb="studio") as server, open_browser(size) as browser:
         return time_page(browser, f"http://localhost:{server.port}/", LOADS, DRAGGED)
 

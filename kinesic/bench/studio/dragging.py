@@ -5,7 +5,7 @@ from time import monotonic, sleep
 
 from kinesic.bench.studio.browser import Browser, Page
 
-WINDOW = (1280, 887)  # [pixels] with the browser's own 87
+WINDOW_SIZE = (1280, 887)  # [pixels] with the browser's own 87
 MOVES = 59  # [1/s] of the pointer, so that they come at all moments between two frames, of which there are 60
 WAY = 40.0  # [CSS pixels] to each side on which the hand is dragged
 SETTLED = 1.0  # [s] after which the page has drawn all that it opens with
