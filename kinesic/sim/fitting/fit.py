@@ -28,7 +28,7 @@ SAME = 1e-9  # of a step, below which what is left over is none
 STEP = 0.01  # of finite differences
 EVALUATIONS = 15  # of the errors, at most
 LATEST = 64  # errors that are remembered: slopes and steps ask again where they are
-ENOUGH = 1e-3  # relative change of the figures at which a fit ends
+FIT_TOLERANCE = 1e-3  # relative change of the figures at which a fit ends
 
 
 @dataclass(frozen=True)
@@ -119,8 +119,8 @@ def _solved(errors: Callable[[Floats], Floats], asked: Sequence[Unknown], chosen
         bounds=bounds([asked[k] for k in chosen]),
         # lsmr decomposes no slopes, which are as long as the log, but cannot do with one unknown
         tr_solver="lsmr" if len(chosen) > 1 else "exact",
-        xtol=ENOUGH,
-        ftol=ENOUGH,
+        xtol=FIT_TOLERANCE,
+        ftol=FIT_TOLERANCE,
         max_nfev=EVALUATIONS,
     )
     return whole(solved.x)

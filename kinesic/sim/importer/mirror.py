@@ -8,7 +8,7 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.sim.importer.model_tree import BASE, Joint, Tree
 
-ENOUGH = 6  # pairs found by geometry that need no names
+GEOMETRIC_PAIRS = 6  # pairs found by geometry that need no names
 NEAR = 0.02  # [m] between a point of an axis and the mirror image of its partner's
 ALIKE = 0.98  # cosine between an axis and the mirror image of its partner
 ASIDE = 0.01  # [m] from the plane at which a hinge is on a side
@@ -38,7 +38,7 @@ def sides(tree: Tree) -> Sides:
     """Finds the pairs by geometry (a plane about which axes mirror), by names where that finds too few."""
     found = max((_mirrored(tree, lateral, plane) for lateral, plane in _planes(tree)), key=len)
     named = _named(tree)
-    by_names = len(found) < ENOUGH and len(named) > len(found)
+    by_names = len(found) < GEOMETRIC_PAIRS and len(named) > len(found)
     pairs = named if by_names else found
     vote = sum(_side_of(tree.joints[a].name, tree.joints[b].name) for a, b in pairs.items())
     across = sum(((tree.joints[a].anchor - tree.joints[b].anchor)[:2] for a, b in pairs.items()), np.zeros(2))
