@@ -91,11 +91,11 @@ def lean_torso(
     return found.get(0, 0.0), found.get(1, 0.0), found.get(2, 0.0)
 
 
-def _bisected(excess: Callable[[float], float], short: float, enough: float) -> float:
+def _bisected(excess: Callable[[float], float], insufficient: float, sufficient: float) -> float:
     for _ in range(BISECTIONS):
-        middle = 0.5 * (short + enough)
-        short, enough = (short, middle) if excess(middle) <= 0.0 else (middle, enough)
-    return enough
+        middle = 0.5 * (insufficient + sufficient)
+        insufficient, sufficient = (insufficient, middle) if excess(middle) <= 0.0 else (middle, sufficient)
+    return sufficient
 
 
 def _pull(turn: _Turn, far: Sequence[_Arm]) -> float:

@@ -194,12 +194,12 @@ def lead_around(
             if calm_scan.lacking.sum() < scan.lacking.sum():
                 course, scan, hopeless = calm, calm_scan, calm_scan.same(hopeless, scan)
                 continue
-        best, best_scan, enough, lacking = course, scan, GAIN * scan.lacking.sum(), scan.lacking.sum()
+        best, best_scan, allowed, lacking = course, scan, GAIN * scan.lacking.sum(), scan.lacking.sum()
         for change in _changes(course, time, room, least):
             left = scan.after(change, distances, least)
-            if left.lacking.sum() < enough:
-                best, best_scan, enough = change, left, left.lacking.sum() - PLAINLY * (lacking - left.lacking.sum())
-            if enough <= 0.0:
+            if left.lacking.sum() < allowed:
+                best, best_scan, allowed = change, left, left.lacking.sum() - PLAINLY * (lacking - left.lacking.sum())
+            if allowed <= 0.0:
                 break
         if best is course:
             hopeless.add(sample)

@@ -82,16 +82,16 @@ def show_page(door: Address, robot: Address, files: Mapping[str, WebFile], opene
 
 
 async def _show(door: Address, robot: Address, files: Mapping[str, WebFile], opened: Callable[[Address], None]) -> int:
-    enough = asyncio.Event()
+    end_requested = asyncio.Event()
 
     def end() -> None:
         leave_closed_terminal()
-        enough.set()
+        end_requested.set()
 
     for number in (each for each in ENDING if signal.getsignal(each) is not signal.SIG_IGN):
         asyncio.get_running_loop().add_signal_handler(number, end)
     async with open_relay(door, robot, files) as address:
         click.echo(f"attached to {robot}; Ctrl-C ends the page, and leaves the robot as it is", err=True)
         opened(address)
-        await enough.wait()
+        await end_requested.wait()
     return 0

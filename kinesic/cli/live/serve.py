@@ -185,11 +185,11 @@ async def _serve(
     opened: Callable[[Address], None],
     console: Callable[[Quotas], Console] | None,
 ) -> int:
-    enough = asyncio.Event()
+    end_requested = asyncio.Event()
 
     def end() -> None:
         leave_closed_terminal()
-        enough.set()
+        end_requested.set()
 
     async with AsyncExitStack() as closing:
         with show_stages() as stage:
@@ -203,7 +203,7 @@ async def _serve(
             opened(open_.address)
         telling = asyncio.create_task(_tell_of_servos(sinks, memory))
         is_read = console is not None or not sys.stdin.isatty()
-        await until_done(open_, enough, console=is_read, make_console=console or Console)
+        await until_done(open_, end_requested, console=is_read, make_console=console or Console)
         telling.cancel()
     session = open_.clients.session
     if session.loop.error is not None:

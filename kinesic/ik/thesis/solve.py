@@ -82,12 +82,12 @@ def solve_ball_chain(
     asked = three("target", target)
     wish = None if up is None else three("up", up)
     effort = effort or Effort()
-    enough = effort.tolerance * chain.size
+    tolerance = effort.tolerance * chain.size
     ground = start.carrier or Carrier.at_rest(chain)
     near = sealed(clamp(vector(asked), vector(ground.point), chain.size))
     stance = within_limits(chain, stance_of(chain, _begun(chain, start.rotations), ground), near, ground)
     best, energy, iterations, done = stance, 0.0, 0, 0
-    while done == 0 or (chain.limits is not None and done < effort.rounds and _miss(best, near) > enough):
+    while done == 0 or (chain.limits is not None and done < effort.rounds and _miss(best, near) > tolerance):
         rest = _relaxed(chain, stance, near, method=method, effort=effort)
         points = rest.points if wish is None else swivel_chain(rest.points, wish)
         stance = within_limits(chain, aim_bones(chain, stance.rotations, points, ground), near, ground)

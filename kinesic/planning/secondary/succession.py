@@ -86,15 +86,15 @@ def _shifts(course: ArmCourse, start: float, robot: Robot) -> Iterator[_Shift]:
 
 def _behind(stroke: ArmStroke, before: Gap, after: Gap) -> Lateness:
     """All of a stroke, and the ways there and back, later than the other hand."""
-    enough = stroke.behind / REST
-    come = next(((a, b) for a, b in reversed(before.rests) if b - a >= enough), None)
-    gone = next(((a, b) for a, b in reversed(after.rests) if b - a >= enough), None)
+    rest_needed = stroke.behind / REST
+    come = next(((a, b) for a, b in reversed(before.rests) if b - a >= rest_needed), None)
+    gone = next(((a, b) for a, b in reversed(after.rests) if b - a >= rest_needed), None)
     if (come is None and before.end - before.begin < stroke.behind / CAUGHT_UP) or (
         gone is None and after.end - after.begin < stroke.behind / CAUGHT_UP
     ):
         return ()
-    begin, leave = (come[1] - enough, come[1]) if come else (before.begin, before.end)
-    back, end = (gone[0], gone[0] + enough) if gone else (after.begin, after.end)
+    begin, leave = (come[1] - rest_needed, come[1]) if come else (before.begin, before.end)
+    back, end = (gone[0], gone[0] + rest_needed) if gone else (after.begin, after.end)
     return (begin, 0.0), (leave, stroke.behind), (back, stroke.behind), (end, 0.0)
 
 
