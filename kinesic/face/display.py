@@ -7,7 +7,7 @@ window or in a file. OpenGL is optional everywhere; a machine without it gets on
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from kinesic.face.gl.context import Context
+from kinesic.face.gl.context import GlContext
 from kinesic.face.gl.egl import open_context
 from kinesic.face.gl.functions import GraphicsError
 
@@ -20,7 +20,7 @@ class DisplayError(RuntimeError):
 
 
 @contextmanager
-def offscreen() -> Iterator[Context]:
+def offscreen() -> Iterator[GlContext]:
     """Opens an EGL context that needs neither a screen nor a graphics card, and releases it at the end.
 
     Raises:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 Entry = dict[str, object]
 Values = NDArray[np.float64] | NDArray[np.float32] | NDArray[np.integer]
 Stored = Literal["f4", "u1", "u2", "u4"]
-Target = Literal["vertices", "indices", "none"]
+BufferTarget = Literal["vertices", "indices", "none"]
 
 COMPONENTS: dict[Stored, int] = {"u1": 5121, "u2": 5123, "u4": 5125, "f4": 5126}
 TARGETS = {"vertices": 34962, "indices": 34963}
@@ -43,7 +43,9 @@ class GltfFile:
         """Puts a node into the scene, with its children."""
         self._roots.append(node)
 
-    def numbers(self, values: Values, stored: Stored = "f4", target: Target = "none", *, bounds: bool = False) -> int:
+    def numbers(
+        self, values: Values, stored: Stored = "f4", target: BufferTarget = "none", *, bounds: bool = False
+    ) -> int:
         """Adds an accessor of (n,) or (n, k) values, with what is least and most of them if asked."""
         rows = np.ascontiguousarray(values, dtype=f"<{stored}")
         width = 1 if rows.ndim == 1 else rows.shape[1]
@@ -100,7 +102,7 @@ class GltfFile:
             file.write(struct.pack("<II", len(text), TEXT) + text)
             file.write(struct.pack("<II", len(self._block), BINARY) + self._block)
 
-    def _view(self, data: bytes, target: Target = "none") -> int:
+    def _view(self, data: bytes, target: BufferTarget = "none") -> int:
         start = len(self._block)
         self._block += data + b"\0" * (-len(data) % 4)
         return self.add("bufferViews", buffer=0, byteOffset=start, byteLength=len(data), target=TARGETS.get(target))

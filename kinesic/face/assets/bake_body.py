@@ -20,7 +20,15 @@ import scipy
 
 from kinesic.body.arrays import Floats
 from kinesic.body.rotation import about
-from kinesic.face.assets.bake import Source, Whole, eye_centres, head_faces, read_source, read_variant, to_our_frame
+from kinesic.face.assets.bake import (
+    SourceFigure,
+    Whole,
+    eye_centres,
+    head_faces,
+    read_source,
+    read_variant,
+    to_our_frame,
+)
 from kinesic.face.assets.body import BODY, KEPT, POSITION_STEP
 from kinesic.face.assets.mesh import PARTS
 from kinesic.face.assets.rig import FINGERS, FOREARM, FRAMES, UPPER_ARM
@@ -101,7 +109,7 @@ def bake_body(wheel: Path, out: Path = BODY) -> None:
     sys.stdout.write(f"{out}: {len(hands)} faces of the hands, {len(suit)} of the suit, {out.stat().st_size} bytes\n")
 
 
-def _skin_of_head(source: Source) -> Whole:
+def _skin_of_head(source: SourceFigure) -> Whole:
     """(k,) which vertices of the figure are the skin of `head.npz`, in its order."""
     faces, parts = head_faces(source)
     vertices = np.unique(faces)
@@ -130,7 +138,7 @@ def _merged(bones: Columns) -> Columns:
     return {part: column / whole for part, column in found.items()}
 
 
-def _centres(source: Source, points: Floats) -> Centres:
+def _centres(source: SourceFigure, points: Floats) -> Centres:
     """Where the joints of the segments are."""
 
     def middle(groups: Iterable[str]) -> Floats:
@@ -144,7 +152,7 @@ def _centres(source: Source, points: Floats) -> Centres:
     return found | {"skullbase": neck + SKULLBASE * (head - neck)}
 
 
-def _inward(points: Floats, bones: Columns, source: Source) -> Floats:
+def _inward(points: Floats, bones: Columns, source: SourceFigure) -> Floats:
     """(v,) [m] by which legs that straddle are sheared to the left, so that soles stay flat."""
     found = np.zeros(len(points))
     for side, sign in (("L", -1.0), ("R", 1.0)):

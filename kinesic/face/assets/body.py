@@ -30,7 +30,7 @@ KEPT = 8  # frames that move a vertex at most
 
 
 @dataclass(frozen=True, eq=False)
-class Figure:
+class DressedPerson:
     """A dressed person."""
 
     mesh: Mesh
@@ -44,14 +44,14 @@ class Figure:
         over = np.clip(vertex_chart(self.mesh)[:, 3] / FULL, 0.0, 1.0)
         return sealed(CROP * np.sqrt(over) * (self.mesh.parts == PARTS.index("skin")))
 
-    def subdivided(self) -> "Figure":
+    def subdivided(self) -> "DressedPerson":
         """The same figure with every face cut into four."""
         stencil, _ = refine(self.mesh.faces, len(self.mesh.positions))
         return replace(self, mesh=self.mesh.subdivided(), weights=scipy.sparse.csr_array(stencil @ self.weights))
 
 
 @cache
-def load_figure(path: Path = BODY) -> Figure:
+def load_figure(path: Path = BODY) -> DressedPerson:
     """Reads the figure from its files.
 
     Raises:
@@ -66,7 +66,7 @@ def load_figure(path: Path = BODY) -> Figure:
         raise DisplayError(f"{path}: not a body that kinesic.face.assets.bake_body wrote: {error}") from None
 
 
-def _figure(head: Mesh, data: Mapping[str, NDArray[Any]]) -> Figure:
+def _figure(head: Mesh, data: Mapping[str, NDArray[Any]]) -> DressedPerson:
     """Puts the head on the body, and dresses it."""
     centres = dict(zip(map(str, data["segments"]), map(sealed, data["centres"]), strict=True))
     count = len(data["positions"])
@@ -91,7 +91,7 @@ def _figure(head: Mesh, data: Mapping[str, NDArray[Any]]) -> Figure:
     pieces += [(piece, weights[skin:]) for piece in (below, *_clothes(below, data["suit"].astype(np.int32), centres))]
     mesh, moved = _joined([_used(*piece) for piece in pieces])
     angles = dict(zip(map(str, data["hinges"]), data["angles"].tolist(), strict=True))
-    return Figure(mesh, moved, centres, angles)
+    return DressedPerson(mesh, moved, centres, angles)
 
 
 def _clothes(below: Mesh, suit: Indices, centres: Mapping[str, Floats]) -> Iterator[Mesh]:

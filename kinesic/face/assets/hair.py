@@ -42,7 +42,7 @@ TURNING = 0.55  # share of the comb's direction in that of a step
 
 
 @dataclass(frozen=True)
-class Style:
+class HairStyle:
     """How hair is worn; lengths are distances between the eyes."""
 
     roots: int  # directions of the sphere in which roots are looked for
@@ -59,9 +59,9 @@ class Style:
     falls: float  # how much it hangs, combed to a side
 
 
-STYLES: Mapping[Variant, Style] = MappingProxyType(
+STYLES: Mapping[Variant, HairStyle] = MappingProxyType(
     {
-        "female": Style(
+        "female": HairStyle(
             roots=700,
             lowest=0.02,
             steps=7,
@@ -75,7 +75,7 @@ STYLES: Mapping[Variant, Style] = MappingProxyType(
             part=0.2,
             falls=0.9,
         ),
-        "male": Style(
+        "male": HairStyle(
             roots=1080,
             lowest=0.03,
             steps=5,
@@ -104,7 +104,7 @@ class Locks:
     inside: NDArray[np.int32]  # (u, 3), of those that hang the other side
 
 
-def grow(mesh: Mesh, style: Style) -> Locks:
+def grow(mesh: Mesh, style: HairStyle) -> Locks:
     """Grows the hair of a head at rest."""
     random = np.random.default_rng(SEED)
     unit = float(mesh.eyes[0, 1] - mesh.eyes[1, 1])
@@ -130,7 +130,7 @@ def _high(roots: Floats) -> Floats:
 class _Skull:
     """How far the skin is in each direction, and what hair lies on."""
 
-    def __init__(self, skin: Floats, style: Style) -> None:
+    def __init__(self, skin: Floats, style: HairStyle) -> None:
         skin = skin[skin[:, 2] > -1.6]
         ears = _on_ears(skin)
         self._away, self._near = self._seen(skin[~ears])
@@ -167,7 +167,7 @@ class _Skull:
         return np.asarray(INSIDE + spokes * (right / away)[:, None])
 
 
-def _roots(skull: _Skull, style: Style) -> Floats:
+def _roots(skull: _Skull, style: HairStyle) -> Floats:
     """(r, 3) evenly over the skin that has hair."""
     number = np.arange(style.roots) + 0.5
     up = 1.0 - 2.0 * number / style.roots
@@ -177,7 +177,7 @@ def _roots(skull: _Skull, style: Style) -> Floats:
     return np.asarray(points[~_on_ears(points) & (hair(points) > style.lowest) & (points[:, 2] > -0.55)])
 
 
-def _combed(skull: _Skull, roots: Floats, style: Style, random: np.random.Generator) -> Floats:
+def _combed(skull: _Skull, roots: Floats, style: HairStyle, random: np.random.Generator) -> Floats:
     """(r, s + 1, 3) the middle lines of locks."""
     count = len(roots)
     high = _high(roots)
@@ -202,7 +202,7 @@ def _combed(skull: _Skull, roots: Floats, style: Style, random: np.random.Genera
     return np.stack(lines, axis=1)
 
 
-def _cut(lines: Floats, style: Style, random: np.random.Generator) -> Floats:
+def _cut(lines: Floats, style: HairStyle, random: np.random.Generator) -> Floats:
     """(r, s + 1, 3) lines that end where hair is cut, as many points on each as before."""
     count, rows = lines.shape[:2]
     heights = np.full((count, 1), style.cut) + random.uniform(*CUT, (count, 1))
@@ -220,7 +220,7 @@ def _cut(lines: Floats, style: Style, random: np.random.Generator) -> Floats:
     return np.asarray((1.0 - share) * lines[lock[:, None], before] + share * lines[lock[:, None], before + 1])
 
 
-def _comb(points: Floats, style: Style) -> Floats:
+def _comb(points: Floats, style: HairStyle) -> Floats:
     """(n, 3) where hair at (n, 3) points is combed to."""
     forward, left, up = points.T
     side = np.ones(len(points)) if style.part is None else np.tanh((left - style.part) / 0.12)
@@ -239,7 +239,7 @@ def _comb(points: Floats, style: Style) -> Floats:
     return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))
 
 
-def _ribbons(lines: Floats, style: Style, random: np.random.Generator, unit: float) -> Locks:
+def _ribbons(lines: Floats, style: HairStyle, random: np.random.Generator, unit: float) -> Locks:
     """Ribbons of two vertices across, along lines."""
     count, rows = lines.shape[:2]
     along = np.linspace(0.0, 1.0, rows)

@@ -18,7 +18,7 @@ FOREARM = (0.05, 0.97)
 
 
 @dataclass(frozen=True)
-class Frame:
+class SkinningFrame:
     """One frame that moves skin."""
 
     name: str
@@ -27,26 +27,26 @@ class Frame:
     twist: float = 1.0  # share of the twist about the bone; a segment without a twist ignores it
 
 
-def _arm(side: str) -> tuple[Frame, ...]:
+def _arm(side: str) -> tuple[SkinningFrame, ...]:
     shoulder, elbow, wrist = (f"{side}_{name}" for name in ("shoulder", "elbow", "wrist"))
     return (
-        Frame(f"{side}_sternoclavicular", f"{side}_sternoclavicular"),
-        Frame(f"{shoulder}_half", shoulder, 0.5, 0.0),
-        *(Frame(f"{shoulder}_{k}", shoulder, 1.0, k / 2) for k in range(3)),
-        Frame(f"{elbow}_half", elbow, 0.5, 0.0),
-        *(Frame(f"{elbow}_{k}", elbow, 1.0, k / 3) for k in range(4)),
-        Frame(f"{wrist}_half", wrist, 0.5),
-        Frame(wrist, wrist),
-        *(Frame(f"{side}_{finger}{k}", f"{side}_{finger}{k}") for finger in FINGERS for k in (1, 2, 3)),
+        SkinningFrame(f"{side}_sternoclavicular", f"{side}_sternoclavicular"),
+        SkinningFrame(f"{shoulder}_half", shoulder, 0.5, 0.0),
+        *(SkinningFrame(f"{shoulder}_{k}", shoulder, 1.0, k / 2) for k in range(3)),
+        SkinningFrame(f"{elbow}_half", elbow, 0.5, 0.0),
+        *(SkinningFrame(f"{elbow}_{k}", elbow, 1.0, k / 3) for k in range(4)),
+        SkinningFrame(f"{wrist}_half", wrist, 0.5),
+        SkinningFrame(wrist, wrist),
+        *(SkinningFrame(f"{side}_{finger}{k}", f"{side}_{finger}{k}") for finger in FINGERS for k in (1, 2, 3)),
     )
 
 
-FRAMES: tuple[Frame, ...] = (
-    Frame("humanoid_root", "humanoid_root"),
-    *(Frame(f"vl5_{k}", "vl5", k / 3, k / 3) for k in (1, 2)),
-    Frame("vl5", "vl5"),
-    *(Frame(f"skullbase_{k}", "skullbase", k / 4, k / 4) for k in (1, 2, 3)),
-    Frame("skullbase", "skullbase"),
+FRAMES: tuple[SkinningFrame, ...] = (
+    SkinningFrame("humanoid_root", "humanoid_root"),
+    *(SkinningFrame(f"vl5_{k}", "vl5", k / 3, k / 3) for k in (1, 2)),
+    SkinningFrame("vl5", "vl5"),
+    *(SkinningFrame(f"skullbase_{k}", "skullbase", k / 4, k / 4) for k in (1, 2, 3)),
+    SkinningFrame("skullbase", "skullbase"),
     *_arm("l"),
     *_arm("r"),
 )

@@ -15,8 +15,8 @@ import scipy
 from kinesic.body.arrays import Floats
 from kinesic.body.rotation import about
 from kinesic.body.skeleton import Skeleton
-from kinesic.face.assets.body import Figure
-from kinesic.face.assets.rig import FINGERS, FRAMES, PLACE, Frame
+from kinesic.face.assets.body import DressedPerson
+from kinesic.face.assets.rig import FINGERS, FRAMES, PLACE, SkinningFrame
 from kinesic.face.display import DisplayError
 
 Blending = Literal["linear", "dual"]
@@ -30,7 +30,7 @@ STILL = 1e-9  # sine of half an angle
 class Skin:
     """The skin of a figure on a skeleton."""
 
-    def __init__(self, figure: Figure, skeleton: Skeleton, *, blending: Blending = "linear") -> None:
+    def __init__(self, figure: DressedPerson, skeleton: Skeleton, *, blending: Blending = "linear") -> None:
         """Puts the skeleton into the skin.
 
         Args:
@@ -82,10 +82,10 @@ class Skin:
         head = PLACE["skullbase"]
         return np.asarray(points @ turns[head].T + ways[head])
 
-    def _present(self, frame: Frame, known: set[str]) -> Frame:
+    def _present(self, frame: SkinningFrame, known: set[str]) -> SkinningFrame:
         """The frame, or that of the hand where the skeleton has no such finger."""
         lacks_finger = frame.segment not in known and _finger_of(frame.segment) is not None
-        return Frame(frame.name, f"{frame.segment[:2]}{HAND}") if lacks_finger else frame
+        return SkinningFrame(frame.name, f"{frame.segment[:2]}{HAND}") if lacks_finger else frame
 
     def _bound(self) -> Floats:
         """(f, 3, 3) rotations of the frames at bind, where fingers are not coupled as the skeleton's are."""
@@ -102,7 +102,7 @@ class Skin:
                 found[k] = turned[self._segments[k]] = rotation
         return found
 
-    def _turns(self, frame: Frame) -> list[tuple[int, tuple[float, ...], float]]:
+    def _turns(self, frame: SkinningFrame) -> list[tuple[int, tuple[float, ...], float]]:
         """Hinge, axis and share of its angle, for a frame that takes shares."""
         return [
             (k, tuple(hinge.axis.tolist()), frame.twist if hinge.name.endswith(TWIST) else 1.0)

@@ -7,7 +7,7 @@ from typing import Protocol
 from kinesic.face.gl import numbers as n
 from kinesic.face.gl.functions import Functions, Lookup
 from kinesic.face.gl.programs import Buffer, Column, Program, Vertices
-from kinesic.face.gl.textures import Depth, DepthBuffer, DepthTexture, Frame, Rectangle, Size, Texture
+from kinesic.face.gl.textures import Depth, DepthBuffer, DepthTexture, Framebuffer, Rectangle, Size, Texture
 
 SPARE = 15  # place of a texture that is changed, which no shader reads from
 SWITCHES = (n.DEPTH_TEST, n.CULL_FACE, n.BLEND)
@@ -33,7 +33,7 @@ class Owner(Protocol):
         """Frees it with all that it holds."""
 
 
-class Context:
+class GlContext:
     """Draws; while it is entered, calls of OpenGL are meant for it."""
 
     spare = SPARE
@@ -49,7 +49,7 @@ class Context:
         self.functions.CullFace(n.BACK)
         self.functions.FrontFace(n.COUNTER_CLOCKWISE)
 
-    def __enter__(self) -> "Context":
+    def __enter__(self) -> "GlContext":
         self._owner.enter()
         return self
 
@@ -90,9 +90,9 @@ class Context:
         """Makes depths for tests alone."""
         return DepthBuffer(self, size)
 
-    def frame(self, colours: Sequence[Texture], depth: Depth | None = None) -> Frame:
+    def frame(self, colours: Sequence[Texture], depth: Depth | None = None) -> Framebuffer:
         """Joins textures to draw into."""
-        return Frame(self, colours, depth)
+        return Framebuffer(self, colours, depth)
 
     def program(self, vertex: str, fragment: str) -> Program:
         """Compiles shaders."""

@@ -7,7 +7,7 @@ import ctypes
 from ctypes import CFUNCTYPE, byref, c_char_p, c_int, c_uint, c_void_p
 from functools import cache
 
-from kinesic.face.gl.context import Context
+from kinesic.face.gl.context import GlContext
 from kinesic.face.gl.functions import GraphicsError
 
 EGL = "libEGL.so.1"
@@ -144,7 +144,7 @@ Current = tuple[int | None, int | None, int | None, int | None]  # display, surf
 
 
 class _Offscreen:
-    """A context of EGL, as `Context` wants its owner."""
+    """A context of EGL, as `GlContext` wants its owner."""
 
     def __init__(self, egl: Egl) -> None:
         self._egl, self._before = egl, list[Current]()
@@ -165,14 +165,14 @@ class _Offscreen:
         self._egl.destroy(self._context)
 
 
-def open_context() -> Context:
+def open_context() -> GlContext:
     """Opens a context without a window, which is drawn in from now on.
 
     Raises:
         GraphicsError: nothing can be drawn here; says why.
     """
     egl = started()
-    return Context(egl.find, _Offscreen(egl))
+    return GlContext(egl.find, _Offscreen(egl))
 
 
 @cache

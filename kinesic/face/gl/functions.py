@@ -8,7 +8,7 @@ from typing import TypeAlias
 Lookup: TypeAlias = Callable[[str], int]  # address of a function, 0 for an unknown one
 Function: TypeAlias = Callable[..., int]
 
-Kind: TypeAlias = type[
+NumberType: TypeAlias = type[
     ctypes.c_int
     | ctypes.c_uint
     | ctypes.c_ubyte
@@ -18,7 +18,7 @@ Kind: TypeAlias = type[
     | ctypes.c_ssize_t
 ]
 
-KINDS: Mapping[str, Kind] = {
+KINDS: Mapping[str, NumberType] = {
     "i": ctypes.c_int,  # and sizes
     "u": ctypes.c_uint,  # and enumerations, masks
     "b": ctypes.c_ubyte,

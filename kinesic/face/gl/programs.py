@@ -13,7 +13,7 @@ from kinesic.face.gl import numbers as n
 from kinesic.face.gl.functions import GraphicsError
 
 if TYPE_CHECKING:
-    from kinesic.face.gl.context import Context
+    from kinesic.face.gl.context import GlContext
 
 LONGEST = 256  # bytes of a name
 FLOATS: Mapping[int, tuple[str, int]] = MappingProxyType(  # by the type of a uniform: function, and numbers in one
@@ -41,7 +41,7 @@ class Uniform:
 class Program:
     """A vertex and a fragment shader, compiled."""
 
-    def __init__(self, context: "Context", vertex: str, fragment: str) -> None:
+    def __init__(self, context: "GlContext", vertex: str, fragment: str) -> None:
         self._context, gl = context, context.functions
         self.number = gl.CreateProgram()
         for kind, source in ((n.VERTEX_SHADER, vertex), (n.FRAGMENT_SHADER, fragment)):
@@ -119,7 +119,7 @@ class Program:
 class Buffer:
     """Numbers on the graphics card."""
 
-    def __init__(self, context: "Context", data: bytes | None, size: int) -> None:
+    def __init__(self, context: "GlContext", data: bytes | None, size: int) -> None:
         self._context, self.size = context, size
         self.number = context.functions.new("Buffers")
         self._bind()
@@ -151,7 +151,7 @@ class Vertices:
     """Vertices that a program runs over, as triangles of indices or in their order."""
 
     def __init__(
-        self, context: "Context", program: Program, columns: Sequence[Column], indices: Buffer | None = None
+        self, context: "GlContext", program: Program, columns: Sequence[Column], indices: Buffer | None = None
     ) -> None:
         self._context, self.program, gl = context, program, context.functions
         self._indexed = indices is not None

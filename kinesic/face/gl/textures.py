@@ -8,7 +8,7 @@ from kinesic.face.gl import numbers as n
 from kinesic.face.gl.functions import GraphicsError
 
 if TYPE_CHECKING:
-    from kinesic.face.gl.context import Context
+    from kinesic.face.gl.context import GlContext
 
 Size = tuple[int, int]  # width, height [pixels]
 Rectangle = tuple[int, int, int, int]  # left, low, width, height [pixels]
@@ -25,7 +25,7 @@ SWIZZLES = {"R": n.RED, "G": n.GREEN, "B": n.BLUE, "A": n.ALPHA, "0": n.ZERO, "1
 class Texture:
     """A picture on the graphics card, repeated beyond its border until `clamp`."""
 
-    def __init__(self, context: "Context", size: Size, components: int, data: bytes | None, kind: str) -> None:
+    def __init__(self, context: "GlContext", size: Size, components: int, data: bytes | None, kind: str) -> None:
         self._context, self.size, self.components, self.dtype = context, size, components, kind
         self.number = context.functions.new("Textures")
         self._bind()
@@ -120,7 +120,7 @@ class Texture:
 class DepthTexture(Texture):
     """Depths 0..1 that shaders can read."""
 
-    def __init__(self, context: "Context", size: Size) -> None:
+    def __init__(self, context: "GlContext", size: Size) -> None:
         self._context, self.size, self.components, self.dtype = context, size, 1, "f4"
         self.number = context.functions.new("Textures")
         self._bind()
@@ -132,7 +132,7 @@ class DepthTexture(Texture):
 class DepthBuffer:
     """Depths 0..1 that only tests read."""
 
-    def __init__(self, context: "Context", size: Size) -> None:
+    def __init__(self, context: "GlContext", size: Size) -> None:
         gl, self.size = context.functions, size
         self.number = gl.new("Renderbuffers")
         gl.BindRenderbuffer(n.RENDERBUFFER, self.number)
@@ -142,11 +142,11 @@ class DepthBuffer:
 Depth = DepthBuffer | DepthTexture
 
 
-class Frame:
+class Framebuffer:
     """Textures that are drawn into together, and the depth that is tested."""
 
     def __init__(
-        self, context: "Context", colours: Sequence[Texture], depth: DepthBuffer | DepthTexture | None
+        self, context: "GlContext", colours: Sequence[Texture], depth: DepthBuffer | DepthTexture | None
     ) -> None:
         gl, self._context, self._colours = context.functions, context, tuple(colours)
         self.size = colours[0].size if colours or depth is None else depth.size
@@ -186,7 +186,7 @@ class Frame:
             gl.ClearDepth(depth)
             gl.Clear(n.COLOR_BUFFER_BIT | n.DEPTH_BUFFER_BIT)
 
-    def copy(self, other: "Frame") -> None:
+    def copy(self, other: "Framebuffer") -> None:
         """Fills the first texture with the pixels of another's."""
         gl, (width, height) = self._context.functions, self.size
         with self._bound():
@@ -221,7 +221,7 @@ class Frame:
 class _Bound:
     """For a while another frame is drawn into and read from."""
 
-    def __init__(self, context: "Context", number: int) -> None:
+    def __init__(self, context: "GlContext", number: int) -> None:
         self._context, self._number = context, number
 
     def __enter__(self) -> None:

@@ -8,7 +8,7 @@ from types import TracebackType
 
 from kinesic.body.arrays import Floats, Picture
 from kinesic.body.skeleton import Skeleton
-from kinesic.face.assets.body import Figure, load_figure
+from kinesic.face.assets.body import DressedPerson, load_figure
 from kinesic.face.assets.paint import COMPLEXIONS
 from kinesic.face.assets.skinning import Blending
 from kinesic.face.display import DisplayError, offscreen
@@ -109,6 +109,6 @@ def _wide(occlusion: Occlusion) -> Occlusion:
 
 
 @lru_cache(maxsize=2)
-def _figure(subdivided: bool) -> Figure:
+def _figure(subdivided: bool) -> DressedPerson:
     figure = load_figure()
     return figure.subdivided() if subdivided else figure

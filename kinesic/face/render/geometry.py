@@ -14,12 +14,12 @@ from kinesic.face.assets.hair import Locks
 from kinesic.face.assets.mesh import PARTS, Mesh
 from kinesic.face.assets.paint import PUPIL, Colour
 from kinesic.face.gl import numbers as gl
-from kinesic.face.gl.context import Context
+from kinesic.face.gl.context import GlContext
 from kinesic.face.gl.programs import Buffer, Column, Program, Vertices
 from kinesic.face.gl.textures import DepthBuffer, Rectangle, Size, Texture
 from kinesic.face.render.camera import Camera
-from kinesic.face.render.passes import Marks, Target, Where, program, set_uniforms
-from kinesic.face.render.shape import Shape
+from kinesic.face.render.passes import Marks, PassRegion, Target, program, set_uniforms
+from kinesic.face.render.shape import MovingMesh
 
 Layer = Literal["skin", "organs", "lashes", "cloth", "film", "hair", "hair inside"]
 
@@ -36,8 +36,8 @@ class Geometry:
 
     def __init__(
         self,
-        context: Context,
-        shape: Shape,
+        context: GlContext,
+        shape: MovingMesh,
         drawn_on: Mesh,
         size: Size,
         iris: Texture,
@@ -214,13 +214,13 @@ class PositionBuffer:
     position: Texture  # [m] in the camera's frame; part + 1, 0 on the background
     normal: Texture
     depth: DepthBuffer | None = None
-    where: Where = "everywhere"
+    where: PassRegion = "everywhere"
 
 
 class PositionPass:
     """Unpacks positions and normals of the G-buffer, in whole or with fewer pixels."""
 
-    def __init__(self, context: Context, geometry: Geometry, pixels: int = 1) -> None:
+    def __init__(self, context: GlContext, geometry: Geometry, pixels: int = 1) -> None:
         """Makes the textures.
 
         Args:

@@ -1,7 +1,7 @@
 """Lashes: too fine for a G-buffer that has one surface in a pixel, they are laid over the lit picture."""
 
 from kinesic.face.gl import numbers as gl
-from kinesic.face.gl.context import Context
+from kinesic.face.gl.context import GlContext
 from kinesic.face.gl.textures import Texture
 from kinesic.face.render.camera import Camera
 from kinesic.face.render.geometry import Geometry
@@ -13,7 +13,7 @@ OVER = (gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA), (gl.ZERO, gl.ONE_MINUS_SRC_ALPHA)
 class LashPass:
     """Draws the lashes over a picture of the head, as dense as they are in each pixel."""
 
-    def __init__(self, context: Context, geometry: Geometry, picture: Texture) -> None:
+    def __init__(self, context: GlContext, geometry: Geometry, picture: Texture) -> None:
         """Compiles the shader.
 
         Args:

@@ -12,7 +12,7 @@ from typing import get_args
 import numpy as np
 
 from kinesic.body.arrays import Floats
-from kinesic.face.gl.context import Context
+from kinesic.face.gl.context import GlContext
 from kinesic.face.gl.textures import Size
 from kinesic.face.render.geometry import PositionBuffer
 from kinesic.face.render.passes import ScreenPass, Target, Value, texture
@@ -26,7 +26,7 @@ OPEN = (1.0, 0.0, 0.0, 0.0)  # the backdrop
 class OcclusionPass:
     """Finds how open each pixel of the head is."""
 
-    def __init__(self, context: Context, seen: PositionBuffer, occlusion: Occlusion) -> None:
+    def __init__(self, context: GlContext, seen: PositionBuffer, occlusion: Occlusion) -> None:
         self.occlusion, self._seen = occlusion, seen
         estimator = get_args(Estimator).index(occlusion.estimator)
 

@@ -11,22 +11,22 @@ from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats
 from kinesic.face.gl import numbers as gl
-from kinesic.face.gl.context import Context
+from kinesic.face.gl.context import GlContext
 from kinesic.face.gl.programs import Column, Program
-from kinesic.face.gl.textures import DepthBuffer, Frame, Rectangle, Size, Texture
+from kinesic.face.gl.textures import DepthBuffer, Framebuffer, Rectangle, Size, Texture
 
 SHADERS = Path(__file__).parent / "shaders"
 VERSION = "#version 330 core\n"
 
-Where = Literal["head", "marked", "marking", "everywhere"]
-PASSES: Mapping[Where, str] = (
+PassRegion = Literal["head", "marked", "marking", "everywhere"]
+PASSES: Mapping[PassRegion, str] = (
     MappingProxyType(  # how the far plane's depth, 1, must compare to what the depth buffer has
         {"head": ">", "marked": "==", "marking": "1", "everywhere": "1"}
     )
 )
-Kind: TypeAlias = Literal["f1", "f2", "f4"]  # of a component: a byte for 0..1, or a float of 2 or 4 bytes
+TextureFormat: TypeAlias = Literal["f1", "f2", "f4"]  # of a component: a byte for 0..1, or a float of 2 or 4 bytes
 Stored: TypeAlias = NDArray[np.uint8 | np.float16 | np.float32]
-STORED: Mapping[Kind, np.dtype[np.uint8 | np.float16 | np.float32]] = MappingProxyType(
+STORED: Mapping[TextureFormat, np.dtype[np.uint8 | np.float16 | np.float32]] = MappingProxyType(
     {"f1": np.dtype("u1"), "f2": np.dtype("f2"), "f4": np.dtype("f4")}
 )
 Value: TypeAlias = float | Sequence[float] | Floats
@@ -34,7 +34,7 @@ Values: TypeAlias = Mapping[str, Value]
 
 
 def program(
-    context: Context, vertex: str, *fragments: str, defines: Mapping[str, int] = MappingProxyType({})
+    context: GlContext, vertex: str, *fragments: str, defines: Mapping[str, int] = MappingProxyType({})
 ) -> Program:
     """Compiles files of `shaders`; later fragments may use earlier ones, and `defines` sets their constants."""
     head = VERSION + "".join(f"#define {name} {value}\n" for name, value in defines.items())
@@ -50,13 +50,13 @@ def set_uniforms(shader: Program, values: Values) -> None:
         shader.set(name, value)
 
 
-def store_pixels(pixels: Floats | Stored, kind: Kind) -> Stored:
+def store_pixels(pixels: Floats | Stored, kind: TextureFormat) -> Stored:
     """Gives pixels as a texture of a kind holds them; those that are stored already stay as they are."""
     scaled = np.rint(255 * pixels) if kind == "f1" and pixels.dtype != STORED[kind] else pixels
     return np.ascontiguousarray(scaled, dtype=STORED[kind])
 
 
-def texture(context: Context, pixels: Floats | Stored, kind: Kind = "f2") -> Texture:
+def texture(context: GlContext, pixels: Floats | Stored, kind: TextureFormat = "f2") -> Texture:
     """Makes a texture that is smooth within and clamped at its border.
 
     Args:
@@ -73,7 +73,7 @@ def texture(context: Context, pixels: Floats | Stored, kind: Kind = "f2") -> Tex
 class Target:
     """Textures that a pass writes, with a depth buffer that passes can share."""
 
-    def __init__(self, context: Context, size: Size, formats: Sequence[str], depth: DepthBuffer | None) -> None:
+    def __init__(self, context: GlContext, size: Size, formats: Sequence[str], depth: DepthBuffer | None) -> None:
         """Makes the textures.
 
         Args:
@@ -89,13 +89,13 @@ class Target:
         self._hold(context, textures, depth)
 
     @classmethod
-    def of(cls, context: Context, textures: Sequence[Texture], depth: DepthBuffer | None) -> "Target":
+    def of(cls, context: GlContext, textures: Sequence[Texture], depth: DepthBuffer | None) -> "Target":
         """Makes a target of textures that are there."""
         found = cls.__new__(cls)
         found._hold(context, textures, depth)
         return found
 
-    def _hold(self, context: Context, textures: Sequence[Texture], depth: DepthBuffer | None) -> None:
+    def _hold(self, context: GlContext, textures: Sequence[Texture], depth: DepthBuffer | None) -> None:
         self._context, self.textures = context, list(textures)
         self.frame = context.frame(self.textures, depth)
 
@@ -104,7 +104,7 @@ class Target:
         self.first.copy(other.first)
 
     @cached_property
-    def first(self) -> Frame:
+    def first(self) -> Framebuffer:
         """The first texture alone."""
         return self._context.frame([self.textures[0]])
 
@@ -126,10 +126,10 @@ class ScreenPass:
 
     def __init__(
         self,
-        context: Context,
+        context: GlContext,
         target: Target,
         *fragments: str,
-        where: Where = "head",
+        where: PassRegion = "head",
         defines: Mapping[str, int] = MappingProxyType({}),
     ) -> None:
         self.context, self.target, self.where = context, target, where
@@ -185,7 +185,7 @@ class Marks:
     What one shader skips, a software renderer still works out; what the depth test rejects, it does not.
     """
 
-    def __init__(self, context: Context, fragments: Sequence[str], size: Size, formats: Sequence[str] = ()) -> None:
+    def __init__(self, context: GlContext, fragments: Sequence[str], size: Size, formats: Sequence[str] = ()) -> None:
         self.depth = context.depth_buffer(size)
         self.target = Target(context, size, formats, self.depth)
         self._pass = ScreenPass(context, self.target, *fragments, where="marking")

@@ -14,20 +14,20 @@ from kinesic.face.assets.hair import Locks
 from kinesic.face.assets.mesh import Mesh
 from kinesic.face.assets.paint import Complexion, iris, skin
 from kinesic.face.gl import numbers as gl
-from kinesic.face.gl.context import Context
+from kinesic.face.gl.context import GlContext
 from kinesic.face.gl.textures import Size, Texture
 from kinesic.face.render.camera import Camera, Lights
 from kinesic.face.render.geometry import Geometry, PositionPass
 from kinesic.face.render.lashes import LashPass
 from kinesic.face.render.occlusion import OcclusionPass
-from kinesic.face.render.passes import Kind, ScreenPass, Stored, Target, Value, Values, store_pixels, texture
+from kinesic.face.render.passes import ScreenPass, Stored, Target, TextureFormat, Value, Values, store_pixels, texture
 from kinesic.face.render.post import PostProcessing, ScatterPass
 from kinesic.face.render.presets import Preset
 from kinesic.face.render.shadow import ShadowPass
-from kinesic.face.render.shape import Shape
+from kinesic.face.render.shape import MovingMesh
 from kinesic.face.render.wrinkles import WrinklePass, shares
 
-PAINT: Kind = "f2"  # of the painting: filtering bytes, drivers round to either side
+PAINT: TextureFormat = "f2"  # of the painting: filtering bytes, drivers round to either side
 BACKDROP = (0.055, 0.075, 0.105)  # linear
 
 
@@ -35,7 +35,7 @@ BACKDROP = (0.055, 0.075, 0.105)  # linear
 class DrawnHead:
     """What is drawn: a head or a figure, the mesh that it is painted on, and its complexion."""
 
-    shape: Shape
+    shape: MovingMesh
     drawn_on: Mesh  # in whose chart the painting and the wrinkles are drawn; the vertices correspond
     complexion: Complexion
     locks: Locks | None = None  # that stand still in the head's frame
@@ -44,7 +44,7 @@ class DrawnHead:
 class Pipeline:
     """Draws a head that shows action units, in one OpenGL context."""
 
-    def __init__(self, context: Context, head: DrawnHead, *, preset: Preset, size: Size, lights: Lights) -> None:
+    def __init__(self, context: GlContext, head: DrawnHead, *, preset: Preset, size: Size, lights: Lights) -> None:
         mesh, complexion = head.shape.mesh, head.complexion
         drawn = (size[0] * preset.samples, size[1] * preset.samples)
         self._preset, self._drawn, self._lights, self._complexion = preset, drawn, lights, complexion

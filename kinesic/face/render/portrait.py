@@ -15,7 +15,7 @@ from kinesic.face.assets.hair import STYLES, Locks, grow
 from kinesic.face.assets.mesh import Mesh, load_head
 from kinesic.face.assets.paint import COMPLEXIONS
 from kinesic.face.display import DisplayError, offscreen
-from kinesic.face.gl.context import Context
+from kinesic.face.gl.context import GlContext
 from kinesic.face.render.camera import FRONT, LIGHTS, Camera, Lights
 from kinesic.face.render.pipeline import DrawnHead, Pipeline
 from kinesic.face.render.presets import NORMAL, Preset
@@ -41,7 +41,7 @@ class Portrait:
         preset: Preset = NORMAL,
         size: tuple[int, int] = (512, 512),
         lights: Lights = LIGHTS,
-        context: Context | None = None,
+        context: GlContext | None = None,
     ) -> None:
         """Loads the head, compiles the shaders and paints the textures.
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 from kinesic.body.arrays import Floats
 from kinesic.face.gl import numbers as gl
-from kinesic.face.gl.context import Context
+from kinesic.face.gl.context import GlContext
 from kinesic.face.gl.textures import Rectangle, Size, Texture
 from kinesic.face.render.camera import Camera
 from kinesic.face.render.geometry import Geometry
@@ -19,7 +19,7 @@ from kinesic.face.render.presets import Focus, Preset, Scattering
 class ScatterPass:
     """Filters diffuse light along one axis and then along the other, and mends the picture where it did."""
 
-    def __init__(self, context: Context, geometry: Geometry, lit: Target, scattering: Scattering) -> None:
+    def __init__(self, context: GlContext, geometry: Geometry, lit: Target, scattering: Scattering) -> None:
         self.scattering, self._geometry = scattering, geometry
         self._pixel = [1.0 / side for side in geometry.size]
         self._marks = Marks(context, ("mark_skin",), geometry.size)
@@ -76,7 +76,7 @@ class ScatterPass:
 class FocusPass:
     """Blurs what is nearer or farther than the nearer eye, or than a plane (thesis 12.1)."""
 
-    def __init__(self, context: Context, geometry: Geometry, focus: Focus) -> None:
+    def __init__(self, context: GlContext, geometry: Geometry, focus: Focus) -> None:
         self.focus, self._geometry = focus, geometry
         blurred = Target(context, geometry.size, ("4f1",), None)
         defines = {"TAPS": focus.taps}
@@ -100,7 +100,7 @@ class FocusPass:
 class SmoothPass:
     """Smooths edges that show stairs."""
 
-    def __init__(self, context: Context, size: Size) -> None:
+    def __init__(self, context: GlContext, size: Size) -> None:
         self._marks = Marks(context, ("mark_edges",), size)
         self._pixel = tuple(1.0 / side for side in size)
         smoothed = Target(context, size, ("4f1",), self._marks.depth)
@@ -118,7 +118,7 @@ class SmoothPass:
 class PostProcessing:
     """Does to a picture what its preset asks for."""
 
-    def __init__(self, context: Context, geometry: Geometry, preset: Preset, size: Size) -> None:
+    def __init__(self, context: GlContext, geometry: Geometry, preset: Preset, size: Size) -> None:
         self._focus = FocusPass(context, geometry, preset.focus) if preset.focus else None
         self._smooth = SmoothPass(context, geometry.size) if preset.smooth else None
         self._shrink = None

@@ -10,7 +10,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.face.gl import numbers as gl
-from kinesic.face.gl.context import Context
+from kinesic.face.gl.context import GlContext
 from kinesic.face.gl.programs import Vertices
 from kinesic.face.gl.textures import Texture
 from kinesic.face.render.camera import Camera
@@ -24,7 +24,7 @@ REACHED = "4f4"  # between pixels of bytes, drivers round to either side; half f
 class ShadowPass:
     """Finds how much of the key's light reaches each pixel of the head."""
 
-    def __init__(self, context: Context, geometry: Geometry, seen: PositionBuffer, shadow: Shadow) -> None:
+    def __init__(self, context: GlContext, geometry: Geometry, seen: PositionBuffer, shadow: Shadow) -> None:
         self.shadow, self._seen = shadow, seen
         reached = Target(context, seen.position.size, (REACHED,), seen.depth)
         reached.textures[0].filter = (gl.LINEAR, gl.LINEAR)
@@ -75,7 +75,7 @@ class _Map:
 
     def __init__(
         self,
-        context: Context,
+        context: GlContext,
         side: int,
         colours: Sequence[Texture],
         layers: Sequence[Vertices],

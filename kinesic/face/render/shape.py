@@ -8,7 +8,7 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.body.skeleton import Skeleton
 from kinesic.face.assets.action_units import deform
-from kinesic.face.assets.body import Figure
+from kinesic.face.assets.body import DressedPerson
 from kinesic.face.assets.chart import vertex_chart
 from kinesic.face.assets.hair import THICK
 from kinesic.face.assets.mesh import PARTS, Mesh
@@ -19,7 +19,7 @@ from kinesic.face.render.head_pose import steady_shoulders
 VOLUME = 0.0035  # [m] that painted hair stands off the scalp, so far over the hairline as it is thick
 
 
-class Shape(Protocol):
+class MovingMesh(Protocol):
     """A mesh that moves."""
 
     mesh: Mesh
@@ -44,7 +44,7 @@ class HeadShape:
 class FigureShape:
     """A figure in the world; set `angles` before it is drawn."""
 
-    def __init__(self, figure: Figure, skeleton: Skeleton, *, blending: Blending = "linear") -> None:
+    def __init__(self, figure: DressedPerson, skeleton: Skeleton, *, blending: Blending = "linear") -> None:
         """Stands at rest.
 
         Args:

@@ -18,7 +18,7 @@ from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.config import CONFIGS
 from kinesic.face.assets.chart import LEFT_RIGHT, LOW_HIGH, ROUND, chart_window, vertex_chart
 from kinesic.face.assets.mesh import PARTS, Mesh
-from kinesic.face.gl.context import Context
+from kinesic.face.gl.context import GlContext
 from kinesic.face.gl.textures import Texture
 from kinesic.face.render.geometry import Geometry
 from kinesic.face.render.passes import ScreenPass, Stored, Target, Value, store_pixels, texture
@@ -173,7 +173,7 @@ def _nearest(line: Floats, reach: float, a: Floats, y: Floats) -> tuple[Floats, 
 class WrinklePass:
     """Bends the normals of a head where it has wrinkles."""
 
-    def __init__(self, context: Context, geometry: Geometry, *, wrinkled: bool = True) -> None:
+    def __init__(self, context: GlContext, geometry: Geometry, *, wrinkled: bool = True) -> None:
         """Loads the wrinkle maps.
 
         Args:

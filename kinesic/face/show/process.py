@@ -12,7 +12,7 @@ import numpy as np
 from kinesic.body.arrays import Picture
 from kinesic.body.choices import Variant
 from kinesic.face.display import DisplayError, offscreen
-from kinesic.face.gl.context import Context
+from kinesic.face.gl.context import GlContext
 from kinesic.face.render.camera import CLOSE, LIGHTS
 from kinesic.face.render.effects import Effects
 from kinesic.face.render.portrait import Portrait
@@ -85,7 +85,7 @@ def show_face(shared: SharedCommand, answer: ChildAnswer, look: PreviewSettings)
 
 
 def painter(
-    context: Context,
+    context: GlContext,
     size: tuple[int, int],
     body: SideFilm | None = None,
     effects: Effects = UNCHANGED,

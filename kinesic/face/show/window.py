@@ -11,7 +11,7 @@ import numpy as np
 from kinesic.body.arrays import Picture
 from kinesic.face.display import INSTALL_WINDOWS, DisplayError
 from kinesic.face.gl import numbers as gl
-from kinesic.face.gl.context import Context
+from kinesic.face.gl.context import GlContext
 from kinesic.face.gl.programs import Column
 from kinesic.face.gl.textures import Texture
 
@@ -44,7 +44,7 @@ def has_display() -> bool:
 class Window:
     """An open window; made by `open_window`."""
 
-    def __init__(self, handle: "glfw._GLFWwindowPointerT", context: Context) -> None:
+    def __init__(self, handle: "glfw._GLFWwindowPointerT", context: GlContext) -> None:
         import glfw  # noqa: PLC0415 - optional; `open_window` has imported it
 
         self._glfw, self._handle, self.context = glfw, handle, context
@@ -90,7 +90,7 @@ class Window:
 
 
 class _Current:
-    """The context of a window, however the window system made it, as `Context` wants its owner."""
+    """The context of a window, however the window system made it, as `GlContext` wants its owner."""
 
     def __init__(self, handle: "glfw._GLFWwindowPointerT") -> None:
         import glfw  # noqa: PLC0415 - optional; `open_window` has imported it
@@ -150,7 +150,7 @@ def open_window(size: tuple[int, int], title: str) -> Iterator[Window]:
             raise DisplayError(_no_window(faults))
         glfw.make_context_current(handle)
         current = _Current(handle)
-        yield Window(handle, Context(current.find, current))
+        yield Window(handle, GlContext(current.find, current))
 
 
 def _no_window(faults: list[str]) -> str:

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
 from kinesic.body.skeleton import Skeleton
-from kinesic.face.assets.body import KEPT, POSITION_STEP, Figure, load_figure
+from kinesic.face.assets.body import KEPT, POSITION_STEP, DressedPerson, load_figure
 from kinesic.face.assets.chart import chart_window, mouth, vertex_chart
 from kinesic.face.assets.mesh import PARTS, Part
 from kinesic.face.assets.paint import COMPLEXIONS, RESOLUTION, skin
-from kinesic.face.assets.rig import FRAMES, PLACE, Frame
+from kinesic.face.assets.rig import FRAMES, PLACE, SkinningFrame
 from kinesic.face.assets.skinning import TWIST, Skin
 from kinesic.report.gltf.skin import HAIRLINE, PLAIN, shown
 from kinesic.report.report import Json
@@ -71,7 +71,7 @@ def _bones(skin_of: Skin, skeleton: Skeleton) -> list[Json]:
     return found
 
 
-def _turns(frame: Frame, skeleton: Skeleton) -> list[Json]:
+def _turns(frame: SkinningFrame, skeleton: Skeleton) -> list[Json]:
     """Hinges with their axes, and which share of a twist is taken; none where the segment moves the skin as it is."""
     if (frame.share, frame.twist) == (1, 1):
         return []
@@ -104,7 +104,7 @@ def _packed() -> tuple[str, str]:
     return b64encode(rows.tobytes()).decode(), b64encode(triangles.tobytes()).decode()
 
 
-def _colours(figure: Figure) -> Floats:
+def _colours(figure: DressedPerson) -> Floats:
     """(v, 3) linear."""
     mesh, complexion, chart = figure.mesh, COMPLEXIONS["female"], vertex_chart(figure.mesh)
     wide, high, left, low = chart_window()
@@ -122,7 +122,7 @@ def _colours(figure: Figure) -> Floats:
     return found
 
 
-def _marks(figure: Figure) -> Floats:
+def _marks(figure: DressedPerson) -> Floats:
     """(v, 2) -1..1."""
     mesh = figure.mesh
     found = np.zeros((len(mesh.positions), 2))
@@ -132,7 +132,7 @@ def _marks(figure: Figure) -> Floats:
     return found
 
 
-def _influences(figure: Figure) -> tuple[NDArray[np.intp], NDArray[np.uint8]]:
+def _influences(figure: DressedPerson) -> tuple[NDArray[np.intp], NDArray[np.uint8]]:
     """(v, 8) frames that move each vertex, after them left and right eye, and (v, 8) how much; it adds up to 255."""
     rows = figure.weights.toarray()
     places = np.argsort(-rows, axis=1)[:, :KEPT]

@@ -12,7 +12,7 @@ from PIL import Image
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
 from kinesic.face.assets.action_units import gaze_rotation, intensities, shape_weights
-from kinesic.face.assets.body import Figure, load_figure
+from kinesic.face.assets.body import DressedPerson, load_figure
 from kinesic.face.assets.chart import chart_window, unroll, vertex_chart
 from kinesic.face.assets.mesh import PARTS
 from kinesic.face.assets.paint import COMPLEXIONS, EYE, iris, skin
@@ -35,7 +35,7 @@ class AddedSkin:
 
     face: int  # the node with morph targets
     _skin: Skin
-    _figure: Figure
+    _figure: DressedPerson
     _joints: Mapping[int, tuple[int, int]]  # frame -> its node, and its parent's place in the skeleton
     _eyes: tuple[int, int]  # nodes
     _robot: Robot
@@ -105,7 +105,7 @@ def _joints(
     return partial, found
 
 
-def _eyes(file: GltfFile, nodes: Sequence[int], robot: Robot, figure: Figure, skin_of: Skin) -> tuple[int, int]:
+def _eyes(file: GltfFile, nodes: Sequence[int], robot: Robot, figure: DressedPerson, skin_of: Skin) -> tuple[int, int]:
     """Nodes of the left and the right eyeball."""
     head = PLACE["skullbase"]
     places = (figure.mesh.eyes - skin_of.centres[head]) @ skin_of.unbound[head].T
@@ -128,7 +128,7 @@ def _hang(file: GltfFile, parent: int, node: int) -> None:
 class _Surface:
     """The primitives of a figure."""
 
-    def __init__(self, file: GltfFile, figure: Figure) -> None:
+    def __init__(self, file: GltfFile, figure: DressedPerson) -> None:
         self._file, self._figure, mesh = file, figure, figure.mesh
         self._chart = vertex_chart(mesh)
         self._normals = mesh.normals(mesh.positions)

@@ -8,7 +8,7 @@ import pytest
 
 from kinesic.face.display import offscreen
 from kinesic.face.gl import numbers as gl
-from kinesic.face.gl.context import Context
+from kinesic.face.gl.context import GlContext
 from kinesic.face.gl.functions import SIGNATURES, Functions, GraphicsError
 from kinesic.face.gl.programs import Column
 
@@ -22,7 +22,7 @@ TRIANGLE = np.array([[-1, -1, 0.5], [3, -1, 0.5], [-1, 3, 0.5]])  # over the who
 
 
 @pytest.fixture(scope="module")
-def context(drawable: None) -> Iterator[Context]:
+def context(drawable: None) -> Iterator[GlContext]:
     with offscreen() as opened:
         yield opened
         assert opened.error == 0
@@ -30,7 +30,7 @@ def context(drawable: None) -> Iterator[Context]:
 
 @pytest.mark.parametrize("components", [1, 2, 3, 4])
 @pytest.mark.parametrize(("kind", "stored"), [("f1", "u1"), ("f2", "f2"), ("f4", "f4")])
-def test_pixels_come_back_as_they_were_written(context: Context, components: int, kind: str, stored: str):
+def test_pixels_come_back_as_they_were_written(context: GlContext, components: int, kind: str, stored: str):
     pixels = np.arange(3 * 5 * components).astype(stored).tobytes()
     texture = context.texture((3, 5), components, pixels, kind)
     assert texture.read() == pixels
@@ -39,7 +39,7 @@ def test_pixels_come_back_as_they_were_written(context: Context, components: int
     assert context.texture((3, 5), components, texture.read(), kind).read() == pixels[::-1]
 
 
-def test_smaller_versions_are_those_that_were_written(context: Context):
+def test_smaller_versions_are_those_that_were_written(context: GlContext):
     """A frame of one pixel, and the last of three levels, which is read where all of the texture is in it."""
     texture = context.texture((4, 4), 1, bytes(16), "f1")
     texture.write_smaller([bytes([50] * 4), b"\x64"])
@@ -61,7 +61,7 @@ def test_smaller_versions_are_those_that_were_written(context: Context):
     assert seen == [0, 50, 100]
 
 
-def drawn(context: Context, tints: object, turn: object = ((1, 0), (0, 1))) -> list[float]:
+def drawn(context: GlContext, tints: object, turn: object = ((1, 0), (0, 1))) -> list[float]:
     """The last pixel of a frame that a program covered."""
     frame = context.frame([context.texture((4, 4), 4, kind="f4")], context.depth_buffer((4, 4)))
     program = context.program(VERTEX, FRAGMENT)
@@ -80,17 +80,17 @@ def drawn(context: Context, tints: object, turn: object = ((1, 0), (0, 1))) -> l
     return np.frombuffer(frame.read(), "f4")[-4:].tolist()
 
 
-def test_uniforms_columns_and_textures_reach_a_pixel(context: Context):
+def test_uniforms_columns_and_textures_reach_a_pixel(context: GlContext):
     assert drawn(context, [[9, 9, 9], [0.5, 1.0, 2.0]]) == pytest.approx([0.25, 0.5, 1.0, 0.2])
 
 
-def test_a_matrix_is_handed_over_row_after_row_as_columns(context: Context):
+def test_a_matrix_is_handed_over_row_after_row_as_columns(context: GlContext):
     """Turned by half, the triangle leaves the last pixel as it was cleared."""
     assert drawn(context, np.ones((2, 3)), -np.eye(2)) == pytest.approx([0.5, 0.5, 0.5, 0.2])
     assert drawn(context, np.ones((2, 3)), [[0.1, 0.0], [0.0, 0.1]]) == [0.25, 0.5, 0.75, 1.0]
 
 
-def test_what_is_confined_or_masked_stays(context: Context):
+def test_what_is_confined_or_masked_stays(context: GlContext):
     frame = context.frame([context.texture((4, 4), 1)], context.depth_buffer((4, 4)))
     frame.clear(0.0, depth=0.25)
     frame.depth_mask = False
@@ -102,14 +102,14 @@ def test_what_is_confined_or_masked_stays(context: Context):
     assert frame.read() == bytes((0, 0, 255, 255)) * 4
 
 
-def test_a_frame_is_copied(context: Context):
+def test_a_frame_is_copied(context: GlContext):
     one, other = (context.frame([context.texture((2, 2), 1)]) for _ in range(2))
     one.clear(1.0)
     other.copy(one)
     assert other.read() == b"\xff" * 4
 
 
-def test_drawing_in_another_context_ends_where_it_began(context: Context):
+def test_drawing_in_another_context_ends_where_it_began(context: GlContext):
     with context:
         before = context.texture((1, 1), 1, b"a")
         with offscreen() as inner, inner, context:
@@ -118,7 +118,7 @@ def test_drawing_in_another_context_ends_where_it_began(context: Context):
             assert before.read() == b"a"
 
 
-def test_time_is_measured(context: Context):
+def test_time_is_measured(context: GlContext):
     with context:
         assert 0.0 <= context.elapsed(lambda: context.frame([context.texture((64, 64), 4)]).clear()) < 60.0
         assert context.renderer
@@ -142,14 +142,14 @@ def test_time_is_measured(context: Context):
         ),
     ],
 )
-def test_mistakes_are_told(context: Context, wrong, says: str):
+def test_mistakes_are_told(context: GlContext, wrong, says: str):
     with context, pytest.raises(GraphicsError, match=says):
         wrong(context)
     with context:
         context.error  # noqa: B018 - what OpenGL says itself is forgotten
 
 
-def test_an_unknown_uniform_or_function_is_told(context: Context):
+def test_an_unknown_uniform_or_function_is_told(context: GlContext):
     with context, pytest.raises(KeyError, match="nose"):
         context.program(VERTEX, FRAGMENT).set("nose", 1.0)
     with pytest.raises(GraphicsError, match="this OpenGL has no glClear"):
@@ -158,13 +158,13 @@ def test_an_unknown_uniform_or_function_is_told(context: Context):
         Functions(lambda _: 0).Fly()
 
 
-def test_every_function_of_the_table_is_there(context: Context):
+def test_every_function_of_the_table_is_there(context: GlContext):
     with context:
         for name in SIGNATURES:
             getattr(context.functions, name)
 
 
-def test_each_thread_may_open_one(context: Context):
+def test_each_thread_may_open_one(context: GlContext):
     """EGL keeps for each thread which OpenGL it makes: a new one has that for mobile phones."""
     with ThreadPoolExecutor(1) as thread:
         assert thread.submit(red_of_a_frame).result() == 255

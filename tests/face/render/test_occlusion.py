@@ -10,7 +10,7 @@ from kinesic.body.arrays import Floats
 from kinesic.face.assets.mesh import PARTS
 from kinesic.face.display import DisplayError, offscreen
 from kinesic.face.gl import numbers as gl
-from kinesic.face.gl.context import Context
+from kinesic.face.gl.context import GlContext
 from kinesic.face.render.camera import FRONT
 from kinesic.face.render.geometry import PositionBuffer, PositionPass
 from kinesic.face.render.occlusion import OcclusionPass, directions, gaussian, radical_inverse, samples, wendland
@@ -23,7 +23,7 @@ SCALE = 2000.0  # [pixels/m] of the scenes
 FINE = Occlusion(size=21)
 
 
-def opened(context: Context, scene: tuple[Floats, Floats], occlusion: Occlusion) -> Floats:
+def opened(context: GlContext, scene: tuple[Floats, Floats], occlusion: Occlusion) -> Floats:
     """(height, width) openness of a scene of positions with parts, and normals; first row at the bottom."""
     position, normal = (texture(context, each, "f4") for each in scene)
     for each in (position, normal):

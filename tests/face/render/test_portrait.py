@@ -7,7 +7,7 @@ from scipy.ndimage import binary_erosion
 from kinesic.body.arrays import Picture
 from kinesic.face.display import DisplayError, offscreen
 from kinesic.face.gl import numbers as gl
-from kinesic.face.gl.context import Context
+from kinesic.face.gl.context import GlContext
 from kinesic.face.gl.textures import Texture
 from kinesic.face.render.camera import Camera
 from kinesic.face.render.portrait import Portrait
@@ -197,13 +197,13 @@ def test_the_camera_looks_at_the_head():
 def test_nothing_is_mixed_between_pixels_of_bytes(drawable: None, monkeypatch: pytest.MonkeyPatch):
     """Drivers round such mixtures to either side: another processor would draw edges and shadows otherwise."""
     made: list[Texture] = []
-    real = Context.texture
+    real = GlContext.texture
 
-    def texture(context: Context, *given: object, **named: object) -> Texture:
+    def texture(context: GlContext, *given: object, **named: object) -> Texture:
         made.append(real(context, *given, **named))
         return made[-1]
 
-    monkeypatch.setattr(Context, "texture", texture)
+    monkeypatch.setattr(GlContext, "texture", texture)
     for preset in (NORMAL, dataclasses.replace(FULL, eyeshade=True)):
         with Portrait(preset=preset, size=(32, 32)) as portrait:
             portrait.draw(GRIN)
