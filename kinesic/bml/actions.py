@@ -5,7 +5,7 @@ from typing import Literal
 
 from kinesic.body.utterance import Script
 
-Mode = Literal["left", "right", "both", "unspecified"]
+HandMode = Literal["left", "right", "both", "unspecified"]
 Modality = Literal["gesture", "head", "torso", "face"]  # each is moved in a manner of its own
 
 
@@ -14,7 +14,7 @@ class Gesture:
     """A gesture of the lexicon."""
 
     lexeme: str
-    mode: Mode = "unspecified"
+    mode: HandMode = "unspecified"
     target: str | None = None
     shape: str = ""  # how the hands are held, in place of the gesture's own shapes
 
@@ -24,7 +24,7 @@ class Pointing:
     """Pointing at a target: a name, or "x y z" in the world [m]."""
 
     target: str
-    mode: Mode = "unspecified"
+    mode: HandMode = "unspecified"
     shape: str = ""  # how the hand is held, in place of the stretched forefinger
 
 
@@ -155,7 +155,7 @@ Action = (
     | ParameterChange
     | Custom
 )
-Command = Interrupt | Activate | ParameterChange  # what a block does to others
+BlockCommand = Interrupt | Activate | ParameterChange  # what a block does to others
 
 
 def modality_of(action: Action) -> Modality | None:

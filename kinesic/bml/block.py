@@ -8,17 +8,17 @@ from typing import Literal
 from kinesic.bml.actions import (
     Action,
     Activate,
-    Command,
+    BlockCommand,
     Custom,
     Face,
     Gaze,
     Gesture,
+    HandMode,
     Head,
     HeadDirectionShift,
     Interrupt,
     Locomotion,
     Modality,
-    Mode,
     ParameterChange,
     Pointing,
     Posture,
@@ -39,9 +39,10 @@ __all__ = [
     "Activate",
     "Behaviour",
     "Block",
+    "BlockCommand",
+    "BlockOrder",
     "BmlError",
     "Bounds",
-    "Command",
     "Composition",
     "Custom",
     "Dialect",
@@ -49,13 +50,13 @@ __all__ = [
     "Face",
     "Gaze",
     "Gesture",
+    "HandMode",
     "Head",
     "HeadDirectionShift",
     "Interrupt",
     "Locomotion",
     "Manner",
     "Modality",
-    "Mode",
     "Notice",
     "NoticeType",
     "ParameterChange",
@@ -64,7 +65,6 @@ __all__ = [
     "Posture",
     "Precedence",
     "Speech",
-    "Succession",
     "SyncRef",
     "Synchronize",
     "TimedBehaviour",
@@ -139,7 +139,7 @@ class Composition(Enum):
 
 
 @dataclass(frozen=True)
-class Succession:
+class BlockOrder:
     """Which blocks a block follows, goes before, stops or starts, beside its composition; all by their ids."""
 
     after: tuple[str, ...] = ()  # it begins when these have ended
@@ -247,7 +247,7 @@ class Block:
     source: str = "<text>"  # file name, for messages
     text: str = field(default="", repr=False, compare=False)  # of the whole document, for people; empty if unknown
     manners: Mapping[Modality, Manner] = field(default_factory=dict)  # of all its behaviours of a modality
-    succession: Succession = Succession()
+    succession: BlockOrder = BlockOrder()
     pause: float | None = None  # [s] of its speeches, where they do not say; None: as is usual
 
 

@@ -9,7 +9,16 @@ from collections.abc import Mapping
 from enum import Enum
 from typing import Literal
 
-from kinesic.bml.block import Activate, Block, Command, Composition, Interrupt, NoticeType, ParameterChange, Succession
+from kinesic.bml.block import (
+    Activate,
+    Block,
+    BlockCommand,
+    BlockOrder,
+    Composition,
+    Interrupt,
+    NoticeType,
+    ParameterChange,
+)
 from kinesic.bml.reading.namespaces import extension_attributes, is_composing
 from kinesic.bml.reading.reader import BehaviourElement, DocumentReading
 from kinesic.bml.reading.tree import Element
@@ -50,7 +59,7 @@ class BlockState(Enum):
         return self in (BlockState.IN_EXEC, BlockState.SUBSIDING)
 
 
-def composition_of(about: BehaviourElement, root: Element, reading: DocumentReading) -> tuple[Composition, Succession]:
+def composition_of(about: BehaviourElement, root: Element, reading: DocumentReading) -> tuple[Composition, BlockOrder]:
     """Reads how a block asks to meet others.
 
     Args:
@@ -68,7 +77,7 @@ def composition_of(about: BehaviourElement, root: Element, reading: DocumentRead
         reading.note(NoticeType.CUSTOM_ATTRIBUTE_NOT_SUPPORTED, f"composition '{written}' is taken as {taken}")
     more = {key.lower(): value for key, value in extension_attributes(about.element).items()}
     named = _ids(inside) if takes_ids else ()
-    return kind or Composition.MERGE, Succession(
+    return kind or Composition.MERGE, BlockOrder(
         after=(*(named if name == "append-after" else ()), *_ids(more.get("appendafter"))),
         chunk_after=(*(named if name == "chunk-after" else ()), *_ids(more.get("chunkafter"))),
         before=_ids(more.get("prependbefore")),
@@ -121,7 +130,7 @@ def waits_for_itself(waits: Mapping[str, Mapping[str, Until]], start: str) -> bo
     return False
 
 
-def command_of(named: BehaviourElement, reading: DocumentReading) -> Command | None:
+def command_of(named: BehaviourElement, reading: DocumentReading) -> BlockCommand | None:
     """Reads what an element does to other blocks; None when it is no such element.
 
     Raises:

@@ -10,7 +10,7 @@ from functools import cached_property
 from math import isfinite
 from pathlib import Path
 
-from kinesic.bml.block import Behaviour, Block, Gesture, Modality, Mode, modality_of
+from kinesic.bml.block import Behaviour, Block, Gesture, HandMode, Modality, modality_of
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.choices import Gathering
 from kinesic.body.config import read_toml, suggestion
@@ -102,7 +102,7 @@ class BlockContext:
         return self._gestures[asked]
 
     @cached_property
-    def _gestures(self) -> dict[tuple[str, str, Mode], Match | None]:
+    def _gestures(self) -> dict[tuple[str, str, HandMode], Match | None]:
         """What was found: each is asked for by its durations, by its hands, and in every round of planning."""
         return {}
 

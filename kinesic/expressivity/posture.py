@@ -6,7 +6,7 @@ In time, trunk, head and arms go into a posture together, and come back unless t
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from kinesic.bml.block import Mode, Posture, TimedBehaviour
+from kinesic.bml.block import HandMode, Posture, TimedBehaviour
 from kinesic.body.robot import Robot, Side
 from kinesic.expressivity.behaviours import (
     Move,
@@ -38,13 +38,13 @@ from kinesic.expressivity.turns import (
 
 BENT = 0.5  # amount of a lean that is part of a posture
 
-_ARMS: Mapping[str, Mode] = {"ARMS": "both", "LEFT_ARM": "left", "RIGHT_ARM": "right"}
+_ARMS: Mapping[str, HandMode] = {"ARMS": "both", "LEFT_ARM": "left", "RIGHT_ARM": "right"}
 _TRUNK = ("BODY", "TORSO", "SPINE", "TRUNK")
 _WHOLE = "WHOLEBODY"
 _FROM_GESTURES = {"open": "welcome"}  # poses of the arms that are the end of a gesture
 _EASE = frozenset({"neutral", "idle", "stand", "rest", "hang", "side"})  # words for arms that hang
 
-Arms = GestureForm | Mode  # a rest form; a mode: these arms hang
+Arms = GestureForm | HandMode  # a rest form; a mode: these arms hang
 _SIDES: Mapping[str, tuple[Side, ...]] = {"both": ("l", "r"), "left": ("l",), "right": ("r",)}
 
 
@@ -146,7 +146,7 @@ def _part(name: str, lexeme: str, lexicon: Lexicon) -> _Part | None:
     return None
 
 
-def _arms(lexeme: str, mode: Mode, lexicon: Lexicon) -> Arms | None:
+def _arms(lexeme: str, mode: HandMode, lexicon: Lexicon) -> Arms | None:
     """Finds the rest form of a pose of the arms, or the arms that hang; None when the lexicon knows none."""
     found = movement_words(lexeme)
     if _EASE & {*found}:

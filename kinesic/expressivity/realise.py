@@ -53,7 +53,7 @@ from kinesic.expressivity.idle import add_idle_motion
 from kinesic.expressivity.keyframes import KeyFrames, Outcome
 from kinesic.expressivity.posture import posture_moves
 from kinesic.expressivity.trunk import turn_trunk_along
-from kinesic.expressivity.whole_body import Accompanied, Asked, WholeBody, accompany, axes_used
+from kinesic.expressivity.whole_body import Accompanied, BodyDemands, WholeBody, accompany, axes_used
 
 ALL: Mapping[str, str] = MappingProxyType({})  # nothing is left out
 
@@ -115,7 +115,7 @@ def _whole_body(timeline: Timeline, context: BlockContext, moves: Mapping[str, M
         if isinstance((behaviour := behaviours[work.id]).action, Gesture | Pointing)
     ]
     performed = [timed for timed in timeline.timed if moves[timed.behaviour.id].outcome.kind != "dropped"]
-    asked = Asked(
+    asked = BodyDemands(
         head=axes_used(layer for move in moves.values() for layer in move.head),
         torso=axes_used(layer for move in moves.values() for layer in move.torso),
         eyes=[_span(timed) for timed in performed if isinstance(timed.behaviour.action, Gaze | HeadDirectionShift)],

@@ -54,7 +54,7 @@ FREE: Spans = ((), (), ())
 
 
 @dataclass(frozen=True)
-class Asked:
+class BodyDemands:
     """When the behaviours of a document need parts of the body."""
 
     head: Spans = FREE
@@ -103,7 +103,7 @@ def axes_used(layers: Iterable[Layer]) -> Spans:
     return spans
 
 
-def accompany(gestures: Sequence[Accompanied], asked: Asked, pace: Pace) -> WholeBody:
+def accompany(gestures: Sequence[Accompanied], asked: BodyDemands, pace: Pace) -> WholeBody:
     """Makes layers of head and torso that go along with the hands.
 
     Args:
@@ -136,7 +136,7 @@ def _spans(works: Sequence[HandStroke]) -> list[Span]:
     return spans
 
 
-def _body_move(work: HandStroke, span: Span, asked: Asked, robot: Robot) -> BodyMove:
+def _body_move(work: HandStroke, span: Span, asked: BodyDemands, robot: Robot) -> BodyMove:
     """What the body does in a gesture, without what the document needs meanwhile."""
     body = work.poses.body
     if body == NO_BODY or work.stroke.rest:

@@ -7,7 +7,7 @@ Everything here is a pure function of a scene and a time; no clock, no threads. 
 from dataclasses import replace
 from functools import partial
 
-from kinesic.bml.block import Activate, Command, Interrupt, Notice, NoticeType, ParameterChange, modality_of
+from kinesic.bml.block import Activate, BlockCommand, Interrupt, Notice, NoticeType, ParameterChange, modality_of
 from kinesic.bml.composition import BlockState, awaited, waiting_blocks, waits_for_itself
 from kinesic.bml.feedback import warning
 from kinesic.planning.certify import certify
@@ -151,7 +151,7 @@ def _follow_up(scene: Scene, message: ScheduledFeedback, now: float) -> Scene:
     return scene
 
 
-def _command(scene: Scene, running: RunningBlock, behaviour: str, action: Command, now: float) -> Scene:
+def _command(scene: Scene, running: RunningBlock, behaviour: str, action: BlockCommand, now: float) -> Scene:
     """Does to another block what a behaviour of a running one asks for."""
     name = action.target.partition(":")[0]
     other = scene.find(name)

@@ -6,7 +6,7 @@ from typing import get_args
 
 import pytest
 
-from kinesic.bml.block import RANGES, Command, Dialect, NoticeType
+from kinesic.bml.block import RANGES, BlockCommand, Dialect, NoticeType
 from kinesic.bml.parse import parse
 from kinesic.bml.reading.elements import ACTIONS
 from kinesic.bml.reading.fragments import REWRITTEN, WORDS
@@ -68,8 +68,8 @@ def test_the_page_lists_what_blocks_do_to_one_another() -> None:
     commands = [name for where, name in listed if where == "behaviour"]
     for name in commands:
         block = parse(f'<bml id="b"><bmla:{name} id="x" target="other"/></bml>', known_blocks=["other"])
-        assert isinstance(block.behaviours[0].action, Command)
-    assert len(commands) == len(get_args(Command))
+        assert isinstance(block.behaviours[0].action, BlockCommand)
+    assert len(commands) == len(get_args(BlockCommand))
 
 
 def test_the_page_lists_our_own_attributes() -> None:

@@ -7,12 +7,12 @@ import pytest
 from kinesic.bml.block import (
     Activate,
     Block,
+    BlockOrder,
     BmlError,
     Composition,
     Interrupt,
     NoticeType,
     ParameterChange,
-    Succession,
 )
 from kinesic.bml.composition import BlockState, awaited, waiting_blocks, waits_for_itself
 from kinesic.bml.parse import parse
@@ -31,23 +31,23 @@ def block(attributes: str = "", inside: str = "") -> Block:
 @pytest.mark.parametrize(
     ("written", "meant", "succession"),
     [
-        ("", Composition.MERGE, Succession()),
-        ('composition="Replace"', Composition.REPLACE, Succession()),
-        ('composition=" append "', Composition.APPEND, Succession()),
-        ('composition="APPEND-AFTER(a, c)"', Composition.APPEND, Succession(after=("a", "c"))),
-        ('composition="append-after (a)"', Composition.APPEND, Succession(after=("a",))),
-        ('composition="chunk-after(a)"', Composition.APPEND, Succession(chunk_after=("a",))),
-        ('bmla:appendAfter="a,c"', Composition.MERGE, Succession(after=("a", "c"))),
-        ('bmla:chunkAfter="a c"', Composition.MERGE, Succession(chunk_after=("a", "c"))),
-        ('bmla:chunkBefore="a"', Composition.MERGE, Succession(chunk_before=("a",))),
-        ('bmla:prependBefore="a"', Composition.MERGE, Succession(before=("a",))),
-        ('bmla:preplan="true"', Composition.MERGE, Succession(preplanned=True)),
-        ('bmlt:preplan="false"', Composition.MERGE, Succession()),
-        ('bmlt:interrupt="a" bmlt:onStart="c"', Composition.MERGE, Succession(interrupts=("a",), activates=("c",))),
-        ('bmlt:allowexternalrefs="true"', Composition.MERGE, Succession()),
+        ("", Composition.MERGE, BlockOrder()),
+        ('composition="Replace"', Composition.REPLACE, BlockOrder()),
+        ('composition=" append "', Composition.APPEND, BlockOrder()),
+        ('composition="APPEND-AFTER(a, c)"', Composition.APPEND, BlockOrder(after=("a", "c"))),
+        ('composition="append-after (a)"', Composition.APPEND, BlockOrder(after=("a",))),
+        ('composition="chunk-after(a)"', Composition.APPEND, BlockOrder(chunk_after=("a",))),
+        ('bmla:appendAfter="a,c"', Composition.MERGE, BlockOrder(after=("a", "c"))),
+        ('bmla:chunkAfter="a c"', Composition.MERGE, BlockOrder(chunk_after=("a", "c"))),
+        ('bmla:chunkBefore="a"', Composition.MERGE, BlockOrder(chunk_before=("a",))),
+        ('bmla:prependBefore="a"', Composition.MERGE, BlockOrder(before=("a",))),
+        ('bmla:preplan="true"', Composition.MERGE, BlockOrder(preplanned=True)),
+        ('bmlt:preplan="false"', Composition.MERGE, BlockOrder()),
+        ('bmlt:interrupt="a" bmlt:onStart="c"', Composition.MERGE, BlockOrder(interrupts=("a",), activates=("c",))),
+        ('bmlt:allowexternalrefs="true"', Composition.MERGE, BlockOrder()),
     ],
 )
-def test_blocks_say_whom_they_follow(written: str, meant: Composition, succession: Succession) -> None:
+def test_blocks_say_whom_they_follow(written: str, meant: Composition, succession: BlockOrder) -> None:
     found = block(written)
     assert (found.composition, found.succession, found.notices) == (meant, succession, ())
 
@@ -131,7 +131,7 @@ def test_what_a_block_waits_for(written: str, waits: dict[str, str]) -> None:
 
 
 def test_only_blocks_that_wait_are_held_back() -> None:
-    found = replace(block(), succession=Succession(before=("a", "p"), chunk_before=("l", "gone")))
+    found = replace(block(), succession=BlockOrder(before=("a", "p"), chunk_before=("l", "gone")))
     assert waiting_blocks(found, PRESENT) == {"p": "end", "l": "relax"}
 
 

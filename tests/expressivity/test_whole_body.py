@@ -15,7 +15,7 @@ from kinesic.expressivity.realise import keyframes
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import NEUTRAL, Style
 from kinesic.expressivity.turns import UPRIGHT, axes, turn_at
-from kinesic.expressivity.whole_body import HASTE, Accompanied, Asked, accompany
+from kinesic.expressivity.whole_body import HASTE, Accompanied, BodyDemands, accompany
 
 NOD, LEAN = radians(4), Turn(tilt=radians(6))
 BODY = BodyForm(head=Turn(roll=radians(5)), nod=NOD, trunk=LEAN)
@@ -34,7 +34,7 @@ def gesture(lexicon, robot, pace, phases):
 
 
 def test_it_begins_with_the_preparation_is_there_at_the_stroke_and_goes_home_with_the_hands(gesture, pace):
-    found = accompany([gesture()], Asked(), pace)
+    found = accompany([gesture()], BodyDemands(), pace)
     assert [turn_at(found.torso, time) for time in (0, 1.6, 2, 3)] == [UPRIGHT, LEAN, LEAN, UPRIGHT]
     assert turn_at(found.head, 1.6) == Turn(tilt=NOD, roll=radians(5))
     assert turn_at(found.head, 2.0) == Turn(roll=radians(5))
@@ -44,25 +44,25 @@ def test_it_begins_with_the_preparation_is_there_at_the_stroke_and_goes_home_wit
 
 def test_between_gestures_that_follow_one_another_it_does_not_go_home(gesture, pace):
     second = gesture(BODY, 3.2, 4, 4, 4.6, 4.6, 5, 6, id="h")
-    found = accompany([gesture(), second], Asked(), pace)
+    found = accompany([gesture(), second], BodyDemands(), pace)
     assert all(turn_at(found.torso, 1.6 + 0.1 * k) == pytest.approx(LEAN) for k in range(34))
-    apart = accompany([gesture(), gesture(BODY, 4, 5, 5, 5.6, 5.6, 6, 7, id="h")], Asked(), pace)
+    apart = accompany([gesture(), gesture(BODY, 4, 5, 5, 5.6, 5.6, 6, 7, id="h")], BodyDemands(), pace)
     assert turn_at(apart.torso, 3.5) == UPRIGHT
 
 
 def test_the_head_turns_back_while_a_hand_waits_for_the_next_gesture(gesture, pace):
     aside = replace(BODY, nod=0.0, head=Turn(torsion=radians(20)))
     first, second = gesture(aside), gesture(aside, 3.3, 4.3, 4.3, 4.9, 4.9, 5.3, 6.3, id="h")
-    found = accompany([first, second], Asked(), pace)
+    found = accompany([first, second], BodyDemands(), pace)
     turned = [turn_at(found.head, time).torsion for time in (1.6, 2.6, 3.2, 4.9)]
     assert turned == pytest.approx([radians(20), radians(6), radians(6), radians(20)])
-    soon = accompany([first, gesture(aside, 2.5, 3.3, 3.3, 3.9, 3.9, 4.3, 5.3, id="h")], Asked(), pace)
+    soon = accompany([first, gesture(aside, 2.5, 3.3, 3.3, 3.9, 3.9, 4.3, 5.3, id="h")], BodyDemands(), pace)
     assert [turn_at(soon.head, time).torsion for time in (1.6, 2.4, 3.9)] == pytest.approx([radians(20)] * 3)
 
 
 def test_it_does_no_more_than_there_is_time_for(gesture, pace):
     hurried = gesture(BODY, 0, 0.05, 0.05, 0.1, 0.1, 0.15, 0.2)
-    found = accompany([hurried], Asked(), pace)
+    found = accompany([hurried], BodyDemands(), pace)
     for layer, chain in ((found.torso, "torso"), (found.head, "neck")):
         for a, b in pairwise(layer):
             if layer is found.torso:
@@ -72,7 +72,7 @@ def test_it_does_no_more_than_there_is_time_for(gesture, pace):
 
 
 def test_an_axis_that_something_else_turns_meanwhile_is_left_to_it(gesture, pace):
-    asked = Asked(head=((), [(0.5, 1.0)], ()), torso=((), (), [(0.5, 1.0)]), eyes=[(2.5, 4.0)], face=[(5.0, 6.0)])
+    asked = BodyDemands(head=((), [(0.5, 1.0)], ()), torso=((), (), [(0.5, 1.0)]), eyes=[(2.5, 4.0)], face=[(5.0, 6.0)])
     body = replace(BODY, gaze="hands", look=0.5, face=(("smile", 0.5),))
     move = accompany([gesture(body)], asked, pace).moves["g"]
     assert (move.head.tilt, move.nod, move.eyes) == (0.0, 0.0, None)
@@ -80,12 +80,12 @@ def test_an_axis_that_something_else_turns_meanwhile_is_left_to_it(gesture, pace
     assert move.trunk == LEAN
     assert move.face == body.face
     assert move.gave_way == ("head", "nod", "eyes")
-    later = accompany([gesture(body)], Asked(head=((), [(3.0, 4.0)], ())), pace).moves["g"]
+    later = accompany([gesture(body)], BodyDemands(head=((), [(3.0, 4.0)], ())), pace).moves["g"]
     assert later.gave_way == ()
 
 
 def test_a_shake_goes_to_both_sides_while_the_stroke_lasts(gesture, pace):
-    found = accompany([gesture(BodyForm(shake=radians(8)))], Asked(), pace)
+    found = accompany([gesture(BodyForm(shake=radians(8)))], BodyDemands(), pace)
     turned = [key.turn.torsion for key in found.head]
     assert min(turned) < -radians(4)
     assert max(turned) > radians(7)
@@ -94,17 +94,17 @@ def test_a_shake_goes_to_both_sides_while_the_stroke_lasts(gesture, pace):
 
 def test_eyes_and_head_go_to_what_the_hand_shows(gesture, pace):
     aside = gesture(BodyForm(gaze="place", look=0.5, towards=radians(8)), form="that_far")
-    move = accompany([aside], Asked(), pace).moves["g"]
+    move = accompany([aside], BodyDemands(), pace).moves["g"]
     assert move.eyes is not None
     assert move.eyes.torsion < 0.0  # the right hand points to the right
     assert move.head.torsion == pytest.approx(max(move.eyes.torsion / 2, -radians(35)))
     assert move.trunk.torsion == pytest.approx(max(move.eyes.torsion / 2, -radians(8)))
-    away = accompany([gesture(BodyForm(head=Turn(tilt=-0.1), gaze="away"))], Asked(), pace).moves["g"]
+    away = accompany([gesture(BodyForm(head=Turn(tilt=-0.1), gaze="away"))], BodyDemands(), pace).moves["g"]
     assert away.eyes == Turn(tilt=-0.2)
 
 
 def test_hands_alone_and_rest_poses_move_nothing_else(gesture, pace):
-    found = accompany([gesture(BodyForm())], Asked(), pace)
+    found = accompany([gesture(BodyForm())], BodyDemands(), pace)
     assert (found.head, found.torso, found.moves) == ((), (), {})
     assert BodyMove().still
 

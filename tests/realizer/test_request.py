@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from kinesic.bml.block import BmlError, Composition, Succession
+from kinesic.bml.block import BlockOrder, BmlError, Composition
 from kinesic.bml.composition import BlockState
 from kinesic.bml.parse import UNNAMED, parse
 from kinesic.bml.timing.constraints import Point
@@ -121,7 +121,7 @@ def test_a_bad_document_is_refused_by_the_id_of_its_block(known: Setup) -> None:
 
 
 def test_expectations_count_only_what_is_known() -> None:
-    block = replace(parse(BML.format("", "")), composition=Composition.APPEND, succession=Succession(after=("gone",)))
+    block = replace(parse(BML.format("", "")), composition=Composition.APPEND, succession=BlockOrder(after=("gone",)))
     assert CONTEXT.expected_start(block) == 10.0
 
 

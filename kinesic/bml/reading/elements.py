@@ -14,10 +14,10 @@ from kinesic.bml.block import (
     Face,
     Gaze,
     Gesture,
+    HandMode,
     Head,
     HeadDirectionShift,
     Locomotion,
-    Mode,
     NoticeType,
     Pointing,
     Posture,
@@ -42,7 +42,7 @@ WITH_THE_CORE = frozenset({"gretabml", "kinesic", "application/ssml+xml", "audio
 INFLUENCES = ("EYES", "HEAD", "NECK", "SHOULDER", "CHEST", "TORSO", "WAIST", "WHOLE", "AUTO")
 DIRECTIONS = ("NONE", "RIGHT", "LEFT", "UP", "DOWN", "UPRIGHT", "UPLEFT", "DOWNLEFT", "DOWNRIGHT")
 
-_MODES: dict[str, Mode] = {"left": "left", "right": "right", "both": "both", "unspecified": "unspecified"}
+_MODES: dict[str, HandMode] = {"left": "left", "right": "right", "both": "both", "unspecified": "unspecified"}
 _ROTATIONS = {"X": "NOD", "Y": "SHAKE", "Z": "TILT"}  # of the draft: about which axis
 _WHOLE = "WHOLEBODY"  # part of a posture that names none
 _SIDES: dict[str, Literal["left", "right", "both"]] = {"left": "left", "right": "right", "both": "both"}
@@ -228,7 +228,7 @@ def _one_of(known: tuple[str, ...], named: BehaviourElement, reading: DocumentRe
     return meant if meant in known else None
 
 
-def _mode(named: BehaviourElement, reading: DocumentReading, *, name: str = "") -> Mode:
+def _mode(named: BehaviourElement, reading: DocumentReading, *, name: str = "") -> HandMode:
     """Which hands do it: those that the document says, else those that the name of the gesture decides."""
     if not named.word("mode", "hand"):
         return hands_named(name)

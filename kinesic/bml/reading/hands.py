@@ -4,20 +4,20 @@ import re
 from collections.abc import Iterator, Mapping
 from itertools import pairwise
 
-from kinesic.bml.block import Mode
+from kinesic.bml.block import HandMode
 
 _TOKEN = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])|\d+|_")
-_SIDES: dict[str, Mode] = {"l": "left", "left": "left", "r": "right", "right": "right", "both": "both"}
+_SIDES: dict[str, HandMode] = {"l": "left", "left": "left", "r": "right", "right": "right", "both": "both"}
 _LIMBS = frozenset({"hand", "hands", "arm", "arms"})
-_WHOLE: dict[str, Mode] = {  # words that say it by themselves
+_WHOLE: dict[str, HandMode] = {  # words that say it by themselves
     **dict.fromkeys(("lh", "lhand", "larm"), "left"),
     **dict.fromkeys(("rh", "rhand", "rarm"), "right"),
     **dict.fromkeys(("bh", "botharms", "bothhands"), "both"),
 }
-_SHORT: dict[str, Mode] = {"lf": "left", "lt": "left", "rt": "right"}  # `BeatMidRt01`
+_SHORT: dict[str, HandMode] = {"lf": "left", "lt": "left", "rt": "right"}  # `BeatMidRt01`
 
 
-def hands_named(name: str, *, of_animation: bool = False) -> Mode:
+def hands_named(name: str, *, of_animation: bool = False) -> HandMode:
     """Reads which hands a name decides; of several the last counts, since a posture stands before what is done in it.
 
     A letter alone (`Ges_L`) and the words left and right by themselves are left to the lexicon.
@@ -31,7 +31,7 @@ def hands_named(name: str, *, of_animation: bool = False) -> Mode:
     return found[-1] if found else "unspecified"
 
 
-def _modes(words: list[str], whole: Mapping[str, Mode]) -> Iterator[Mode]:
+def _modes(words: list[str], whole: Mapping[str, HandMode]) -> Iterator[HandMode]:
     for k, (word, following) in enumerate(pairwise(words)):
         limb = words[k + 2] if following == "_" and k + 2 < len(words) else following
         if word in whole:

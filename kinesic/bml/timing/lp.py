@@ -63,7 +63,7 @@ class _Rows:
         return [float(value) for value in found.x]
 
 
-class Program:
+class TimingProgram:
     """The linear program of some chains and orders."""
 
     def __init__(self, potentials: Potentials, known: Mapping[Point, float]) -> None:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from kinesic.bml.timing.constraints import Point
-from kinesic.bml.timing.lp import Program
+from kinesic.bml.timing.lp import TimingProgram
 from kinesic.bml.timing.negative_cycles import Edge
 from kinesic.bml.timing.network import Network, Potentials, SyncChain
 from kinesic.bml.timing.points import HOLDS, is_repeated
@@ -125,7 +125,7 @@ class _Settling:
         if coupled:
             every = [chain for group in coupled for chain in group.chains]
             between = [order for group in coupled for order in group.orders]
-            times |= Program(self._potentials, known).times(every, self._spans, between)
+            times |= TimingProgram(self._potentials, known).times(every, self._spans, between)
         return times
 
     def _root(self, point: Point) -> Point:
@@ -183,7 +183,7 @@ class _Settling:
         """Settles a group that hangs on nothing: around a speech where it has one; it starts at 0."""
         speech = next((chain for chain in group.chains if chain.is_rigid), None)
         if speech is None:
-            times = Program(self._potentials, {}).times(group.chains, self._spans, group.orders)
+            times = TimingProgram(self._potentials, {}).times(group.chains, self._spans, group.orders)
         else:
             root, gap = self._potentials.find(speech.points[0])
             times = self.settled(group.chains, group.orders, {root: -gap})

@@ -11,7 +11,7 @@ SILENT = "end"  # the one sync point of a speech at which no word begins
 
 
 @dataclass(frozen=True)
-class Word:
+class TiedWord:
     """A word of a speech that a sync point is tied to."""
 
     behaviour: str  # the speech
@@ -24,7 +24,7 @@ class Word:
         return f"{self.behaviour}:{self.sync}"
 
 
-def find_words(timeline: Timeline) -> Mapping[tuple[str, str], Word]:
+def find_words(timeline: Timeline) -> Mapping[tuple[str, str], TiedWord]:
     """Finds the word of each sync point that a document ties to one, if need be through others.
 
     Args:
@@ -36,7 +36,7 @@ def find_words(timeline: Timeline) -> Mapping[tuple[str, str], Word]:
     block = timeline.block.id
     times = {Point(block, one.behaviour.id, sync): time for one in timeline.timed for sync, time in one.times.items()}
     return {
-        (point.behaviour, point.sync): Word(word.behaviour, word.sync, times[word] + offset)
+        (point.behaviour, point.sync): TiedWord(word.behaviour, word.sync, times[word] + offset)
         for point, (word, offset) in tied_words(timeline.block, times).items()
     }
 

@@ -16,7 +16,7 @@ from kinesic.expressivity.hands.fingertips import meeting_angles
 from kinesic.expressivity.hands.keys import HandKey
 from kinesic.expressivity.hands.strokes import HandStroke
 from kinesic.expressivity.keyframes import FingerKey
-from kinesic.expressivity.lexicon.hand_shapes import FINGERS, Finger, FingerMotion, Shape, find_shape
+from kinesic.expressivity.lexicon.hand_shapes import FINGERS, Finger, FingerMotion, HandShape, find_shape
 from kinesic.expressivity.style.pace import Pace
 from kinesic.motion.double_s import least_rest_times
 
@@ -34,7 +34,7 @@ def finger_joints(robot: Robot, side: Side) -> tuple[int, ...]:
     return robot.arm(side).fingers
 
 
-def shape_angles(shape: Shape, robot: Robot, side: Side) -> Floats:
+def shape_angles(shape: HandShape, robot: Robot, side: Side) -> Floats:
     """Turns a shape into angles of the finger drives, (f,) [rad].
 
     Drives are known by their names: those of flexion, of the thumb's opposition and of the fingers' spread `abduct`.
@@ -140,7 +140,7 @@ def _with_motions(
     return tuple(found)
 
 
-def _moved(shape: Shape, motion: FingerMotion, quarter: int, last: int, robot: Robot, side: Side) -> Floats:
+def _moved(shape: HandShape, motion: FingerMotion, quarter: int, last: int, robot: Robot, side: Side) -> Floats:
     """A shape in a quarter of a motion: each finger goes once in a turn, from the shape and back to it."""
 
     def share(later: float) -> float:

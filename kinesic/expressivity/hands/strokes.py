@@ -12,7 +12,7 @@ from kinesic.body.robot import Side
 from kinesic.expressivity.hands.keys import HandKey, along
 from kinesic.expressivity.hands.poses import Poses, pose_distance, resting_hands
 from kinesic.expressivity.keyframes import Hand
-from kinesic.expressivity.lexicon.paths import HandPath, Kind
+from kinesic.expressivity.lexicon.paths import HandPath, PathKind
 from kinesic.expressivity.style.effort import Effort, Nature
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import NEUTRAL, Expressivity
@@ -22,7 +22,7 @@ BENT = 1.5  # a swing of a path is worth a straight way of so many lengths: not 
 SPARE = 1.4  # and takes so many times the shortest time, for it cannot choose where its hinges turn
 
 _SAME = 1e-9  # [s]
-_LEAST_TURNS: Mapping[Kind, float] = {"wave": 0.5, "arc": 0.5}  # what is left to see of it; one turn of others
+_LEAST_TURNS: Mapping[PathKind, float] = {"wave": 0.5, "arc": 0.5}  # what is left to see of it; one turn of others
 
 
 @dataclass(frozen=True)

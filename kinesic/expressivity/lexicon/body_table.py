@@ -23,7 +23,7 @@ class TurnTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     roll: float = 0.0  # + to the right
 
 
-class BodyTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class BodyFormTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """What the body does in a gesture, or in all of a category; what is left out is as the category has it."""
 
     head: TurnTable | None = None
@@ -37,17 +37,17 @@ class BodyTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     face: dict[str, float] | None = None  # lexeme of an expression -> amount 0..1
 
 
-Bodies = Mapping[str, BodyTable]  # by category
-PLAIN_TABLE = BodyTable()
+Bodies = Mapping[str, BodyFormTable]  # by category
+PLAIN_TABLE = BodyFormTable()
 
 
-def overlay_table(table: BodyTable, category: BodyTable) -> BodyTable:
+def overlay_table(table: BodyFormTable, category: BodyFormTable) -> BodyFormTable:
     """Lays what a gesture says over what its category says."""
     said = {name: value for name, value in msgspec.structs.asdict(table).items() if value is not None}
     return msgspec.structs.replace(category, **said)
 
 
-def body_form(table: BodyTable) -> BodyForm:
+def body_form(table: BodyFormTable) -> BodyForm:
     """Reads a table.
 
     Raises:

@@ -12,7 +12,7 @@ from kinesic.expressivity.lexicon.hand_shapes import Finger, FingerMotion
 from kinesic.expressivity.lexicon.paths import HandPath
 from kinesic.expressivity.style.effort import Tempo
 
-Kind = Literal["exact", "synonym", "class"]  # the name itself; another name of it; one for all of its class
+MatchKind = Literal["exact", "synonym", "class"]  # the name itself; another name of it; one for all of its class
 
 ONE_WAY = 2  # keys of a gesture that goes from one place to another
 
@@ -78,5 +78,5 @@ class Match:
     """What the lexicon offers for a lexeme."""
 
     form: GestureForm  # with the sides that the behaviour's mode asks for
-    kind: Kind = "exact"  # how it was found
+    kind: MatchKind = "exact"  # how it was found
     substitute: str = ""  # what of the lexeme it does not mean; empty when it means the same

@@ -15,7 +15,7 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import ConfigError, suggestion
 from kinesic.body.robot import Side
 from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
-from kinesic.expressivity.lexicon.paths import HandPath, Kind, Three, Variation, shape_path
+from kinesic.expressivity.lexicon.paths import HandPath, PathKind, SizeTrend, Three, shape_path
 from kinesic.expressivity.lexicon.space import position
 
 _SIDES: Mapping[str, Side] = {"left": "l", "right": "r"}
@@ -34,8 +34,8 @@ _TOUCHES: Mapping[str, tuple[float, float, float]] = {
     "hipwide": (0.46, -0.10, 0.12),
 }
 
-_KINDS: Mapping[str, Kind] = {name: name for name in ("line", "arc", "circle", "wave", "spiral")}
-_VARIATIONS: Mapping[str, Variation] = {"none": "none", "greater": "grows", "smaller": "shrinks"}
+_KINDS: Mapping[str, PathKind] = {name: name for name in ("line", "arc", "circle", "wave", "spiral")}
+_VARIATIONS: Mapping[str, SizeTrend] = {"none": "none", "greater": "grows", "smaller": "shrinks"}
 
 # A body of which only proportions matter, to guess how the forearm of a posture lies [arm lengths].
 _SHOULDER = sealed([0.0, 0.37, 0.52])  # forward, outward, up

@@ -16,7 +16,7 @@ NONE: Five = (0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
-class Shape:
+class HandShape:
     """How the fingers are held."""
 
     name: str
@@ -69,14 +69,14 @@ def _file() -> _HandsFile:
 
 
 @lru_cache(maxsize=1)
-def hand_shapes() -> Mapping[str, Shape]:
+def hand_shapes() -> Mapping[str, HandShape]:
     """Reads all shapes by their names.
 
     Raises:
         ConfigError: the file of shapes is wrong.
     """
     return {
-        name: Shape(name, table.says, table.straight, table.apart, table.across, table.plain, table.meets)
+        name: HandShape(name, table.says, table.straight, table.apart, table.across, table.plain, table.meets)
         for name, table in _file().shapes.items()
     }
 
@@ -102,7 +102,7 @@ def _names() -> Mapping[str, str]:
     return found
 
 
-def find_shape(name: str) -> Shape | None:
+def find_shape(name: str) -> HandShape | None:
     """Finds a shape by its name here or in another system, in any case; None when nobody knows it."""
     known = _names().get(name.strip().lower().replace("-", "_").replace(" ", "_"))
     return None if known is None else hand_shapes()[known]

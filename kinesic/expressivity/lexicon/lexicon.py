@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
 
-from kinesic.bml.block import Mode
+from kinesic.bml.block import HandMode
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import OTHER_SIDE, Side
 from kinesic.expressivity.lexicon.body_form import NO_BODY, BodyForm
@@ -17,7 +17,7 @@ from kinesic.expressivity.lexicon.gestuary import is_enabled, read_gestuary
 from kinesic.expressivity.lexicon.names import read_name, split_words
 from kinesic.expressivity.lexicon.senses import Sense
 from kinesic.expressivity.lexicon.space import spread_hands
-from kinesic.expressivity.lexicon.synonyms import Found, GestureClass, NameTable, check_names
+from kinesic.expressivity.lexicon.synonyms import GestureClass, NamedGesture, NameTable, check_names
 from kinesic.expressivity.lexicon.toml_file import LexiconPart, join_parts, read_gestures
 
 UNKNOWN = "unknown"  # means no gesture
@@ -115,7 +115,7 @@ class Lexicon:
     def _names(self) -> NameTable:
         return NameTable({entry.id: entry.category for entry in self.entries}, self.synonyms, self.classes)
 
-    def find(self, lexeme: str, mode: Mode = "unspecified", category: str | None = None) -> Match | None:
+    def find(self, lexeme: str, mode: HandMode = "unspecified", category: str | None = None) -> Match | None:
         """Finds the gesture of a lexeme, with the hands that the mode asks for.
 
         Args:
@@ -161,7 +161,7 @@ class Lexicon:
         found = next((entry for entry in named if entry.category.lower() == wanted), named[0] if named else None)
         return None if found is None else found.form
 
-    def _match(self, found: Found, mode: Mode) -> Match:
+    def _match(self, found: NamedGesture, mode: HandMode) -> Match:
         """Gives what a name means the hands that are asked for, and says what of the name it does not show."""
         form = self.forms_by_id[found.gesture]
         left_out = f'"{" ".join(found.name.left_out)}" is left out' if found.name.left_out else ""
@@ -172,7 +172,7 @@ class Lexicon:
 
 
 @lru_cache(maxsize=KEPT)  # so that one gesture is one form, of which others remember what it takes
-def in_mode(form: GestureForm, mode: Mode) -> GestureForm:
+def in_mode(form: GestureForm, mode: HandMode) -> GestureForm:
     """Gives a form the hands that a mode asks for.
 
     One side: what this hand does in the form, else the mirror image of what the other does. Both: the form as it

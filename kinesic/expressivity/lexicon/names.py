@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
 
-from kinesic.bml.block import Mode
+from kinesic.bml.block import HandMode
 
-SIDE_WORDS: dict[str, Mode] = {"left": "left", "right": "right", "both": "both"}
+SIDE_WORDS: dict[str, HandMode] = {"left": "left", "right": "right", "both": "both"}
 KEPT = 4096  # names that are remembered taken apart; documents of strangers may hold any number
 SHOWN = 60  # characters of a name in a message
 CATEGORIES = frozenset(
@@ -18,7 +18,7 @@ CATEGORIES = frozenset(
 _WORD = re.compile(r"\d+[hH](?![^\W\d_])|\d+|[A-Z]?[^\W\d_A-Z]+|[A-Z]+(?![^\W\d_A-Z])")
 _APOSTROPHES = re.compile(r"['\u2019`]")
 _FOLDERS = re.compile(r"^(animations/)?(stand|sit|sitonpod)/(\w+/)+", re.IGNORECASE)  # of NAO's animations
-_HANDS: dict[str, Mode] = {
+_HANDS: dict[str, HandMode] = {
     **dict.fromkeys(("l", "lf", "lh", "lhand", "larm"), "left"),
     **dict.fromkeys(("r", "rt", "rh", "rhand", "rarm"), "right"),
     **dict.fromkeys(("b", "bt", "bh", "2h"), "both"),
@@ -40,7 +40,7 @@ class GestureName:
     """A name taken apart, or what is left of it after some words were put aside."""
 
     words: tuple[str, ...]  # lower-case, in order, numbers included
-    hand: Mode = "unspecified"  # that a suffix names, such as R, Lf, 2H, or a word that was put aside
+    hand: HandMode = "unspecified"  # that a suffix names, such as R, Lf, 2H, or a word that was put aside
     left_out: tuple[str, ...] = ()  # words put aside that say more than a hand
     limbs: frozenset[str] = frozenset()  # words that follow the letter of a hand: `RArm_Offer`
 

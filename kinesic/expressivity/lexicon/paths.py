@@ -14,8 +14,8 @@ import scipy
 
 from kinesic.body.arrays import Floats, sealed
 
-Kind = Literal["line", "arc", "circle", "wave", "spiral", "points"]
-Variation = Literal["none", "grows", "shrinks"]
+PathKind = Literal["line", "arc", "circle", "wave", "spiral", "points"]
+SizeTrend = Literal["none", "grows", "shrinks"]
 
 MOST_TURNS = 12.0  # of one stroke
 
@@ -23,13 +23,13 @@ _QUARTERS = 4  # of a turn: where the fastest axis is at rest or farthest out, a
 _DEPTH = 6  # times that a piece is halved at most
 _FINE = 400  # steps along free points, to go along them evenly
 _STILL = 1e-9
-_VARIED: Mapping[Variation, Callable[[Floats], Floats]] = {
+_VARIED: Mapping[SizeTrend, Callable[[Floats], Floats]] = {
     "none": np.ones_like,
     "grows": lambda t: t,
     "shrinks": lambda t: 1.0 - t,
 }
 # Greta's 1 - sqrt(1 - t) and sqrt(t) are infinitely fast at one end, which no servo follows: these stay below 2 F.
-_TURNED: Mapping[Variation, Callable[[Floats], Floats]] = {
+_TURNED: Mapping[SizeTrend, Callable[[Floats], Floats]] = {
     "none": lambda t: t,
     "grows": lambda t: t**2,
     "shrinks": lambda t: t * (2.0 - t),
@@ -40,12 +40,12 @@ _TURNED: Mapping[Variation, Callable[[Floats], Floats]] = {
 class HandPath:
     """How a hand comes to a key; axes and unit are those of the positions that it joins."""
 
-    kind: Kind
+    kind: PathKind
     amplitude: Floats  # (3,)
     frequency: Floats  # (3,) turns on the whole way
     shift: Floats  # (3,) turns
-    amplitude_variation: Variation = "none"
-    frequency_variation: Variation = "none"
+    amplitude_variation: SizeTrend = "none"
+    frequency_variation: SizeTrend = "none"
     points: Floats = field(default_factory=lambda: sealed(np.empty((0, 3))))  # (p, 3) positions on the way
 
     @property
@@ -148,10 +148,10 @@ class _Shape:
     amplitude: tuple[float, float, float]  # outward, up, forward [arm lengths]
     frequency: float  # turns
     crossed: bool = False  # the second axis that moves is a quarter of a turn ahead
-    variation: Variation = "none"
+    variation: SizeTrend = "none"
 
 
-_SHAPES: Mapping[Kind, _Shape] = {
+_SHAPES: Mapping[PathKind, _Shape] = {
     "line": _Shape((0.0, 0.0, 0.0), 0.0),
     "arc": _Shape((0.0, 0.12, 0.0), 0.5),
     "circle": _Shape((0.12, 0.12, 0.0), 1.0, crossed=True),
@@ -164,12 +164,12 @@ Three = tuple[float, float, float]
 
 
 def shape_path(
-    kind: Kind,
+    kind: PathKind,
     *,
     amplitude: float | Three | None = None,
     frequency: float | Three | None = None,
     shift: float | Three | None = None,
-    variations: tuple[Variation | None, Variation] = (None, "none"),
+    variations: tuple[SizeTrend | None, SizeTrend] = (None, "none"),
     points: tuple[Floats, ...] = (),
 ) -> HandPath:
     """Makes a path in gesture space; what is left out is as usual for its kind.
@@ -210,7 +210,7 @@ def shape_path(
     )
 
 
-def _check(kind: Kind, amplitude: Floats, frequency: Floats) -> None:
+def _check(kind: PathKind, amplitude: Floats, frequency: Floats) -> None:
     if not np.isfinite(amplitude).all() or np.abs(amplitude).max() > 1.0:
         raise ValueError(f"amplitude is {_listed(amplitude)}, outside [-1, 1] arm lengths")
     if not np.isfinite(frequency).all() or frequency.min() < 0 or frequency.max() > MOST_TURNS:

@@ -5,13 +5,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
-from kinesic.bml.block import Mode
+from kinesic.bml.block import HandMode
 from kinesic.expressivity.lexicon.names import KEPT
 
 _WORD = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])")
 _NOISE = frozenset({"a", "an", "the", "of", "to", "ges", "gesture", "pos", "pose", "posture", "hand", "lexeme"})
-_SIDES: dict[str, Mode] = {"l": "left", "r": "right", "b": "both"}
-_SIDE_WORDS: dict[str, Mode] = {"left": "left", "right": "right", "both": "both"}
+_SIDES: dict[str, HandMode] = {"l": "left", "r": "right", "b": "both"}
+_SIDE_WORDS: dict[str, HandMode] = {"left": "left", "right": "right", "both": "both"}
 _ENDINGS = ("s", "es", "d", "ed", "ing", "er", "est", "ly", "ment")
 _SHORTEST_STEM = 3  # letters
 LONGEST = 120  # characters of a name that are read; a longer one is none
@@ -24,7 +24,7 @@ class LexemeReading:
     """A lexeme taken apart."""
 
     words: tuple[str, ...]  # that may carry its meaning, lower-case, in order
-    mode: Mode = "unspecified"  # the side that its letters or words name
+    mode: HandMode = "unspecified"  # the side that its letters or words name
 
 
 @dataclass(frozen=True)

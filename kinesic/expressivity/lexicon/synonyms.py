@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from kinesic.body.config import suggestion
-from kinesic.expressivity.lexicon.form import Kind
+from kinesic.expressivity.lexicon.form import MatchKind
 from kinesic.expressivity.lexicon.names import CATEGORIES, SIDE_WORDS, GestureName, read_name, split_words
 
 POINTING = "deictic"  # the category
@@ -56,11 +56,11 @@ def _places(phrase: Sequence[str], words: Sequence[str]) -> set[int]:
 
 
 @dataclass(frozen=True)
-class Found:
+class NamedGesture:
     """The gesture that a name means."""
 
     gesture: str  # its id
-    kind: Kind
+    kind: MatchKind
     name: GestureName  # what was left of the name, with the hand and what is not shown
     of: str = ""  # the class that it stands for
 
@@ -74,20 +74,20 @@ class NameTable:
     classes: tuple[GestureClass, ...]  # in the order in which they are tried
 
     @cached_property
-    def _spelled(self) -> Mapping[tuple[str, ...], tuple[str, Kind]]:
+    def _spelled(self) -> Mapping[tuple[str, ...], tuple[str, MatchKind]]:
         """Words of a name -> gesture; a gesture's own name goes before synonyms."""
-        own: dict[tuple[str, ...], tuple[str, Kind]] = {}
+        own: dict[tuple[str, ...], tuple[str, MatchKind]] = {}
         for gesture in self.categories:
             own.setdefault(read_name(gesture).words, (gesture, "exact"))
-        known: dict[tuple[str, ...], tuple[str, Kind]] = {}
+        known: dict[tuple[str, ...], tuple[str, MatchKind]] = {}
         for name, gesture in self.synonyms:
             known.setdefault(read_name(name).words, (gesture, "synonym"))
         return {**known, **own}
 
     @cached_property
-    def _run_together(self) -> Mapping[str, tuple[str, Kind]]:
+    def _run_together(self) -> Mapping[str, tuple[str, MatchKind]]:
         """Names without gaps between their words; `now here` and `nowhere` are then one, and neither counts."""
-        found: dict[str, tuple[str, Kind]] = {}
+        found: dict[str, tuple[str, MatchKind]] = {}
         several: set[str] = set()
         for words, entry in self._spelled.items():
             key = "".join(words)
@@ -95,7 +95,7 @@ class NameTable:
                 several.add(key)
         return {key: entry for key, entry in found.items() if key not in several}
 
-    def find(self, name: str, category: str | None = None) -> Found | None:
+    def find(self, name: str, category: str | None = None) -> NamedGesture | None:
         """Finds the gesture that a name means.
 
         First comes a gesture of this name, however it is spelled, then a synonym, then the gesture that stands for a
@@ -109,7 +109,7 @@ class NameTable:
         for shorter in read.shortened():
             entry = self._look_up(shorter.words) or (self._spelled.get((*within, *shorter.words)) if within else None)
             if entry is not None:
-                return Found(*entry, self._with_sides(entry[0], shorter, read))
+                return NamedGesture(*entry, self._with_sides(entry[0], shorter, read))
         numberless = GestureName(tuple(word for word in read.words if not word.isdigit()), read.hand)
         classified = replace(numberless, words=(*read_name(category or "").words, *numberless.words))
         for each in self.classes:
@@ -126,10 +126,10 @@ class NameTable:
             shorter, left_out=(*shorter.left_out, *(w for w in whole.words if w in SIDE_WORDS.keys() - shown))
         )
 
-    def _look_up(self, words: tuple[str, ...]) -> tuple[str, Kind] | None:
+    def _look_up(self, words: tuple[str, ...]) -> tuple[str, MatchKind] | None:
         return self._spelled.get(words) or self._run_together.get("".join(words)) if words else None
 
-    def _of_class(self, each: GestureClass, name: GestureName) -> Found | None:
+    def _of_class(self, each: GestureClass, name: GestureName) -> NamedGesture | None:
         """Finds the gesture of a class that the other words ask for, else the one that stands for the class.
 
         Nothing is found when they ask for a gesture of another category, for two of this one, or for none at all: the
@@ -143,11 +143,11 @@ class NameTable:
         if beside:
             asked = asked.without(_PLACES)
         if not asked.words:
-            return Found(each.gesture, "class", asked, each.name)
+            return NamedGesture(each.gesture, "class", asked, each.name)
         for shorter in asked.shortened() if beside else (asked,):
             entry = self._look_up((*split_words(each.name), *shorter.words)) or self._look_up(shorter.words)
             if entry is not None and self._alike(entry[0], each.gesture):
-                return Found(entry[0], "synonym", shorter)
+                return NamedGesture(entry[0], "synonym", shorter)
             if entry is not None and (beside or self.categories[entry[0]] != "iconic"):  # any thing may be pointed at
                 return None
         if _NEGATIONS & set(asked.words):
@@ -159,9 +159,11 @@ class NameTable:
         if not alike:
             if not beside and each.before(name.words) & set(asked.words):  # a noun: match point
                 return None
-            return Found(each.gesture, "class", asked.without(frozenset(asked.words)), each.name)
+            return NamedGesture(each.gesture, "class", asked.without(frozenset(asked.words)), each.name)
         gesture = alike.pop()
-        return Found(gesture, "synonym", asked.without(frozenset(w for w in asked.words if named.get(w) != gesture)))
+        return NamedGesture(
+            gesture, "synonym", asked.without(frozenset(w for w in asked.words if named.get(w) != gesture))
+        )
 
     def _alike(self, one: str, other: str) -> bool:
         return self.categories[one] == self.categories[other]

@@ -13,10 +13,10 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import ConfigError, check_inside, read_toml, suggestion
 from kinesic.body.robot import Side
 from kinesic.expressivity.keyframes import Touch
-from kinesic.expressivity.lexicon.body_table import PLAIN_TABLE, Bodies, BodyTable, body_form, overlay_table
+from kinesic.expressivity.lexicon.body_table import PLAIN_TABLE, Bodies, BodyFormTable, body_form, overlay_table
 from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
 from kinesic.expressivity.lexicon.hand_shapes import Finger, FingerMotion, find_shape, finger_motions, hand_shapes
-from kinesic.expressivity.lexicon.paths import HandPath, Kind, Variation, shape_path
+from kinesic.expressivity.lexicon.paths import HandPath, PathKind, SizeTrend, shape_path
 from kinesic.expressivity.lexicon.senses import Sense
 from kinesic.expressivity.lexicon.space import position
 from kinesic.expressivity.lexicon.synonyms import GestureClass, class_of
@@ -44,12 +44,12 @@ class StrictTable(msgspec.Struct, forbid_unknown_fields=True):
 class PathTable(StrictTable):
     """How a hand comes to its key from the one before; axes in the order of `at`."""
 
-    kind: Kind
+    kind: PathKind
     amplitude: float | tuple[float, float, float] | None = None  # [arm lengths]
     frequency: float | tuple[float, float, float] | None = None  # turns on the whole way
     shift: float | tuple[float, float, float] | None = None  # turns
-    amplitude_variation: Variation | None = None
-    frequency_variation: Variation = "none"
+    amplitude_variation: SizeTrend | None = None
+    frequency_variation: SizeTrend = "none"
     points: list[tuple[str | float, str | float, str | float]] = []  # as in `at`
 
 
@@ -85,7 +85,7 @@ class GestureTable(StrictTable):
     meanings: list[str] = []  # words that speak of it, the most characteristic first
     says: str = ""  # what is done and what it means, in one line
     tempo: str = "neutral"  # one of `Tempo`
-    body: BodyTable = PLAIN_TABLE  # goes over that of the category
+    body: BodyFormTable = PLAIN_TABLE  # goes over that of the category
     fingers: str = ""  # what fingers do while the stroke lasts: a motion of `configs/hands.toml`
     fallback: str = ""  # id of the gesture for a hand that cannot make its shapes
 
@@ -105,7 +105,7 @@ class GestureFile(StrictTable):
     gesture: list[GestureTable] = []
     synonyms: dict[str, list[str]] = {}  # by gesture, of this file or another
     classes: dict[str, ClassTable] = {}
-    bodies: dict[Category, BodyTable] = {}  # what the body does in all gestures of a category
+    bodies: dict[Category, BodyFormTable] = {}  # what the body does in all gestures of a category
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +136,7 @@ def read_gestures(path: Path, bodies: Bodies = NO_BODIES) -> LexiconPart:
         for each in paths:
             check_inside(path, each)
     files = [(each, read_toml(each, GestureFile)) for each in paths]
-    known: dict[str, BodyTable] = {**bodies}
+    known: dict[str, BodyFormTable] = {**bodies}
     for _, file in files:
         known |= {str(category): table for category, table in file.bodies.items()}
     return join_parts([make_part(each, file, known) for each, file in files], known)

@@ -13,7 +13,7 @@ from kinesic.expressivity.style.style import MODALITIES, RANGES, WEIGHTS, Expres
 # How far full activation goes from a parameter's value to the end of its range. An animated speaker moves wider,
 # faster, with more force and away from the body; how a movement flows and how often it is repeated stay his own.
 SHARES: Mapping[str, float] = {"spatial": 0.7, "temporal": 0.9, "power": 0.9, "openness": 0.3}
-Source = Literal["style", "block", "behaviour", "setting"]  # a later one wins, number by number
+StyleSource = Literal["style", "block", "behaviour", "setting"]  # a later one wins, number by number
 
 
 def fold_activation(manner: Expressivity) -> Expressivity:
@@ -42,7 +42,7 @@ class ResolvedNumbers:
     """The numbers of one modality, and who said each."""
 
     expressivity: Expressivity
-    sources: Mapping[str, Source]  # parameter -> who said it
+    sources: Mapping[str, StyleSource]  # parameter -> who said it
 
 
 def resolve_numbers(style: Style, modality: Modality, block: Block, behaviour: Behaviour) -> ResolvedNumbers:
@@ -60,8 +60,8 @@ def resolve_numbers(style: Style, modality: Modality, block: Block, behaviour: B
         ConfigError: a manner names a preset that does not exist.
     """
     numbers = dict(vars(style.of(modality)))
-    sources: dict[str, Source] = dict.fromkeys(numbers, "style")
-    layers: tuple[tuple[Source, Manner], ...] = (
+    sources: dict[str, StyleSource] = dict.fromkeys(numbers, "style")
+    layers: tuple[tuple[StyleSource, Manner], ...] = (
         ("block", block.manners.get(modality, Manner())),
         ("behaviour", behaviour.manner),
     )

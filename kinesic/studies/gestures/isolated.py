@@ -6,7 +6,7 @@ from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
-from kinesic.bml.block import BmlError, Mode
+from kinesic.bml.block import BmlError, HandMode
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import SIDES, Side
 from kinesic.controller.perform import plan
@@ -20,7 +20,7 @@ STROKE = 2.0  # [s] time enough for every preparation
 BEHAVIOUR = "gesture"
 _PATH_POINTS = 80
 BLINK = "45"
-_MODES: dict[Mode, str] = {"left": "LEFT_HAND", "right": "RIGHT_HAND", "both": "BOTH_HANDS", "unspecified": ""}
+_MODES: dict[HandMode, str] = {"left": "LEFT_HAND", "right": "RIGHT_HAND", "both": "BOTH_HANDS", "unspecified": ""}
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +34,7 @@ class Show:
     faces: tuple[Mapping[str, float], ...]  # action units -> 0..1, one for each posture, with open eyes
 
 
-def document(lexeme: str, mode: Mode = "unspecified", *, stroke: float = STROKE) -> str:
+def document(lexeme: str, mode: HandMode = "unspecified", *, stroke: float = STROKE) -> str:
     """Writes BML that asks for one gesture, its stroke at a time [s]."""
     hands = f" mode={quoteattr(_MODES[mode])}" if _MODES[mode] else ""
     gesture = (
@@ -43,7 +43,7 @@ def document(lexeme: str, mode: Mode = "unspecified", *, stroke: float = STROKE)
     return f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="alone">{gesture}</bml>'
 
 
-def plan_gesture(form: GestureForm, setup: Setup, mode: Mode = "unspecified", *, stroke: float = STROKE) -> Plan:
+def plan_gesture(form: GestureForm, setup: Setup, mode: HandMode = "unspecified", *, stroke: float = STROKE) -> Plan:
     """Plans one gesture from rest to rest: itself, also where its hand cannot make its shapes."""
     alone = replace(setup, lexicon=setup.lexicon.as_written)
     return plan(document(f"{form.category}={form.id}", mode, stroke=stroke), alone)

@@ -9,7 +9,7 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.body.skeleton import Frames
-from kinesic.expressivity.lexicon.hand_shapes import Shape, find_shape, hand_shapes
+from kinesic.expressivity.lexicon.hand_shapes import HandShape, find_shape, hand_shapes
 
 Colour = tuple[float, float, float]
 
@@ -96,7 +96,7 @@ def _eyes(robot: Robot, frames: Frames) -> list[PenStroke]:
     return [PenStroke(sealed(project(np.stack([eye, eye + _DOT]))), _EYE, _EYES) for eye in world]
 
 
-def hand_outline(robot: Robot, side: Side, shape: Shape) -> list[tuple[Floats, float]]:
+def hand_outline(robot: Robot, side: Side, shape: HandShape) -> list[tuple[Floats, float]]:
     """Outlines palm and fingers: (m, 3) points [m] in the hand's segment, and widths [m]."""
     site = robot.arm(side).palm
     along = site.position / np.linalg.norm(site.position)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from kinesic.bml.block import Gesture, Mode, Posture
+from kinesic.bml.block import Gesture, HandMode, Posture
 from kinesic.bml.parse import parse
 from kinesic.bml.reading.hands import hands_named
 
@@ -29,7 +29,7 @@ from kinesic.bml.reading.hands import hands_named
         ("", "unspecified"),
     ],
 )
-def test_the_last_hand_that_is_named_counts(name: str, hands: Mode) -> None:
+def test_the_last_hand_that_is_named_counts(name: str, hands: HandMode) -> None:
     assert hands_named(name) == hands
 
 
@@ -43,7 +43,7 @@ def test_the_last_hand_that_is_named_counts(name: str, hands: Mode) -> None:
         ("HandsAtSide_RArm_GestureYou", "right"),
     ],
 )
-def test_names_of_animations_have_short_words_for_hands(name: str, hands: Mode) -> None:
+def test_names_of_animations_have_short_words_for_hands(name: str, hands: HandMode) -> None:
     assert hands_named(name, of_animation=True) == hands
     (gesture,) = parse(f'<gesture name="{name}"/>').behaviours
     assert isinstance(gesture.action, Gesture)

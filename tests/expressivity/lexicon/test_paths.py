@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from kinesic.body.arrays import sealed
-from kinesic.expressivity.lexicon.paths import Kind, shape_path
+from kinesic.expressivity.lexicon.paths import PathKind, shape_path
 
 START, END = sealed([0.6, 0.3, 0.45]), sealed([0.5, 0.5, 0.3])
 POINTS = (sealed([0.5, 0.4, 0.1]), sealed([0.6, 0.5, 0.25]))
@@ -14,7 +14,7 @@ def path(kind, **given):
     return shape_path(kind, **given, **({"points": POINTS} if kind == "points" else {}))
 
 
-@pytest.mark.parametrize("kind", get_args(Kind))
+@pytest.mark.parametrize("kind", get_args(PathKind))
 def test_a_path_begins_and_ends_exactly_at_its_keys(kind):
     ends = path(kind).at(START, END, np.array([0.0, 1.0]))
     np.testing.assert_allclose(ends, [START, END], atol=1e-12)
@@ -83,7 +83,7 @@ def test_a_zigzag_turns_as_often_as_it_does():
     assert shape_path("points", points=zigzag).swings(START, END) in (5, 6, 7)
 
 
-@pytest.mark.parametrize("kind", get_args(Kind))
+@pytest.mark.parametrize("kind", get_args(PathKind))
 def test_samples_are_as_close_as_the_curve_needs(kind):
     made = path(kind)
     coarse, fine = (made.samples(START, END, tolerance) for tolerance in (0.02, 0.001))

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kinesic.bml.block import Composition, Succession
+from kinesic.bml.block import BlockOrder, Composition
 from kinesic.controller.perform import set_up
 from kinesic.motion.limit_check import check_limits
 from kinesic.planning.setup import Setup
@@ -49,7 +49,7 @@ def made(inside: str) -> PreparedBlock:
     return prepare_block(read_request(Message(TEXT.format(inside)), known()), known())
 
 
-def named(id: str, inside: str, composition: Composition, succession: Succession) -> PreparedBlock:
+def named(id: str, inside: str, composition: Composition, succession: BlockOrder) -> PreparedBlock:
     """A plan under another name, which costs nothing."""
     found = made(inside)
     block = replace(found.plan.timeline.block, id=id, composition=composition, succession=succession)
@@ -59,13 +59,13 @@ def named(id: str, inside: str, composition: Composition, succession: Succession
 
 ids = st.integers(0, 11).map("b{}".format)
 successions = st.one_of(
-    st.just(Succession()),
-    st.builds(Succession, after=st.tuples(ids)),
-    st.builds(Succession, chunk_after=st.tuples(ids)),
-    st.builds(Succession, chunk_before=st.tuples(ids)),
-    st.builds(Succession, interrupts=st.tuples(ids)),
-    st.builds(Succession, activates=st.tuples(ids)),
-    st.just(Succession(preplanned=True)),
+    st.just(BlockOrder()),
+    st.builds(BlockOrder, after=st.tuples(ids)),
+    st.builds(BlockOrder, chunk_after=st.tuples(ids)),
+    st.builds(BlockOrder, chunk_before=st.tuples(ids)),
+    st.builds(BlockOrder, interrupts=st.tuples(ids)),
+    st.builds(BlockOrder, activates=st.tuples(ids)),
+    st.just(BlockOrder(preplanned=True)),
 )
 sent = st.tuples(st.sampled_from(INSIDES), st.sampled_from(Composition), successions)
 events = st.lists(st.tuples(st.floats(0.0, 0.6), st.one_of(sent, sent, sent, ids, st.none())), min_size=1, max_size=9)
@@ -96,7 +96,7 @@ class Watched:
 
 @settings(max_examples=25, deadline=None)
 @given(events, st.sampled_from([0.0, 0.13]))
-def test_any_scene(script: list[tuple[float, tuple[str, Composition, Succession] | str | None]], ahead: float) -> None:
+def test_any_scene(script: list[tuple[float, tuple[str, Composition, BlockOrder] | str | None]], ahead: float) -> None:
     watched, now = Watched(ahead), 0.0
     for number, (pause, event) in enumerate(script):
         now += pause
@@ -121,9 +121,9 @@ def test_any_scene(script: list[tuple[float, tuple[str, Composition, Succession]
 @given(st.floats(0.0, 2.2), st.floats(0.0, 0.5), st.sampled_from(INSIDES[1:5]), st.sampled_from(INSIDES[1:5]))
 def test_replacing_and_replacing_again_in_the_midst(first: float, second: float, one: str, other: str) -> None:
     watched = Watched(0.0)
-    watched.take(begin(watched.scene, named("b0", WIDE, Composition.MERGE, Succession()), 0.0), 0.0)
+    watched.take(begin(watched.scene, named("b0", WIDE, Composition.MERGE, BlockOrder()), 0.0), 0.0)
     for time, id, inside in ((first, "b1", one), (first + second, "b2", other)):
-        watched.take(begin(watched.scene, named(id, inside, Composition.REPLACE, Succession()), time), time)
+        watched.take(begin(watched.scene, named(id, inside, Composition.REPLACE, BlockOrder()), time), time)
     watched.take(advance(watched.scene, 30.0), 30.0)
     check(watched.told)
 
@@ -160,7 +160,7 @@ def test_the_same_script_gives_the_same_motion() -> None:
     def played() -> np.ndarray:
         scene = Scene.of(known())
         for number, inside in enumerate(INSIDES):
-            scene = begin(scene, named(f"b{number}", inside, Composition.MERGE, Succession()), 0.3 * number)
+            scene = begin(scene, named(f"b{number}", inside, Composition.MERGE, BlockOrder()), 0.3 * number)
         return scene.motion.controls
 
     np.testing.assert_array_equal(played(), played())
