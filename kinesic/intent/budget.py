@@ -13,7 +13,7 @@ LEAST: Mapping[Channel, float] = {"gaze": 0.3}  # certainty below which a channe
 
 
 @dataclass(frozen=True)
-class Budget:
+class MovementBudget:
     """What one text may have."""
 
     gestures: int
@@ -21,7 +21,7 @@ class Budget:
     least_certainty: Mapping[Channel, float]
 
 
-def budget_of(words: int, style: Style) -> Budget:
+def budget_of(words: int, style: Style) -> MovementBudget:
     """Finds the budget of a text: a lively manner has more gestures, and moves sooner again.
 
     Args:
@@ -31,7 +31,7 @@ def budget_of(words: int, style: Style) -> Budget:
     manner = style.gesture
     lively = (manner.activation + manner.spatial + manner.power) / 3
     factor = 1.0 + LIVELY * lively
-    return Budget(
+    return MovementBudget(
         gestures=max(1, round((FIRST + PER_WORD * words) * factor)) if words else 0,
         gaps={channel: gap / factor if channel == "gesture" else gap for channel, gap in GAPS.items()},
         least_certainty=LEAST,

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from kinesic.intent.behaviour_sets import NONE, BehaviourSet, BehaviourSets, Channel, Choice, Signal
-from kinesic.intent.budget import Budget
+from kinesic.intent.budget import MovementBudget
 from kinesic.intent.greta.agent import Agent
 from kinesic.intent.intents import Intent
 from kinesic.intent.kept_intents import KeptIntents
@@ -75,7 +75,7 @@ class _Candidate:
 def choose_behaviours(
     intents: Sequence[Intent],
     sets: BehaviourSets,
-    budget: Budget,
+    budget: MovementBudget,
     *,
     seed: int = 0,
     agent: Agent | None = None,
@@ -170,7 +170,7 @@ def _spaced(
     channel: Channel,
     denied: KeptIntents,
     taken: KeptIntents,
-    budget: Budget,
+    budget: MovementBudget,
     omitted: list[Omission],
 ) -> list[_Candidate]:
     """Keeps the most certain ones that are far enough apart and within the budget, in their order in time.
@@ -192,7 +192,7 @@ def _keep(
     channel: Channel,
     denied: KeptIntents,
     taken: KeptIntents,
-    budget: Budget,
+    budget: MovementBudget,
     omitted: list[Omission],
 ) -> list[_Candidate]:
     """Keeps the candidates, one after the other, against which nothing stands."""
@@ -207,7 +207,9 @@ def _keep(
     return kept
 
 
-def _hindrance(candidate: _Candidate, channel: Channel, kept: KeptIntents, denied: KeptIntents, budget: Budget) -> str:
+def _hindrance(
+    candidate: _Candidate, channel: Channel, kept: KeptIntents, denied: KeptIntents, budget: MovementBudget
+) -> str:
     """Says what stands against a candidate; empty where nothing does."""
     intent, at = candidate.intent, candidate.intent.stroke.seconds
     if channel == "gesture" and len(kept) >= budget.gestures:

@@ -8,7 +8,7 @@ from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.style import Style
 from kinesic.intent.author import EARLY, GREETED, REACHED, SET_OUT, author, hurry, plan_behaviours
 from kinesic.intent.behaviour_sets import own_sets
-from kinesic.intent.budget import GAPS, Budget
+from kinesic.intent.budget import GAPS, MovementBudget
 from kinesic.intent.choosing import ChosenBehaviour, choose_behaviours
 from kinesic.intent.intents import Intent, Moment
 from kinesic.intent.reading.language import load_language
@@ -112,7 +112,7 @@ def test_what_has_no_room_is_left_out_with_the_reason():
         (0, ["the budget of 0 gestures is spent on what is more certain"] * 2),
         (9, ["0.1 s from performative-greet, which is at least as certain, is too near for the gesture"]),
     ):
-        selection = choose_behaviours(both, own_sets(), Budget(gestures, GAPS, {}))
+        selection = choose_behaviours(both, own_sets(), MovementBudget(gestures, GAPS, {}))
         assert [each.why for each in selection.omissions if each.channel == "gesture"] == whys
         assert sum(each.channel == "gesture" for each in selection.behaviours) == 2 - len(whys)
 

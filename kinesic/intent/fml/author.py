@@ -9,7 +9,7 @@ from kinesic.bml.reading.document import read_document
 from kinesic.bml.reading.prologue import first_tag
 from kinesic.bml.reading.tree import Element
 from kinesic.intent.behaviour_sets import BehaviourSets, own_sets
-from kinesic.intent.budget import GAPS, Budget
+from kinesic.intent.budget import GAPS, MovementBudget
 from kinesic.intent.choosing import Selection, choose_behaviours
 from kinesic.intent.fml.intentions import IN_SPEECH, Unreadable, read_intentions
 from kinesic.intent.fml.mark_times import estimate_mark_times
@@ -57,7 +57,9 @@ def author_fml(
     speeches = [child for child in bml.children if child.local == "speech"]
     read = list(read_intentions(roots, speeches, marks))
     intents = [each for each in read if isinstance(each, Intent)]
-    selection = choose_behaviours(intents, sets or own_sets(), Budget(len(intents), GAPS, {}), seed=seed, agent=agent)
+    selection = choose_behaviours(
+        intents, sets or own_sets(), MovementBudget(len(intents), GAPS, {}), seed=seed, agent=agent
+    )
     unshown = (
         *(f"{each.name}: {each.why}" for each in read if isinstance(each, Unreadable)),
         *_unshown(intents, selection),

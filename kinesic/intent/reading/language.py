@@ -11,8 +11,10 @@ import msgspec
 
 from kinesic.body.config import CONFIGS, ConfigError, read_toml
 
-Where = Literal["anywhere", "first", "last", "question", "statement", "tag", "alone"]  # tag: last in a question
-Reach = Literal["word", "clause", "sentence"]  # how far from its word an intent goes on
+PhrasePosition = Literal[
+    "anywhere", "first", "last", "question", "statement", "tag", "alone"
+]  # tag: last in a question
+RuleScope = Literal["word", "clause", "sentence"]  # how far from its word an intent goes on
 
 FOLDER = CONFIGS / "intents"
 ENGLISH = "en"
@@ -23,8 +25,8 @@ class _Rule(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     words: list[str]
     says: str
     certainty: float = 0.7
-    where: Where = "anywhere"
-    reach: Reach = "word"
+    where: PhrasePosition = "anywhere"
+    reach: RuleScope = "word"
     not_before: str = ""
     not_after: str = ""
     lexemes: list[str] = []
@@ -45,8 +47,8 @@ class Rule:
     intent: str  # name of a behaviour set
     says: str  # what they mean, for people
     certainty: float  # 0..1
-    where: Where
-    reach: Reach
+    where: PhrasePosition
+    reach: RuleScope
     not_before: frozenset[str]  # it does not hold where one of these follows
     not_after: frozenset[str]  # nor where one of these goes before
     lexemes: tuple[str, ...]  # gestures that show it better than its set

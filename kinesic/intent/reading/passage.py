@@ -8,7 +8,7 @@ from typing import Literal
 from kinesic.intent.intents import Moment
 from kinesic.intent.reading.stress import count_syllables, stressed_syllable
 
-Kind = Literal["statement", "question", "exclamation"]
+SentenceKind = Literal["statement", "question", "exclamation"]
 
 SPEECH = "s"  # id of the speech that says a text
 SYLLABLE, WORD = 0.155, 0.05  # [s] of a syllable, and of a word on top of them: about 175 words in a minute
@@ -37,7 +37,7 @@ class Passage:
     """A text in words, phrases and sentences."""
 
     words: tuple[Word, ...]
-    kinds: tuple[Kind, ...]  # of its sentences
+    kinds: tuple[SentenceKind, ...]  # of its sentences
     tail: str = ""  # behind the last word
     tail_pause: float = 0.0  # [s] that is asked for behind the last word
     feelings: tuple[tuple[int, str], ...] = ()  # sentence and emotion of each emoticon

@@ -13,7 +13,7 @@ AHEAD = 3  # words within which a weak word leaves its stroke to one that is str
 
 
 @dataclass(frozen=True)
-class Part:
+class PhrasePart:
     """Words that mean something by where they stand."""
 
     intent: str
@@ -65,22 +65,24 @@ def read_grammar(passage: Passage, language: Language) -> Grammar:
     return Grammar(tuple(things), tuple(verbs), tuple(clause_ends(passage, language)))
 
 
-def find_phrases(passage: Passage, language: Language, grammar: Grammar) -> Iterator[Part]:
+def find_phrases(passage: Passage, language: Language, grammar: Grammar) -> Iterator[PhrasePart]:
     """Yields accents, noun phrases, first verb phrases and lists, and what is stressed."""
     for number, indices in enumerate(passage.phrases):
         k = accent_of(passage, number)
-        yield Part("accent", k, k, "carries the accent of its phrase", 0.3 if len(indices) > 1 else 0.2)
+        yield PhrasePart("accent", k, k, "carries the accent of its phrase", 0.3 if len(indices) > 1 else 0.2)
     for k, word in enumerate(passage.words):
         if word.emphatic:
-            yield Part("emphasis-strong", k, k, "is stressed by the writer", 0.85)
+            yield PhrasePart("emphasis-strong", k, k, "is stressed by the writer", 0.85)
     named = set[int]()  # sentences that have named something
     for first, last in grammar.things:
         is_first = passage.words[first].sentence not in named
         named.add(passage.words[first].sentence)
         name = "first-noun-phrase" if is_first else "noun-phrase"
-        yield Part(name, first, last, "names the first thing of its sentence" if is_first else "names a thing", 0.15)
+        yield PhrasePart(
+            name, first, last, "names the first thing of its sentence" if is_first else "names a thing", 0.15
+        )
     for k in grammar.verbs:
-        yield Part("first-verb-phrase", k, k, "says what is done", 0.15)
+        yield PhrasePart("first-verb-phrase", k, k, "says what is done", 0.15)
     for sentence in passage.sentences:
         yield from _list(passage, language, sentence)
 
@@ -124,7 +126,7 @@ def _first_verb(passage: Passage, language: Language, sentence: Sequence[int]) -
             return
 
 
-def _list(passage: Passage, language: Language, sentence: Sequence[int]) -> Iterator[Part]:
+def _list(passage: Passage, language: Language, sentence: Sequence[int]) -> Iterator[PhrasePart]:
     """The items of `a, b and c`: short pieces between commas, the last one behind `and` or `or`."""
     pieces: list[list[int]] = [[]]
     joint = False
@@ -144,4 +146,4 @@ def _list(passage: Passage, language: Language, sentence: Sequence[int]) -> Iter
         content = [k for k in item if passage.words[k].is_content] or item
         k = content[0] if number == len(items) - 1 else content[-1]
         side = ("left", "right")[number % 2]
-        yield Part(f"listing-{side}", k, k, f"is item {number + 1} of a list", 0.45)
+        yield PhrasePart(f"listing-{side}", k, k, f"is item {number + 1} of a list", 0.45)

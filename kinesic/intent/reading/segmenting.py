@@ -4,7 +4,7 @@ from typing import Literal
 
 from kinesic.intent.reading.language import Language
 
-Script = Literal["hiragana", "katakana", "kanji", "other"]
+WritingSystem = Literal["hiragana", "katakana", "kanji", "other"]
 
 LONGEST = 12  # letters of a known word
 
@@ -50,7 +50,7 @@ def _changes(before: str, after: str) -> bool:
     return one != other and other != "hiragana"
 
 
-def _script(letter: str) -> Script:
+def _script(letter: str) -> WritingSystem:
     code = ord(letter)
     if 0x3041 <= code <= 0x309F:
         return "hiragana"

@@ -42,7 +42,7 @@ class Span(Protocol):
     end: int
 
 
-class Document(Protocol):
+class ParsedDocument(Protocol):
     """A parsed text."""
 
     @property
@@ -55,7 +55,7 @@ class Document(Protocol):
 class Parser(Protocol):
     """A model of English."""
 
-    def __call__(self, text: str) -> Document:
+    def __call__(self, text: str) -> ParsedDocument:
         """Parses a text."""
 
 

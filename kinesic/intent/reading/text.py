@@ -9,7 +9,7 @@ from kinesic.intent.intents import Intent, Moment
 from kinesic.intent.reading.language import ENGLISH, Language, Rule
 from kinesic.intent.reading.matching import Finding, find_rules
 from kinesic.intent.reading.passage import SPEECH, Passage
-from kinesic.intent.reading.phrasing import Part, find_phrases, read_grammar, stressed_near
+from kinesic.intent.reading.phrasing import PhrasePart, find_phrases, read_grammar, stressed_near
 from kinesic.intent.reading.spacy_parser import parse_grammar
 
 PICTURED = {"iconic": 0.45, "metaphoric": 0.38}  # categories of gestures that a word may show, and how surely it does
@@ -73,7 +73,7 @@ def _of_rule(passage: Passage, clauses: Sequence[int], finding: Finding) -> Inte
     return _intent(passage, rule.intent, (finding.first, word, last), sure, f"'{said}' {rule.says}", rule)
 
 
-def _of_part(passage: Passage, part: Part) -> Intent:
+def _of_part(passage: Passage, part: PhrasePart) -> Intent:
     said = " ".join(word.text for word in passage.words[part.first : part.last + 1])
     return _intent(passage, part.intent, (part.first, part.last, part.last), part.certainty, f"'{said}' {part.says}")
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 
 from kinesic.intent.reading.language import Language
-from kinesic.intent.reading.passage import Kind, Passage, Word
+from kinesic.intent.reading.passage import Passage, SentenceKind, Word
 from kinesic.intent.reading.segmenting import segment
 
 LEAST_CAPITALS = 2  # letters of a word in capitals that is stressed
@@ -65,7 +65,7 @@ class _Reading:
     language: Language
     is_shouted: bool
     words: list[Word] = field(default_factory=list)
-    kinds: list[Kind] = field(default_factory=list)
+    kinds: list[SentenceKind] = field(default_factory=list)
     between: list[str] = field(default_factory=list)  # since the last word
     silence: float = 0.0  # [s] likewise
     is_phrase_over: bool = False
@@ -159,7 +159,7 @@ class _Reading:
             self.kinds[-1] = "question"
         self.is_phrase_over = True
 
-    def _kind(self, stop: str) -> Kind:
+    def _kind(self, stop: str) -> SentenceKind:
         """What a sentence is by the punctuation at its end, or by its last word where the language tells by that."""
         if "?" in stop or "\uff1f" in stop or self.language.has("question_end", self.words[-1].plain):
             return "question"

@@ -7,7 +7,7 @@ import pytest
 
 from kinesic.body.config import ConfigError
 from kinesic.intent.behaviour_sets import own_sets
-from kinesic.intent.budget import GAPS, Budget
+from kinesic.intent.budget import GAPS, MovementBudget
 from kinesic.intent.choosing import choose_behaviours
 from kinesic.intent.greta.lexicon import read_lexicon
 from kinesic.intent.intents import Intent, Moment
@@ -47,7 +47,7 @@ def sets(tmp_path_factory):
 
 
 def shown(sets, seed):
-    budget = Budget(10, GAPS, {})
+    budget = MovementBudget(10, GAPS, {})
     chosen = choose_behaviours([intent("emotion-odd")], sets, budget, seed=seed).behaviours
     return {each.channel: each for each in chosen}
 
@@ -116,12 +116,12 @@ def test_what_a_lexicon_says_of_chances_is_kept(sets):
 
 
 def test_an_empty_set_is_a_reason(sets):
-    omitted = choose_behaviours([intent("theme-x")], sets, Budget(10, GAPS, {})).omissions
+    omitted = choose_behaviours([intent("theme-x")], sets, MovementBudget(10, GAPS, {})).omissions
     assert [each.why for each in omitted] == ["the set of theme-x is empty"]
 
 
 def test_a_signal_that_is_nothing_is_not_shown(sets):
-    assert choose_behaviours([intent("emotion-still")], sets, Budget(10, GAPS, {})).behaviours == ()
+    assert choose_behaviours([intent("emotion-still")], sets, MovementBudget(10, GAPS, {})).behaviours == ()
 
 
 def test_what_a_lexicon_lacks_is_our_own(sets):
@@ -152,7 +152,7 @@ def test_gretas_lexicons_are_read_and_every_set_shows_something():
     for path in paths:
         sets = read_lexicon(path)
         for name, found in sets.sets.items():
-            chosen = choose_behaviours([intent(name)], sets, Budget(10, GAPS, {}))
+            chosen = choose_behaviours([intent(name)], sets, MovementBudget(10, GAPS, {}))
             lexemes = {choice.lexeme for signal in found.signals for choice in signal.choices}
             assert chosen.behaviours or chosen.omissions, name
             assert {each.lexeme for each in chosen.behaviours} <= lexemes
