@@ -26,7 +26,7 @@ from kinesic.files.output_folder import check_folder, is_made, new_folder
 from kinesic.report.batch import documents
 from kinesic.report.report import Json
 from kinesic.studies.designs.pareto import GOALS, unbeaten, values_of
-from kinesic.studies.designs.search import AS_IT_IS, Found, search
+from kinesic.studies.designs.search import AS_IT_IS, SearchResult, search
 from kinesic.studies.designs.trial import Trial
 from kinesic.studies.designs.variant import Variable, draw_designs, without_defaults, write_design
 from kinesic.tasks.journal import Journal
@@ -93,7 +93,9 @@ def _begin(output: Output) -> Path | None:
     return output.out
 
 
-def _write(found: Found, best: Sequence[Trial], robot: str, path: Path, file: RobotFile, folder: Path) -> list[Path]:
+def _write(
+    found: SearchResult, best: Sequence[Trial], robot: str, path: Path, file: RobotFile, folder: Path
+) -> list[Path]:
     """Writes what is not beaten as robots that extend the one that was varied, and all figures."""
     extends = robot if robot in names_of("robot") else path.name
     if extends != robot:
@@ -115,7 +117,7 @@ def _words(trial: Trial) -> str:
     return ", ".join(f"{name} = {value}" for name, value in trial.design) or "as it is"
 
 
-def _data(found: Found, best: Sequence[Trial]) -> dict[str, Json]:
+def _data(found: SearchResult, best: Sequence[Trial]) -> dict[str, Json]:
     states = (("finished", found.finished), ("left", found.left), ("out", found.out))
     rows: list[Json] = [
         {
@@ -140,7 +142,7 @@ def _figure(value: float, *, more: bool) -> float | None:
     return (-value if more else value) if isfinite(value) else None
 
 
-def _print(found: Found, best: Sequence[Trial]) -> None:
+def _print(found: SearchResult, best: Sequence[Trial]) -> None:
     screen = console()
     for number, each in enumerate(found.rounds, 1):
         screen.print(f"round {number}: {each.designs} designs, {each.documents} documents")

@@ -31,7 +31,7 @@ class Round:
 
 
 @dataclass(frozen=True)
-class Found:
+class SearchResult:
     """What a search has found."""
 
     finished: tuple[Trial, ...]  # that performed all documents, the best first; the robot as it is is among them
@@ -62,7 +62,7 @@ def search(
     journal: Journal[Trial] | None = None,
     seed: int = 0,
     stage: Callable[[str, float | None], None] = lambda words, share: None,
-) -> Found:
+) -> SearchResult:
     """Tries designs of a robot, which is always among them as it is.
 
     Args:
@@ -121,7 +121,7 @@ def search(
             best = going[:keep] + [trial for trial in going[keep:] if trial.design == AS_IT_IS]
             left += [trial for trial in going if trial not in best]
             going = best
-    return Found(tuple(going), tuple(left), tuple(out), tuple(rounds))
+    return SearchResult(tuple(going), tuple(left), tuple(out), tuple(rounds))
 
 
 def _check_base(base: Trial, robot: str) -> None:

@@ -9,11 +9,11 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeVar
 
-from kinesic.studies.gesture_perception.answers import Answer, Answers, Preference, Recognition
+from kinesic.studies.gesture_perception.answers import Answers, ParticipantAnswer, Preference, Recognition
 from kinesic.studies.gesture_perception.design import OPTIONS, SIDES
 
 Tail = Literal["greater", "two-sided"]
-AnyAnswer = TypeVar("AnyAnswer", bound=Answer)
+AnyAnswer = TypeVar("AnyAnswer", bound=ParticipantAnswer)
 
 CONFIDENCE = 0.95
 HABIT = 0.001  # share of chance below which a participant's favourite place is told
@@ -135,7 +135,7 @@ def confusion_matrix(answers: Sequence[Recognition]) -> tuple[tuple[str, ...], t
     return names, tuple(tuple(counts[shown, chosen] for chosen in names) for shown in names)
 
 
-def habits(answers: Sequence[Answer]) -> dict[str, Habit]:
+def habits(answers: Sequence[ParticipantAnswer]) -> dict[str, Habit]:
     """Finds the place that each participant chooses most often; right answers stand in each equally often."""
     return {person: _habit(own) for person, own in _by(answers, lambda answer: answer.participant).items()}
 
@@ -150,7 +150,7 @@ def strange(found: Answers) -> dict[str, Habit]:
     return told
 
 
-def _habit(answers: Sequence[Answer]) -> Habit:
+def _habit(answers: Sequence[ParticipantAnswer]) -> Habit:
     """The favourite place; its p counts that it is the best of all places."""
     choices = len(answers[0].options)
     (place, hits), *_ = Counter(answer.place for answer in answers).most_common(1)

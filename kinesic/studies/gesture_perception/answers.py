@@ -14,7 +14,7 @@ LONGEST = 200  # characters of a name that is believed
 
 
 @dataclass(frozen=True)
-class Answer:
+class ParticipantAnswer:
     """What one participant chose, once."""
 
     participant: str
@@ -29,7 +29,7 @@ class Answer:
 
 
 @dataclass(frozen=True)
-class Recognition(Answer):
+class Recognition(ParticipantAnswer):
     """Which of six meanings a participant saw in a gesture; options are gestures."""
 
     @property
@@ -39,7 +39,7 @@ class Recognition(Answer):
 
 
 @dataclass(frozen=True)
-class Preference(Answer):
+class Preference(ParticipantAnswer):
     """Which of two performances of a gesture looked more natural; options are standard and changed."""
 
     condition: str  # the setting that was changed

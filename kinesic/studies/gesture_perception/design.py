@@ -14,11 +14,11 @@ from kinesic.body.config import ConfigError, suggestion
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.lexicon.senses import Sense, nearest_sense
 
-Task = Literal["recognition", "comparison"]
-Side = Literal["standard", "changed"]
+StudyTask = Literal["recognition", "comparison"]
+StimulusVersion = Literal["standard", "changed"]
 
-TASKS: tuple[Task, ...] = get_args(Task)
-SIDES: tuple[Side, ...] = get_args(Side)
+TASKS: tuple[StudyTask, ...] = get_args(StudyTask)
+SIDES: tuple[StimulusVersion, ...] = get_args(StimulusVersion)
 OPTIONS = 6  # meanings that a gesture is offered with
 WORDS = 3  # of a meaning, as participants read it
 CATEGORIES = ("emblem", "emotion", "iconic")  # gestures that mean something without words
@@ -44,7 +44,7 @@ class Meaning:
 
 
 @dataclass(frozen=True)
-class Question:
+class StudyQuestion:
     """A gesture, and the meanings that participants choose from."""
 
     right: Meaning
@@ -84,7 +84,7 @@ def draw_meanings(lexicon: Lexicon, count: int, seed: int, named: Sequence[str] 
     return tuple(Meaning(name, known[name]) for name in (drawn if named else drawn[:count]))
 
 
-def draw_questions(meanings: Sequence[Meaning], seed: int) -> tuple[Question, ...]:
+def draw_questions(meanings: Sequence[Meaning], seed: int) -> tuple[StudyQuestion, ...]:
     """Gives each gesture the meanings of five others, none of which is like its own or like one another.
 
     Args:
@@ -104,7 +104,7 @@ def draw_questions(meanings: Sequence[Meaning], seed: int) -> tuple[Question, ..
                 f"and needs {OPTIONS - 1}: take more gestures, or others"
             )
         uses.update(foil.gesture for foil in foils)
-        questions.append(Question(right, foils))
+        questions.append(StudyQuestion(right, foils))
     return tuple(questions)
 
 

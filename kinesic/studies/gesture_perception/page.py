@@ -9,8 +9,8 @@ from kinesic.body.robot import Robot
 from kinesic.report.report import Json
 from kinesic.report.scene import SCENE_SCRIPTS, read_scripts, scene_data
 from kinesic.studies.gesture_perception.answers import COLUMNS
-from kinesic.studies.gesture_perception.design import SEPARATOR, Question
-from kinesic.studies.gesture_perception.stimuli import Motion, Pair, motion_data
+from kinesic.studies.gesture_perception.design import SEPARATOR, StudyQuestion
+from kinesic.studies.gesture_perception.stimuli import Pair, SampledMotion, motion_data
 from kinesic.studies.questionnaire.page import write_questionnaire
 
 HERE = Path(__file__).parent
@@ -22,8 +22,8 @@ COMPARISONS = 6  # pairs of each condition that a participant compares, half of 
 def write_gesture_page(
     path: Path,
     robot: Robot,
-    questions: Sequence[Question],
-    motions: Mapping[str, Motion],
+    questions: Sequence[StudyQuestion],
+    motions: Mapping[str, SampledMotion],
     pairs: Sequence[Pair] = (),
     *,
     post_to: str = "",
@@ -76,7 +76,7 @@ def write_gesture_page(
     )
 
 
-def _recognition(question: Question, motion: int) -> Json:
+def _recognition(question: StudyQuestion, motion: int) -> Json:
     gesture = question.right.gesture
     return {
         "id": f"recognition {gesture}",

@@ -16,7 +16,7 @@ from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
 from kinesic.report.report import Json
 from kinesic.report.scene import pack_rows
-from kinesic.studies.gesture_perception.design import Side
+from kinesic.studies.gesture_perception.design import StimulusVersion
 from kinesic.studies.gestures.isolated import document
 
 RATE = 50.0  # [Hz] of the motions
@@ -24,13 +24,13 @@ SEEN = radians(1.0)  # that some hinge must differ by, sometime, before anybody 
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class SampledMotion:
     """A motion at a steady rate."""
 
     angles: Floats  # (m, n) [rad] at `RATE`
     words: tuple[Caption, ...] = ()  # that are said meanwhile
 
-    def differs(self, other: "Motion") -> bool:
+    def differs(self, other: "SampledMotion") -> bool:
         """Whether somebody might see a difference: in when it ends, or in a hinge."""
         shorter = min(len(self.angles), len(other.angles))
         long_after = abs(len(self.angles) - len(other.angles)) > 0.2 * RATE
@@ -43,7 +43,7 @@ class Pair:
 
     stimulus: str  # name of the document; a gesture's is its id
     condition: str  # the setting, such as whole_body=0
-    motions: Mapping[Side, Motion]
+    motions: Mapping[StimulusVersion, SampledMotion]
 
 
 def gesture_documents(gestures: Iterable[str], lexicon: Lexicon) -> dict[str, str]:
@@ -54,7 +54,7 @@ def gesture_documents(gestures: Iterable[str], lexicon: Lexicon) -> dict[str, st
 
 def plan_motions(
     documents: Mapping[str, str | bytes], setup: Setup, left_out: Callable[[str], None] = lambda why: None
-) -> dict[str, Motion]:
+) -> dict[str, SampledMotion]:
     """Plans documents; those of which the robot can perform nothing are told and left out.
 
     Args:
@@ -65,7 +65,7 @@ def plan_motions(
     Raises:
         BmlError: a document is refused.
     """
-    motions: dict[str, Motion] = {}
+    motions: dict[str, SampledMotion] = {}
     for name, text in documents.items():
         planned = plan(text, setup, source=name)
         outcomes = planned.keyframes.outcomes.values()
@@ -99,7 +99,7 @@ def changed_setup(setup: Setup, condition: str) -> Setup:
 
 def plan_pairs(
     documents: Mapping[str, str | bytes],
-    motions: Mapping[str, Motion],
+    motions: Mapping[str, SampledMotion],
     setup: Setup,
     condition: str,
     count: int,
@@ -130,12 +130,12 @@ def plan_pairs(
     return pairs
 
 
-def motion_data(motions: Sequence[Motion]) -> list[Json]:
+def motion_data(motions: Sequence[SampledMotion]) -> list[Json]:
     """Gathers what `rowAt` reads: angles as 16-bit integers in base64, one row of hinges for each frame; and words."""
     return [_packed(motion) for motion in motions]
 
 
-def _packed(motion: Motion) -> Json:
+def _packed(motion: SampledMotion) -> Json:
     step = float(np.abs(motion.angles).max()) / np.iinfo(np.int16).max or 1.0
     return {
         "end": (len(motion.angles) - 1) / RATE,
@@ -146,6 +146,6 @@ def _packed(motion: Motion) -> Json:
     }
 
 
-def _motion(planned: Plan) -> Motion:
+def _motion(planned: Plan) -> SampledMotion:
     times = np.arange(int(np.ceil(planned.duration * RATE)) + 1) / RATE
-    return Motion(planned.trajectory.sample(times)[0], tuple(captions(planned)))
+    return SampledMotion(planned.trajectory.sample(times)[0], tuple(captions(planned)))

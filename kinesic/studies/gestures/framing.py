@@ -16,7 +16,7 @@ RISE = 5.0  # [deg] from which the camera looks down, where it can
 
 
 @dataclass(frozen=True)
-class Window:
+class OutlineWindow:
     """A part of the plane that outlines are drawn in, with the robot's middle in its own."""
 
     wide: float  # [m]
@@ -24,7 +24,7 @@ class Window:
     tall: float  # [m]
 
     @classmethod
-    def around(cls, lines: Iterable[PenStroke]) -> "Window":
+    def around(cls, lines: Iterable[PenStroke]) -> "OutlineWindow":
         """The least that shows all of some lines."""
         points = [(line.points, line.width / 2) for line in lines]
         half = max(float(np.abs(places[:, 0]).max()) + edge for places, edge in points)

@@ -19,7 +19,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot, Side
 from kinesic.expressivity.lexicon.form import GestureForm
-from kinesic.studies.gestures.framing import Window
+from kinesic.studies.gestures.framing import OutlineWindow
 from kinesic.studies.gestures.isolated import Show
 from kinesic.studies.gestures.portraits import draw_stills
 from kinesic.studies.gestures.silhouette import COLOURS, PenStroke, outline_lines, pale, project, silhouette
@@ -56,7 +56,7 @@ def draw_strip(show: Show, robot: Robot, path: Path, *, says: str = "", scale: f
     count = len(show.postures)
     bodies = [silhouette(robot, angles, _shapes(show.form, k, count)) for k, angles in enumerate(show.postures)]
     lines = [[*outline_lines(body), *_ways(show)] for body in bodies]
-    window = Window.around(line for drawn in lines for line in drawn)
+    window = OutlineWindow.around(line for drawn in lines for line in drawn)
     wide = window.wide * _TALL / window.tall
     paper, axes = _strip_paper(show, wide, scale)
     for k, drawn in enumerate(lines):
@@ -118,7 +118,7 @@ def draw_gesture_sheet(shows: Sequence[Show], robot: Robot, path: Path, *, scale
         The path.
     """
     drawn = {show.form.id: _outlined(show, robot) for show in shows}
-    window = Window.around(line for lines in drawn.values() for line in lines)
+    window = OutlineWindow.around(line for lines in drawn.values() for line in lines)
     wide, groups = window.wide * _TALL / window.tall, _groups(shows)
     rows = sum(ceil(len(group) / _COLUMNS) for _, group in groups)
     tall = rows * (_TALL + _LABEL) + len(groups) * _HEADING
@@ -189,7 +189,7 @@ def _paper(wide: float, tall: float, scale: float) -> tuple[Figure, Axes]:
     return paper, axes
 
 
-def _draw(axes: Axes, lines: Sequence[PenStroke], window: Window, at: Floats, scale: float) -> None:
+def _draw(axes: Axes, lines: Sequence[PenStroke], window: OutlineWindow, at: Floats, scale: float) -> None:
     """Lines in their order, what is seen of them put with its lower left corner to a place (2,) on paper."""
     times = _TALL / window.tall
     corner = np.array([-window.wide / 2, window.low])

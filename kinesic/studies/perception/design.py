@@ -22,7 +22,7 @@ POINTS = 5  # of a Likert scale
 
 
 @dataclass(frozen=True)
-class Action:
+class FacialAction:
     """Something that a face does."""
 
     name: str  # numbers of its action units with + between them; "none"
@@ -37,20 +37,20 @@ class Action:
 
 
 ACTIONS = (
-    Action("1+2", "upper", "The eyebrows are raised in a half circle", {"1": 1.0, "2": 1.0}),
-    Action("4", "upper", "The face is frowning", {"4": 1.0}),
-    Action("1+4", "upper", "The eyebrows are raised obliquely", {"1": 1.0, "4": 0.6}),
-    Action("6", "lower", "The cheeks are raised", {"6": 1.0}),
-    Action("12", "lower", "The lips are extended, corners up", {"12": 1.0}),
-    Action("20", "lower", "The lips are extended straight", {"20": 1.0}),
+    FacialAction("1+2", "upper", "The eyebrows are raised in a half circle", {"1": 1.0, "2": 1.0}),
+    FacialAction("4", "upper", "The face is frowning", {"4": 1.0}),
+    FacialAction("1+4", "upper", "The eyebrows are raised obliquely", {"1": 1.0, "4": 0.6}),
+    FacialAction("6", "lower", "The cheeks are raised", {"6": 1.0}),
+    FacialAction("12", "lower", "The lips are extended, corners up", {"12": 1.0}),
+    FacialAction("20", "lower", "The lips are extended straight", {"20": 1.0}),
 )
 CONFUSERS = (
-    (Action("5", "upper", units={"5": 1.0}), ("low", "high")),
-    (Action("7", "upper", units={"7": 1.0}), ("high",)),
-    (Action("none", "upper"), ("high",)),
-    (Action("26", "lower", units={"26": 1.0}), ("low", "high")),
-    (Action("15", "lower", units={"15": 1.0}), ("high",)),
-    (Action("none", "lower"), ("high",)),
+    (FacialAction("5", "upper", units={"5": 1.0}), ("low", "high")),
+    (FacialAction("7", "upper", units={"7": 1.0}), ("high",)),
+    (FacialAction("none", "upper"), ("high",)),
+    (FacialAction("26", "lower", units={"26": 1.0}), ("low", "high")),
+    (FacialAction("15", "lower", units={"15": 1.0}), ("high",)),
+    (FacialAction("none", "lower"), ("high",)),
 )
 LABELS: Mapping[str, str] = MappingProxyType({action.name: action.label for action in ACTIONS})
 
@@ -59,7 +59,7 @@ LABELS: Mapping[str, str] = MappingProxyType({action.name: action.label for acti
 class Stimulus:
     """One face that a participant looks at, once."""
 
-    action: Action
+    action: FacialAction
     agent: Variant
     strength: Strength
     wrinkles: bool

@@ -14,7 +14,7 @@ from kinesic.studies.gesture_perception.analysis import analyse_recognition
 from kinesic.studies.gesture_perception.answers import COLUMNS, read_gesture_answers
 from kinesic.studies.gesture_perception.design import Meaning, draw_questions
 from kinesic.studies.gesture_perception.page import COMPARISONS, RECOGNITIONS, write_gesture_page
-from kinesic.studies.gesture_perception.stimuli import Motion, Pair
+from kinesic.studies.gesture_perception.stimuli import Pair, SampledMotion
 
 from ...chromium import Page, binary, opened
 
@@ -36,10 +36,11 @@ def study(tmp_path_factory: pytest.TempPathFactory, robot: Robot) -> Path:
     questions = draw_questions([Meaning(name, Sense((f"{name}!",), "emblem")) for name in names], 0)
     hinges = len(robot.skeleton.names)
     motions = {
-        name: Motion(np.linspace(0, 0.1 + k / 100, 20)[:, None] * np.ones(hinges)) for k, name in enumerate(names)
+        name: SampledMotion(np.linspace(0, 0.1 + k / 100, 20)[:, None] * np.ones(hinges))
+        for k, name in enumerate(names)
     }
     pairs = [
-        Pair(name, condition, {"standard": motions[name], "changed": Motion(np.zeros((15, hinges)))})
+        Pair(name, condition, {"standard": motions[name], "changed": SampledMotion(np.zeros((15, hinges)))})
         for condition in CONDITIONS
         for name in names[:8]
     ]
@@ -161,7 +162,7 @@ def test_two_studies_keep_answers_apart(study: Path, tmp_path: Path, robot: Robo
     names = [f"gesture_{k}" for k in range(6)]
     questions = draw_questions([Meaning(name, Sense((f"{name}!",), "emblem")) for name in names], 0)
     other = tmp_path / "other.html"
-    write_gesture_page(other, robot, questions, {name: Motion(np.zeros((5, 22))) for name in names})
+    write_gesture_page(other, robot, questions, {name: SampledMotion(np.zeros((5, 22))) for name in names})
     kept = [path.read_text().split('"name": "')[1].split('"')[0] for path in (study, other)]
     assert len(set(kept)) == 2
     assert all(name.startswith("kinesic-gestures-") for name in kept)

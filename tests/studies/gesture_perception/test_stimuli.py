@@ -10,7 +10,7 @@ from kinesic.body.config import ConfigError
 from kinesic.studies.gesture_perception.stimuli import (
     RATE,
     SEEN,
-    Motion,
+    SampledMotion,
     changed_setup,
     gesture_documents,
     motion_data,
@@ -23,7 +23,7 @@ NAMES = ("doubt_shrug", "stop", "offer")
 
 
 @pytest.fixture(scope="module")
-def motions(known) -> dict[str, Motion]:
+def motions(known) -> dict[str, SampledMotion]:
     return plan_motions(gesture_documents(NAMES, known.lexicon), known)
 
 
@@ -32,7 +32,7 @@ def documents(known) -> dict[str, str]:
     return gesture_documents(NAMES, known.lexicon)
 
 
-def test_a_motion_is_the_plans(known, motions: dict[str, Motion]):
+def test_a_motion_is_the_plans(known, motions: dict[str, SampledMotion]):
     assert tuple(motions) == NAMES
     plan = plan_gesture(known.lexicon.find("stop").form, known)
     angles = motions["stop"].angles
@@ -40,7 +40,7 @@ def test_a_motion_is_the_plans(known, motions: dict[str, Motion]):
     assert angles[60] == pytest.approx(plan.trajectory.at(60 / RATE).angles, abs=1e-9)
 
 
-def test_the_page_gets_it_to_a_hair(motions: dict[str, Motion]):
+def test_the_page_gets_it_to_a_hair(motions: dict[str, SampledMotion]):
     (data,) = motion_data([motions["offer"]])
     angles = motions["offer"].angles
     rows = data["step"] * np.frombuffer(base64.b64decode(data["angles"]), "<i2").reshape(data["frames"], -1)
@@ -58,7 +58,7 @@ def test_a_gesture_that_the_robot_cannot_perform_is_told_and_left_out(known):
     assert "gobbledygook" in why
 
 
-def test_pairs_differ_by_the_setting_alone(known, documents, motions: dict[str, Motion]):
+def test_pairs_differ_by_the_setting_alone(known, documents, motions: dict[str, SampledMotion]):
     (pair,) = plan_pairs(documents, motions, known, "whole_body=0", 1)
     assert (pair.stimulus, pair.condition) == ("doubt_shrug", "whole_body=0")
     assert pair.motions["standard"] is motions["doubt_shrug"]
@@ -67,7 +67,7 @@ def test_pairs_differ_by_the_setting_alone(known, documents, motions: dict[str, 
     assert np.abs(pair.motions["changed"].angles[:80] - pair.motions["standard"].angles[:80]).max() > SEEN
 
 
-def test_the_profile_of_effort_can_be_taken_away(known, documents, motions: dict[str, Motion]):
+def test_the_profile_of_effort_can_be_taken_away(known, documents, motions: dict[str, SampledMotion]):
     pairs = plan_pairs(documents, motions, known, "effort=0", 3)
     assert {pair.stimulus for pair in pairs} == set(NAMES)
     form, plain = known.lexicon.find("offer").form, changed_setup(known, "effort=0")
@@ -77,12 +77,12 @@ def test_the_profile_of_effort_can_be_taken_away(known, documents, motions: dict
     assert hands[0].return_speed > 1.5 * hands[1].return_speed
 
 
-def test_pairs_begin_where_they_are_told(known, documents, motions: dict[str, Motion]):
+def test_pairs_begin_where_they_are_told(known, documents, motions: dict[str, SampledMotion]):
     pairs = plan_pairs(documents, motions, known, "power=-1", 2, first=5)
     assert [pair.stimulus for pair in pairs] == ["offer", "doubt_shrug"]
 
 
-def test_what_nobody_would_see_is_no_pair(known, documents, motions: dict[str, Motion]):
+def test_what_nobody_would_see_is_no_pair(known, documents, motions: dict[str, SampledMotion]):
     assert plan_pairs(documents, motions, known, "power=0", 2) == []
     assert plan_pairs(documents, motions, known, "repetition=0", 2) == []
 
@@ -108,8 +108,8 @@ def test_wrong_settings_are_told(known, condition: str, what: str):
 
 
 def test_motions_differ_by_a_hinge_or_by_their_end():
-    still = Motion(np.zeros((50, 3)))
-    assert not still.differs(Motion(np.full((50, 3), 0.9 * SEEN)))
-    assert still.differs(Motion(np.full((50, 3), 1.1 * SEEN)))
-    assert not still.differs(Motion(np.zeros((55, 3))))
-    assert still.differs(Motion(np.zeros((65, 3))))
+    still = SampledMotion(np.zeros((50, 3)))
+    assert not still.differs(SampledMotion(np.full((50, 3), 0.9 * SEEN)))
+    assert still.differs(SampledMotion(np.full((50, 3), 1.1 * SEEN)))
+    assert not still.differs(SampledMotion(np.zeros((55, 3))))
+    assert still.differs(SampledMotion(np.zeros((65, 3))))

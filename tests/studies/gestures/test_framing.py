@@ -7,7 +7,7 @@ import pytest
 
 from kinesic.body.robot import Robot
 from kinesic.controller.perform import set_up
-from kinesic.studies.gestures.framing import Balls, Viewpoint, Window
+from kinesic.studies.gestures.framing import Balls, OutlineWindow, Viewpoint
 from kinesic.studies.gestures.silhouette import silhouette
 
 ROBOTS = ("upper22", "upper36", "human")
@@ -17,7 +17,7 @@ ROBOTS = ("upper22", "upper36", "human")
 def test_a_window_shows_head_and_hands(name: str):
     robot = Robot.load(name)
     lines = silhouette(robot, robot.skeleton.rest, {})
-    window = Window.around(lines)
+    window = OutlineWindow.around(lines)
     for line in lines:
         assert (np.abs(line.points[:, 0]) + line.width / 2 < window.wide / 2).all()
         assert (line.points[:, 1] - line.width / 2 > window.low).all()
