@@ -36,7 +36,7 @@ from kinesic.planning.setup import Setup
 from kinesic.report.checks import checks
 from kinesic.report.films import film_processes
 from kinesic.report.gltf.scene import is_scene, save_performed
-from kinesic.report.output import Written, add_films, default_folder, write_report
+from kinesic.report.output import WrittenPaths, add_films, default_folder, write_report
 from kinesic.report.report import Json, report
 from kinesic.report.servo_belief import with_lesson
 from kinesic.report.servo_report import live_checks, live_log
@@ -196,7 +196,7 @@ def _performed(
     )
 
 
-def _print_paths(written: Written, log: Path | None, *, on_error: bool) -> None:
+def _print_paths(written: WrittenPaths, log: Path | None, *, on_error: bool) -> None:
     films = (("film", written.film, written.why_no_film), ("face", written.face, written.why_no_face))
     for name, path, why in films:
         click.echo(f"{name}: none ({why})" if path is None else f"{name}: {path}", err=on_error)

@@ -31,7 +31,7 @@ from kinesic.hardware.supervisor.channel import Status
 from kinesic.hardware.supervisor.state_machine import Awaited
 from kinesic.planning.face_track import commands_with_face
 from kinesic.planning.plan import Plan
-from kinesic.report.output import Written, rewrite
+from kinesic.report.output import WrittenPaths, rewrite
 from kinesic.report.report import Json
 from kinesic.report.servo_belief import with_lesson
 from kinesic.report.servo_report import live_log, with_live
@@ -163,7 +163,7 @@ def _requested(keys: Callable[[], str], folding: Callable[[], bool]) -> Callable
 
 
 def write_live(
-    live: ServoRun, data: dict[str, Json], written: Written, lesson: Lesson | None
+    live: ServoRun, data: dict[str, Json], written: WrittenPaths, lesson: Lesson | None
 ) -> tuple[dict[str, Json], Path]:
     """Writes the report anew with what the robot did and told, and a log; returns report and path of the log."""
     whole = with_lesson(with_live(data, live), lesson)

@@ -21,7 +21,7 @@ from kinesic.files.output_file import write_text
 from kinesic.files.output_folder import check_folder, is_made, new_folder
 from kinesic.report.batch import DocumentVerdict, documents, validate_documents
 from kinesic.report.batch_totals import totals
-from kinesic.report.checks import Check, Status
+from kinesic.report.checks import Check, CheckStatus
 from kinesic.report.report import Json
 from kinesic.sim.servo_factors import read_twins
 from kinesic.tasks.program import program_files
@@ -29,7 +29,7 @@ from kinesic.tasks.store import JOURNAL
 
 PARTS = (".py", ".toml", ".so", ".pyd")  # endings of the program's files
 SUMMARY = "validate.json"
-LISTED: dict[str, Status] = {"failed": "fail", "poor": "poor"}  # checks that are listed, by key
+LISTED: dict[str, CheckStatus] = {"failed": "fail", "poor": "poor"}  # checks that are listed, by key
 
 
 def validate_paths(paths: tuple[Path, ...], planning: Planning, twin: str, workers: Workers, output: Output) -> int:
@@ -147,7 +147,7 @@ def _entry(verdict: DocumentVerdict) -> dict[str, Json]:
     return entry | {"report": verdict.report, **beyond}
 
 
-def _rows(checks: Iterable[Check], status: Status) -> list[Json]:
+def _rows(checks: Iterable[Check], status: CheckStatus) -> list[Json]:
     return [
         {"name": c.name, "value": c.value, "limit": c.limit, "unit": c.unit, "where": c.where}
         for c in checks

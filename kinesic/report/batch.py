@@ -22,7 +22,7 @@ from kinesic.tasks.journal import Journal, run_once
 from kinesic.tasks.processes import WorkerCrash
 from kinesic.tasks.store import JOURNAL
 
-Outcome = Literal["performed", "refused", "crashed"]
+DocumentOutcome = Literal["performed", "refused", "crashed"]
 
 SUFFIXES = (".xml", ".bml")
 HEAD = 4096  # [bytes] of a file of another ending that tell what it is
@@ -33,7 +33,7 @@ class DocumentVerdict:
     """What became of one document."""
 
     file: str
-    outcome: Outcome
+    outcome: DocumentOutcome
     exit: int  # as `perform` would end; 0 for a well-founded refusal
     behaviours: tuple[tuple[str, str], ...] = ()  # (type, outcome)
     checks: tuple[Check, ...] = ()

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from kinesic.report.batch import DocumentVerdict
-from kinesic.report.checks import GRAVITY, Check, Status, grade
+from kinesic.report.checks import GRAVITY, Check, CheckStatus, grade
 from kinesic.report.report import Json
 
 OUTCOMES = ("performed", "refused", "crashed")
@@ -17,7 +17,7 @@ class Tally:
     """One check over many documents."""
 
     name: str
-    counts: Mapping[Status, int]  # documents by status
+    counts: Mapping[CheckStatus, int]  # documents by status
     worst: Check
     file: str  # where the worst value is
 

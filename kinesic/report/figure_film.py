@@ -14,7 +14,7 @@ from kinesic.files.film_file import EncodingError, durations, open_film
 from kinesic.files.film_settings import USUAL, FilmSettings
 from kinesic.planning.face_track import faces
 from kinesic.planning.plan import Plan
-from kinesic.report.films import Kind, captions_of
+from kinesic.report.films import FilmKind, captions_of
 from kinesic.sim.filming.framing import FRAME, moving_balls, watched_segments
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ NARROWEST = 15.0  # [deg] upright: head and hands with some of the body about th
 class FigureFilm:
     """What a figure did."""
 
-    kind: ClassVar[Kind] = "twin"  # it is drawn where a robot's would be
+    kind: ClassVar[FilmKind] = "twin"  # it is drawn where a robot's would be
     after: ClassVar[None] = None
     robot: Robot
     angles: Floats  # (k, n) [rad] of its pictures

@@ -24,9 +24,9 @@ from kinesic.planning.face_track import faces
 from kinesic.planning.plan import Plan
 from kinesic.sim.filming.drawn_face import SCREEN, paint_face
 
-Kind = Literal["twin", "face"]
-FilmProcesses = Mapping[Kind, "subprocess.Popen[bytes]"]
-KINDS: tuple[Kind, Kind] = ("twin", "face")
+FilmKind = Literal["twin", "face"]
+FilmProcesses = Mapping[FilmKind, "subprocess.Popen[bytes]"]
+KINDS: tuple[FilmKind, FilmKind] = ("twin", "face")
 FACE_RATE = 30  # [Hz] as the film of the robot, whose head shows it
 FACE_SIZE = (320, 240)  # [pixels]; a screen shows it smaller
 FACE_FIELD = 12.0  # [deg] from chin to forehead
@@ -36,7 +36,7 @@ FAILED = "failed "  # begins the line of a process that says why it could not dr
 class FilmJob(Protocol):
     """A film that can be drawn; picklable."""
 
-    kind: ClassVar[Kind]
+    kind: ClassVar[FilmKind]
 
     @property
     def after(self) -> Path | None:
@@ -54,7 +54,7 @@ class FilmJob(Protocol):
 class TwinFilm:
     """What the twin did, with its face on its head."""
 
-    kind: ClassVar[Kind] = "twin"
+    kind: ClassVar[FilmKind] = "twin"
     robot: Robot
     times: Floats  # (m,) [s]
     angles: Floats  # (m, n) [rad]
@@ -116,7 +116,7 @@ class TwinFilm:
 class FaceFilm:
     """What the face showed."""
 
-    kind: ClassVar[Kind] = "face"
+    kind: ClassVar[FilmKind] = "face"
     after: ClassVar[None] = None
     robot: Robot | None  # whose head turns the face; None: it looks ahead, as on a screen
     commands: tuple[Command, ...]  # one for each picture
@@ -169,7 +169,7 @@ def film_processes() -> Iterator[FilmProcesses]:
 
 
 @contextmanager
-def _process(kind: Kind) -> Iterator["subprocess.Popen[bytes]"]:
+def _process(kind: FilmKind) -> Iterator["subprocess.Popen[bytes]"]:
     process = subprocess.Popen(
         [sys.executable, "-m", "kinesic.report.film_process", kind],
         stdin=subprocess.PIPE,

@@ -40,14 +40,14 @@ def default_folder(source: str) -> Path:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Written(Recordings):
+class WrittenPaths(Recordings):
     """Paths of what was written."""
 
     report: Path
     page: Path
     measured: Path  # what the twin did, as `kinesic twin fit` reads it
 
-    def within(self, folder: Path) -> "Written":
+    def within(self, folder: Path) -> "WrittenPaths":
         """The same files in another folder."""
         return replace(
             self,
@@ -62,7 +62,7 @@ class Written(Recordings):
 
 def write_report(
     performance: Performance, data: dict[str, Json], folder: Path, *, film: bool = True, force: bool = False
-) -> Written:
+) -> WrittenPaths:
     """Writes report.json, report.html, measured.npz and speech.wav; films are drawn afterwards, by `add_films`.
 
     Args:
@@ -81,14 +81,14 @@ def write_report(
 
 
 def add_films(
-    written: Written,
+    written: WrittenPaths,
     performance: Performance,
     data: dict[str, Json],
     processes: FilmProcesses,
     *,
     settings: FilmSettings = USUAL,
     progress: Callable[[float], None] = lambda share: None,
-) -> Written:
+) -> WrittenPaths:
     """Draws the films of twin and face, where OpenGL works, and puts them into a report that is there.
 
     Args:
@@ -135,25 +135,25 @@ def face_film(plan: Plan, rate: float = FACE_RATE) -> FaceFilm | None:
     return FaceFilm.of(None if screen else plan.setup.robot, commands_with_face(plan, times), rate)
 
 
-def rewrite(written: Written, performance: Performance, data: dict[str, Json]) -> None:
+def rewrite(written: WrittenPaths, performance: Performance, data: dict[str, Json]) -> None:
     """Writes the report and its page, over older ones."""
     write_text(written.report, json.dumps(data, indent=1), force=True)
     _write_page(written, performance, data)
 
 
-def _write_page(written: Written, performance: Performance, data: dict[str, Json]) -> None:
+def _write_page(written: WrittenPaths, performance: Performance, data: dict[str, Json]) -> None:
     with new_file(written.page, force=True) as fresh:
         write_page(performance, data, written, path=fresh)
 
 
-def _write_files(performance: Performance, data: dict[str, Json], folder: Path, *, why_no_film: str) -> Written:
+def _write_files(performance: Performance, data: dict[str, Json], folder: Path, *, why_no_film: str) -> WrittenPaths:
     plan = performance.plan
     measured = folder / "measured.npz"
     write_log(performance.measured, plan.setup.robot, measured)
     voice, heard = folder / "speech.wav", sound(plan)
     if heard is not None:
         write_wav(heard, voice)
-    written = Written(
+    written = WrittenPaths(
         report=folder / "report.json",
         page=folder / "report.html",
         measured=measured,

@@ -26,7 +26,7 @@ from kinesic.report.verdict import verdict
 from kinesic.sim.log import write_log
 
 if TYPE_CHECKING:
-    from kinesic.report.output import Written
+    from kinesic.report.output import WrittenPaths
 
 LOG = "servos.npz"
 FILES = (
@@ -119,7 +119,7 @@ class Performance(DryRun):
         """
         return replace_motion(self.motion, self.plan.setup.robot, Path(path), force=force)
 
-    def report(self, folder: str | Path, *, film: bool = True) -> "Written":
+    def report(self, folder: str | Path, *, film: bool = True) -> "WrittenPaths":
         """Writes report.html, report.json and what belongs to them; an earlier report in the folder is replaced.
 
         Args:

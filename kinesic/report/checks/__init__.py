@@ -4,14 +4,14 @@
 # limits and distances fail.
 
 from kinesic.controller.performance import Performance
-from kinesic.report.checks.check import GRADES, GRAVITY, Check, Grade, Status, grade
+from kinesic.report.checks.check import GRADES, GRAVITY, Check, CheckStatus, Grade, grade
 from kinesic.report.checks.content import content_checks
 from kinesic.report.checks.plan import TOLERANCE, distance_checks, limit_checks
 from kinesic.report.checks.servos import power_checks, servo_checks
 from kinesic.report.checks.twin import motion_checks, stroke_errors, timing_checks, tracking_checks
 from kinesic.report.checks.watch import watch_checks
 
-__all__ = ["GRADES", "GRAVITY", "TOLERANCE", "Check", "Grade", "Status", "checks", "grade", "stroke_errors"]
+__all__ = ["GRADES", "GRAVITY", "TOLERANCE", "Check", "CheckStatus", "Grade", "checks", "grade", "stroke_errors"]
 
 
 def checks(performance: Performance) -> tuple[Check, ...]:

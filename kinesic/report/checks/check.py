@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from math import inf
 from typing import Literal, Self
 
-Status = Literal["pass", "warn", "poor", "fail"]
-GRAVITY: dict[Status, int] = {"fail": 0, "poor": 1, "warn": 2, "pass": 3}
+CheckStatus = Literal["pass", "warn", "poor", "fail"]
+GRAVITY: dict[CheckStatus, int] = {"fail": 0, "poor": 1, "warn": 2, "pass": 3}
 
 Grade = Literal["ok", "poor", "fail"]
 GRADES: tuple[Grade, ...] = ("ok", "poor", "fail")
@@ -17,7 +17,7 @@ class Limit:
     """How values of one name are judged."""
 
     unit: str
-    beyond: Status = "warn"  # a goal that is missed does no harm, and warns; a danger fails
+    beyond: CheckStatus = "warn"  # a goal that is missed does no harm, and warns; a danger fails
     at_least: bool = False  # whether a value below the limit is the bad one
     poor: float | None = None  # a goal that is missed by more than this is what an audience sees
     danger: float = inf  # a goal's value above this fails, with this as its limit
@@ -70,7 +70,7 @@ class Check:
     """One verdict."""
 
     name: str
-    status: Status
+    status: CheckStatus
     value: float
     limit: float
     unit: str

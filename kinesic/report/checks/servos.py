@@ -95,7 +95,7 @@ def loads(performance: Performance) -> tuple[DriveLoad, ...]:
 
 
 @dataclass(frozen=True)
-class Draw:
+class SupplyDraw:
     """What all servos together took from the supply."""
 
     mean: float  # [A]
@@ -107,13 +107,13 @@ class Draw:
     warming: float  # [K] of its winding
 
 
-def draw_load(performance: Performance) -> Draw:
+def draw_load(performance: Performance) -> SupplyDraw:
     """Measures current, energy and warming over the performance in the twin."""
     measured, supply = performance.measured, performance.plan.setup.robot.supply
     power = measured.power
     warming = {name: float(rise.max()) for name, rise in power.warming.items()}
     warmest = max(warming, key=lambda name: warming[name], default="")
-    return Draw(
+    return SupplyDraw(
         mean=float(power.mean.mean()),
         peak=float(power.peak.max()),
         peak_at=float(measured.times[power.peak.argmax()]),

@@ -33,7 +33,7 @@ NEAR = 0.01  # key frames: nearer to the end there is none
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class SceneMotion:
     """What a scene shows, at the times of its key frames."""
 
     times: Floats  # (m,) [s]
@@ -48,7 +48,7 @@ def save_scene(plan: Plan, path: Path, *, force: bool) -> Path:
         ConfigError: the path is a folder's, a link's or, unless forced, a file's.
     """
     times = key_times(plan.duration)
-    motion = Motion(times, plan.trajectory.sample(times)[0], faces(plan, times))
+    motion = SceneMotion(times, plan.trajectory.sample(times)[0], faces(plan, times))
     with new_file(path, force=force) as fresh:
         write_scene(plan.setup.robot, motion, fresh)
     return path
@@ -63,7 +63,7 @@ def save_performed(performance: Performance, path: Path, *, force: bool) -> Path
     measured = performance.measured
     times = key_times(float(measured.times[-1]))
     angles = np.stack([np.interp(times, measured.times, column) for column in measured.angles.T], axis=1)
-    motion = Motion(times, angles, faces(performance.plan, times))
+    motion = SceneMotion(times, angles, faces(performance.plan, times))
     with new_file(path, force=force) as fresh:
         write_scene(performance.plan.setup.robot, motion, fresh)
     return path
@@ -79,7 +79,7 @@ def key_times(duration: float) -> Floats:
     return np.append(np.arange(max(np.ceil(duration * RATE - NEAR), 1.0)) / RATE, duration)
 
 
-def write_scene(robot: Robot, motion: Motion, path: Path) -> None:
+def write_scene(robot: Robot, motion: SceneMotion, path: Path) -> None:
     """Writes a motion of a robot: its skin where it has one, else its shell, or its capsules without one."""
     file = GltfFile(f"kinesic {__version__}")
     nodes = _add_skeleton(file, robot)

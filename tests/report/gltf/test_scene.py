@@ -13,7 +13,7 @@ from kinesic.body.robot import Robot
 from kinesic.controller.perform import plan, set_up
 from kinesic.face.assets.body import load_figure
 from kinesic.face.assets.skinning import Skin
-from kinesic.report.gltf.scene import RATE, Motion, key_times, save_scene, smooth_quaternions, write_scene
+from kinesic.report.gltf.scene import RATE, SceneMotion, key_times, save_scene, smooth_quaternions, write_scene
 from kinesic.sim.shells.shell import shell_of
 
 TO_GLTF = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # y up, z forward
@@ -27,7 +27,7 @@ def wild(robot: Robot, count: int = 3) -> np.ndarray:
 
 def written(robot: Robot, angles: np.ndarray, path: Path, units: dict[str, float] | None = None) -> Path:
     faces = [units or {}] * len(angles)
-    write_scene(robot, Motion(np.arange(len(angles)) / RATE, angles, faces), path)
+    write_scene(robot, SceneMotion(np.arange(len(angles)) / RATE, angles, faces), path)
     return path
 
 
