@@ -15,7 +15,7 @@ from kinesic.cli.terminal import console, quote_text
 from kinesic.files.output_file import check_file, write_text
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.sim.fitting.fit import Estimate, Fit, fit_factors
-from kinesic.sim.fitting.parameters import Figure
+from kinesic.sim.fitting.parameters import ServoFigure
 from kinesic.sim.log import read_log
 
 
@@ -30,7 +30,7 @@ def fit_twin(log: Path, robot: str, free: tuple[str, ...], out: Path | None, for
             found = fit_factors(
                 read_log(log, body),
                 body,
-                free=cast(tuple[Figure, ...], free),
+                free=cast(tuple[ServoFigure, ...], free),
                 progress=lambda count: stage(f"fitting: replay {count} of the log"),
             )
     except ValueError as error:

@@ -14,11 +14,14 @@ from kinesic.body.robot import Robot
 from kinesic.body.servo import follow_lags
 from kinesic.controller.observer_step import SHARES
 from kinesic.sim.fitting.fit import Fit, fit_factors
-from kinesic.sim.fitting.parameters import MOST_LATENCY, Figure
+from kinesic.sim.fitting.parameters import MOST_LATENCY, ServoFigure
 from kinesic.sim.log import Log
 from kinesic.sim.servo_factors import NOMINAL, DriveFactors, Factors
 
-TOLD: tuple[Figure, ...] = ("latency", "gain")  # by a few seconds of motion; the correction learns what else is wrong
+TOLD: tuple[ServoFigure, ...] = (
+    "latency",
+    "gain",
+)  # by a few seconds of motion; the correction learns what else is wrong
 GAINS = (1.0 / (1.0 + SHARES[1]), 1.0 / (1.0 + SHARES[0]))  # what a P gain is believed to be, of its data sheet's
 MOVING = 0.05  # share of its no-load speed above which a goal moves
 REST = 0.2  # [s] before the first motion that belong to it

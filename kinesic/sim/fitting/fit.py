@@ -18,7 +18,7 @@ import scipy
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import Robot
 from kinesic.sim.fitting.identifiability import SHEET, Identifiability, assumptions, identifiable
-from kinesic.sim.fitting.parameters import DEFAULT, Figure, Unknown, bounds, factors_of, unknowns
+from kinesic.sim.fitting.parameters import DEFAULT, ServoFigure, Unknown, bounds, factors_of, unknowns
 from kinesic.sim.log import Log
 from kinesic.sim.servo_factors import Factors
 from kinesic.sim.twin import Twin
@@ -55,7 +55,7 @@ def fit_factors(
     log: Log,
     robot: Robot,
     *,
-    free: tuple[Figure, ...] = DEFAULT,
+    free: tuple[ServoFigure, ...] = DEFAULT,
     progress: Callable[[int], None] = lambda count: None,
 ) -> Fit:
     """Fits factors to a log.

@@ -12,10 +12,10 @@ from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
 from kinesic.sim.servo_factors import DriveFactors, Factors
 
-Figure = Literal["stall", "no_load", "friction", "latency", "armature", "gain", "mass"]
-FIGURES: tuple[Figure, ...] = get_args(Figure)  # last yields first
+ServoFigure = Literal["stall", "no_load", "friction", "latency", "armature", "gain", "mass"]
+FIGURES: tuple[ServoFigure, ...] = get_args(ServoFigure)  # last yields first
 OF_THE_ROBOT = ("latency", "mass")
-DEFAULT: tuple[Figure, ...] = FIGURES[:-1]
+DEFAULT: tuple[ServoFigure, ...] = FIGURES[:-1]
 FARTHEST = log(4.0)  # a factor is between a quarter and four
 LATENCY_UNIT = 0.01  # [s]
 MOST_LATENCY = 0.05  # [s]
@@ -25,7 +25,7 @@ MOST_LATENCY = 0.05  # [s]
 class Unknown:
     """One figure of a servo model, or of the whole robot."""
 
-    figure: Figure
+    figure: ServoFigure
     servo: str = ""  # empty: of the whole robot
 
     def __str__(self) -> str:
@@ -40,7 +40,7 @@ class Unknown:
         return LATENCY_UNIT if self.figure == "latency" else exp(value)
 
 
-def unknowns(robot: Robot, free: Sequence[Figure]) -> tuple[Unknown, ...]:
+def unknowns(robot: Robot, free: Sequence[ServoFigure]) -> tuple[Unknown, ...]:
     """Lists the free figures of each servo model of a robot; those first that yield last to others.
 
     Raises:

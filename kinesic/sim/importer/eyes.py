@@ -6,7 +6,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot_schema import SiteTable
-from kinesic.sim.importer.model_tree import Part
+from kinesic.sim.importer.model_tree import ModelPart
 from kinesic.sim.importer.segments import FIXED_HEAD, HEAD, HEAD_GIRTH, SegmentLayout, rounded_triple
 from kinesic.sim.importer.zero_pose import HumanoidGeometry
 
@@ -42,7 +42,7 @@ def place_eyes(figure: HumanoidGeometry, where: SegmentLayout, carried: Mapping[
     return SiteTable(where.carrier, rounded_triple(where.inside(where.carrier, at)), (1.0, 0.0, 0.0))
 
 
-def _places(part: Part) -> Floats:
+def _places(part: ModelPart) -> Floats:
     """(n, 3) [m] places on the surface of a part in the world: of its meshes, or else of its shapes."""
     if part.surfaces:
         return sealed(np.concatenate([surface.mesh.vertices for surface in part.surfaces]))

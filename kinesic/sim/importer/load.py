@@ -13,7 +13,7 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import ConfigError
 from kinesic.body.skeleton import Capsule
 from kinesic.sim.importer.looks import Looks, load_looks
-from kinesic.sim.importer.model_tree import BASE, Follow, Joint, Part, Tree
+from kinesic.sim.importer.model_tree import BASE, Follow, Joint, ModelPart, Tree
 from kinesic.sim.importer.screening import BODIES, GEOMS, screen_model
 
 MESHES = (mujoco.mjtGeom.mjGEOM_MESH, mujoco.mjtGeom.mjGEOM_HFIELD, mujoco.mjtGeom.mjGEOM_SDF)
@@ -262,13 +262,13 @@ def _positive(value: float) -> float | None:
     return float(value) if value > 0 else None
 
 
-def _part(model: mujoco.MjModel, data: mujoco.MjData, bodies: list[int], anchor: Floats | None) -> Part:
+def _part(model: mujoco.MjModel, data: mujoco.MjData, bodies: list[int], anchor: Floats | None) -> ModelPart:
     masses, centres = model.body_mass[bodies], data.xipos[bodies]
     mass = float(masses.sum())
     fallback = np.zeros(3) if anchor is None else anchor
     centre = masses @ centres / mass if mass > 0 else fallback
     shapes = [_capsule(model, data, g) for g in range(model.ngeom) if int(model.geom_bodyid[g]) in bodies]
-    return Part(mass, sealed(centre), tuple(shape for shape in shapes if shape is not None))
+    return ModelPart(mass, sealed(centre), tuple(shape for shape in shapes if shape is not None))
 
 
 def _capsule(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> Capsule | None:

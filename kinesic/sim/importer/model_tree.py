@@ -11,7 +11,7 @@ from kinesic.body.rotation import about
 from kinesic.body.skeleton import Capsule
 from kinesic.sim.importer.mesh_file import Triangles
 
-Motion = tuple[Floats, Floats]  # rotation (3, 3) and shift (3,) [m]
+Transform = tuple[Floats, Floats]  # rotation (3, 3) and shift (3,) [m]
 
 BASE = -1  # stands for the base where an index of a joint is asked
 
@@ -54,7 +54,7 @@ class Surface:
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class ModelPart:
     """What moves with one hinge, up to the next: bodies on joints that are not motorised hinges belong to it."""
 
     mass: float  # [kg]
@@ -69,8 +69,8 @@ class Tree:
 
     name: str
     joints: tuple[Joint, ...]
-    parts: tuple[Part, ...]
-    base: Part
+    parts: tuple[ModelPart, ...]
+    base: ModelPart
     left_out: tuple[str, ...] = ()  # what of the file has no place here, in words
 
     @cached_property
@@ -93,14 +93,14 @@ class Tree:
         """Lists a hinge and all that hang on it."""
         return (joint, *(k for child in self.children[joint] for k in self.below(child)))
 
-    def lump(self, parts: Sequence[int]) -> Part:
+    def lump(self, parts: Sequence[int]) -> ModelPart:
         """Joins several parts to one; BASE stands for the base."""
         rows = [self.base if k == BASE else self.parts[k] for k in parts]
         mass = sum(row.mass for row in rows)
         weighted = sum((row.mass * row.centre for row in rows), np.zeros(3))
         centre = weighted / mass if mass > 0 else rows[0].centre
         shapes = tuple(shape for row in rows for shape in row.shapes)
-        return Part(mass, sealed(centre), shapes, tuple(surface for row in rows for surface in row.surfaces))
+        return ModelPart(mass, sealed(centre), shapes, tuple(surface for row in rows for surface in row.surfaces))
 
     def moved(self, rotation: Floats, shift: Floats) -> "Tree":
         """Turns the whole robot by (3, 3), then shifts it by (3,) [m]."""
@@ -109,15 +109,17 @@ class Tree:
 
     def turned(self, turns: Mapping[int, float]) -> "Tree":
         """Brings the robot into another pose: hinge -> [rad] from this one."""
-        before: dict[int, Motion] = {}
-        after: dict[int, Motion] = {BASE: (np.eye(3), np.zeros(3))}
+        before: dict[int, Transform] = {}
+        after: dict[int, Transform] = {BASE: (np.eye(3), np.zeros(3))}
         for k, joint in enumerate(self.joints):
             rotation, shift = before[k] = after[joint.parent]
             turn = about(joint.axis, turns.get(k, 0.0))
             after[k] = rotation @ turn, shift + rotation @ (joint.anchor - turn @ joint.anchor)
         return self._with(before, after, turns)
 
-    def _with(self, before: Mapping[int, Motion], after: Mapping[int, Motion], turns: Mapping[int, float]) -> "Tree":
+    def _with(
+        self, before: Mapping[int, Transform], after: Mapping[int, Transform], turns: Mapping[int, float]
+    ) -> "Tree":
         """Hinges moved as they are before they turn, parts as they are after."""
         joints = tuple(
             replace(
@@ -132,15 +134,15 @@ class Tree:
         return replace(self, joints=joints, parts=parts, base=_moved(self.base, after[BASE]))
 
 
-def _point(point: Floats, motion: Motion) -> Floats:
+def _point(point: Floats, motion: Transform) -> Floats:
     return sealed(motion[0] @ point + motion[1])
 
 
-def _moved(part: Part, motion: Motion) -> Part:
+def _moved(part: ModelPart, motion: Transform) -> ModelPart:
     shapes = tuple(Capsule(_point(s.start, motion), _point(s.end, motion), s.radius) for s in part.shapes)
-    return Part(part.mass, _point(part.centre, motion), shapes, tuple(_turned(s, motion) for s in part.surfaces))
+    return ModelPart(part.mass, _point(part.centre, motion), shapes, tuple(_turned(s, motion) for s in part.surfaces))
 
 
-def _turned(surface: Surface, motion: Motion) -> Surface:
+def _turned(surface: Surface, motion: Transform) -> Surface:
     places = surface.mesh.vertices @ motion[0].T + motion[1]
     return replace(surface, mesh=Triangles(sealed(places), surface.mesh.corners))

@@ -11,7 +11,7 @@ from kinesic.body.robot_schema import BodyTable, CapsuleTable, Triple
 from kinesic.body.skeleton import Capsule
 from kinesic.sim.importer.hinge_row import common_point
 from kinesic.sim.importer.hinges import MappedHinge
-from kinesic.sim.importer.model_tree import BASE, Part
+from kinesic.sim.importer.model_tree import BASE, ModelPart
 from kinesic.sim.importer.zero_pose import HumanoidGeometry
 
 # radius, as a share of the length: of the upper arm, of the forearm, again of the forearm, of the arm
@@ -83,7 +83,7 @@ def bodies(figure: HumanoidGeometry, where: SegmentLayout, hinges: tuple[MappedH
     carried = carried_parts(figure, where, hinges)
     tables = []
     for name, parent in where.parents.items():
-        part = figure.tree.lump(carried.get(name, ())) if carried.get(name) else Part(0.0, where.origins[name], ())
+        part = figure.tree.lump(carried.get(name, ())) if carried.get(name) else ModelPart(0.0, where.origins[name], ())
         origin = where.origins[name] - (where.origins[parent] if parent != "world" else np.zeros(3))
         made = own_capsules(part.shapes, where.origins[name]) or _made(figure, where, name, part)
         tables.append(
@@ -119,7 +119,7 @@ def carried_parts(
     return found
 
 
-def _made(figure: HumanoidGeometry, where: SegmentLayout, name: str, part: Part) -> list[CapsuleTable]:
+def _made(figure: HumanoidGeometry, where: SegmentLayout, name: str, part: ModelPart) -> list[CapsuleTable]:
     arm = figure.arms["l"].centres
     upper, fore = arm.lengths
     side, _, kind = name.rpartition("_")

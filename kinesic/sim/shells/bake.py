@@ -11,7 +11,7 @@ import numpy as np
 from kinesic.body.arrays import sealed
 from kinesic.body.robot import Robot
 from kinesic.body.skeleton import Segment
-from kinesic.sim.shells.distance import Field, gradient
+from kinesic.sim.shells.distance import DistanceField, gradient
 from kinesic.sim.shells.housing import housings, plain_housing
 from kinesic.sim.shells.part import LINE, Housing
 from kinesic.sim.shells.shell import SUFFIX, SegmentShell, Shell, fingerprint, write_shell
@@ -43,7 +43,7 @@ def _surface(housing: Housing) -> SegmentShell:
     return SegmentShell(sealed(mesh.vertices), sealed(normals), corners[~dark], corners[dark])
 
 
-def _edges(line: Field) -> tuple[Field, Field]:
+def _edges(line: DistanceField) -> tuple[DistanceField, DistanceField]:
     return lambda points: line(points) - LINE / 2, lambda points: line(points) + LINE / 2
 
 

@@ -7,11 +7,11 @@ from scipy.interpolate import PchipInterpolator
 
 from kinesic.body.arrays import Floats
 
-Field = Callable[[Floats], Floats]  # (n, 3) [m] -> (n,) [m]
+DistanceField = Callable[[Floats], Floats]  # (n, 3) [m] -> (n,) [m]
 PROBE = 2e-4  # [m] on each side of a place where a gradient is taken
 
 
-def cone(start: Floats, end: Floats, first: float, last: float) -> Field:
+def cone(start: Floats, end: Floats, first: float, last: float) -> DistanceField:
     """A bar with round ends whose radius goes from one to another."""
     way = end - start
     square = max(float(way @ way), 1e-12)
@@ -24,7 +24,7 @@ def cone(start: Floats, end: Floats, first: float, last: float) -> Field:
     return field
 
 
-def box(centre: Floats, half: Floats, rounding: float) -> Field:
+def box(centre: Floats, half: Floats, rounding: float) -> DistanceField:
     """A box with rounded edges, along the axes."""
     core = np.maximum(half - rounding, 0.0)
 
@@ -36,7 +36,7 @@ def box(centre: Floats, half: Floats, rounding: float) -> Field:
     return field
 
 
-def drum(centre: Floats, axis: Floats, radius: float, half: float, rounding: float) -> Field:
+def drum(centre: Floats, axis: Floats, radius: float, half: float, rounding: float) -> DistanceField:
     """A cylinder with rounded edges."""
 
     def field(points: Floats) -> Floats:
@@ -49,7 +49,7 @@ def drum(centre: Floats, axis: Floats, radius: float, half: float, rounding: flo
     return field
 
 
-def loft(heights: Floats, widths: Floats, radii: Floats) -> Field:
+def loft(heights: Floats, widths: Floats, radii: Floats) -> DistanceField:
     """A trunk: at each height a stadium, as wide as told and with round flanks; round above and below.
 
     Args:
@@ -69,7 +69,7 @@ def loft(heights: Floats, widths: Floats, radii: Floats) -> Field:
     return field
 
 
-def joined(fields: Sequence[Field], blend: float) -> Field:
+def joined(fields: Sequence[DistanceField], blend: float) -> DistanceField:
     """All of them, flowing into one another where they are nearer than `blend` [m]."""
 
     def field(points: Floats) -> Floats:
@@ -83,40 +83,40 @@ def joined(fields: Sequence[Field], blend: float) -> Field:
     return field
 
 
-def shared(first: Field, second: Field, blend: float) -> Field:
+def shared(first: DistanceField, second: DistanceField, blend: float) -> DistanceField:
     """What is in both, with edges rounded."""
     either = joined([lambda points: -first(points), lambda points: -second(points)], blend)
     return lambda points: np.asarray(-either(points))
 
 
-def ball(centre: Floats, radius: float) -> Field:
+def ball(centre: Floats, radius: float) -> DistanceField:
     """A ball."""
     return lambda points: np.asarray(np.linalg.norm(points - centre, axis=1) - radius)
 
 
-def plane(axis: Floats, along: float) -> Field:
+def plane(axis: Floats, along: float) -> DistanceField:
     """What is behind a plane across a unit axis, so far along it [m]."""
     return lambda points: np.asarray(points @ axis - along)
 
 
-def above(height: float) -> Field:
+def above(height: float) -> DistanceField:
     """What is higher."""
     return lambda points: np.asarray(height - points[:, 2])
 
 
-def below(height: float) -> Field:
+def below(height: float) -> DistanceField:
     """What is lower."""
     return lambda points: np.asarray(points[:, 2] - height)
 
 
-def least(fields: Sequence[Field]) -> Field | None:
+def least(fields: Sequence[DistanceField]) -> DistanceField | None:
     """All of them, with edges; None of none."""
     if not fields:
         return None
     return lambda points: np.asarray(np.min([field(points) for field in fields], axis=0))
 
 
-def gradient(field: Field, points: Floats) -> Floats:
+def gradient(field: DistanceField, points: Floats) -> Floats:
     """(n, 3) of a field at (n, 3)."""
     probes = PROBE * np.eye(3)
     return np.stack([field(points + probe) - field(points - probe) for probe in probes], axis=1) / (2 * PROBE)

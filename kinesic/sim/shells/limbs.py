@@ -3,7 +3,7 @@
 import numpy as np
 
 from kinesic.body.arrays import Floats
-from kinesic.sim.shells.distance import Field, ball, box, cone, joined, plane
+from kinesic.sim.shells.distance import DistanceField, ball, box, cone, joined, plane
 from kinesic.sim.shells.part import (
     BLEND,
     BUDGET,
@@ -58,7 +58,7 @@ def hand(part: Part, facing: Floats) -> Housing:
     """A palm, or a mitten with a thumb where there are no fingers."""
     across = np.array([1.0, 0.0, 0.0]) if abs(facing[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
     big = max(part.capsules, key=lambda c: c.radius)
-    solids: list[Field] = []
+    solids: list[DistanceField] = []
     for servo in part.servos:
         down = np.array([0.0, 0.0, 1.0])
         solids.append(drum_about(servo, servo.centre, down)[0])

@@ -7,7 +7,7 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import SIDES, Robot
 from kinesic.body.skeleton import Capsule, Segment
-from kinesic.sim.shells.distance import Field, box, cone, drum
+from kinesic.sim.shells.distance import DistanceField, box, cone, drum
 
 SKIN = 0.0015  # [m] of a shell outside the shapes that it encloses
 ROOM = 0.002  # [m] between the corners of a servo and the outside
@@ -23,7 +23,7 @@ BUDGET = {"trunk": 2050, "head": 2000, "limb": 1350, "hand": 1000, "finger": 140
 
 
 @dataclass(frozen=True, eq=False)
-class Servo:
+class ServoBox:
     """The box of one hinge's servos."""
 
     centre: Floats  # (3,) [m] in the segment
@@ -40,20 +40,20 @@ class Servo:
 class Housing:
     """One surface as fields."""
 
-    solid: Field
-    dark: Field | None  # less than 0 where it is a joint
-    lines: tuple[Field, ...]  # panel lines are where these are 0
+    solid: DistanceField
+    dark: DistanceField | None  # less than 0 where it is a joint
+    lines: tuple[DistanceField, ...]  # panel lines are where these are 0
     held: Floats  # (k, 3) [m] places that it is round, for its bounds
     triangles: int
 
 
-def servos_of(robot: Robot, name: str) -> tuple[Servo, ...]:
+def servos_of(robot: Robot, name: str) -> tuple[ServoBox, ...]:
     """Gives the servos that sit in a segment."""
     found = []
     for mount in robot.mounts:
         if mount.segment == name and mount.drive.servo.mass > 0.0:
             width, length, height = mount.drive.servo.size
-            found.append(Servo(mount.position, np.array([mount.drive.count * width, length, height]) / 2))
+            found.append(ServoBox(mount.position, np.array([mount.drive.count * width, length, height]) / 2))
     return tuple(found)
 
 
@@ -65,7 +65,7 @@ class Part:
         self.origin = sealed(np.zeros(3)) if origin is None else origin  # in the segment that is drawn
         at = self.origin
         self.capsules = [Capsule(sealed(c.start + at), sealed(c.end + at), c.radius) for c in segment.capsules]
-        self.servos = [Servo(sealed(s.centre + at), s.half) for s in servos_of(robot, segment.name)]
+        self.servos = [ServoBox(sealed(s.centre + at), s.half) for s in servos_of(robot, segment.name)]
         self.children = [s for s in robot.skeleton.segments if s.parent == segment.name]
 
     @property
@@ -81,7 +81,7 @@ class Part:
         return found[0] if found else None
 
 
-def drum_about(servo: Servo, base: Floats, axis: Floats) -> tuple[Field, float]:
+def drum_about(servo: ServoBox, base: Floats, axis: Floats) -> tuple[DistanceField, float]:
     """Puts a servo into a drum about a bone: its field, and its radius [m]."""
     along = (servo.corners - base) @ axis
     away = servo.corners - base - along[:, None] * axis
@@ -90,11 +90,11 @@ def drum_about(servo: Servo, base: Floats, axis: Floats) -> tuple[Field, float]:
     return drum(middle, axis, radius + 0.3 * SOFT, half + 0.3 * SOFT, SOFT), radius
 
 
-def own_shape(shape: Capsule) -> Field:
+def own_shape(shape: Capsule) -> DistanceField:
     """A capsule with a skin."""
     return cone(shape.start, shape.end, shape.radius + SKIN, shape.radius + SKIN)
 
 
-def boxed(servo: Servo, rounding: float = SOFT) -> Field:
+def boxed(servo: ServoBox, rounding: float = SOFT) -> DistanceField:
     """A servo in a box."""
     return box(servo.centre, servo.half + ROOM + 0.43 * rounding, rounding)

@@ -11,7 +11,7 @@ from itertools import product
 import numpy as np
 
 from kinesic.body.arrays import Flags, Floats, Indices
-from kinesic.sim.shells.distance import Field, gradient
+from kinesic.sim.shells.distance import DistanceField, gradient
 
 SETTLED = 4  # steps of Newton onto the surface
 MARGIN = 2.5  # cells of air round a solid
@@ -29,7 +29,7 @@ class Mesh:
     triangles: Indices  # (t, 3) anticlockwise from outside
 
 
-def mesh_of(field: Field, low: Floats, high: Floats, *, most: int) -> Mesh:
+def mesh_of(field: DistanceField, low: Floats, high: Floats, *, most: int) -> Mesh:
     """Covers the surface of a solid.
 
     Args:
@@ -48,7 +48,7 @@ def mesh_of(field: Field, low: Floats, high: Floats, *, most: int) -> Mesh:
     return Mesh(_settled(field, vertices), mesh.triangles)
 
 
-def _nets(field: Field, low: Floats, high: Floats, step: float) -> Mesh:
+def _nets(field: DistanceField, low: Floats, high: Floats, step: float) -> Mesh:
     start = low - MARGIN * step
     shape = np.ceil((high - low) / step + 2 * MARGIN).astype(int) + 1
     points = np.stack(np.meshgrid(*(np.arange(n) for n in shape), indexing="ij"), axis=-1).reshape(-1, 3)
@@ -108,7 +108,7 @@ def _relaxed(vertices: Floats, triangles: Indices) -> Floats:
     return np.asarray(0.4 * vertices + 0.6 * sums / counts[:, None])
 
 
-def _settled(field: Field, vertices: Floats) -> Floats:
+def _settled(field: DistanceField, vertices: Floats) -> Floats:
     for _ in range(SETTLED):
         slope = gradient(field, vertices)
         square = np.maximum((slope**2).sum(axis=1), 0.1)
@@ -116,7 +116,7 @@ def _settled(field: Field, vertices: Floats) -> Floats:
     return vertices
 
 
-def cut(mesh: Mesh, solid: Field, lines: Sequence[Field]) -> Mesh:
+def cut(mesh: Mesh, solid: DistanceField, lines: Sequence[DistanceField]) -> Mesh:
     """Cuts triangles where fields are 0, so that none is on both sides.
 
     Args:
@@ -129,7 +129,7 @@ def cut(mesh: Mesh, solid: Field, lines: Sequence[Field]) -> Mesh:
     return mesh
 
 
-def _cut(mesh: Mesh, solid: Field, line: Field) -> Mesh:
+def _cut(mesh: Mesh, solid: DistanceField, line: DistanceField) -> Mesh:
     vertices, values = mesh.vertices.copy(), line(mesh.vertices)
     near = np.flatnonzero(np.abs(values) < SNAP)
     vertices[near] = _onto(solid, line, vertices[near])
@@ -149,7 +149,7 @@ def _cut(mesh: Mesh, solid: Field, line: Field) -> Mesh:
     return Mesh(np.concatenate([vertices, _onto(solid, line, middles)]), triangles)
 
 
-def _onto(solid: Field, line: Field, places: Floats) -> Floats:
+def _onto(solid: DistanceField, line: DistanceField, places: Floats) -> Floats:
     """Moves places by the shortest way to where both fields are 0."""
     for _ in range(SETTLED):
         slopes = np.stack([gradient(solid, places), gradient(line, places)], axis=1)

@@ -8,7 +8,20 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import SIDES
 from kinesic.body.skeleton import Capsule
-from kinesic.sim.shells.distance import Field, above, ball, below, box, cone, drum, joined, least, loft, plane, shared
+from kinesic.sim.shells.distance import (
+    DistanceField,
+    above,
+    ball,
+    below,
+    box,
+    cone,
+    drum,
+    joined,
+    least,
+    loft,
+    plane,
+    shared,
+)
 from kinesic.sim.shells.part import (
     BEND,
     BLEND,
@@ -46,7 +59,7 @@ def head(part: Part) -> Housing:
     return Housing(joined(solids, 2.5 * BLEND), dark, (seam,), part.held, BUDGET["head"])
 
 
-def _visor(eyes: Floats, wide: float, high: float) -> Field:
+def _visor(eyes: Floats, wide: float, high: float) -> DistanceField:
     """What is in front of a rounded rectangle."""
 
     def field(points: Floats) -> Floats:
@@ -86,7 +99,7 @@ def _lateral(capsules: Sequence[Capsule]) -> list[Capsule]:
     return found
 
 
-def _lofted(lateral: Sequence[Capsule], *, standing: bool) -> Field:
+def _lofted(lateral: Sequence[Capsule], *, standing: bool) -> DistanceField:
     """A trunk through its shapes: a single one gets some height, and what bends reaches down to what bears it."""
     heights = np.array([float(c.start[2]) for c in lateral])
     widths = np.array([abs(float((c.end - c.start)[1])) / 2 for c in lateral])
@@ -99,7 +112,7 @@ def _lofted(lateral: Sequence[Capsule], *, standing: bool) -> Field:
     return loft(heights, widths, radii)
 
 
-def _bars(shapes: Sequence[Capsule], *, standing: bool) -> Iterator[Field]:
+def _bars(shapes: Sequence[Capsule], *, standing: bool) -> Iterator[DistanceField]:
     """Yields what is not lateral, a little slimmer, and the plate on which a column stands."""
     for shape in shapes:
         yield cone(shape.start, shape.end, 0.95 * shape.radius, 0.95 * shape.radius)
@@ -110,7 +123,7 @@ def _bars(shapes: Sequence[Capsule], *, standing: bool) -> Iterator[Field]:
         yield drum(low - (radius - 2 * FOOT[1]) * UP, UP, FOOT[0] * radius, FOOT[1], 0.8 * FOOT[1])
 
 
-def _waists(lateral: Sequence[Capsule], others: Sequence[Capsule], *, standing: bool) -> Iterator[Field]:
+def _waists(lateral: Sequence[Capsule], others: Sequence[Capsule], *, standing: bool) -> Iterator[DistanceField]:
     """Yields what is dark: a neck, the lower end of what bends, the upper end of what bears it."""
     if not lateral:
         return
@@ -130,7 +143,7 @@ def _rigid(part: Part, moving: set[str]) -> Iterator[Part]:
             yield from _rigid(Part(part.robot, child, sealed(part.origin + child.origin_in_parent)), moving)
 
 
-def _joints(parts: Sequence[Part]) -> Iterator[Field]:
+def _joints(parts: Sequence[Part]) -> Iterator[DistanceField]:
     """Yields balls about the places where arms begin."""
     for part in parts:
         arms = {name for side in SIDES for name in part.robot.arm(side).segments}
