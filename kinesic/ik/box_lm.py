@@ -19,7 +19,9 @@ STALL = 0.98  # a round that leaves more than this share of the error ...
 PATIENCE = 6  # ... so many times in a row has come to a rest
 CAUTION = 8.0  # times the damping after a round that lost ground
 
-Errors = Callable[[Floats], tuple[Floats, Floats]]  # (n,) -> wanted minus present (m,), and d present / d q (m, n)
+ErrorFunction = Callable[
+    [Floats], tuple[Floats, Floats]
+]  # (n,) -> wanted minus present (m,), and d present / d q (m, n)
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +48,7 @@ class Descent:
         return float(np.linalg.norm(self.error))
 
 
-def descend(errors: Errors, start: Floats, box: Box, *, tolerance: float) -> Descent:
+def descend(errors: ErrorFunction, start: Floats, box: Box, *, tolerance: float) -> Descent:
     """Makes errors small by Levenberg-Marquardt.
 
     Args:

@@ -22,9 +22,9 @@ from kinesic.ik.arm.mirror import ACROSS, is_right, mirror_chain
 from kinesic.ik.arm.orientation import orientation_of, product, shortest_turn, transposed
 from kinesic.ik.arm.seeds import seeds
 from kinesic.ik.arm.subproblems import first_of_two, turn_towards
-from kinesic.ik.arm.swivel_search import MISS_COST, Cell, Hand, cells
+from kinesic.ik.arm.swivel_search import MISS_COST, Cell, WristSolver, cells
 from kinesic.ik.arm.wrist import HandDirection, orient
-from kinesic.ik.box_lm import Box, Errors, descend
+from kinesic.ik.box_lm import Box, ErrorFunction, descend
 from kinesic.ik.scalar3 import (
     IDENTITY,
     Rotation,
@@ -159,7 +159,9 @@ def _solved(linkage: Linkage, target: Vector, wanted: Rotation, near: tuple[floa
     return PoseSolution(best.angles, best.residual, best.turn, best.reached, len(seen), rounds)
 
 
-def _beginnings(linkage: Linkage, target: Vector, hand: Hand, seen: Sequence[Cell]) -> Iterator[tuple[float, ...]]:
+def _beginnings(
+    linkage: Linkage, target: Vector, hand: WristSolver, seen: Sequence[Cell]
+) -> Iterator[tuple[float, ...]]:
     """Where descents begin: the cheapest cells that differ, then postures all over the ranges, the nearest first."""
     yield from (cell.angles for cell in islice(_distinct(seen), CANDIDATES))
     spread: list[tuple[float, tuple[float, ...]]] = []
@@ -216,7 +218,7 @@ def _few_turns(link: Link, frame: Rotation, wanted: Rotation, now: Sequence[floa
     return orient(link, frame, [HandDirection("axis", axis, rotated(wanted, axis)) for axis in axes], now)
 
 
-def _errors(linkage: Linkage, target: Vector, wanted: Rotation) -> Errors:
+def _errors(linkage: Linkage, target: Vector, wanted: Rotation) -> ErrorFunction:
     """Six rows: position in arm lengths, orientation in rad."""
     size = linkage.farthest
 

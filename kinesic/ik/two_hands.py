@@ -18,7 +18,7 @@ from kinesic.body.reach import Reach
 from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.ik.arm.compiled import KERNEL, arm_of
 from kinesic.ik.arm.linkage import linkage_of
-from kinesic.ik.box_lm import Box, Descent, Errors, descend
+from kinesic.ik.box_lm import Box, Descent, ErrorFunction, descend
 from kinesic.ik.solve import as_floats, solve
 from kinesic.ik.strand import Strand, strand_to
 from kinesic.kernels import Kernel
@@ -163,7 +163,9 @@ def _hand(robot: Robot, side: Side, angles: Floats) -> tuple[Floats, Floats]:
     return np.array(place), motion
 
 
-def _errors(robot: Robot, targets: Mapping[Side, Floats], priority: Side | None = None, weight: float = 1.0) -> Errors:
+def _errors(
+    robot: Robot, targets: Mapping[Side, Floats], priority: Side | None = None, weight: float = 1.0
+) -> ErrorFunction:
     """Three rows for each hand, in arm lengths; those of the hand that yields times a weight."""
     scales = {side: (1.0 if priority in (None, side) else weight) / robot.arm_length for side in SIDES}
 

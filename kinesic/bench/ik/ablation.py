@@ -41,7 +41,7 @@ TARGET = (0.075, -0.064, 0.164)  # [m] of the hand, in the frame of the chain's 
 SWIVELS = 73
 PALE = "#bbbbbb"
 
-Answer = Callable[["AblationArm", Floats], Sequence[float] | Floats]
+ArmSolver = Callable[["AblationArm", Floats], Sequence[float] | Floats]
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +66,7 @@ def ablation_name(row: str, quantity: Literal["mm", "tenth_mm", "travel", "us"])
     return f"ik.ablation_{row}_{quantity}"
 
 
-def _figures(row: str, answer: Answer, arm: AblationArm, goals: Floats) -> list[Figure]:
+def _figures(row: str, answer: ArmSolver, arm: AblationArm, goals: Floats) -> list[Figure]:
     misses: list[float] = []
     travels: list[float] = []
     seconds: list[float] = []
@@ -145,7 +145,7 @@ class AblationRow:
     """One selection of stages."""
 
     words: str
-    answer: Answer
+    answer: ArmSolver
 
 
 ROWS = {

@@ -15,7 +15,7 @@ from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot, Side
 from kinesic.body.rotation import about
 from kinesic.body.skeleton import Frames
-from kinesic.ik.box_lm import Box, Errors, descend
+from kinesic.ik.box_lm import Box, ErrorFunction, descend
 
 DIRECTION_WEIGHT = 0.05  # of a direction beside an arm's length of the hand
 ELBOW_WEIGHT = 0.02  # of the elbow's place on the ideal arm, where its swivel was asked
@@ -126,7 +126,7 @@ def _in_base(reach: Reach, frames: Frames, base: int) -> Reach:
     return Reach(sealed(rotation.T @ (reach.position - origin)), pointing, palm, reach.swivel)
 
 
-def _errors(arm: TrueArm, reach: Reach, elbow: Floats | None, size: float) -> Errors:
+def _errors(arm: TrueArm, reach: Reach, elbow: Floats | None, size: float) -> ErrorFunction:
     """Rows for the hand's place, its directions and the elbow, as far as they are asked."""
     given = [reach.pointing, reach.palm]
     rows_of = [k for k in range(2) if given[k] is not None]

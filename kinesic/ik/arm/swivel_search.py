@@ -18,7 +18,9 @@ SWIVELS = 24  # on the elbow's circle
 GIRDLE_STEPS = 5  # of each collar bone hinge over its range, beside where it is
 MISS_COST = 10.0  # [rad] per arm length that the hand is off its place
 
-Hand = Callable[[Rotation], tuple[tuple[float, ...], float]]  # forearm's frame -> hand's own angles, their error [rad]
+WristSolver = Callable[
+    [Rotation], tuple[tuple[float, ...], float]
+]  # forearm's frame -> hand's own angles, their error [rad]
 
 
 @dataclass(frozen=True)
@@ -32,7 +34,7 @@ class Cell:
 
 
 def cells(
-    linkage: Linkage, target: Vector, hand: Hand, *, near: Sequence[float], girdle: bool = True
+    linkage: Linkage, target: Vector, hand: WristSolver, *, near: Sequence[float], girdle: bool = True
 ) -> Iterator[Cell]:
     """Lists postures with the hand on its place, those like the present one first.
 
@@ -53,7 +55,7 @@ def cells(
             yield cell_at(linkage, place, begin + offset, hand, near=angles)
 
 
-def cell_at(linkage: Linkage, place: ShoulderPlace, swivel: float, hand: Hand, *, near: Sequence[float]) -> Cell:
+def cell_at(linkage: Linkage, place: ShoulderPlace, swivel: float, hand: WristSolver, *, near: Sequence[float]) -> Cell:
     """Finds the posture of one swivel [rad]."""
     elbow = elbow_at(linkage, place.shoulder, place.target, swivel)
     found = extract(linkage, (*place.girdle, elbow, place.target), near)

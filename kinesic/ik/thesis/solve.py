@@ -18,11 +18,15 @@ from kinesic.ik.thesis.chain import BallChain
 from kinesic.ik.thesis.direct import balance_springs
 from kinesic.ik.thesis.limits import within_limits
 from kinesic.ik.thesis.rotations import Carrier, Stance, aim_bones, stance_of, swivel_chain
-from kinesic.ik.thesis.task import Effort, Relaxation, Rest, Task
+from kinesic.ik.thesis.task import Effort, RelaxationMethod, Rest, Task
 from kinesic.ik.thesis.verlet import draw_by_force, swing_pinned
 
 Method = Literal["force", "position", "direct"]
-RELAXATIONS: Mapping[Method, Relaxation] = {"force": draw_by_force, "position": swing_pinned, "direct": balance_springs}
+RELAXATIONS: Mapping[Method, RelaxationMethod] = {
+    "force": draw_by_force,
+    "position": swing_pinned,
+    "direct": balance_springs,
+}
 STRAIGHT = 1e-4  # of the chain's length: masses and target this near to one line stay on it
 NUDGE = 0.02  # of the chain's length, along the up vector, to leave the line
 

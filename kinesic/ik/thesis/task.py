@@ -69,4 +69,4 @@ class Rest:
     energy: float  # sum of the forces, per stiffness and length of the chain
 
 
-Relaxation = Callable[[Task], Rest]
+RelaxationMethod = Callable[[Task], Rest]
