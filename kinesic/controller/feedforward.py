@@ -14,7 +14,7 @@ from kinesic.controller.learned_gains import LearnedGains
 from kinesic.sim.servo_factors import NOMINAL, Factors
 
 
-class Motion(Protocol):
+class CommandedMotion(Protocol):
     """What can be led, such as a trajectory."""
 
     def sample(self, times: Floats, /) -> tuple[Floats, Floats, Floats]:
@@ -65,7 +65,7 @@ class FeedForward:
         learned = LearnedGains.of_twin(robot, believed)
         return cls(robot, dynamics, delay=np.maximum(delay, learned.delay).item(), terms=terms, learned=learned)
 
-    def lead(self, motion: Motion, times: Floats) -> FeedForwardGoals:
+    def lead(self, motion: CommandedMotion, times: Floats) -> FeedForwardGoals:
         """Computes the set points of a motion for goals that are sent at (m,) performance times [s]."""
         robot = self.robot
         angles, speeds, accelerations = motion.sample(times + self.period / 2 + self.delay)

@@ -15,7 +15,7 @@ from kinesic.motion.infeasibility import Bottleneck
 from kinesic.motion.key_time_lp import CuttingPlane
 from kinesic.motion.keys import Keys, Pair, Sync
 
-Mark = tuple[tuple[Sync, ...], float]  # sync points that fall on a key of a hinge, and its angle there [rad]
+KeyMark = tuple[tuple[Sync, ...], float]  # sync points that fall on a key of a hinge, and its angle there [rad]
 Cuts = Mapping[int, Sequence[CuttingPlane]]  # of each hinge
 
 SLIGHT = 1e-4  # share of the steepest slope below which a plane is not about a key
@@ -29,7 +29,7 @@ class _KnownPlane:
     """A plane over keys of a hinge that follow one another, in any motion that has them."""
 
     hinge: int
-    marks: tuple[Mark, ...]  # the keys, with one more on either side, between which the hinge may swing
+    marks: tuple[KeyMark, ...]  # the keys, with one more on either side, between which the hinge may swing
     slopes: Floats  # (k,) [1/s] over their times
     bound: float
     limits: Limits  # of the hinge
@@ -139,7 +139,7 @@ class PlaneMemory:
         return cuts, met
 
 
-def _marks(keys: Keys, hinge: int, rows: Sequence[int]) -> tuple[Mark, ...]:
+def _marks(keys: Keys, hinge: int, rows: Sequence[int]) -> tuple[KeyMark, ...]:
     return tuple((keys.syncs[row], float(keys.angles[row, hinge])) for row in rows)
 
 

@@ -16,7 +16,7 @@ from kinesic.motion.keys import KeyPosture, Keys, Passage
 from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.collision import Spacing, separate
 
-Arm = tuple[int, ...]  # joints of an arm
+ArmHinges = tuple[int, ...]  # joints of an arm
 
 SCAN_RATE = 100  # [Hz]
 STEPS, LONG = 16, 10.0  # changes of a motion, and [s] of a longer one that may have as many once more
@@ -66,13 +66,13 @@ class PostureCourse:
         performed = trajectory.angles(times - self.motion.zero + trajectory.zero)
         return replace(self, stray=sealed(performed - self.motion.angles(times)))
 
-    def near(self, arm: Arm, time: float) -> int | None:
+    def near(self, arm: ArmHinges, time: float) -> int | None:
         """Finds the key of an arm that is nearer to a block time than a detour may be; None when there is none."""
         keys = [k for k, posture in enumerate(self.postures) if posture.keyed[arm[0]]]
         nearest = min(keys, key=lambda k: abs(self.planned[k] - time))
         return nearest if abs(self.planned[nearest] - time) < LEAST_STEP else None
 
-    def detours(self, time: float, arms: list[Arm]) -> set[int]:
+    def detours(self, time: float, arms: list[ArmHinges]) -> set[int]:
         """Finds the keys of some arms next to a block time, on both sides, that an earlier detour has added."""
         found = set[int]()
         for arm in arms:
@@ -86,7 +86,7 @@ class PostureCourse:
         here = self.postures[key].angles[joints]
         return not any(posture.syncs and np.array_equal(posture.angles[joints], here) for posture in self.postures)
 
-    def moved(self, key: int, angles: Floats, arm: Arm) -> "PostureCourse":
+    def moved(self, key: int, angles: Floats, arm: ArmHinges) -> "PostureCourse":
         """Moves an arm at a key, and wherever else the arm is in the same posture: holds stay holds."""
         joints, old = list(arm), self.postures[key].angles[list(arm)]
         there = np.zeros(len(angles), dtype=bool)
@@ -101,9 +101,9 @@ class PostureCourse:
             ),
         )
 
-    def keyed_alike(self, arms: list[Arm]) -> list[Arm]:
+    def keyed_alike(self, arms: list[ArmHinges]) -> list[ArmHinges]:
         """Joins arms with the same keys, so that mirrored arms stay mirrored."""
-        found: dict[tuple[bool, ...], Arm] = {}
+        found: dict[tuple[bool, ...], ArmHinges] = {}
         for arm in arms:
             keys = tuple(posture.keyed[arm[0]] for posture in self.postures)
             found[keys] = (*found.get(keys, ()), *arm)
@@ -126,7 +126,7 @@ class PostureCourse:
             ),
         )
 
-    def extended(self, time: float, angles: Floats, arm: Arm) -> "PostureCourse":
+    def extended(self, time: float, angles: Floats, arm: ArmHinges) -> "PostureCourse":
         """Adds a key at a block time, for the hinges of an arm, or of two that have the same keys."""
         own = [k for k, posture in enumerate(self.postures) if posture.keyed[arm[0]]]
         asked = float(np.interp(time, self.planned[own], [self.postures[k].time for k in own]))
@@ -153,9 +153,9 @@ class ClearPostures:
         """
         self.distances = distances
         self._robot = robot
-        self._known: dict[tuple[bytes, Arm, Spacing], Floats | None] = {}
+        self._known: dict[tuple[bytes, ArmHinges, Spacing], Floats | None] = {}
 
-    def near(self, angles: Floats, joints: Arm, spacing: Spacing) -> Floats | None:
+    def near(self, angles: Floats, joints: ArmHinges, spacing: Spacing) -> Floats | None:
         """Finds the posture nearest to (n,) [rad] in which segments keep apart by the turns of some joints."""
         asked = angles.tobytes(), joints, spacing
         if asked not in self._known:
@@ -258,7 +258,7 @@ def _changes(course: PostureCourse, time: float, room: ClearPostures, least: flo
 
 
 def _with_a_key(
-    course: PostureCourse, time: float, arms: list[Arm], room: ClearPostures, least: float
+    course: PostureCourse, time: float, arms: list[ArmHinges], room: ClearPostures, least: float
 ) -> Iterator[PostureCourse]:
     """Adds a key for some arms: clear, and near to where they are or a part of the way to rest."""
     angles, joints = course.at(time), _joined(arms)
@@ -274,7 +274,7 @@ def _with_a_key(
 
 
 def _with_a_key_away(
-    course: PostureCourse, key: int, arms: list[Arm], room: ClearPostures, least: float
+    course: PostureCourse, key: int, arms: list[ArmHinges], room: ClearPostures, least: float
 ) -> Iterator[PostureCourse]:
     """Moves the keys of some arms farther away; rest stays rest."""
     posture, angles = course.postures[key], course.at(float(course.planned[key]))
@@ -301,5 +301,5 @@ def _calmed(passages: tuple[Passage, ...], joints: set[int]) -> tuple[Passage, .
     return tuple(each.calm if k in joints else each for k, each in enumerate(passages))
 
 
-def _joined(arms: list[Arm]) -> Arm:
+def _joined(arms: list[ArmHinges]) -> ArmHinges:
     return tuple(joint for arm in arms for joint in arm)

@@ -26,7 +26,7 @@ from kinesic.realizer.request import TimedRequest, retime_request
 from kinesic.realizer.running_block import PreparedBlock, RunningBlock
 from kinesic.realizer.scene import Scene
 
-Change = Callable[[Behaviour], Behaviour]
+BehaviourChange = Callable[[Behaviour], Behaviour]
 
 
 def improve_block(scene: Scene, block_id: str, better: Plan, now: float) -> Scene | None:
@@ -144,7 +144,7 @@ def take_replans(scene: Scene) -> tuple[Scene, tuple[TimedRequest, ...]]:
     return replace(scene, replans=()), scene.replans
 
 
-def _request_replans(scene: Scene, change: Change, now: float, ids: Collection[str]) -> Scene:
+def _request_replans(scene: Scene, change: BehaviourChange, now: float, ids: Collection[str]) -> Scene:
     """Has blocks planned anew with changed behaviours; one that cannot be timed so stays as it is."""
     replans: Mapping[str, TimedRequest] = {request.block.id: request for request in scene.replans}
     for running in scene.blocks:
@@ -160,7 +160,7 @@ def _request_replans(scene: Scene, change: Change, now: float, ids: Collection[s
     return replace(scene, replans=tuple(replans.values()))
 
 
-def _change_of(parameter: str, value: str) -> Change:
+def _change_of(parameter: str, value: str) -> BehaviourChange:
     """The change of a behaviour that a parameter stands for.
 
     Raises:

@@ -24,7 +24,7 @@ from kinesic.planning.secondary.changes import Changes, lessened
 from kinesic.planning.secondary.drift import drifts
 from kinesic.planning.secondary.homeward import ways_home
 from kinesic.planning.secondary.succession import later_hinges
-from kinesic.planning.secondary.swells import Change, Swell
+from kinesic.planning.secondary.swells import MotionChange, Swell
 from kinesic.planning.secondary.talking import talking
 from kinesic.planning.setup import Setup
 
@@ -120,11 +120,11 @@ def _measure_again(found: Clearance, changed: Flags, angles: Floats, setup: Setu
 
 def _changes(
     motion: Conditioned, frames: KeyFrames, utterances: Mapping[str, Utterance], setup: Setup
-) -> tuple[Change, ...]:
+) -> tuple[MotionChange, ...]:
     """All that a block leaves room for; nothing while an arm points at something."""
     timeline, trajectory = frames.timeline, motion.trajectory
     zero, courses = trajectory.zero, tuple(arm_courses(frames, motion, setup.robot))
-    found: tuple[Change, ...] = (
+    found: tuple[MotionChange, ...] = (
         *later_hinges(courses, trajectory, setup.robot),
         *ways_home(courses, trajectory, setup.variation, timeline.block.id, setup.robot),
         *_swells(trajectory, timeline, utterances, setup),

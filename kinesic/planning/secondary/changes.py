@@ -11,7 +11,7 @@ from kinesic.body.limits import Limits
 from kinesic.motion.bspline import WIDTHS
 from kinesic.motion.limit_check import find_beyond
 from kinesic.motion.trajectory import EARLY, FEWEST, STEP, Trajectory
-from kinesic.planning.secondary.swells import AHEAD, Change
+from kinesic.planning.secondary.swells import AHEAD, MotionChange
 
 FULL = 1.0 + 1e-9  # share of a limit
 WIDEST = max(WIDTHS)  # control points that one limit depends on
@@ -39,7 +39,7 @@ class Changes:
     """All changes of a motion, each worked out once, however often they are added to it with other amounts."""
 
     motion: Trajectory  # at rest before its start and after its end
-    every: Sequence[Change]  # they begin no sooner than the motion
+    every: Sequence[MotionChange]  # they begin no sooner than the motion
 
     @cached_property
     def moved(self) -> Flags:

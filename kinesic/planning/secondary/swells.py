@@ -18,7 +18,7 @@ from kinesic.motion.easing import minimum_jerk
 AHEAD = 1  # knots by which a control point lies before the one where it counts most
 
 
-class Change(Protocol):
+class MotionChange(Protocol):
     """What some hinges do otherwise for a while; times [s] are those of the motion."""
 
     @property
