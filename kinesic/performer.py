@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from kinesic.controller.servo_performance import ServoRun
     from kinesic.report.run import Performance
 
-Document = str | bytes | Path  # a path, or BML text
+DocumentSource = str | bytes | Path  # a path, or BML text
 On = Literal["twin", "servos"]
 
 
@@ -78,7 +78,7 @@ class Performer:
         """The style in which it performs."""
         return self.setup.style
 
-    def plan(self, document: Document, *, source: str | None = None) -> Plan:
+    def plan(self, document: DocumentSource, *, source: str | None = None) -> Plan:
         """Plans a document; nothing moves.
 
         Args:
@@ -97,7 +97,7 @@ class Performer:
 
     def perform(
         self,
-        plan: Plan | Document,
+        plan: Plan | DocumentSource,
         *,
         on: On = "twin",
         ports: Mapping[str, str | Path] | None = None,
@@ -151,7 +151,9 @@ class Performer:
             run = performance_of(found, beside=tuple(beside), seed=planned.setup.idling.seed, servos=live)
         return run
 
-    def report(self, done: "Performance | Plan | Document", folder: str | Path, *, film: bool = True) -> "Performance":
+    def report(
+        self, done: "Performance | Plan | DocumentSource", folder: str | Path, *, film: bool = True
+    ) -> "Performance":
         """Writes the report of a performance; what is not performed yet is performed in the twin first.
 
         Raises:
@@ -186,7 +188,7 @@ def perform(
     return performance_of(run, seed=run.plan.setup.idling.seed)
 
 
-def _read(document: Document) -> tuple[str | bytes | None, str]:
+def _read(document: DocumentSource) -> tuple[str | bytes | None, str]:
     """Reads text and name of a document; no text of a motion.
 
     Raises:

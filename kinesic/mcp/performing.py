@@ -4,7 +4,7 @@ import json
 import re
 from threading import Lock
 
-from kinesic.mcp.robot_line import Answer, RobotLine
+from kinesic.mcp.robot_line import RobotAnswer, RobotLine
 from kinesic.mcp.teaching import Json
 from kinesic.serve.wire.protocol import END, control
 
@@ -25,7 +25,7 @@ class Performing:
         self._robot = robot
         self._planning = Lock()  # of two documents that are planned at once the server answers the later one alone
 
-    def perform(self, document: str) -> Answer:
+    def perform(self, document: str) -> RobotAnswer:
         """Plans a document, and has it performed where it can be.
 
         Returns:
@@ -39,7 +39,7 @@ class Performing:
         with self._planning:
             return self._perform(document, block)
 
-    def _perform(self, document: str, block: str) -> Answer:
+    def _perform(self, document: str, block: str) -> RobotAnswer:
         planned = self._robot.ask("plan", bml=document)
         if "duration" not in planned and "error" not in planned:
             raise RefusedError(str(planned.get("why", "another document came in between; send it again")))
@@ -80,7 +80,7 @@ def _block_id(document: str) -> str:
     return name
 
 
-def _not_as_asked(planned: Answer) -> Json:
+def _not_as_asked(planned: RobotAnswer) -> Json:
     notices = planned["notices"]
     assert isinstance(notices, list)  # as docs/serve.md says
     told: list[Json] = [f"{each['id']}: {each['text']}" for each in notices[:MOST_NOTICES]]

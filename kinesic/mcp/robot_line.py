@@ -18,7 +18,7 @@ _SUBJECT = re.compile(r'^<\w+ [^>]*?\bid="([^"]+)"')
 # The id of the block in a predictionFeedback, whose own tag has none.
 _PREDICTED_BLOCK = re.compile(r'<bml [^>]*?\bid="([^"]+)"')
 
-Answer = dict[str, Json]
+RobotAnswer = dict[str, Json]
 T = TypeVar("T")
 
 
@@ -44,7 +44,9 @@ class RobotLine:
             raise
         self._sending, self._stopping = Lock(), Lock()
         self._asked = 0  # questions so far
-        self._answers: dict[int, Queue[Answer | RobotError]] = {}  # who waits for one, by the number of the question
+        self._answers: dict[
+            int, Queue[RobotAnswer | RobotError]
+        ] = {}  # who waits for one, by the number of the question
         # Who waits to hear of a block: why it is refused, or nothing once it is expected to begin.
         self._verdicts: dict[str, Queue[str | RobotError]] = {}
         self._performed = set[str]()  # blocks of this connection whose end was not told yet
@@ -52,13 +54,13 @@ class RobotLine:
         self._feedback = deque[str](maxlen=KEPT_FEEDBACK)
         Thread(target=self._read, daemon=True, name="feedback").start()
 
-    def ask(self, verb: str, **values: Json) -> Answer:
+    def ask(self, verb: str, **values: Json) -> RobotAnswer:
         """Asks a question of docs/serve.md, and waits for its answer.
 
         Raises:
             RobotError: there is none.
         """
-        answers: Queue[Answer | RobotError] = Queue()
+        answers: Queue[RobotAnswer | RobotError] = Queue()
         with self._sending:
             self._asked += 1
             number = self._asked
@@ -70,7 +72,7 @@ class RobotLine:
         finally:
             self._answers.pop(number, None)
 
-    def status(self) -> Answer:
+    def status(self) -> RobotAnswer:
         """Says how the robot is, and the last messages of feedback.
 
         Raises:
@@ -162,7 +164,7 @@ class RobotLine:
     def _hand_over(self, message: str) -> None:
         """Gives an answer to whoever asked, and what is told of a block to whoever sent it."""
         if message.startswith("{"):
-            answer: Answer = json.loads(message)
+            answer: RobotAnswer = json.loads(message)
             number = answer.get("id")
             waiting = self._answers.get(number) if isinstance(number, int) else None
             if waiting is not None:

@@ -18,7 +18,7 @@ from kinesic.body.config import names_of
 from kinesic.controller.documents import write_bml
 from kinesic.expressivity.style.style import Style
 from kinesic.mcp.performing import Performing, RefusedError
-from kinesic.mcp.robot_line import Answer, RobotError, RobotLine
+from kinesic.mcp.robot_line import RobotAnswer, RobotError, RobotLine
 from kinesic.mcp.teaching import BML_SCHEMA, TEACHING
 from kinesic.mcp.vocabulary import all_names, search_gestures, usual_gestures
 from kinesic.planning.setup import Setup
@@ -119,7 +119,7 @@ def make_server(robot: RobotLine, known: Setup, *, resumes: bool) -> MCPServer:
     return server
 
 
-async def _moved(perform: Callable[[str], Answer], document: str) -> str:
+async def _moved(perform: Callable[[str], RobotAnswer], document: str) -> str:
     """Performs in a thread, so that a stop waits for nothing, and says what is performed."""
     try:
         return json.dumps(await to_thread(perform, document))

@@ -40,7 +40,7 @@ TABLES: Mapping[str, Mapping[str, str]] = {
 
 
 @dataclass(frozen=True)
-class Answer:
+class QueryResult:
     """What a query found."""
 
     columns: tuple[str, ...]
@@ -54,7 +54,7 @@ class Store:
     connection: "DuckDBPyConnection"
     tables: tuple[str, ...]
 
-    def ask(self, query: str) -> Answer:
+    def ask(self, query: str) -> QueryResult:
         """Asks in SQL.
 
         Raises:
@@ -64,7 +64,7 @@ class Store:
 
         try:
             found = self.connection.execute(query)
-            return Answer(tuple(column[0] for column in found.description or ()), tuple(found.fetchall()))
+            return QueryResult(tuple(column[0] for column in found.description or ()), tuple(found.fetchall()))
         except duckdb.Error as error:
             names = ", ".join(self.tables)
             raise ConfigError(f"the query is wrong: {str(error).splitlines()[0]}; tables are {names}") from None

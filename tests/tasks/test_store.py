@@ -5,14 +5,14 @@ from pathlib import Path
 import pytest
 
 from kinesic.body.config import ConfigError
-from kinesic.tasks.store import Answer, open_store
+from kinesic.tasks.store import QueryResult, open_store
 
 pytest.importorskip("duckdb", reason="the extra store is not installed")
 
 MANY = Path(__file__).resolve().parents[2] / "docs" / "many.md"
 
 
-def ask(folder: Path, query: str) -> Answer:
+def ask(folder: Path, query: str) -> QueryResult:
     with open_store(folder) as store:
         return store.ask(query)
 

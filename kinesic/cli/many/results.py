@@ -10,7 +10,7 @@ from rich.table import Table
 from kinesic.cli.terminal import console, quote_text
 from kinesic.files.output_file import new_file
 from kinesic.report.plots.results import draw_results
-from kinesic.tasks.store import Answer, open_store
+from kinesic.tasks.store import QueryResult, open_store
 
 PICTURE = "results.png"
 SUMMARIES: Mapping[str, str] = {  # by the table that they need
@@ -50,7 +50,7 @@ def ask_results(query: str, folder: Path, as_json: bool, out: Path | None, force
     return 0
 
 
-def _table(answer: Answer) -> Table:
+def _table(answer: QueryResult) -> Table:
     table = Table(*answer.columns, box=None)
     for row in answer.rows:
         table.add_row(*(quote_text(_cell(value)) for value in row))
