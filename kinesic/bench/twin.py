@@ -24,7 +24,7 @@ from kinesic.planning.setup import Setup
 from kinesic.planning.syncs import SHIFT_TO_WARN
 from kinesic.report.checks import checks
 from kinesic.sim.log import log_of
-from kinesic.sim.servo_factors import NOMINAL, PESSIMISTIC, Factors, every
+from kinesic.sim.servo_factors import NOMINAL, PESSIMISTIC, Factors, join_factors
 
 BLOCKS = 50
 HALF_A_DEGREE = pi / 360
@@ -48,7 +48,7 @@ TOGETHER: tuple[
     ("supply_3_a", Factors(resistance=0.1, amps=3.0)),
     ("weak_and_heavy", Factors(stall=0.7, friction=2.0, armature=1.5, mass=1.25)),
     ("soft_late_and_loose", SOFT_LATE_AND_LOOSE),
-    ("pessimistic_soft_late_and_loose", every(PESSIMISTIC, SOFT_LATE_AND_LOOSE)),
+    ("pessimistic_soft_late_and_loose", join_factors(PESSIMISTIC, SOFT_LATE_AND_LOOSE)),
 )
 
 

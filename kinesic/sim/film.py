@@ -16,7 +16,7 @@ from kinesic.files.caption_band import Spoken, caption_box, words_at, write_capt
 from kinesic.files.film_file import Box, EncodingError, durations, open_film
 from kinesic.sim.filming.canvas import Canvas, CanvasError
 from kinesic.sim.filming.framing import (
-    joined,
+    bounding_box,
     motion_view,
     moving_balls,
     robot_boxes,
@@ -103,7 +103,7 @@ def film(
             ):
                 write_caption(picture, said[k])
                 bands = [caption_box(text, size) or box for text in {before, said[k]} if before != said[k]]
-                writer.write(picture, reduce(joined, bands, box), shown_for)
+                writer.write(picture, reduce(bounding_box, bands, box), shown_for)
                 before = said[k]
                 progress((k + 1) / len(shot))
     except (CanvasError, EncodingError) as error:
@@ -147,7 +147,7 @@ def _draw_frames(
     boxes, shadows = robot_boxes(seen, reach, size=size), shadow_boxes(outlines, size=size)
     below, around = sunk_balls(places, reach, view.floor)
     sunk = robot_boxes(seen_at(view, below, size=size), around, size=size) if len(around) else [None] * len(boxes)
-    changing = [joined(*both) for both in zip(boxes, shadows, strict=True)]
+    changing = [bounding_box(*both) for both in zip(boxes, shadows, strict=True)]
     model = styled_model(robot, width=width, height=height, view=view)
     data, order = mujoco.MjData(model), turn_order(robot, model)
     with Canvas(model, size, finer=FINER) as canvas:
@@ -163,7 +163,7 @@ def _draw_frames(
             shade(picture, shadows[k], outlines[k])
             drawn = canvas.draw(data, box, sunk=sunk[k])
             picture.paste(drawn, box[:2], drawn)
-            yield np.array(picture), changing[k] if not k else joined(changing[k - 1], changing[k])
+            yield np.array(picture), changing[k] if not k else bounding_box(changing[k - 1], changing[k])
 
 
 def _check_opengl(*, guarded: bool) -> None:

@@ -139,7 +139,7 @@ def _positive(name: str, value: float) -> None:
         raise ValueError(f"factor {name} is {value}, must be above 0 (1 leaves it as it is)")
 
 
-def every(some: Factors, others: Factors) -> Factors:
+def join_factors(some: Factors, others: Factors) -> Factors:
     """Joins what is wrong in two ways; where both say something of a figure, the second counts."""
     said = {
         name: value for name in Factors.__struct_fields__ if (value := getattr(others, name)) != getattr(NOMINAL, name)

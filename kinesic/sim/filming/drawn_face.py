@@ -33,41 +33,51 @@ def paint_face(units: Mapping[str, float], *, size: tuple[int, int] = SIZE) -> P
     return np.asarray(picture.reduce(FINER))
 
 
-def shown(units: Mapping[str, float], number: int, side: str = "") -> float:
+def shown_intensity(units: Mapping[str, float], number: int, side: str = "") -> float:
     """The intensity of an action unit on a side, 0..1."""
     return max(units.get(str(number), 0.0), units.get(f"{side}{number}", 0.0) if side else 0.0)
 
 
 def _paint_eye(pen: ImageDraw.ImageDraw, scale: float, units: Mapping[str, float], side: str, sign: float) -> None:
-    closed = max(shown(units, number, side) for number in (43, 45, 46))
-    open_share = max(1.0 - closed - 0.25 * shown(units, 7, side) - 0.2 * shown(units, 6, side), 0.0)
-    tall = EYE[1] * open_share * (1.0 + 0.2 * shown(units, 5, side))
+    closed = max(shown_intensity(units, number, side) for number in (43, 45, 46))
+    open_share = max(1.0 - closed - 0.25 * shown_intensity(units, 7, side) - 0.2 * shown_intensity(units, 6, side), 0.0)
+    tall = EYE[1] * open_share * (1.0 + 0.2 * shown_intensity(units, 5, side))
     x, y = SIZE[0] / 2 + sign * EYE_APART, EYE_HIGH
     if tall < 3.0:
         pen.line(_scaled([(x - EYE[0], y), (x + EYE[0], y)], scale), fill=LIGHT, width=round(5 * scale))
     else:
         pen.ellipse(_scaled([(x - EYE[0], y - tall), (x + EYE[0], y + tall)], scale), fill=LIGHT)
-        across = shown(units, 61) - shown(units, 62) - sign * 0.4 * shown(units, 66)
-        px, py = x + LOOKS[0] * across, y + LOOKS[1] * (shown(units, 64) - shown(units, 63)) * open_share
+        across = shown_intensity(units, 61) - shown_intensity(units, 62) - sign * 0.4 * shown_intensity(units, 66)
+        px, py = (
+            x + LOOKS[0] * across,
+            y + LOOKS[1] * (shown_intensity(units, 64) - shown_intensity(units, 63)) * open_share,
+        )
         high = min(ROUND[1], 0.9 * tall)
         pen.ellipse(_scaled([(px - ROUND[0], py - high), (px + ROUND[0], py + high)], scale), fill=PUPIL)
-    frown = 0.6 * shown(units, 4, side)
-    inner, outer = (BROW_LIFT * (shown(units, number, side) - frown * share) for number, share in ((1, 1.0), (2, 0.4)))
+    frown = 0.6 * shown_intensity(units, 4, side)
+    inner, outer = (
+        BROW_LIFT * (shown_intensity(units, number, side) - frown * share) for number, share in ((1, 1.0), (2, 0.4))
+    )
     ends = [(x - sign * EYE[0], y - BROW - inner), (x, y - BROW - 5 - (inner + outer) / 2)]
     ends.append((x + sign * EYE[0], y - BROW - outer))
     pen.line(_scaled(ends, scale), fill=LIGHT, width=round(7 * scale), joint="curve")
 
 
 def _paint_mouth(pen: ImageDraw.ImageDraw, scale: float, units: Mapping[str, float]) -> None:
-    narrow = max(shown(units, 18), 0.7 * shown(units, 22), 0.4 * shown(units, 23))
-    opened = max(0.35 * shown(units, 25), shown(units, 26), 1.3 * shown(units, 27), 0.25 * shown(units, 22))
-    opened *= 1.0 - max(shown(units, 24), shown(units, 28))
+    narrow = max(shown_intensity(units, 18), 0.7 * shown_intensity(units, 22), 0.4 * shown_intensity(units, 23))
+    opened = max(
+        0.35 * shown_intensity(units, 25),
+        shown_intensity(units, 26),
+        1.3 * shown_intensity(units, 27),
+        0.25 * shown_intensity(units, 22),
+    )
+    opened *= 1.0 - max(shown_intensity(units, 24), shown_intensity(units, 28))
     corners = {}
     for side, sign in (("R", -1.0), ("L", 1.0)):
-        smile, sad, wide = (shown(units, number, side) for number in (12, 15, 20))
+        smile, sad, wide = (shown_intensity(units, number, side) for number in (12, 15, 20))
         half = MOUTH * (1.0 + 0.25 * smile + 0.2 * wide - 0.5 * narrow)
         corners[sign] = (SIZE[0] / 2 + sign * half, MOUTH_HIGH - 18.0 * smile + 14.0 * sad)
-    drop, middle = 42.0 * opened, MOUTH_HIGH + 4.0 - 4.0 * shown(units, 17)
+    drop, middle = 42.0 * opened, MOUTH_HIGH + 4.0 - 4.0 * shown_intensity(units, 17)
     upper, lower = _arc(corners, middle - 0.2 * drop), _arc(corners, middle + 0.8 * drop)
     pen.polygon(_scaled([*upper, *reversed(lower)], scale), fill=PUPIL)
     pen.line(_scaled([*upper, *reversed(lower), upper[0]], scale), fill=LIGHT, width=round(6 * scale), joint="curve")

@@ -15,7 +15,7 @@ TINY = 1e-9  # [m]
 BLURRED = 0.04  # heights of the picture that the edge of a shadow reaches
 
 
-def axes() -> Floats:
+def camera_axes() -> Floats:
     """(3, 3) what is right, up, and towards the camera in the world, as rows."""
     towards = np.array(VIEW_FROM) / np.linalg.norm(VIEW_FROM)
     right = np.cross([0.0, 0.0, 1.0], towards)
@@ -34,17 +34,17 @@ def motion_view(robot: Robot, postures: Floats, *, aspect: float) -> View:
     places, radii = moving_balls(robot, postures, watched_segments(robot))
     if not len(radii):
         return view_of(robot)
-    turned = (places @ axes().T).reshape(-1, 3)
+    turned = (places @ camera_axes().T).reshape(-1, 3)
     grown = np.broadcast_to(radii, places.shape[:2]).ravel()
     half = np.tan(np.radians(VIEW_ANGLE) / 2) / FRAME
-    towards = float(axes()[2] @ robot.gesture_origin)
+    towards = float(camera_axes()[2] @ robot.gesture_origin)
     centre, away = [0.0, 0.0], 0.0
     for k, slope in enumerate((half * aspect, half)):
         slack = grown * np.sqrt(1 + slope**2) + slope * turned[:, 2]
         high, low = float(np.max(turned[:, k] + slack)), float(np.max(-turned[:, k] + slack))
         centre[k], away = (high - low) / 2, max(away, (high + low) / (2 * slope))
     height = 2 * FRAME * half * (away - towards)
-    return View(view_of(robot).floor, sealed(np.array([*centre, towards]) @ axes()), float(height))
+    return View(view_of(robot).floor, sealed(np.array([*centre, towards]) @ camera_axes()), float(height))
 
 
 def watched_segments(robot: Robot) -> list[str]:
@@ -74,7 +74,7 @@ def seen_at(view: View, places: Floats, *, size: tuple[int, int]) -> Floats:
     """(..., 3) pixels to the right and down, and pixels for a metre there, of (..., 3) [m] places in the world."""
     width, height = size
     distance = view.height / 2 / np.tan(np.radians(VIEW_ANGLE) / 2)
-    x, y, near = np.moveaxis((places - view.middle) @ axes().T, -1, 0)
+    x, y, near = np.moveaxis((places - view.middle) @ camera_axes().T, -1, 0)
     scale = height / view.height * distance / np.maximum(distance - near, 0.05 * distance)
     return sealed(np.stack([width / 2 + scale * x, height / 2 - scale * y, scale], axis=-1))
 
@@ -126,6 +126,6 @@ def _boxes(least: Floats, most: Floats, size: tuple[int, int]) -> list[Box]:
     return [(left, top, right, low) for (left, top), (right, low) in zip(least.tolist(), most.tolist(), strict=True)]
 
 
-def joined(one: Box, other: Box) -> Box:
+def bounding_box(one: Box, other: Box) -> Box:
     """The least box that holds two."""
     return (min(one[0], other[0]), min(one[1], other[1]), max(one[2], other[2]), max(one[3], other[3]))

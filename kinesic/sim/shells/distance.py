@@ -12,7 +12,7 @@ PROBE = 2e-4  # [m] on each side of a place where a gradient is taken
 
 
 def cone(start: Floats, end: Floats, first: float, last: float) -> DistanceField:
-    """A bar with round ends whose radius goes from one to another."""
+    """Makes a bar with round ends, whose radius goes from one to another."""
     way = end - start
     square = max(float(way @ way), 1e-12)
 
@@ -25,7 +25,7 @@ def cone(start: Floats, end: Floats, first: float, last: float) -> DistanceField
 
 
 def box(centre: Floats, half: Floats, rounding: float) -> DistanceField:
-    """A box with rounded edges, along the axes."""
+    """Makes a box with rounded edges, along the axes."""
     core = np.maximum(half - rounding, 0.0)
 
     def field(points: Floats) -> Floats:
@@ -37,7 +37,7 @@ def box(centre: Floats, half: Floats, rounding: float) -> DistanceField:
 
 
 def drum(centre: Floats, axis: Floats, radius: float, half: float, rounding: float) -> DistanceField:
-    """A cylinder with rounded edges."""
+    """Makes a cylinder with rounded edges."""
 
     def field(points: Floats) -> Floats:
         along = (points - centre) @ axis
@@ -69,8 +69,8 @@ def loft(heights: Floats, widths: Floats, radii: Floats) -> DistanceField:
     return field
 
 
-def joined(fields: Sequence[DistanceField], blend: float) -> DistanceField:
-    """All of them, flowing into one another where they are nearer than `blend` [m]."""
+def blended_union(fields: Sequence[DistanceField], blend: float) -> DistanceField:
+    """Unites solids, which flow into one another where they are nearer than `blend` [m]."""
 
     def field(points: Floats) -> Floats:
         found = fields[0](points)
@@ -83,40 +83,40 @@ def joined(fields: Sequence[DistanceField], blend: float) -> DistanceField:
     return field
 
 
-def shared(first: DistanceField, second: DistanceField, blend: float) -> DistanceField:
-    """What is in both, with edges rounded."""
-    either = joined([lambda points: -first(points), lambda points: -second(points)], blend)
+def rounded_intersection(first: DistanceField, second: DistanceField, blend: float) -> DistanceField:
+    """Intersects two solids, and rounds the edges in which they meet over `blend` [m]."""
+    either = blended_union([lambda points: -first(points), lambda points: -second(points)], blend)
     return lambda points: np.asarray(-either(points))
 
 
 def ball(centre: Floats, radius: float) -> DistanceField:
-    """A ball."""
+    """Makes a ball."""
     return lambda points: np.asarray(np.linalg.norm(points - centre, axis=1) - radius)
 
 
-def plane(axis: Floats, along: float) -> DistanceField:
-    """What is behind a plane across a unit axis, so far along it [m]."""
+def half_space(axis: Floats, along: float) -> DistanceField:
+    """Makes the half-space behind a plane that is normal to a unit axis, so far along it [m]."""
     return lambda points: np.asarray(points @ axis - along)
 
 
-def above(height: float) -> DistanceField:
-    """What is higher."""
+def half_space_above(height: float) -> DistanceField:
+    """Makes the half-space above a height [m]."""
     return lambda points: np.asarray(height - points[:, 2])
 
 
-def below(height: float) -> DistanceField:
-    """What is lower."""
+def half_space_below(height: float) -> DistanceField:
+    """Makes the half-space below a height [m]."""
     return lambda points: np.asarray(points[:, 2] - height)
 
 
-def least(fields: Sequence[DistanceField]) -> DistanceField | None:
-    """All of them, with edges; None of none."""
+def sharp_union(fields: Sequence[DistanceField]) -> DistanceField | None:
+    """Unites solids, whose edges stay sharp; None where there is no solid."""
     if not fields:
         return None
     return lambda points: np.asarray(np.min([field(points) for field in fields], axis=0))
 
 
 def gradient(field: DistanceField, points: Floats) -> Floats:
-    """(n, 3) of a field at (n, 3)."""
+    """Computes the gradient (n, 3) of a field at (n, 3) places [m], by central differences."""
     probes = PROBE * np.eye(3)
     return np.stack([field(points + probe) - field(points - probe) for probe in probes], axis=1) / (2 * PROBE)

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 from kinesic.body.robot import SIDES, Robot
 from kinesic.body.skeleton import Segment
-from kinesic.sim.shells.distance import joined
+from kinesic.sim.shells.distance import blended_union
 from kinesic.sim.shells.limbs import finger, hand, limb
 from kinesic.sim.shells.part import BLEND, BUDGET, Housing, Part, boxed, own_shape
 from kinesic.sim.shells.trunk import head, trunk
@@ -43,4 +43,4 @@ def plain_housing(robot: Robot, segment: Segment) -> Housing:
     """Encloses shapes and servos of a segment as they are, flowing into one another."""
     part = Part(robot, segment)
     solids = [*(own_shape(c) for c in part.capsules), *(boxed(servo) for servo in part.servos)]
-    return Housing(joined(solids, BLEND), None, (), part.held, BUDGET["limb"])
+    return Housing(blended_union(solids, BLEND), None, (), part.held, BUDGET["limb"])

@@ -3,7 +3,7 @@
 import numpy as np
 
 from kinesic.body.arrays import Floats
-from kinesic.sim.shells.distance import DistanceField, ball, box, cone, joined, plane
+from kinesic.sim.shells.distance import DistanceField, ball, blended_union, box, cone, half_space
 from kinesic.sim.shells.part import (
     BLEND,
     BUDGET,
@@ -25,7 +25,7 @@ def limb(part: Part) -> Housing:
     end = part.onward()
     if end is None or np.linalg.norm(end) < 1e-6:
         solids = [*(own_shape(c) for c in part.capsules), *(boxed(servo) for servo in part.servos)]
-        return Housing(joined(solids, BLEND), None, (), part.held, BUDGET["limb"])
+        return Housing(blended_union(solids, BLEND), None, (), part.held, BUDGET["limb"])
     length = float(np.linalg.norm(end))
     axis, zero = end / length, np.zeros(3)
     first, last = _girths(part, axis, length)
@@ -41,9 +41,9 @@ def limb(part: Part) -> Housing:
             solids.append(drum_about(servo, zero, axis)[0])
     solids += [own_shape(c) for c in part.capsules if np.linalg.norm(c.end - c.start) < 2 * c.radius]
     dark = ball(end, 1.22 * last)
-    lines = (plane(axis, 0.62 * length),) if length > 0.14 else ()
+    lines = (half_space(axis, 0.62 * length),) if length > 0.14 else ()
     held = np.vstack([part.held, end + last * np.vstack([np.eye(3), -np.eye(3)])])
-    return Housing(joined(solids, 1.7 * BLEND), dark, lines, held, BUDGET["limb"])
+    return Housing(blended_union(solids, 1.7 * BLEND), dark, lines, held, BUDGET["limb"])
 
 
 def _girths(part: Part, axis: Floats, length: float) -> tuple[float, float]:
@@ -75,7 +75,7 @@ def hand(part: Part, facing: Floats) -> Housing:
     if part.servos:
         reach = max(float(np.linalg.norm(s.corners[:, :2], axis=1).max()) for s in part.servos)
         dark = ball(np.zeros(3), 1.25 * reach)
-    return Housing(joined(solids, 0.8 * BLEND), dark, (), part.held, BUDGET["hand"])
+    return Housing(blended_union(solids, 0.8 * BLEND), dark, (), part.held, BUDGET["hand"])
 
 
 def finger(part: Part) -> Housing:
@@ -87,5 +87,5 @@ def finger(part: Part) -> Housing:
     ring = part.segment.origin_in_parent + 1.25 * long.radius * way / length
     carrier = part.robot.skeleton.segments[part.robot.skeleton.segment(part.segment.parent or part.segment.name)]
     free = all(own_shape(shape)(ring[None])[0] > 0.0 for shape in carrier.capsules)
-    lines = (plane(way / length, 1.25 * long.radius),) if free and length > 1.5 * long.radius else ()
-    return Housing(joined(solids, FINGER_BLEND), None, lines, part.held, BUDGET["finger"])
+    lines = (half_space(way / length, 1.25 * long.radius),) if free and length > 1.5 * long.radius else ()
+    return Housing(blended_union(solids, FINGER_BLEND), None, lines, part.held, BUDGET["finger"])

@@ -10,17 +10,17 @@ from kinesic.body.robot import SIDES
 from kinesic.body.skeleton import Capsule
 from kinesic.sim.shells.distance import (
     DistanceField,
-    above,
     ball,
-    below,
+    blended_union,
     box,
     cone,
     drum,
-    joined,
-    least,
+    half_space,
+    half_space_above,
+    half_space_below,
     loft,
-    plane,
-    shared,
+    rounded_intersection,
+    sharp_union,
 )
 from kinesic.sim.shells.part import (
     BEND,
@@ -50,13 +50,13 @@ def head(part: Part) -> Housing:
     eyes = part.robot.sites.get("eyes")
     bend = max(BEND * size, 1.2 * big.radius)
     front = middle + (half[0] - bend) * np.array([1.0, 0.0, 0.0])
-    solids = [shared(block, drum(front, UP, bend, 4 * big.radius, 0.01), 0.008)]
+    solids = [rounded_intersection(block, drum(front, UP, bend, 4 * big.radius, 0.01), 0.008)]
     solids += [boxed(servo, 2 * SOFT) for servo in part.servos]
-    seam = plane(np.array([1.0, 0.0, 0.0]), float(middle[0] - 0.3 * big.radius))
+    seam = half_space(np.array([1.0, 0.0, 0.0]), float(middle[0] - 0.3 * big.radius))
     dark = None
     if eyes is not None and eyes.segment == part.segment.name and eyes.facing[0] > 0.9:
         dark = _visor(eyes.position, VISOR[0] * size, VISOR[1] * size)
-    return Housing(joined(solids, 2.5 * BLEND), dark, (seam,), part.held, BUDGET["head"])
+    return Housing(blended_union(solids, 2.5 * BLEND), dark, (seam,), part.held, BUDGET["head"])
 
 
 def _visor(eyes: Floats, wide: float, high: float) -> DistanceField:
@@ -83,9 +83,9 @@ def trunk(part: Part, moving: set[str]) -> Housing:
         centred = np.linalg.norm(servo.centre[:2]) < MIDLINE
         solids.append(drum_about(servo, servo.centre, UP)[0] if centred else boxed(servo))
     dark = [*_joints(parts), *_waists(lateral, others, standing=standing)]
-    lines = [plane(UP, (float(a.start[2]) + float(b.start[2])) / 2) for a, b in pairwise(lateral)]
+    lines = [half_space(UP, (float(a.start[2]) + float(b.start[2])) / 2) for a, b in pairwise(lateral)]
     held = np.concatenate([each.held for each in parts])
-    return Housing(joined(solids, 1.5 * BLEND), least(dark), tuple(lines), held, BUDGET["trunk"])
+    return Housing(blended_union(solids, 1.5 * BLEND), sharp_union(dark), tuple(lines), held, BUDGET["trunk"])
 
 
 def _lateral(capsules: Sequence[Capsule]) -> list[Capsule]:
@@ -129,9 +129,11 @@ def _waists(lateral: Sequence[Capsule], others: Sequence[Capsule], *, standing: 
         return
     low, high = lateral[0], lateral[-1]
     if any(c.end[2] > high.start[2] + high.radius for c in others):
-        yield above(float(high.start[2]) + 0.93 * high.radius)
+        yield half_space_above(float(high.start[2]) + 0.93 * high.radius)
     yield (
-        above(float(high.start[2]) + 0.85 * high.radius) if standing else below(float(low.start[2]) - 0.55 * low.radius)
+        half_space_above(float(high.start[2]) + 0.85 * high.radius)
+        if standing
+        else half_space_below(float(low.start[2]) - 0.55 * low.radius)
     )
 
 

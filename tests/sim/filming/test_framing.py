@@ -9,7 +9,7 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import SIDES, Robot
 from kinesic.sim.film import REACH
 from kinesic.sim.filming.canvas import Canvas
-from kinesic.sim.filming.framing import joined, motion_view, moving_balls, robot_boxes, seen_at, sunk_balls
+from kinesic.sim.filming.framing import bounding_box, motion_view, moving_balls, robot_boxes, seen_at, sunk_balls
 from kinesic.sim.gl import opengl_fault
 from kinesic.sim.model import turn_order
 from kinesic.sim.scene_layout import View, view_of
@@ -70,7 +70,7 @@ def standing_in(room: Image.Image, robot: Image.Image) -> np.ndarray:
 
 
 def test_the_least_box_of_two():
-    assert joined((2, 4, 8, 9), (4, 0, 20, 6)) == (2, 0, 20, 9)
+    assert bounding_box((2, 4, 8, 9), (4, 0, 20, 6)) == (2, 0, 20, 9)
 
 
 @pytest.mark.parametrize("name", ROBOTS)
