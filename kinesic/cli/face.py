@@ -19,7 +19,7 @@ from kinesic.cli.progress import share_of, show_stages
 from kinesic.controller.perform import plan
 from kinesic.controller.play import command_times, play
 from kinesic.controller.soundtrack import sound, write_wav
-from kinesic.expressivity.face.expressions import entries, expression
+from kinesic.expressivity.face.expressions import entries, find_expression
 from kinesic.face.assets.action_units import intensities
 from kinesic.face.display import DisplayError
 from kinesic.face.render.camera import CLOSE, FRONT, LIGHTS, Camera
@@ -152,7 +152,7 @@ def read_emotion(name: str | None, amount: float) -> dict[str, float]:
     """
     if name is None:
         return {}
-    found = expression(Face((name,), amount=amount))
+    found = find_expression(Face((name,), amount=amount))
     if found.unknown:
         known = ", ".join(entry.words[0] for entry in entries() if len(entry.words) > 1)
         raise DisplayError(f"--emotion {name}: no expression is called so; there are {known}")

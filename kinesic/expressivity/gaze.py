@@ -17,7 +17,17 @@ from kinesic.expressivity.head import direction
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.lexicon.movement_words import read_head_name
 from kinesic.expressivity.style.pace import Pace
-from kinesic.expressivity.turns import UPRIGHT, Hold, add_turns, axes, clip_turn, excess, hold_turn, room, scale_turn
+from kinesic.expressivity.turns import (
+    UPRIGHT,
+    Hold,
+    add_turns,
+    clip_turn,
+    excess,
+    hold_turn,
+    room,
+    scale_turn,
+    turn_angles,
+)
 
 AUDIENCE = "audience"  # who is looked at when the one that was meant is unknown
 EYES = (Turn(-ASIDE, -UPWARD), Turn(ASIDE, DOWNWARD))  # how far they turn in the head
@@ -129,7 +139,7 @@ def _eyes(robot: Robot) -> Floats:
 
 def _usual_time(turn: Turn, speed: float) -> float:
     """What people take to look somewhere [s]: wide turns are faster, with Greta's peak speed of 4/3 a + `speed`."""
-    angle = max(map(abs, axes(turn)))
+    angle = max(map(abs, turn_angles(turn)))
     return _PEAK * angle / (4 / 3 * angle + speed)
 
 

@@ -69,7 +69,7 @@ def add_turns(a: Turn, b: Turn) -> Turn:
     return Turn(a.torsion + b.torsion, a.tilt + b.tilt, a.roll + b.roll)
 
 
-def axes(turn: Turn) -> tuple[float, float, float]:
+def turn_angles(turn: Turn) -> tuple[float, float, float]:
     """Lists torsion, tilt and roll [rad], in the order of `AXES`."""
     return turn.torsion, turn.tilt, turn.roll
 
@@ -87,13 +87,15 @@ def room(robot: Robot, chain: str) -> tuple[Turn, Turn]:
 def clip_turn(turn: Turn, within: tuple[Turn, Turn]) -> Turn:
     """Finds the nearest rotation inside a range."""
     least, most = within
-    return Turn(*(min(max(v, a), b) for v, a, b in zip(axes(turn), axes(least), axes(most), strict=True)))
+    return Turn(
+        *(min(max(v, a), b) for v, a, b in zip(turn_angles(turn), turn_angles(least), turn_angles(most), strict=True))
+    )
 
 
 def excess(turn: Turn, within: tuple[Turn, Turn]) -> float:
     """Measures how far a rotation lies outside a range, on its worst axis [deg]."""
     inside = clip_turn(turn, within)
-    return degrees(max(abs(a - b) for a, b in zip(axes(turn), axes(inside), strict=True)))
+    return degrees(max(abs(a - b) for a, b in zip(turn_angles(turn), turn_angles(inside), strict=True)))
 
 
 def turn_at(layer: Layer, time: float) -> Turn:
@@ -106,7 +108,7 @@ def total(layers: Iterable[Layer], times: Floats) -> Floats:
     turns = np.zeros((len(times), 3))
     for layer in layers:
         knots = [key.time for key in layer]
-        values = np.array([axes(key.turn) for key in layer])
+        values = np.array([turn_angles(key.turn) for key in layer])
         for axis in range(3):
             turns[:, axis] += np.interp(times, knots, values[:, axis])
     return turns

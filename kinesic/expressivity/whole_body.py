@@ -28,11 +28,11 @@ from kinesic.expressivity.turns import (
     Layer,
     TurnKey,
     add_turns,
-    axes,
     clip_turn,
     departure_time,
     room,
     scale_turn,
+    turn_angles,
 )
 
 HASTE = 0.5  # share of the time from key to key that head and trunk may need
@@ -97,7 +97,7 @@ def axes_used(layers: Iterable[Layer]) -> Spans:
     spans: tuple[list[Span], list[Span], list[Span]] = ([], [], [])
     for layer in layers:
         for a, b in pairwise(layer):
-            for axis, turns in enumerate(zip(axes(a.turn), axes(b.turn), strict=True)):
+            for axis, turns in enumerate(zip(turn_angles(a.turn), turn_angles(b.turn), strict=True)):
                 if any(turns):
                     spans[axis].append((a.time, b.time))
     return spans
@@ -184,13 +184,13 @@ def _place(work: HandStroke, body: BodyForm) -> Floats | None:
 def _looked(seen: Turn, body: BodyForm) -> Turn:
     """The head's share of a gaze."""
     most = WIDEST.get(body.gaze, 0.0)
-    torsion, tilt, _ = (min(max(body.look * angle, -most), most) for angle in axes(seen))
+    torsion, tilt, _ = (min(max(body.look * angle, -most), most) for angle in turn_angles(seen))
     return Turn(torsion, tilt)
 
 
 def _left_free(turn: Turn, taken: Spans, span: Span) -> Turn:
     """Keeps the axes that nothing else turns in a span."""
-    return Turn(*(0.0 if _meet(spans, span) else angle for angle, spans in zip(axes(turn), taken, strict=True)))
+    return Turn(*(0.0 if _meet(spans, span) else angle for angle, spans in zip(turn_angles(turn), taken, strict=True)))
 
 
 def _meet(spans: Sequence[Span], span: Span) -> bool:

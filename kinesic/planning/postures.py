@@ -11,7 +11,7 @@ from kinesic.body.reach import Reach
 from kinesic.body.robot import CHAINS, SIDES, Robot, Side
 from kinesic.body.skeleton import Frames
 from kinesic.expressivity.keyframes import Hand, KeyFrame, KeyFrames
-from kinesic.expressivity.turns import axes
+from kinesic.expressivity.turns import turn_angles
 from kinesic.ik.torso import lean_torso
 from kinesic.motion.keys import LEAST_GAP, PLAIN, KeyPosture, Passage
 from kinesic.planning.arm_postures import ArmKey, ArmsTask, solve_arms
@@ -154,9 +154,9 @@ def _passages(frame: KeyFrame, robot: Robot) -> tuple[Passage, ...]:
 
 def _set_torso(angles: Floats, frame: KeyFrame, lean_angles: Floats, robot: Robot) -> None:
     """Torso from its key plus the lean; the neck turns back, so that the head stays level (thesis 8.6)."""
-    torso = np.array(axes(frame.torso)) + lean_angles
+    torso = np.array(turn_angles(frame.torso)) + lean_angles
     set_turn(robot, "torso", torso, angles)
-    set_turn(robot, "neck", np.array(axes(frame.head)) - torso_turn(robot, "torso", angles), angles)
+    set_turn(robot, "neck", np.array(turn_angles(frame.head)) - torso_turn(robot, "torso", angles), angles)
 
 
 def _in_world(hand: Hand, frame: KeyFrame, robot: Robot) -> Reach | None:

@@ -16,7 +16,7 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot, Side
 from kinesic.expressivity.keyframes import Turn
-from kinesic.expressivity.turns import AXES, UPRIGHT, axes
+from kinesic.expressivity.turns import AXES, UPRIGHT, turn_angles
 
 LEAST_ROOM = 1e-9  # [rad]
 
@@ -98,7 +98,7 @@ def volume(robot: Robot, turn: Turn) -> GestureVolume | None:
     if turn == UPRIGHT or not robot.joints("torso"):
         return None
     angles = np.array(robot.skeleton.rest)
-    set_turn(robot, "torso", np.array(axes(turn)), angles)
+    set_turn(robot, "torso", np.array(turn_angles(turn)), angles)
     names = robot.chains["torso"]
     first, last = robot.skeleton.segment(names[0]), robot.skeleton.segment(names[-1])
     girdle = robot.skeleton.segment(robot.arms["l"].base)

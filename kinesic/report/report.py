@@ -18,7 +18,7 @@ from kinesic.expressivity.hands.fingers import lacking_shapes
 from kinesic.expressivity.keyframes import BodyMove
 from kinesic.expressivity.style.resolve import resolve_numbers
 from kinesic.expressivity.style.style import Style
-from kinesic.expressivity.turns import axes
+from kinesic.expressivity.turns import turn_angles
 from kinesic.ik import KERNEL
 from kinesic.planning.plan import Plan
 from kinesic.planning.syncs import SyncTime
@@ -167,7 +167,7 @@ def _body(move: BodyMove | None) -> dict[str, Json] | None:
     head = max(abs(move.head.tilt + move.nod), abs(move.head.torsion) + abs(move.shake), abs(move.head.roll))
     return {
         "head_deg": degrees(head),
-        "trunk_deg": degrees(max(map(abs, axes(move.trunk)))),
+        "trunk_deg": degrees(max(map(abs, turn_angles(move.trunk)))),
         "shoulders_deg": degrees(move.shoulders),
         "eyes_deg": None if move.eyes is None else [degrees(move.eyes.torsion), -degrees(move.eyes.tilt)],
         "face": dict(move.face),

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from kinesic.bml.block import Gaze, Gesture, Wait
 from kinesic.expressivity.idle import LEAST_PAUSE, MARGIN, Idling, idle, pauses
 from kinesic.expressivity.realise import keyframes
-from kinesic.expressivity.turns import UPRIGHT, axes, total
+from kinesic.expressivity.turns import UPRIGHT, total, turn_angles
 
 LIVELY = Idling(2.0, 7)
 spans = st.lists(
@@ -80,5 +80,7 @@ def test_what_is_asked_stays_as_it_is(timeline, context, phases):
     for point, frame in asked.items():
         other = met[point]
         assert frame.time == other.time
-        assert (*axes(frame.torso), *axes(frame.head)) == pytest.approx((*axes(other.torso), *axes(other.head)))
+        assert (*turn_angles(frame.torso), *turn_angles(frame.head)) == pytest.approx(
+            (*turn_angles(other.torso), *turn_angles(other.head))
+        )
     assert all(not frame.given & {"l_hand", "r_hand"} for frame in moving.frames if not 8 <= frame.time <= 11)

@@ -7,7 +7,7 @@ import pytest
 from kinesic.bml.block import Gesture, Torso
 from kinesic.expressivity.style.style import Expressivity, Style
 from kinesic.expressivity.trunk import HASTE, RECLINE, named_lean
-from kinesic.expressivity.turns import add_turns, axes, scale_turn
+from kinesic.expressivity.turns import add_turns, scale_turn, turn_angles
 
 
 @pytest.mark.parametrize(
@@ -58,7 +58,7 @@ def calm(phases):
 
 
 def torso(frames):
-    return np.array([axes(frame.torso) for frame in frames.frames])
+    return np.array([turn_angles(frame.torso) for frame in frames.frames])
 
 
 def test_without_power_and_openness_the_trunk_stays_upright(perform, calm):

@@ -14,7 +14,7 @@ from kinesic.expressivity.lexicon.body_form import BodyForm
 from kinesic.expressivity.realise import keyframes
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import NEUTRAL, Style
-from kinesic.expressivity.turns import UPRIGHT, axes, turn_at
+from kinesic.expressivity.turns import UPRIGHT, turn_angles, turn_at
 from kinesic.expressivity.whole_body import HASTE, Accompanied, BodyDemands, accompany
 
 NOD, LEAN = radians(4), Turn(tilt=radians(6))
@@ -66,7 +66,7 @@ def test_it_does_no_more_than_there_is_time_for(gesture, pace):
     for layer, chain in ((found.torso, "torso"), (found.head, "neck")):
         for a, b in pairwise(layer):
             if layer is found.torso:
-                change = Turn(*(y - x for x, y in zip(axes(a.turn), axes(b.turn), strict=True)))
+                change = Turn(*(y - x for x, y in zip(turn_angles(a.turn), turn_angles(b.turn), strict=True)))
                 assert pace.least_turn_time(chain, change) <= HASTE * (b.time - a.time) + 1e-6
     assert 0.0 < turn_at(found.torso, 0.1).tilt < LEAN.tilt
 
@@ -137,7 +137,7 @@ def test_a_robot_does_what_it_has_parts_for(timeline, context, robot, limits, ph
     move = found.bodies["g"]
     assert (move.head, move.nod, move.trunk, move.gave_way) == (UPRIGHT, 0.0, UPRIGHT, ())
     assert move.shoulders > 0.0
-    assert {axes(turn) for frame in found.frames for turn in (frame.head, frame.torso)} == {axes(UPRIGHT)}
+    assert {turn_angles(turn) for frame in found.frames for turn in (frame.head, frame.torso)} == {turn_angles(UPRIGHT)}
 
 
 def test_pointing_at_something_turns_eyes_head_and_trunk_to_it(perform, phases):

@@ -59,7 +59,7 @@ class Expression:
     left_out: tuple[str, ...] = ()  # words of the others that mean nothing here
 
 
-def expression(face: Face, *, path: Path = EXPRESSIONS) -> Expression:
+def find_expression(face: Face, *, path: Path = EXPRESSIONS) -> Expression:
     """Finds what a face behaviour shows.
 
     A lexeme is taken apart into words; the expression counts that most of them speak of, and what is negated is none.

@@ -15,7 +15,7 @@ from kinesic.body.action_units import unknown_unit
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import NO_FACE
 from kinesic.body.utterance import Utterance
-from kinesic.expressivity.face.expressions import BRIDGED, Envelope, Expression, expression
+from kinesic.expressivity.face.expressions import BRIDGED, Envelope, Expression, find_expression
 from kinesic.expressivity.face.eyes import AHEAD, Eyes, blink_times, blinking, flitting, gaze_units, looking, meeting
 from kinesic.expressivity.face.visemes import SEAL, visemes
 from kinesic.expressivity.keyframes import BodyMove, Outcome
@@ -96,7 +96,7 @@ def outcome(action: Face) -> Outcome:
     """Says what becomes of a face behaviour; of several lexemes those that are known are shown."""
     if action.action_unit is None and not action.lexemes:
         return Outcome("dropped", "it names neither a lexeme nor an action unit")
-    shown = expression(action)
+    shown = find_expression(action)
     if not shown.unknown and not shown.left_out:
         return Outcome("realised")
     if action.action_unit is not None:
@@ -146,7 +146,7 @@ def _expressions(
 def _showings(timeline: Timeline, styles: Mapping[str, Style], *, shift: bool) -> list[_Showing]:
     """Lists the expressions that stay, or those that do not, in order of their starts."""
     found = [
-        _Showing(Envelope.of(timed.times, stays=shift), expression(action), styles[timed.behaviour.id].face)
+        _Showing(Envelope.of(timed.times, stays=shift), find_expression(action), styles[timed.behaviour.id].face)
         for timed in timeline.timed
         if isinstance(action := timed.behaviour.action, Face) and action.shift == shift
     ]
@@ -161,7 +161,7 @@ def _beside_gestures(
         id, times = timed.behaviour.id, timed.times
         for lexeme, amount in bodies[id].face if id in bodies else ():
             envelope = Envelope.of({**times, "attackPeak": times["stroke"]})
-            yield _Showing(envelope, expression(Face((lexeme,), amount=amount)), styles[id].face)
+            yield _Showing(envelope, find_expression(Face((lexeme,), amount=amount)), styles[id].face)
 
 
 def _bridge(showings: Sequence[_Showing]) -> list[_Showing]:

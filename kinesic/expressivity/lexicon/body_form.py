@@ -6,7 +6,7 @@ from math import degrees
 from typing import Literal
 
 from kinesic.expressivity.keyframes import Turn
-from kinesic.expressivity.turns import UPRIGHT, axes, scale_turn
+from kinesic.expressivity.turns import UPRIGHT, scale_turn, turn_angles
 
 LookAt = Literal["ahead", "hands", "place", "away"]  # the listener; the own hands; where they point; beyond the head
 
@@ -75,7 +75,7 @@ NO_BODY = BodyForm()  # the hands alone
 
 def _named(part: str, turn: Turn) -> dict[str, float]:
     ways = (("left", "right"), ("down", "up") if part == "head" else ("forward", "back"), ("aside right", "aside left"))
-    angles = zip(axes(turn), ways, strict=True)
+    angles = zip(turn_angles(turn), ways, strict=True)
     return {f"{part} {plus if angle > 0 else minus}": abs(angle) for angle, (plus, minus) in angles}
 
 

@@ -7,7 +7,7 @@ import msgspec
 
 from kinesic.bml.block import Face
 from kinesic.body.config import suggestion
-from kinesic.expressivity.face.expressions import expression
+from kinesic.expressivity.face.expressions import find_expression
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.lexicon.body_form import BodyForm, LookAt
 
@@ -87,6 +87,6 @@ def _share(name: str, written: float) -> float:
 
 
 def _expressed(lexeme: str, amount: float) -> float:
-    if expression(Face((lexeme,))).unknown:
+    if find_expression(Face((lexeme,))).unknown:
         raise ValueError(f"body: no expression for {lexeme}{suggestion(lexeme, ['smile', 'raise_brows', 'sad'])}")
     return _share(f"face.{lexeme}", amount)

@@ -9,7 +9,7 @@ from kinesic.body.arrays import Floats, Indices, sealed
 from kinesic.body.limits import Limits
 from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.expressivity.keyframes import Turn
-from kinesic.expressivity.turns import AXES, MERGE, add_turns, axes, scale_turn
+from kinesic.expressivity.turns import AXES, MERGE, add_turns, scale_turn, turn_angles
 from kinesic.motion.double_s import least_rest_times
 
 COMFORT = 1.3  # natural time of a turn over the shortest that the servos can do
@@ -81,7 +81,7 @@ def _turning(robot: Robot, limits: Limits, chain: str) -> _Turning:
 @lru_cache(maxsize=256)  # a movement is asked for by its durations, its layers and what goes along with it
 def _least_turn_time(robot: Robot, limits: Limits, chain: str, turn: Turn) -> float:
     turning = _turning(robot, limits, chain)
-    turned = np.array(axes(turn))[turning.axes] * turning.room / turning.all_room
+    turned = np.array(turn_angles(turn))[turning.axes] * turning.room / turning.all_room
     return float(least_rest_times(turned, turning.limits).max(initial=0.0))
 
 

@@ -6,7 +6,15 @@ import pytest
 from kinesic.bml.block import Face
 from kinesic.body.action_units import CHANNELS, UNITS, channels
 from kinesic.body.config import ConfigError
-from kinesic.expressivity.face.expressions import FADING, OVERSHOOT, QUICKEST, WIDEST, Envelope, entries, expression
+from kinesic.expressivity.face.expressions import (
+    FADING,
+    OVERSHOOT,
+    QUICKEST,
+    WIDEST,
+    Envelope,
+    entries,
+    find_expression,
+)
 from kinesic.expressivity.face.tracks import outcome
 from kinesic.expressivity.keyframes import Outcome
 from kinesic.expressivity.style.style import Expressivity
@@ -42,7 +50,7 @@ TIMES = {"start": 1.0, "attackPeak": 1.5, "relax": 2.0, "end": 3.0}
 
 
 def shown(lexeme: str, amount: float = 1.0) -> dict[str, float]:
-    return dict(expression(Face((lexeme,), amount=amount)).units)
+    return dict(find_expression(Face((lexeme,), amount=amount)).units)
 
 
 @pytest.mark.parametrize("lexeme", CORE)
@@ -93,14 +101,14 @@ def test_the_amount_is_the_intensity_and_eyes_close_at_half_of_it():
 
 
 def test_units_are_shown_by_number():
-    assert expression(Face(action_unit=12, side="left", amount=0.4)).units == {"L12": 0.4}
-    assert expression(Face(action_unit=12, amount=0.4)).units == {"L12": 0.4, "R12": 0.4}
-    assert expression(Face(action_unit=26, side="left", amount=0.4)).units == {"26": 0.4}
-    assert expression(Face(action_unit=99)).unknown == ("99",)
+    assert find_expression(Face(action_unit=12, side="left", amount=0.4)).units == {"L12": 0.4}
+    assert find_expression(Face(action_unit=12, amount=0.4)).units == {"L12": 0.4, "R12": 0.4}
+    assert find_expression(Face(action_unit=26, side="left", amount=0.4)).units == {"26": 0.4}
+    assert find_expression(Face(action_unit=99)).unknown == ("99",)
 
 
 def test_of_several_lexemes_the_stronger_counts_and_unknown_ones_are_named():
-    found = expression(Face(("smile", "joy", "Qwrtz"), amount=1.0))
+    found = find_expression(Face(("smile", "joy", "Qwrtz"), amount=1.0))
     assert found.units["L12"] == max(shown("smile")["L12"], shown("joy")["L12"])
     assert found.unknown == ("Qwrtz",)
 
@@ -108,20 +116,20 @@ def test_of_several_lexemes_the_stronger_counts_and_unknown_ones_are_named():
 def test_every_entry_is_found_by_its_own_words():
     for entry in entries():
         assert shown("_".join(entry.words)) is not None
-        assert all(expression(Face((word,))).unknown == () for word in entry.words)
+        assert all(find_expression(Face((word,))).unknown == () for word in entry.words)
         assert set(shown(entry.words[0])) <= set(CHANNELS)
 
 
 def test_a_file_of_ones_own_is_checked(tmp_path: Path):
     path = tmp_path / "mine.toml"
     path.write_text('[[expression]]\nwords = ["zap"]\nsays = "zap"\nunits = { 12 = 0.5 }\n', encoding="utf-8")
-    assert expression(Face(("zap",), amount=1.0), path=path).units == {"L12": 0.5, "R12": 0.5}
+    assert find_expression(Face(("zap",), amount=1.0), path=path).units == {"L12": 0.5, "R12": 0.5}
     assert 3 not in UNITS
     for wrong, why in (("3 = 1.0", "no action unit 3; known"), ("12 = -0.5", "must be at least 0")):
         other = tmp_path / f"{wrong[0]}.toml"
         other.write_text(f'[[expression]]\nwords = ["zap"]\nsays = "zap"\nunits = {{ {wrong} }}\n', encoding="utf-8")
         with pytest.raises(ConfigError, match=why):
-            expression(Face(("zap",)), path=other)
+            find_expression(Face(("zap",)), path=other)
 
 
 def test_it_is_at_its_peak_from_attack_peak_to_relax_and_nothing_outside():
@@ -185,10 +193,10 @@ def test_a_jerky_face_begins_abruptly():
 
 @pytest.mark.parametrize("lexeme", ["not_happy", "no_smile", "never_angry", "open_door", "happ", "smile " * 100])
 def test_what_is_negated_or_only_looks_like_an_expression_is_none(lexeme: str):
-    assert expression(Face((lexeme,))).unknown == (lexeme,)
+    assert find_expression(Face((lexeme,))).unknown == (lexeme,)
 
 
 def test_a_word_that_no_expression_shows_is_said():
-    assert expression(Face(("nice_smile",))).left_out == ("nice",)
+    assert find_expression(Face(("nice_smile",))).left_out == ("nice",)
     assert outcome(Face(("nice_smile",))) == Outcome("substituted", '"nice" is left out')
     assert outcome(Face(("very_big_smile",))) == Outcome("realised")

@@ -17,7 +17,7 @@ from kinesic.expressivity.lexicon.lexicon import Lexicon, mirror_form
 from kinesic.expressivity.realise import keyframes
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import Style, style_preset
-from kinesic.expressivity.turns import axes
+from kinesic.expressivity.turns import turn_angles
 
 from ...examples import examples
 from ...performances import LIMITS, ROBOT
@@ -96,7 +96,7 @@ def test_a_mirrored_gesture_has_a_mirrored_body(name, spans_, style):
     for a, b in zip(right.frames, left.frames, strict=True):
         for here, there in ((a.head, b.head), (a.torso, b.torso)):
             mirrored = Turn(-there.torsion, there.tilt, -there.roll)
-            assert axes(here) == pytest.approx(axes(mirrored), abs=1e-9)
+            assert turn_angles(here) == pytest.approx(turn_angles(mirrored), abs=1e-9)
         for side, hand in a.hands.items():
             assert b.hands[OTHER_SIDE[side]].lift == pytest.approx(hand.lift)
 
@@ -120,6 +120,6 @@ def test_a_head_that_the_document_moves_does_just_that(name, spans_, nodding, st
 @given(names, spans, styles)
 def test_it_stays_inside_the_ranges_and_comes_home(name, spans_, style):
     found = performed(timed("g", Gesture(name), spans_), style=style)
-    assert axes(found.frames[0].head) == axes(found.frames[-1].head) == (0.0, 0.0, 0.0)
+    assert turn_angles(found.frames[0].head) == turn_angles(found.frames[-1].head) == (0.0, 0.0, 0.0)
     if not LEXICON.forms_by_id[name].rest:
         assert all(hand.lift == 0.0 for hand in found.frames[-1].hands.values())
