@@ -66,7 +66,7 @@ def cross_over(
     return None if found is None else np.concatenate([own[: leave + 3], found[3:-3], after[land:]])
 
 
-def together(ways: Iterable[Floats | None]) -> Floats | None:
+def join_columns(ways: Iterable[Floats | None]) -> Floats | None:
     """Joins the ways of several hinges as columns; None as soon as one has none, or where there are no hinges."""
     found: list[Floats] = []
     for way in ways:

@@ -86,7 +86,7 @@ def _resting(times: Floats, keys: Keys) -> DesiredMotion:
 
 
 def _rest_times(keys: Keys, limits: Limits) -> Gaps:
-    """The `duration` of every hinge from each of its keys to the next."""
+    """The `quintic_duration` of every hinge from each of its keys to the next."""
     found, every = dict[Way, float](), [_Hinge.of(limits, hinge) for hinge in range(len(limits.lower))]
     for hinge, own in enumerate(keys.own):
         angles = keys.angles[own, hinge].tolist()
@@ -95,7 +95,7 @@ def _rest_times(keys: Keys, limits: Limits) -> Gaps:
     return found
 
 
-def duration(way: float, limits: Limits, hinge: int) -> float:
+def quintic_duration(way: float, limits: Limits, hinge: int) -> float:
     """Computes the time [s] of a quintic from rest to rest over a way [rad], within all limits of a hinge.
 
     Its duty is bounded by that of its greatest speed and its greatest acceleration together.

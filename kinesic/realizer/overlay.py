@@ -16,7 +16,7 @@ from kinesic.body.limits import Limits
 from kinesic.motion.easing import minimum_jerk
 from kinesic.motion.trajectory import EARLY, STEP
 from kinesic.motion.transition import LEAST, SAME, cross_over, keep_limits, largest_shares, lengthen
-from kinesic.planning.quick_plan import duration
+from kinesic.planning.quick_plan import quintic_duration
 from kinesic.planning.setup import Setup
 from kinesic.realizer.occupancy import ARMS, MergeFailure, Occupancy, Overlay, Role, arm_hinges
 
@@ -103,7 +103,7 @@ def _turns(each: Occupancy, work: Overlay, limits: Limits) -> Iterator[_Turn]:
     for role in each.roles - set(ARMS):
         offset = next((other.offset for other in work.holding if role in other.roles and other.end <= each.begin), None)
         if offset is not None:
-            least = EASE * max(duration(float(way), limits, hinge) for hinge, way in enumerate(offset))
+            least = EASE * max(quintic_duration(float(way), limits, hinge) for hinge, way in enumerate(offset))
             gone, end = max(each.ready, each.begin + least), np.inf if each.stays else each.end
             yield _Turn(offset, each.begin, gone, min(each.relax, each.end - least), end)
 

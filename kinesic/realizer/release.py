@@ -13,16 +13,16 @@ from kinesic.motion.trajectory import STEP, Trajectory
 from kinesic.motion.transition import (
     LEAST,
     cross_over,
+    join_columns,
     keep_limits,
     knot_at,
     largest_shares,
     lengthen,
     roomy,
     shorten,
-    together,
 )
 from kinesic.planning.clearance import LEAST_RESERVE, scan_clearance
-from kinesic.planning.quick_plan import duration
+from kinesic.planning.quick_plan import quintic_duration
 from kinesic.planning.setup import Setup
 from kinesic.realizer.occupancy import ARMS, Occupancy, arm_hinges
 
@@ -79,7 +79,7 @@ def _from(
         count = max(len(after), knot + pieces + LEAST)
         whole, goal = np.array(lengthen(own, count)), lengthen(after, count)
         land = knot + pieces
-        found = together(cross_over(whole[:, hinge], goal[:, hinge], (knot, land), limits, hinge) for hinge in free)
+        found = join_columns(cross_over(whole[:, hinge], goal[:, hinge], (knot, land), limits, hinge) for hinge in free)
         if found is not None:
             back = np.array(whole)
             back[:, free] = found
@@ -95,7 +95,7 @@ def _least(own: Floats, after: Floats, knot: int, limits: Limits) -> Floats:
     ways = np.abs(begin - after[knot : knot + LEAST]).max(axis=0)
     speed, acceleration = (begin[2] - begin[0]) / (2 * STEP), (begin[0] - 2 * begin[1] + begin[2]) / STEP**2
     stops = least_stop(speed, acceleration, limits.acceleration, limits.jerk)
-    return np.maximum(stops, [duration(float(way), limits, hinge) for hinge, way in enumerate(ways)])
+    return np.maximum(stops, [quintic_duration(float(way), limits, hinge) for hinge, way in enumerate(ways)])
 
 
 def _without(own: Floats, layer: Trajectory | None, robot: Robot) -> Floats:
@@ -118,7 +118,7 @@ def _take_up(back: Floats, own: Floats, knot: int, others: Sequence[Occupancy], 
             continue
         leave, land = max(knot, int(stop.begin / STEP)), int(stop.ready / STEP)
         hinges = arm_hinges(role, setup.robot)
-        ways = together(cross_over(back[:, hinge], own[:, hinge], (leave, land), limits, hinge) for hinge in hinges)
+        ways = join_columns(cross_over(back[:, hinge], own[:, hinge], (leave, land), limits, hinge) for hinge in hinges)
         back[:, hinges] = own[:, hinges] if ways is None else ways
 
 

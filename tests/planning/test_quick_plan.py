@@ -7,7 +7,7 @@ from kinesic.bml.parse import parse
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.limit_check import check_limits
-from kinesic.planning.quick_plan import duration, plan_quickly
+from kinesic.planning.quick_plan import plan_quickly, quintic_duration
 
 from ..passage import passage_text
 
@@ -28,14 +28,14 @@ def largest(trajectory, limits) -> float:
 def test_a_quintic_of_its_duration_keeps_every_limit():
     s = np.linspace(0, 1, 2001)
     for way in (0.001, 0.03, 0.4, 3.9):
-        t = duration(way, LIMITS, 0)
+        t = quintic_duration(way, LIMITS, 0)
         speed = way / t * 30 * (s**2 - 2 * s**3 + s**4)
         acceleration = way / t**2 * (60 * s - 180 * s**2 + 120 * s**3)
         jerk = way / t**3 * (60 - 360 * s + 360 * s**2)
         duty = LIMITS.inertial * acceleration + LIMITS.viscous * speed
         for values, limit in ((speed, 4), (acceleration, 40), (jerk, 1e3), (duty, 0.7)):
             assert np.abs(values).max() <= limit
-    assert duration(0.0, LIMITS, 0) == 0.0
+    assert quintic_duration(0.0, LIMITS, 0) == 0.0
 
 
 def test_the_opening_is_certified_and_begins_with_the_block(slow, known):
