@@ -88,7 +88,7 @@ def composition_of(about: BehaviourElement, root: Element, reading: DocumentRead
     )
 
 
-def awaited(block: Block, present: Mapping[str, BlockState]) -> dict[str, Until]:
+def required_before(block: Block, present: Mapping[str, BlockState]) -> dict[str, Until]:
     """Lists what must come of which other blocks before a block begins.
 
     APPEND without ids waits for all that were sent before, those left aside that nobody has activated.

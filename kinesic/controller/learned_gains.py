@@ -78,7 +78,8 @@ class Lesson:
             return f"nothing learned: {self.why}"
         before, after = np.degrees([self.before, self.after])
         bound = "; further off than is believed: fit the servos (kinesic twin fit)" if self.bounded else ""
-        return f"learned: {describe(self.believed)}; the twin's error fell from {before:.2f} to {after:.2f} deg{bound}"
+        fell = f"the twin's error fell from {before:.2f} to {after:.2f} deg{bound}"
+        return f"learned: {describe_belief(self.believed)}; {fell}"
 
 
 def soften(robot: Robot, believed: Factors) -> Robot:
@@ -97,7 +98,7 @@ def _models(robot: Robot) -> tuple[str, ...]:
     return tuple(dict.fromkeys(drive.servo.name for drive in robot.drives))
 
 
-def describe(believed: Factors) -> str:
+def describe_belief(believed: Factors) -> str:
     """Says in a few words how servos are believed to be, as shares of their data sheets' figures."""
     rows = {name: _shares(own) for name, own in sorted(believed.servos.items())} or {"all servos": _shares(believed)}
     if len(set(rows.values())) == 1:

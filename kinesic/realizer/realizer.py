@@ -8,7 +8,7 @@ from dataclasses import replace
 from functools import partial
 
 from kinesic.bml.block import Activate, BlockCommand, Interrupt, Notice, NoticeType, ParameterChange, modality_of
-from kinesic.bml.composition import BlockState, awaited, waiting_blocks, waits_for_itself
+from kinesic.bml.composition import BlockState, required_before, waiting_blocks, waits_for_itself
 from kinesic.bml.feedback import warning
 from kinesic.planning.certify import certify
 from kinesic.planning.plan import plan_block
@@ -80,7 +80,7 @@ def begin(scene: Scene, prepared: PreparedBlock, now: float) -> Scene:
     if refusal is not None:
         text = warning(Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, block.id, refusal), character=block.character)
         return scene.say(ScheduledFeedback(now, text, prepared.request.sender))
-    waits = awaited(block, scene.states)
+    waits = required_before(block, scene.states)
     state = BlockState.PENDING if block.succession.preplanned else BlockState.LURKING
     running = RunningBlock.of(prepared, state, waits)
     running = replace(running, zero=max(now + scene.ahead, scene.earliest_start(running)) + running.lead)

@@ -22,7 +22,7 @@ from kinesic.bml.block import (
     SyncRef,
     Timeline,
 )
-from kinesic.bml.composition import BlockState, awaited
+from kinesic.bml.composition import BlockState, required_before
 from kinesic.bml.feedback import prediction, warning
 from kinesic.bml.parse import UNNAMED, parse
 from kinesic.bml.schedule import schedule
@@ -60,7 +60,7 @@ class SceneContext:
         """When a block will begin [s], as far as is known before it is planned."""
         waits = [
             (self.relaxes if until == "relax" else self.ends).get(id, self.now)
-            for id, until in awaited(block, self.states).items()
+            for id, until in required_before(block, self.states).items()
         ]
         return max([self.now + (LEAD if refers_elsewhere(block) else 0.0), *waits])
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from math import degrees
 from typing import TYPE_CHECKING
 
-from kinesic.controller.learned_gains import Lesson, describe
+from kinesic.controller.learned_gains import Lesson, describe_belief
 from kinesic.sim.servo_factors import NOMINAL, Factors
 
 if TYPE_CHECKING:
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 def lead(believed: Factors) -> dict[str, "Json"]:
     """Says how servos are believed to be, by which goals lead: P gains as shares of the data sheets', and the delay."""
     gains: dict[str, Json] = {name: own.gain for name, own in believed.servos.items()}
-    said = "as data sheets say" if believed == NOMINAL else describe(believed)
+    said = "as data sheets say" if believed == NOMINAL else describe_belief(believed)
     return {"gain": gains or believed.gain, "latency_s": believed.latency, "text": said}
 
 

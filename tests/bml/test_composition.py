@@ -14,7 +14,7 @@ from kinesic.bml.block import (
     NoticeType,
     ParameterChange,
 )
-from kinesic.bml.composition import BlockState, awaited, waiting_blocks, waits_for_itself
+from kinesic.bml.composition import BlockState, required_before, waiting_blocks, waits_for_itself
 from kinesic.bml.parse import parse
 from kinesic.bml.schedule import schedule
 
@@ -127,7 +127,7 @@ PRESENT = {"a": BlockState.IN_EXEC, "p": BlockState.PENDING, "l": BlockState.LUR
     ],
 )
 def test_what_a_block_waits_for(written: str, waits: dict[str, str]) -> None:
-    assert awaited(block(written), PRESENT) == waits
+    assert required_before(block(written), PRESENT) == waits
 
 
 def test_only_blocks_that_wait_are_held_back() -> None:

@@ -45,7 +45,7 @@ class ClearanceWatch:
         return self.near or self.crept >= PATIENCE
 
 
-def look(
+def look_ahead(
     watch: ClearanceWatch, coming: Floats, strayed: Floats, distances: Distances, *, least: float
 ) -> ClearanceWatch:
     """Looks ahead, once in `LOOK` seconds.

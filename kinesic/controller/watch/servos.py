@@ -14,7 +14,7 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import Command
 from kinesic.body.dynamics import Distances
-from kinesic.controller.watch.clearance import LOOK, ClearanceWatch, coming_times, look
+from kinesic.controller.watch.clearance import LOOK, ClearanceWatch, coming_times, look_ahead
 from kinesic.hardware.supervisor.channel import Status
 
 KEPT = 100  # cycles whose time is remembered: a second, longer than any position is believed
@@ -110,7 +110,7 @@ class ServoWatch:
     def _look(self, status: Status) -> None:
         strayed = np.where(status.clock - self._taken <= FRESH, self._strayed, np.nan)
         coming = self._reference(coming_times(status.time, np.inf))
-        self.watch = look(self.watch, coming, sealed(strayed), self._distances, least=self._least)
+        self.watch = look_ahead(self.watch, coming, sealed(strayed), self._distances, least=self._least)
 
     def _forget(self) -> None:
         """Begins anew: servos that stood, or moved to somewhere else, tell nothing of what comes."""

@@ -11,7 +11,7 @@ from kinesic.controller.feedforward import FeedForward
 from kinesic.controller.observer import Observer
 from kinesic.controller.observer_stream import InputStream
 from kinesic.controller.play import command_times
-from kinesic.controller.watch.clearance import LOOK, ClearanceWatch, coming_times, look
+from kinesic.controller.watch.clearance import LOOK, ClearanceWatch, coming_times, look_ahead
 from kinesic.hardware.supervisor.player import DONE, TimeScale, advance_time
 from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.plan import Plan
@@ -77,7 +77,7 @@ def perform_watched(plan: Plan, twin: Twin, feedforward: FeedForward, observer: 
         strayed = twin.positions() - angles
         if len(times) % TICKS == 0:
             coming = plan.trajectory.sample(coming_times(clock.time, end))[0]
-            watch = look(watch, coming, strayed, setup.distances, least=setup.robot.least_clearance)
+            watch = look_ahead(watch, coming, strayed, setup.distances, least=setup.robot.least_clearance)
         times.append(clock.time)
         duties.append(led.duties[0])
         paces.append(clock.scale)

@@ -6,7 +6,7 @@ from statistics import median
 
 import numpy as np
 
-from kinesic.controller.learned_gains import describe
+from kinesic.controller.learned_gains import describe_belief
 from kinesic.controller.performance import Performance
 from kinesic.controller.smoothness import visible_jerk
 from kinesic.planning.syncs import SHIFT_TO_WARN
@@ -135,7 +135,9 @@ def _restoring(performance: Performance) -> list[Check]:
     if performance.restoring == 1.0:
         return []
     return [
-        Check.of("tracking.restoring", performance.restoring, 1.0, f"more swings: {describe(performance.believed)}")
+        Check.of(
+            "tracking.restoring", performance.restoring, 1.0, f"more swings: {describe_belief(performance.believed)}"
+        )
     ]
 
 

@@ -17,7 +17,7 @@ from kinesic.controller.watch.clearance import (
     ClearanceWatch,
     coming_times,
     foresee,
-    look,
+    look_ahead,
     pace_for,
 )
 
@@ -41,7 +41,7 @@ WALL = Wall()
 
 
 def seen(watch: ClearanceWatch, *coming: float, strayed: float) -> ClearanceWatch:
-    return look(watch, np.array(coming)[:, None], np.array([strayed]), WALL, least=LEAST)
+    return look_ahead(watch, np.array(coming)[:, None], np.array([strayed]), WALL, least=LEAST)
 
 
 def test_with_ample_room_time_runs_as_planned():
