@@ -13,7 +13,7 @@ from kinesic.intent.reading.language import load_language
 from kinesic.intent.reading.passage import SPEECH, Passage
 from kinesic.intent.reading.text import find_intents
 from kinesic.intent.reading.words import read_text
-from kinesic.intent.writing import write_text
+from kinesic.intent.writing import write_block
 
 EARLY = 2.5  # [s] from the first word, until which a hand may have to hurry
 SET_OUT = 0.4  # [s] by which it sets out before that word at the earliest, so that the voice waits no longer
@@ -49,7 +49,7 @@ def author(
         ConfigError: there are no rules for the language, or what shall parse it is missing.
     """
     passage, selection = plan_behaviours(text, lexicon, style, language=language, grammar=grammar, sets=sets, seed=seed)
-    return write_text(passage, selection.behaviours, block=block)
+    return write_block(passage, selection.behaviours, block=block)
 
 
 def plan_behaviours(
@@ -70,7 +70,7 @@ def plan_behaviours(
         intents = tuple(replace(each, style="") for each in intents)
     budget = budget_of(len(passage.words), style)
     found = choose_behaviours(intents, sets or own_sets(), budget, seed=seed, reachable=reachable)
-    return passage, replace(found, behaviours=tuple(map(hurry, found.behaviours)))
+    return passage, replace(found, behaviours=tuple(map(hurry_first_gesture, found.behaviours)))
 
 
 def reachable(intent: Intent, since: float = 0.0) -> Intent:
@@ -84,7 +84,7 @@ def reachable(intent: Intent, since: float = 0.0) -> Intent:
     return replace(intent, stroke=intent.stroke.later(max(least - intent.stroke.seconds, 0.0)))
 
 
-def hurry(each: ChosenBehaviour, since: float = 0.0) -> ChosenBehaviour:
+def hurry_first_gesture(each: ChosenBehaviour, since: float = 0.0) -> ChosenBehaviour:
     """Has the first gesture not hold the voice up: its hand sets out just before the first word."""
     if each.channel != "gesture" or each.intent.stroke.seconds > since + EARLY:
         return each

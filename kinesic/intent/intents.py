@@ -12,7 +12,7 @@ class Moment:
 
     def later(self, seconds: float) -> "Moment":
         """Returns the moment so many seconds later, or earlier."""
-        return Moment(shift(self, seconds), self.seconds + seconds)
+        return Moment(shift_reference(self, seconds), self.seconds + seconds)
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Intent:
     strength: float = 1.0  # 0..1 of how much its face and head show it
 
 
-def shift(moment: Moment, seconds: float) -> str:
+def shift_reference(moment: Moment, seconds: float) -> str:
     """Writes the reference of a moment so many seconds later, or earlier; never before the block."""
     reference, offset = split_reference(moment.reference)
     later = (offset or 0.0) + seconds

@@ -8,16 +8,16 @@ from functools import partial
 from kinesic.body.choices import GrammarName
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.style import Style
-from kinesic.intent.author import PLAIN, hurry, reachable
+from kinesic.intent.author import PLAIN, hurry_first_gesture, reachable
 from kinesic.intent.behaviour_sets import BehaviourSets
 from kinesic.intent.budget import budget_of
 from kinesic.intent.choosing import ChosenBehaviour, Earlier, choose_behaviours
 from kinesic.intent.intents import Intent, Moment
 from kinesic.intent.reading.language import Language
-from kinesic.intent.reading.passage import Passage, duration
+from kinesic.intent.reading.passage import Passage, word_duration
 from kinesic.intent.reading.text import find_intents
 from kinesic.intent.reading.words import read_text
-from kinesic.intent.writing import name_behaviours, write_text
+from kinesic.intent.writing import name_behaviours, write_block
 
 SETTLED = 0.12  # [s] without further words after which the last one is whole, and punctuation ends a phrase
 SILENT = 2.0  # [s] after which what has come is said as it is
@@ -59,8 +59,8 @@ class Part:
         return " ".join(self.passage.words[k].text for k in self.words)
 
     def write(self, block: str, start: str = "") -> str:
-        """Writes its BML; see `write_text`."""
-        return write_text(self.passage, self.behaviours, block=block, words=self.words, start=start)
+        """Writes its BML; see `write_block`."""
+        return write_block(self.passage, self.behaviours, block=block, words=self.words, start=start)
 
 
 def hear(talk: Talk, text: str, *, ends: bool = False, instead: bool = False) -> Talk:
@@ -130,7 +130,7 @@ def next_part(
     since = passage.starts[words.start]
     seed, soonest = seed + talk.parts, partial(reachable, since=since)
     found = choose_behaviours(intents, sets, budget, seed=seed, since=since, earlier=earlier, reachable=soonest)
-    behaviours = tuple(hurry(each, since) for each in found.behaviours)
+    behaviours = tuple(hurry_first_gesture(each, since) for each in found.behaviours)
     replaced = frozenset(id for id, each in talk.shown if each in found.replaced)
     gestures = sum(each.channel == "gesture" for each in found.behaviours)
     gestures -= sum(each.channel == "gesture" for each in found.replaced)
@@ -173,7 +173,7 @@ def _forget_sentences(talk: Talk, language: Language, quiet: float) -> tuple[Tal
     words, said = passage.words, talk.said
     if not 0 < said < len(words):
         return talk, passage, 0.0
-    gap = passage.starts[said] - passage.starts[said - 1] - duration(words[said - 1])
+    gap = passage.starts[said] - passage.starts[said - 1] - word_duration(words[said - 1])
     if words[said].sentence == words[said - 1].sentence and said < CONTEXT:
         return talk, passage, gap
     between = re.compile(rf"(?:{language.emoticon}|[^\w*_<])*")

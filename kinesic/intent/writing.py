@@ -6,7 +6,7 @@ from itertools import count
 
 from kinesic.intent.behaviour_sets import DIRECTIONS, Channel
 from kinesic.intent.choosing import ChosenBehaviour
-from kinesic.intent.intents import shift
+from kinesic.intent.intents import shift_reference
 from kinesic.intent.markup import escape, quote
 from kinesic.intent.reading.passage import SPEECH, Passage, mark
 
@@ -25,7 +25,7 @@ LINE = 100  # letters of a line of speech, about
 _USED = re.compile(rf'{SPEECH}:(\w+)["+-]')  # a sync point of the speech that a behaviour is tied to
 
 
-def write_text(
+def write_block(
     passage: Passage,
     behaviours: Sequence[ChosenBehaviour],
     *,
@@ -81,13 +81,13 @@ def _element(each: ChosenBehaviour, id: str) -> str:
     match each.channel:
         case "gesture" if intent.target:
             name = "pointing"
-            written |= {"target": intent.target, "stroke": shift(intent.stroke, 0.0)}
+            written |= {"target": intent.target, "stroke": shift_reference(intent.stroke, 0.0)}
         case "gesture":
             name = "gesture"
-            written |= {"lexeme": each.lexeme, "stroke": shift(intent.stroke, 0.0)}
+            written |= {"lexeme": each.lexeme, "stroke": shift_reference(intent.stroke, 0.0)}
         case "head" if each.lexeme in ("NOD", "SHAKE"):
             name = "head"
-            written |= {"lexeme": each.lexeme, **_numbers(each), "stroke": shift(intent.stroke, 0.0)}
+            written |= {"lexeme": each.lexeme, **_numbers(each), "stroke": shift_reference(intent.stroke, 0.0)}
         case "head":
             name = "head"
             written |= {"lexeme": each.lexeme, **_numbers(each), **_span(each, LEAST_TILT)}
@@ -120,8 +120,8 @@ def _span(each: ChosenBehaviour, least: float) -> dict[str, str]:
     start, end = each.intent.start, each.intent.end
     seconds = max(end.seconds - start.seconds, least)
     if seconds == end.seconds - start.seconds:
-        return {"start": shift(start, -SOON), "end": shift(end, 0.0)}
-    return {"start": shift(start, -SOON), "end": shift(start, seconds - SOON)}
+        return {"start": shift_reference(start, -SOON), "end": shift_reference(end, 0.0)}
+    return {"start": shift_reference(start, -SOON), "end": shift_reference(start, seconds - SOON)}
 
 
 def _look(each: ChosenBehaviour) -> dict[str, str]:

@@ -6,7 +6,7 @@ import pytest
 from kinesic.bml.parse import parse
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.style import Style
-from kinesic.intent.author import EARLY, GREETED, REACHED, SET_OUT, author, hurry, plan_behaviours
+from kinesic.intent.author import EARLY, GREETED, REACHED, SET_OUT, author, hurry_first_gesture, plan_behaviours
 from kinesic.intent.behaviour_sets import own_sets
 from kinesic.intent.budget import GAPS, MovementBudget
 from kinesic.intent.choosing import ChosenBehaviour, choose_behaviours
@@ -136,7 +136,7 @@ def test_the_voice_hardly_waits_for_the_first_gesture(lexicon):
     denial = next(each for each in chosen("No, I did not say it!", lexicon) if each.channel == "gesture")
     assert denial.intent.stroke.seconds >= REACHED - 0.01
     late = replace(gesture, begin="", intent=replace(gesture.intent, stroke=Moment("s:w9", EARLY + 1.0)))
-    assert hurry(late) == late
+    assert hurry_first_gesture(late) == late
 
 
 def test_gestures_are_spread_over_a_text_where_its_end_is_as_sure_as_its_beginning(lexicon):

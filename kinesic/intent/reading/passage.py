@@ -70,7 +70,7 @@ class Passage:
                 now += COMMA
             now += word.pause
             times.append(now)
-            now += duration(word)
+            now += word_duration(word)
         return (*times, now)
 
     def onset(self, index: int) -> Moment:
@@ -85,7 +85,7 @@ class Passage:
     def close(self, index: int) -> Moment:
         """The moment when a word has been said."""
         word = self.words[index]
-        return Moment(f"{SPEECH}:{mark(index)}+{duration(word):.2f}", self.starts[index] + duration(word))
+        return Moment(f"{SPEECH}:{mark(index)}+{word_duration(word):.2f}", self.starts[index] + word_duration(word))
 
 
 def _grouped(numbers: Iterable[int], count: int) -> tuple[Sequence[int], ...]:
@@ -96,7 +96,7 @@ def _grouped(numbers: Iterable[int], count: int) -> tuple[Sequence[int], ...]:
     return tuple(groups)
 
 
-def duration(word: Word) -> float:
+def word_duration(word: Word) -> float:
     """Estimates how long a word takes to say [s]."""
     return WORD + SYLLABLE * count_syllables(word.plain)
 

@@ -17,7 +17,7 @@ from kinesic.planning.setup import Setup
 from kinesic.report.report import Json
 from kinesic.report.scene import pack_rows
 from kinesic.studies.gesture_perception.design import StimulusVersion
-from kinesic.studies.gestures.isolated import document
+from kinesic.studies.gestures.isolated import write_document
 
 RATE = 50.0  # [Hz] of the motions
 SEEN = radians(1.0)  # that some hinge must differ by, sometime, before anybody can compare
@@ -49,7 +49,7 @@ class Pair:
 def gesture_documents(gestures: Iterable[str], lexicon: Lexicon) -> dict[str, str]:
     """Writes BML that asks for each gesture alone, by its id."""
     forms = {gesture: lexicon.forms_by_id[gesture] for gesture in gestures}
-    return {gesture: document(f"{form.category}={form.id}") for gesture, form in forms.items()}
+    return {gesture: write_document(f"{form.category}={form.id}") for gesture, form in forms.items()}
 
 
 def plan_motions(

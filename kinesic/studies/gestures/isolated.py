@@ -34,7 +34,7 @@ class Show:
     faces: tuple[Mapping[str, float], ...]  # action units -> 0..1, one for each posture, with open eyes
 
 
-def document(lexeme: str, mode: HandMode = "unspecified", *, stroke: float = STROKE) -> str:
+def write_document(lexeme: str, mode: HandMode = "unspecified", *, stroke: float = STROKE) -> str:
     """Writes BML that asks for one gesture, its stroke at a time [s]."""
     hands = f" mode={quoteattr(_MODES[mode])}" if _MODES[mode] else ""
     gesture = (
@@ -46,7 +46,7 @@ def document(lexeme: str, mode: HandMode = "unspecified", *, stroke: float = STR
 def plan_gesture(form: GestureForm, setup: Setup, mode: HandMode = "unspecified", *, stroke: float = STROKE) -> Plan:
     """Plans one gesture from rest to rest: itself, also where its hand cannot make its shapes."""
     alone = replace(setup, lexicon=setup.lexicon.as_written)
-    return plan(document(f"{form.category}={form.id}", mode, stroke=stroke), alone)
+    return plan(write_document(f"{form.category}={form.id}", mode, stroke=stroke), alone)
 
 
 def stroke_error(planned: Plan) -> float:

@@ -1,7 +1,7 @@
 import pytest
 
 from kinesic.intent.reading.language import load_language
-from kinesic.intent.reading.passage import duration
+from kinesic.intent.reading.passage import word_duration
 from kinesic.intent.reading.segmenting import segment
 from kinesic.intent.reading.words import read_text
 
@@ -38,9 +38,9 @@ def test_a_question_is_told_by_its_last_word_or_its_wide_mark() -> None:
 def test_commas_of_japanese_pause_and_its_words_take_time_by_their_morae() -> None:
     japanese = load_language("ja")
     pausing = read_text("犬、猫", japanese)
-    assert pausing.starts[1] > duration(pausing.words[0]) + 0.1
+    assert pausing.starts[1] > word_duration(pausing.words[0]) + 0.1
     hello, cat = (read_text(text, japanese).words[0] for text in ("こんにちは", "きゃ"))
-    assert duration(hello) > 3 * duration(cat)
+    assert word_duration(hello) > 3 * word_duration(cat)
 
 
 @pytest.mark.parametrize("piece", ["漢", "あ", "は", "ロボットは", "ない"])

@@ -17,7 +17,7 @@ from kinesic.studies.gesture_perception.stimuli import (
     plan_motions,
     plan_pairs,
 )
-from kinesic.studies.gestures.isolated import document, plan_gesture
+from kinesic.studies.gestures.isolated import plan_gesture, write_document
 
 NAMES = ("doubt_shrug", "stop", "offer")
 
@@ -51,7 +51,7 @@ def test_the_page_gets_it_to_a_hair(motions: dict[str, SampledMotion]):
 
 def test_a_gesture_that_the_robot_cannot_perform_is_told_and_left_out(known):
     told: list[str] = []
-    documents = gesture_documents(NAMES[:1], known.lexicon) | {"nothing": document("gobbledygook")}
+    documents = gesture_documents(NAMES[:1], known.lexicon) | {"nothing": write_document("gobbledygook")}
     assert list(plan_motions(documents, known, told.append)) == ["doubt_shrug"]
     (why,) = told
     assert why.startswith("nothing is left out, upper22 cannot perform it: ")

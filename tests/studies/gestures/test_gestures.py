@@ -8,7 +8,7 @@ from matplotlib.image import imread
 
 from kinesic.controller.perform import set_up
 from kinesic.expressivity.lexicon.hand_shapes import hand_shapes
-from kinesic.studies.gestures.isolated import STROKE, document, key_postures, plan_gesture, stroke_error
+from kinesic.studies.gestures.isolated import STROKE, key_postures, plan_gesture, stroke_error, write_document
 from kinesic.studies.gestures.sheet import draw_gesture_sheet, draw_strip
 from kinesic.studies.gestures.silhouette import PALE, depth, hand_outline, pale, project, silhouette
 from kinesic.studies.gestures.vocabulary import vocabulary
@@ -28,7 +28,7 @@ def test_a_gesture_alone_strikes_when_it_is_asked(known):
 
 
 def test_a_name_that_xml_would_misread_is_escaped():
-    assert 'lexeme="a&lt;b"' in document("a<b").replace("'", '"')
+    assert 'lexeme="a&lt;b"' in write_document("a<b").replace("'", '"')
 
 
 def test_key_postures_are_those_of_the_stroke(waved, known):
