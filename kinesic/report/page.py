@@ -126,7 +126,7 @@ def _template() -> Template:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"number": format_number, "shift": shift, "spark": spark}
+    environment.filters |= {"number": format_number, "shift": format_shift, "spark": spark}
     environment.filters |= {
         "breakable": breakable,
         "departure": style_departures,
@@ -136,7 +136,7 @@ def _template() -> Template:
     return environment.get_template("page.jinja")
 
 
-def shift(seconds: float) -> str:
+def format_shift(seconds: float) -> str:
     """Formats a difference of times in whole milliseconds, with its sign."""
     return f"{1000 * seconds:+.0f}\u2009ms".replace("-", "\u2212")
 

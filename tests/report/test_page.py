@@ -16,8 +16,8 @@ from kinesic.report.page import (
     SCRIPTS,
     Recordings,
     breakable,
+    format_shift,
     quantity,
-    shift,
     style_departures,
     tiles,
     write_page,
@@ -232,7 +232,7 @@ def test_a_block_where_nothing_happens_has_a_page(known: Setup, tmp_path: Path) 
 
 
 def test_shift_and_breakable() -> None:
-    assert [shift(seconds) for seconds in (0.0834, -0.0152)] == ["+83\u2009ms", "\u221215\u2009ms"]
+    assert [format_shift(seconds) for seconds in (0.0834, -0.0152)] == ["+83\u2009ms", "\u221215\u2009ms"]
     assert breakable("l_<b>") == "l_<wbr>&lt;b&gt;"
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from kinesic.controller.perform import perform
 from kinesic.controller.performance import Performance
 from kinesic.planning.setup import Setup
-from kinesic.report.page import shift, write_page
+from kinesic.report.page import format_shift, write_page
 from kinesic.report.report import report
 
 
@@ -32,5 +32,5 @@ def test_strokes_on_words_say_how_far_from_them_the_hand_is_fastest(
     assert data["synchrony"] == {"strokes": 1, "median_s": abs(stroke.lag)}
     written = page(performed, tmp_path)
     assert f"hands are fastest {1000 * abs(stroke.lag):.0f}&#8239;ms from their words" in written
-    assert f'{shift(stroke.lag)} <span class="faint">s:m</span>' in written
+    assert f'{format_shift(stroke.lag)} <span class="faint">s:m</span>' in written
     assert "fastest" not in page(calm, tmp_path)

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from kinesic.body.arrays import Floats
 from kinesic.face.assets.lips import falls, lips
 from kinesic.face.assets.mesh import DELTA_STEP, HEAD, PARTS, POSITION_STEP, VARIANTS, Mesh, load_head
-from kinesic.face.assets.sculpt import GAINS, bulge, even_out, settle_lips
+from kinesic.face.assets.sculpt import GAINS, even_out, settle_lips, shape_bulge
 
 Whole = NDArray[np.int64]
 
@@ -119,7 +119,7 @@ def _sculpted(shape: Moves, head: Mesh) -> Moves:
     whole[shape.places] = GAINS.get(shape.name, 1.0) * shape.deltas
     skin = head.vertices("skin")
     unit = head.eyes[0, 1] - head.eyes[1, 1]
-    whole[skin] += bulge(shape.name, head.positions[skin] / unit, head.normals(head.positions)[skin])
+    whole[skin] += shape_bulge(shape.name, head.positions[skin] / unit, head.normals(head.positions)[skin])
     whole = settle_lips(shape.name, even_out(shape.name, whole, head), head, falls(head))
     places = np.flatnonzero(np.abs(whole).max(axis=1) > DELTA_STEP / 2)
     return Moves(shape.name, places, whole[places])

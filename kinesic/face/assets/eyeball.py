@@ -8,7 +8,7 @@ CORNEA = np.radians(30.0)  # where it ends, seen from the ball's centre; organs.
 BULGE = 0.05  # of the ball's radius, that it stands out in the middle
 
 
-def bulge(angle: Floats) -> Floats:
+def cornea_bulge(angle: Floats) -> Floats:
     """(n,) how far the cornea stands out at angles from the axis of the eye [rad], in radii of the ball."""
     inside = np.maximum(1.0 - (angle / CORNEA) ** 2, 0.0)
     return np.asarray(BULGE * inside * inside)

@@ -12,7 +12,7 @@ import scipy
 from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats
-from kinesic.face.assets.eyeball import bulge
+from kinesic.face.assets.eyeball import cornea_bulge
 from kinesic.face.assets.mesh import PARTS, Indices, Mesh
 from kinesic.face.assets.paint import IRIS
 
@@ -65,7 +65,7 @@ class Lids:
 
     def surface(self, directions: Floats, ahead: Floats) -> Floats:
         """(n,) [m] how far from its centre the eyeball ends in (n, 3) directions."""
-        return np.asarray(self.radius * (1.0 + bulge(np.arccos(np.clip(directions @ ahead, -1.0, 1.0)))))
+        return np.asarray(self.radius * (1.0 + cornea_bulge(np.arccos(np.clip(directions @ ahead, -1.0, 1.0)))))
 
     def _gap(self, positions: Floats, aside: Floats) -> Floats:
         """(k,) [rad] between the edges of the lids, at (k,) [m] to the left."""
@@ -91,7 +91,7 @@ def lids(mesh: Mesh, side: str, number: int) -> Lids:
     start = moved[np.argmin(_heights(points[moved]) - PROUD * away[moved])]
     upper, lower = _edges(mesh.faces[near[mesh.faces].all(axis=1)], int(start), points)
     over = _heights(points) > 0.5 * (_edge(points[upper], points[:, 1]) + _edge(points[lower], points[:, 1]))
-    outside = away - radius * (1.0 + bulge(np.arccos(np.clip(points[:, 0] / away, -1.0, 1.0))))
+    outside = away - radius * (1.0 + cornea_bulge(np.arccos(np.clip(points[:, 0] / away, -1.0, 1.0))))
     skin = np.flatnonzero(near)
     whole = np.interp(points[skin, 1], points[upper, 1], np.maximum(blink[upper], FAINT))
     lashes = np.flatnonzero(here & (mesh.parts == PARTS.index("lashes")))

@@ -63,7 +63,7 @@ TIMES = 24  # that each vertex takes the mean of its neighbours
 SIDES = {"Left": 1.0, "Right": -1.0}
 
 
-def bulge(shape: str, rest: Floats, normals: Floats) -> Floats:
+def shape_bulge(shape: str, rest: Floats, normals: Floats) -> Floats:
     """(v, 3) [m] what is added to a shape at (v, 3) places of the skin.
 
     Args:

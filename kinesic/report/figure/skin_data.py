@@ -15,7 +15,7 @@ from kinesic.face.assets.mesh import PARTS, Part
 from kinesic.face.assets.paint import COMPLEXIONS, RESOLUTION, skin
 from kinesic.face.assets.rig import FRAMES, PLACE, SkinningFrame
 from kinesic.face.assets.skinning import TWIST, Skin
-from kinesic.report.gltf.skin import HAIRLINE, PLAIN, shown
+from kinesic.report.gltf.skin import HAIRLINE, PLAIN, screen_colours
 from kinesic.report.report import Json
 
 KINDS: dict[Part, int] = {"cloth": 1, "eyes": 2}  # of vertices, for the shader; 0 is any other
@@ -49,7 +49,7 @@ def skin_data(robot: Robot) -> dict[str, Json]:
         "border": BORDER,
         "head": PLACE["skullbase"],
         "eyeballs": [[round(float(value), DIGITS) for value in centre] for centre in figure.mesh.eyes],
-        "eyes": [[round(float(value), 3) for value in shown(np.array(colour))] for colour in EYES],
+        "eyes": [[round(float(value), 3) for value in screen_colours(np.array(colour))] for colour in EYES],
     }
 
 
@@ -95,7 +95,7 @@ def _packed() -> tuple[str, str]:
     rows = np.zeros(len(mesh.positions), dtype=VERTEX)
     rows["place"][:, :3] = np.rint((mesh.positions + normals * figure.hair[:, None]) / POSITION_STEP)
     rows["normal"] = np.rint(127 * normals)
-    rows["colour"][:, :3] = np.rint(255 * shown(_colours(figure)))
+    rows["colour"][:, :3] = np.rint(255 * screen_colours(_colours(figure)))
     for part, kind in KINDS.items():
         rows["kind"][mesh.vertices(part)] = kind
     rows["mark"] = np.rint(np.iinfo(np.int16).max * _marks(figure).clip(-1.0, 1.0))

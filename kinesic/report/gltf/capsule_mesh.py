@@ -42,7 +42,7 @@ def capsule_mesh(capsule: Capsule) -> Triangles:
     return Triangles(positions.reshape(-1, 3), normals.reshape(-1, 3), corners)
 
 
-def joined(meshes: list[Triangles]) -> Triangles:
+def join_surfaces(meshes: list[Triangles]) -> Triangles:
     """Puts surfaces into one."""
     starts = np.cumsum([0, *(len(mesh.positions) for mesh in meshes)])
     return Triangles(

@@ -19,7 +19,7 @@ from kinesic.files.gltf import GltfFile
 from kinesic.files.output_file import new_file
 from kinesic.planning.face_track import faces
 from kinesic.planning.plan import Plan
-from kinesic.report.gltf.capsule_mesh import capsule_mesh, joined
+from kinesic.report.gltf.capsule_mesh import capsule_mesh, join_surfaces
 from kinesic.report.gltf.skin import add_skin
 from kinesic.sim.shells.shell import SegmentShell, shell_of
 from kinesic.version import __version__
@@ -162,7 +162,7 @@ def _add_surfaces(file: GltfFile, nodes: list[int], robot: Robot) -> None:
         if shell is not None:
             primitives = _shell_primitives(file, shell.segments[name], materials) if name in shell.segments else []
         elif segment.capsules:
-            surface = joined([capsule_mesh(capsule) for capsule in segment.capsules])
+            surface = join_surfaces([capsule_mesh(capsule) for capsule in segment.capsules])
             attributes = _attributes(file, surface.positions, surface.normals)
             primitives = [_primitive(file, attributes, surface.corners, materials[name not in limbs])]
         else:

@@ -256,11 +256,11 @@ def _painting() -> bytes:
 def _encoded(linear: Floats) -> bytes:
     """A JPEG of (n, n, 3) linear colours, first row at the bottom."""
     data = io.BytesIO()
-    Image.fromarray(np.rint(255 * shown(linear)).astype(np.uint8)[::-1]).save(data, "JPEG", quality=88)
+    Image.fromarray(np.rint(255 * screen_colours(linear)).astype(np.uint8)[::-1]).save(data, "JPEG", quality=88)
     return data.getvalue()
 
 
-def shown(linear: Floats) -> Floats:
+def screen_colours(linear: Floats) -> Floats:
     """Turns linear colours into what screens show, 0..1."""
     low, high = linear * 12.92, 1.055 * np.maximum(linear, 1e-9) ** (1 / 2.4) - 0.055
     return np.asarray(np.where(linear < 0.0031308, low, high).clip(0.0, 1.0))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from kinesic.body.skeleton import Capsule
-from kinesic.report.gltf.capsule_mesh import capsule_mesh, joined
+from kinesic.report.gltf.capsule_mesh import capsule_mesh, join_surfaces
 
 
 @pytest.mark.parametrize("end", [(0.0, 0.0, 0.3), (0.2, -0.1, 0.0), (0.0, 0.0, 0.0)], ids=["upright", "across", "ball"])
@@ -22,5 +22,5 @@ def test_a_capsule_is_closed_and_faces_outward(trimesh: ModuleType, end: tuple[f
 
 def test_several_are_one_surface():
     one = capsule_mesh(Capsule(np.zeros(3), np.array([0.0, 0.0, 0.1]), 0.05))
-    both = joined([one, one])
+    both = join_surfaces([one, one])
     assert both.corners.max() == 2 * len(one.positions) - 1
