@@ -42,7 +42,7 @@ def validate_paths(paths: tuple[Path, ...], planning: Planning, twin: str, worke
     if folder is not None and not goes_on:
         with new_folder(folder, force=output.force):
             pass
-    settings = fingerprint(planning, twin) if folder else ""
+    settings = fingerprint_inputs(planning, twin) if folder else ""
     with workers.engine() as engine:
         found = validate_documents(files, planning.set_up, engine=engine, twins=twins, folder=folder, settings=settings)
         verdicts, finished = _gathered(found, len(files))
@@ -83,7 +83,7 @@ def _check_folder(out: Path, *, force: bool) -> bool:
     return False
 
 
-def fingerprint(planning: Planning, *others: str) -> str:
+def fingerprint_inputs(planning: Planning, *others: str) -> str:
     """Hashes everything that could change a verdict: options, files that they name, and the program.
 
     Args:

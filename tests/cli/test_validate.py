@@ -38,7 +38,7 @@ def folder(tmp_path):
 @pytest.fixture
 def same_program(monkeypatch):
     """A run goes on although somebody is editing kinesic while its tests run."""
-    monkeypatch.setattr(validate, "fingerprint", lambda settings, *others: repr((settings, others)))
+    monkeypatch.setattr(validate, "fingerprint_inputs", lambda settings, *others: repr((settings, others)))
 
 
 def parsed(ended):

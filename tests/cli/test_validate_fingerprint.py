@@ -2,26 +2,26 @@ from dataclasses import replace
 
 from kinesic.body.robot import Robot
 from kinesic.cli.options import Planning
-from kinesic.cli.validate import fingerprint
+from kinesic.cli.validate import fingerprint_inputs
 
 PLANNING = Planning("upper22", "neutral", {})
 
 
 def test_the_same_options_give_the_same_text():
-    assert fingerprint(PLANNING, "nominal") == fingerprint(replace(PLANNING), "nominal")
+    assert fingerprint_inputs(PLANNING, "nominal") == fingerprint_inputs(replace(PLANNING), "nominal")
 
 
 def test_every_option_counts(tmp_path):
     targets = tmp_path / "targets.toml"
     targets.write_text("box = [1.0, 0.0, 1.0]")
     others = [
-        fingerprint(PLANNING, "pessimistic"),
-        fingerprint(replace(PLANNING, style="lively"), "nominal"),
-        fingerprint(replace(PLANNING, options={"settings": ("power=0.5",)}), "nominal"),
-        fingerprint(replace(PLANNING, options={"targets": targets}), "nominal"),
-        fingerprint(replace(PLANNING, options={"dialect": "greta"}), "nominal"),
+        fingerprint_inputs(PLANNING, "pessimistic"),
+        fingerprint_inputs(replace(PLANNING, style="lively"), "nominal"),
+        fingerprint_inputs(replace(PLANNING, options={"settings": ("power=0.5",)}), "nominal"),
+        fingerprint_inputs(replace(PLANNING, options={"targets": targets}), "nominal"),
+        fingerprint_inputs(replace(PLANNING, options={"dialect": "greta"}), "nominal"),
     ]
-    assert len({fingerprint(PLANNING, "nominal"), *others}) == 6
+    assert len({fingerprint_inputs(PLANNING, "nominal"), *others}) == 6
 
 
 def test_what_is_in_a_named_file_counts(tmp_path):
@@ -30,7 +30,7 @@ def test_what_is_in_a_named_file_counts(tmp_path):
     found = []
     for text in ("a = 1", "a = 2"):
         (lexicon / "own.toml").write_text(text)
-        found.append(fingerprint(replace(PLANNING, options={"lexicon": lexicon}), "nominal"))
+        found.append(fingerprint_inputs(replace(PLANNING, options={"lexicon": lexicon}), "nominal"))
     assert found[0] != found[1]
 
 
@@ -38,6 +38,6 @@ def test_a_calibration_changes_it(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text(Robot.load().path.read_text(encoding="utf-8"), encoding="utf-8")
     mine = replace(PLANNING, robot=str(path))
-    before = fingerprint(mine)
+    before = fingerprint_inputs(mine)
     path.with_name("mine.calibration.toml").write_text('robot = "upper22"\n', encoding="utf-8")
-    assert fingerprint(mine) != before
+    assert fingerprint_inputs(mine) != before

@@ -129,7 +129,7 @@ def _on_the_picture() -> dict[str, float]:
             pictures.append(portrait.draw(UNITS))
             with portrait.pipeline.geometry.context:
                 head = portrait.pipeline.geometry.parts() > 0
-    apart = difference(*pictures)[maximum_filter(head, 3)]
+    apart = colour_difference(*pictures)[maximum_filter(head, 3)]
     return {
         "face.occlusion.lab_mean": float(apart.mean()),
         "face.occlusion.lab_p95": float(np.percentile(apart, 95)),
@@ -156,6 +156,6 @@ def lab(pixels: NDArray[np.uint8]) -> Floats:
     return np.stack([116 * y - 16, 500 * (x - y), 200 * (y - z)], axis=-1)
 
 
-def difference(one: NDArray[np.uint8], other: NDArray[np.uint8]) -> Floats:
+def colour_difference(one: NDArray[np.uint8], other: NDArray[np.uint8]) -> Floats:
     """Measures how far colours are apart (...); 1 is about what people can see."""
     return np.asarray(np.linalg.norm(lab(one) - lab(other), axis=-1))

@@ -5,7 +5,7 @@ from functools import partial
 from statistics import median
 
 from kinesic.bench.face.clock import Clock
-from kinesic.bench.face.occlusion import difference
+from kinesic.bench.face.occlusion import colour_difference
 from kinesic.body.arrays import Flags, Picture
 from kinesic.face.assets.action_units import intensities
 from kinesic.face.render.camera import FRONT
@@ -33,10 +33,10 @@ def scattering() -> dict[str, float]:
     none = _drawn(None)[0]
     full, shared, _ = _drawn(EVERYWHERE)
     adaptive, filtered, skin = _drawn(ADAPTIVE)
-    effect, missed = difference(none, full)[skin], difference(adaptive, full)[skin]
+    effect, missed = colour_difference(none, full)[skin], colour_difference(adaptive, full)[skin]
     seen = effect > VISIBLE
     whole, levels = _drawn(WHOLE)[0], _drawn(LEVELS)[0]
-    whole_effect, in_levels = difference(none, whole)[skin], difference(levels, whole)[skin]
+    whole_effect, in_levels = colour_difference(none, whole)[skin], colour_difference(levels, whole)[skin]
     return {
         "face.scattering.ratio": _ratio(EVERYWHERE, ADAPTIVE),
         "face.scattering.filtered": 100.0 * filtered / shared,

@@ -37,7 +37,7 @@ def bar_figures(gestures: Sequence[MeasuredGesture], arm: float) -> list[Figure]
     return [*_effort_figures(gestures), *_variety_figures(hands, arm), *_law_figures(gestures)]
 
 
-def distance(ours: Floats, theirs: Floats) -> float:
+def kolmogorov_smirnov(ours: Floats, theirs: Floats) -> float:
     """Measures how far two samples are apart: the Kolmogorov-Smirnov distance, 0 to 1."""
     places = np.concatenate([ours, theirs])
     mine, others = (np.searchsorted(np.sort(sample), places, side="right") / len(sample) for sample in (ours, theirs))
@@ -77,13 +77,13 @@ def _variety_figures(hands: Sequence[GestureMeasures], arm: float) -> list[Figur
     table, speeds = captured_table(), values("largest_speed", hands)
     people = {name: np.array(found) for name, found in table.values.items()}
     low, high = np.percentile(speeds, (5, 95)).tolist()
-    whole = distance(values("duration", hands), people["whole_duration"])
-    metres = distance(arm * speeds, table.arm * people["largest_speed"])
-    arms = distance(values("arm_lengths", hands), people["path"] / table.arm)
+    whole = kolmogorov_smirnov(values("duration", hands), people["whole_duration"])
+    metres = kolmogorov_smirnov(arm * speeds, table.arm * people["largest_speed"])
+    arms = kolmogorov_smirnov(values("arm_lengths", hands), people["path"] / table.arm)
     return [
         Figure(f"{PART}.variety", high / low, "", VARIED, "higher", "captured 9.3"),
         *(
-            Figure(f"{PART}.ks_{name}", distance(values(name, hands), people[name]), "", APART, "lower")
+            Figure(f"{PART}.ks_{name}", kolmogorov_smirnov(values(name, hands), people[name]), "", APART, "lower")
             for name in COMPARED
         ),
         Figure(f"{PART}.ks_duration_whole", whole, "", None, "lower", "from captured gestures whose return is whole"),

@@ -8,7 +8,7 @@ import numpy as np
 
 from kinesic.bench.expressivity.lexicon import NEUTRAL_STYLE
 from kinesic.bench.figure import INK, OTHERS, OURS, SECOND, SMALL, label_axes, picture
-from kinesic.bench.naturalness.bars import APART, COMPARED, MEDIANS, distance
+from kinesic.bench.naturalness.bars import APART, COMPARED, MEDIANS, kolmogorov_smirnov
 from kinesic.bench.naturalness.captured_table import captured_table
 from kinesic.bench.naturalness.lexicon import MeasuredGesture, by_style
 from kinesic.bench.naturalness.rows import PERCENTILES, ROWS, values
@@ -79,7 +79,7 @@ def _draw_shares(axes: "Axes", name: str, ours: Floats) -> None:
     for found, colour, words in ((people, SECOND, PEOPLE), (ours, OURS, NEUTRAL_STYLE)):
         places = np.sort(found)
         axes.step(places, np.arange(1, len(places) + 1) / len(places), color=colour, where="post", label=words)
-    apart = distance(ours, people)
+    apart = kolmogorov_smirnov(ours, people)
     label_axes(axes, f"{ROWS[name].words} [{ROWS[name].unit}]", title=f"{apart:.2f} apart (goal {APART})")
     axes.tick_params(labelsize=SMALL, length=2)
     axes.grid(alpha=0.3)

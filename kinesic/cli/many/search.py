@@ -20,7 +20,7 @@ from kinesic.cli.options import Output, Planning
 from kinesic.cli.plain_words import printable
 from kinesic.cli.progress import show_stages
 from kinesic.cli.terminal import console, quote_text
-from kinesic.cli.validate import fingerprint
+from kinesic.cli.validate import fingerprint_inputs
 from kinesic.files.output_file import write_text
 from kinesic.files.output_folder import check_folder, is_made, new_folder
 from kinesic.report.batch import documents
@@ -63,7 +63,7 @@ def search_designs(
             contents,
             engine=engine,
             style=style,
-            settings=fingerprint(planning),
+            settings=fingerprint_inputs(planning),
             journal=Journal(folder / JOURNAL, Trial) if folder else None,
             seed=seed,
             stage=stage,

@@ -148,11 +148,11 @@ def test_a_figure_is_drawn_and_its_skin_follows(monkeypatch: pytest.MonkeyPatch)
 
 
 def test_colours_are_apart_as_people_see_them():
-    from kinesic.bench.face.occlusion import difference, lab  # noqa: PLC0415 - where it is called
+    from kinesic.bench.face.occlusion import colour_difference, lab  # noqa: PLC0415 - where it is called
 
     grey, white = np.full((1, 1, 3), 119, np.uint8), np.full((1, 1, 3), 255, np.uint8)
     np.testing.assert_allclose(lab(white)[0, 0], (100.0, 0.0, 0.0), atol=1e-2)
     np.testing.assert_allclose(lab(grey)[0, 0], (50.0, 0.0, 0.0), atol=0.3)
     red = np.array([[[255, 0, 0]]], np.uint8)
     np.testing.assert_allclose(lab(red)[0, 0], (53.24, 80.09, 67.20), atol=0.05)
-    assert difference(grey, grey)[0, 0] == 0.0
+    assert colour_difference(grey, grey)[0, 0] == 0.0

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kinesic.bench.naturalness.bars import COMPARED, distance
+from kinesic.bench.naturalness.bars import COMPARED, kolmogorov_smirnov
 from kinesic.bench.naturalness.captured_table import captured_table
 from kinesic.bench.naturalness.rows import ROWS
 
@@ -15,12 +15,12 @@ SAMPLES = st.lists(st.floats(-5.0, 5.0), min_size=1, max_size=40)
 def test_the_distance_is_that_of_scipy(ours, theirs):
     from scipy.stats import ks_2samp  # noqa: PLC0415 - slow to import, which every process of tests would
 
-    assert distance(np.array(ours), np.array(theirs)) == pytest.approx(ks_2samp(ours, theirs).statistic)
+    assert kolmogorov_smirnov(np.array(ours), np.array(theirs)) == pytest.approx(ks_2samp(ours, theirs).statistic)
 
 
 def test_samples_that_do_not_overlap_are_as_far_apart_as_can_be():
-    assert distance(np.array([1.0, 2.0]), np.array([3.0])) == 1.0
-    assert distance(np.array([1.0, 2.0]), np.array([2.0, 1.0])) == 0.0
+    assert kolmogorov_smirnov(np.array([1.0, 2.0]), np.array([3.0])) == 1.0
+    assert kolmogorov_smirnov(np.array([1.0, 2.0]), np.array([2.0, 1.0])) == 0.0
 
 
 def test_the_table_of_captured_gestures_agrees_with_itself():
