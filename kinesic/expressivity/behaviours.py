@@ -19,7 +19,7 @@ from kinesic.bml.block import (
 from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.expressivity import gaze, trunk
 from kinesic.expressivity.context import BlockContext
-from kinesic.expressivity.gather import TOGETHER
+from kinesic.expressivity.gather import SAME_FRAME
 from kinesic.expressivity.hands.fingers import lacking_shapes
 from kinesic.expressivity.hands.poses import REST, Poses, pointing_poses, poses
 from kinesic.expressivity.hands.strokes import Stroke
@@ -240,7 +240,7 @@ def _in_turn(looks: Sequence[TimedBehaviour]) -> Iterator[tuple[TimedBehaviour, 
     for timed, other in zip_longest(ordered, ordered[1:]):
         action = timed.behaviour.action
         same = other is not None and type(other.behaviour.action) is type(action) and not stays(action)
-        at_once = same and other.times["start"] - timed.times["start"] < TOGETHER
+        at_once = same and other.times["start"] - timed.times["start"] < SAME_FRAME
         yield timed, other if at_once else None
 
 

@@ -22,7 +22,7 @@ from kinesic.expressivity.trunk import named_lean
 
 NOTHING_SAID: Mapping[str, Utterance] = MappingProxyType({})
 LEAST_LEAN = 0.3  # [s] at ease
-LOOK = 1.0  # [s] that a gaze or a head direction is held
+GAZE_HOLD = 1.0  # [s] that a gaze or a head direction is held
 POSTURE = 2.0  # [s] that a posture or a lean is held
 ATTACK, DECAY = 0.3, 0.4  # [s] in which an expression of the face comes and goes
 NODDING = 1.1  # times what the neck needs at least, in which a nod comes up again to end with its syllable
@@ -129,7 +129,7 @@ def _end_nod(
 
 def _look_spans(look: Gaze | HeadDirectionShift, way: float) -> dict[str, float]:
     if isinstance(look, Gaze):
-        return {"end": way} if look.shift else {"ready": way, "relax": LOOK, "end": way}
+        return {"end": way} if look.shift else {"ready": way, "relax": GAZE_HOLD, "end": way}
     return {"ready": way, "relax": 0.0, "end": 0.0}
 
 
@@ -139,7 +139,7 @@ def _head_spans(head: Head, pace: Pace, manner: Expressivity) -> dict[str, float
         return {}
     swing = swing_time(form, pace, manner)
     if form.kind == "direction":
-        return {"ready": 0.85 * swing, "stroke": 0.15 * swing, "relax": LOOK, "end": swing}
+        return {"ready": 0.85 * swing, "stroke": 0.15 * swing, "relax": GAZE_HOLD, "end": swing}
     strokes = {f"stroke:{k}": 2 * swing for k in range(2, form.repetition + 1)}
     last = (1 if form.kind == "nod" else 3) + 2 * form.more
     return {"stroke": swing, **strokes, "strokeEnd": last * swing}

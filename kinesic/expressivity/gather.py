@@ -23,7 +23,7 @@ from kinesic.motion.keys import Passage
 
 Priorities = Mapping[PartName, float]
 
-TOGETHER = 0.01  # [s] nearer than this is at the same time: a shift by less need not be told
+SAME_FRAME = 0.01  # [s] nearer than this is at the same time: a shift by less need not be told
 
 PARTS: tuple[PartName, ...] = get_args(PartName)
 HANDS: Mapping[Side, PartName] = {"l": "l_hand", "r": "r_hand"}
@@ -78,18 +78,18 @@ def gather_times(times: Mapping[PartName, Sequence[float]], syncs: Sequence[Sync
 
 
 def _apart(times: Sequence[float]) -> list[float]:
-    """Keeps sorted times that are not within `TOGETHER` after one that is kept."""
+    """Keeps sorted times that are not within `SAME_FRAME` after one that is kept."""
     kept: list[float] = []
     for time in times:
-        if not kept or time - kept[-1] >= TOGETHER:
+        if not kept or time - kept[-1] >= SAME_FRAME:
             kept.append(time)
     return kept
 
 
 def _near(anchors: Sequence[float], time: float) -> float | None:
-    """The nearest anchor within `TOGETHER` of a time; None when there is none."""
+    """The nearest anchor within `SAME_FRAME` of a time; None when there is none."""
     k = bisect_left(anchors, time)
-    near = [anchor for anchor in anchors[max(0, k - 1) : k + 1] if abs(anchor - time) < TOGETHER]
+    near = [anchor for anchor in anchors[max(0, k - 1) : k + 1] if abs(anchor - time) < SAME_FRAME]
     return _nearest(near, time) if near else None
 
 

@@ -63,7 +63,7 @@ class Succession:
         return 0.0 if side == self.leader else self.behind
 
 
-TOGETHER = Succession()
+NO_SUCCESSION = Succession()
 
 
 @dataclass(frozen=True, eq=False)

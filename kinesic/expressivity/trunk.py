@@ -41,7 +41,7 @@ LEAN = radians(24)  # of amount 1, on each axis that a lexeme names: 12 deg at t
 SWAY = 0.3  # [rad] of power 1, for hands that go very far
 RECLINE = radians(5)  # of openness 1
 HASTE = 0.7  # share of the time from key to key that the trunk may need
-STILL = 0.02  # arm lengths: hands that move less hold still, and the trunk with them
+STILL_HAND = 0.02  # arm lengths: hands that move less hold still, and the trunk with them
 
 
 @dataclass(frozen=True)
@@ -116,7 +116,7 @@ def turn_trunk_along(work: HandStroke, manner: Expressivity, pace: Pace) -> Laye
     keys = [TurnKey(times["start"], UPRIGHT)]
     swayed, recline = UPRIGHT, Turn(tilt=-RECLINE * openness)
     for way, moment in zip(_ways(work.poses, rest, pace.robot.arm_length), work.moments, strict=True):
-        if float(np.linalg.norm(way)) > STILL:
+        if float(np.linalg.norm(way)) > STILL_HAND:
             swayed = _sway(way, power)
         if moment - keys[-1].time >= MERGE:
             before, desired = keys[-1], add_turns(swayed, recline)

@@ -28,7 +28,7 @@ SPATIAL = 0.5  # most that spatial extent differs, like all of these at amount 1
 TEMPORAL = 0.3  # and temporal extent: an eighth of the time of each phase; half of it follows from the size
 PLACE = 0.05  # [arm lengths] along each axis: 3 cm of a person
 APART = 0.04  # [arm lengths] along each axis, that the left hand of two is beside the mirror image of the right one
-TOGETHER = 0.45  # [arm lengths] from hand to hand, below which they stay mirror images
+NEAR_HANDS = 0.45  # [arm lengths] from hand to hand, below which they stay mirror images
 OUTWARD = 1  # among the coordinates of a place
 OTHER_HAND = 0.25  # share of gestures that the other hand makes, where the document leaves it open
 BEHIND = 0.03, 0.08  # [s] that one hand of two follows the other
@@ -105,7 +105,7 @@ class Deviation:
 def _hands_meet(form: GestureForm) -> bool:
     """Whether both hands come so near that what they do, they do to one another; or there is one hand alone."""
     gaps = [sum(pose.position[OUTWARD] for pose in key.hands.values()) for key in form.keys if len(key.hands) > 1]
-    return min(gaps, default=0.0) < TOGETHER
+    return min(gaps, default=0.0) < NEAR_HANDS
 
 
 def _shift_pose(pose: HandPose, shift: Floats, robot: Robot) -> HandPose:

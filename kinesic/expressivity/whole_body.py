@@ -46,7 +46,7 @@ SWING = 0.30  # [s] of a shake to one side, at ease
 SWINGS = 4  # at most
 TRUNK_SHARE = 0.5  # of the way to what is looked at, that the trunk turns at most
 BEYOND = 2.0  # times as far as the head, that eyes look away
-STILL = BodyMove()
+NO_MOVE = BodyMove()
 
 Span = tuple[float, float]  # [s] from and to
 Spans = tuple[Sequence[Span], Sequence[Span], Sequence[Span]]  # torsion, tilt, roll
@@ -116,7 +116,7 @@ def accompany(gestures: Sequence[Accompanied], asked: BodyDemands, pace: Pace) -
         (each, _body_move(each.work, span, asked, pace.robot))
         for each, span in zip(gestures, _spans(works), strict=True)
     ]
-    moving = [(each, move) for each, move in found if move != STILL]
+    moving = [(each, move) for each, move in found if move != NO_MOVE]
     trunks = [_trunk_course(each, move) for each, move in moving if move.trunk != UPRIGHT]
     heads = [course for each, move in moving if (course := _head_course(each, move, pace)).keys]
     return WholeBody(
@@ -140,7 +140,7 @@ def _body_move(work: HandStroke, span: Span, asked: BodyDemands, robot: Robot) -
     """What the body does in a gesture, without what the document needs meanwhile."""
     body = work.poses.body
     if body == NO_BODY or work.stroke.rest:
-        return STILL
+        return NO_MOVE
     place = _place(work, body)
     seen = UPRIGHT if place is None else towards(place, robot)
     beside = copysign(min(abs(seen.torsion) * TRUNK_SHARE, body.towards), seen.torsion)

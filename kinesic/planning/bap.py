@@ -17,7 +17,7 @@ from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 
 SUFFIX = ".bap"
-RATE = 25  # [frames/s]
+FRAME_RATE = 25  # [frames/s]
 PARAMETERS = 296
 OLDER = 186  # parameters of files without extensions
 PER_RADIAN = 1e5  # the unit of angles is 1e-5 rad
@@ -123,8 +123,8 @@ def write_bap(trajectory: Sampled, robot: Robot, path: Path, *, called: Path | N
     columns = _columns(robot)
     numbers = {column.number for column in columns}
     mask = " ".join("1" if number in numbers else "0" for number in range(1, PARAMETERS + 1))
-    count = int(np.ceil(trajectory.duration * RATE)) + 1
-    angles = trajectory.sample(np.arange(count) / RATE)[0]
+    count = int(np.ceil(trajectory.duration * FRAME_RATE)) + 1
+    angles = trajectory.sample(np.arange(count) / FRAME_RATE)[0]
     turned = angles[:, [column.hinge for column in columns]] * [column.sign for column in columns]
     lines = [f"{bap_heading(called or path)}{count}"]
     for frame, row in enumerate(np.rint(turned * PER_RADIAN).astype(int).tolist()):
@@ -134,7 +134,7 @@ def write_bap(trajectory: Sampled, robot: Robot, path: Path, *, called: Path | N
 
 def bap_heading(path: Path) -> str:
     """Gives what a file of this name begins with, up to the number of its frames."""
-    return f"{VERSION} {_name(path)} {RATE} "
+    return f"{VERSION} {_name(path)} {FRAME_RATE} "
 
 
 def read_bap(path: Path, robot: Robot) -> BapFrames:

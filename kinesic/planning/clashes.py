@@ -29,7 +29,7 @@ APART = 0.2  # [s] by which strokes may move apart; more is seen beside a word
 SEARCHES = 12  # of a block; what comes after is judged by the estimate
 MANY = 4 * SEARCHES  # neighbours that may lack time: more are a crowd, which the estimate alone judges
 WORK = 100_000  # pieces of splines that all searches may measure
-LEAST = 0.02  # [s] of which nobody needs to give way
+NEGLIGIBLE_CLASH = 0.02  # [s] of which nobody needs to give way
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +95,7 @@ class ClashFinder:
         for each, here, whole in sorted(
             zip(suspects, apart, chain_sums(suspects, apart), strict=True), key=_worst_first
         ):
-            if here > LEAST and whole > APART and near.isdisjoint(each.behaviours):
+            if here > NEGLIGIBLE_CLASH and whole > APART and near.isdisjoint(each.behaviours):
                 self.clashes[frozenset(each.behaviours)] = Clash(here, each.brief)
                 near |= {*each.behaviours} if self.spent else _beside(each, every)
                 added |= {*each.behaviours}
@@ -115,13 +115,13 @@ class ClashFinder:
             return []
         keys = Keys.of(postures, self._setup.limits)
         problem = KeyTimeProblem(keys, _gaps(keys), lead_in=0.0)
-        if problem.lacking < APART - LEAST:
+        if problem.lacking < APART - NEGLIGIBLE_CLASH:
             return []
         times = relax_key_times(problem)
         apart = [each.moved_apart(keys, times) for each in coming]
         sums = chain_sums(coming, apart)
         rows = zip(coming, apart, sums, strict=True)
-        return [(each, here) for each, here, whole in rows if here > LEAST and whole > APART]
+        return [(each, here) for each, here, whole in rows if here > NEGLIGIBLE_CLASH and whole > APART]
 
     def _search(self, pair: Neighbours, guess: float, postures: Sequence[KeyPosture]) -> float:
         known, budget = pair.known_as, self._budget
@@ -137,10 +137,10 @@ def chain_sums(pairs: Sequence[Neighbours], apart: Sequence[float]) -> list[floa
 
     Args:
         pairs: in the order of their strokes.
-        apart: [s] for each; what is less than `LEAST` ends a chain.
+        apart: [s] for each; what is less than `NEGLIGIBLE_CLASH` ends a chain.
     """
     before, after = defaultdict[str, float](float), defaultdict[str, float](float)
-    lacking = [(*pair.behaviours, here) for pair, here in zip(pairs, apart, strict=True) if here > LEAST]
+    lacking = [(*pair.behaviours, here) for pair, here in zip(pairs, apart, strict=True) if here > NEGLIGIBLE_CLASH]
     for first, second, here in lacking:
         before[second] = max(before[second], before[first] + here)
     for first, second, here in reversed(lacking):

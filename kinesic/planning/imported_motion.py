@@ -21,7 +21,7 @@ from kinesic.planning.setup import Setup
 from kinesic.planning.syncs import SHIFT_TO_WARN, Syncs
 
 EVERY = 0.1  # [s] between keys: a motion that servos can follow is then met within about a degree
-NEAR = 0.045  # [s] from where a hinge turns back, within which it has no other key
+NEAR_TURN = 0.045  # [s] from where a hinge turns back, within which it has no other key
 TREMBLE = 0.01  # [rad] of turning back that is none
 COMFORT = 1.5  # times the least time, from rest to the first frame and from the last to rest
 LEAST = 0.3  # [s] of these
@@ -97,7 +97,7 @@ def _turns(column: Floats) -> NDArray[np.intp]:
 def _keyed(times: Floats, even: Floats, turns: Floats) -> Flags:
     """(m,) whether one hinge has a key: at its turns, and at even times that are not near to one; at both ends."""
     near = np.abs(times[:, None] - turns).min(axis=1, initial=np.inf)
-    keyed: Flags = (near == 0.0) | (np.isin(times, even) & (near >= NEAR))
+    keyed: Flags = (near == 0.0) | (np.isin(times, even) & (near >= NEAR_TURN))
     keyed[[0, -1]] = True
     return keyed
 

@@ -10,7 +10,7 @@ from kinesic.expressivity.lexicon.space import SECTORS, position, to_world
 from kinesic.ik.arm.refine import refine_posture
 from kinesic.ik.solve import solve
 
-NEAR = 0.02  # [m] from a sector's centre
+NEAR_SECTOR = 0.02  # [m] from a sector's centre
 
 
 @dataclass(frozen=True)
@@ -37,5 +37,5 @@ def workspace(robot: Robot) -> Workspace:
         posture[list(chain.indices)] = solve(chain, reach, start=chain.rest).angles
         posture = refine_posture(robot, "l", Reach(target), posture, near=rest)
         residual = float(np.linalg.norm(robot.skeleton.frames(posture).origins[hand] - target))
-        (reached if residual <= NEAR else missed).append(name)
+        (reached if residual <= NEAR_SECTOR else missed).append(name)
     return Workspace(tuple(reached), tuple(missed))

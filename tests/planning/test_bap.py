@@ -3,7 +3,7 @@ import pytest
 
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
-from kinesic.planning.bap import NUMBERS, PARAMETERS, RATE, read_bap, write_bap
+from kinesic.planning.bap import FRAME_RATE, NUMBERS, PARAMETERS, read_bap, write_bap
 
 ROBOT = Robot.load()
 NAMES = ROBOT.skeleton.names
@@ -35,7 +35,7 @@ def test_what_was_written_is_read_again(through, tmp_path):
     motion = through(np.array([0.0, 1.0]), angles)
     write_bap(motion, ROBOT, tmp_path / "m.bap")
     frames = read_bap(tmp_path / "m.bap", ROBOT)
-    np.testing.assert_allclose(frames.times, np.arange(26) / RATE)
+    np.testing.assert_allclose(frames.times, np.arange(26) / FRAME_RATE)
     np.testing.assert_allclose(frames.angles, motion.sample(frames.times)[0], atol=0.5e-5 + 1e-12)
     assert sorted(frames.given) == sorted(NAMES)
     assert frames.strangers == ()

@@ -6,7 +6,7 @@ from kinesic.bml.block import BmlError
 from kinesic.bml.parse import parse
 from kinesic.motion.keys import KeyPosture, Keys
 from kinesic.planning import clashes
-from kinesic.planning.clashes import APART, LEAST, Neighbours, chain_sums, least_times_between_turns
+from kinesic.planning.clashes import APART, NEGLIGIBLE_CLASH, Neighbours, chain_sums, least_times_between_turns
 from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.quick_plan import plan_quickly
 
@@ -116,8 +116,8 @@ def test_sums_are_those_of_the_longest_chain_without_gaps():
         return Neighbours((first, second), (0, 1), ())
 
     pairs = [near("a", "b"), near("b", "c"), near("a", "d"), near("c", "e"), near("e", "f")]
-    found = chain_sums(pairs, [0.1, 0.15, 0.12, LEAST / 2, 0.3])
-    assert found == pytest.approx([0.25, 0.25, 0.12, 0.25 + LEAST / 2 + 0.3, 0.3])
+    found = chain_sums(pairs, [0.1, 0.15, 0.12, NEGLIGIBLE_CLASH / 2, 0.3])
+    assert found == pytest.approx([0.25, 0.25, 0.12, 0.25 + NEGLIGIBLE_CLASH / 2 + 0.3, 0.3])
 
 
 def test_a_rest_pose_waits_for_the_hands_to_go_back(planned):

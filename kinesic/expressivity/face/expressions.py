@@ -25,7 +25,7 @@ WIDEST = 0.5  # more intensity of a spatial extent of 1, and less of -1
 OVERSHOOT = 0.25  # of the intensity, by which a power of 1 goes over what it then holds
 SETTLING = 0.35  # [s] from there to what is held
 FADING = 0.4  # of the intensity, that a power of -1 loses while it holds
-LONGEST = 2.0  # [s] that this takes
+LONGEST_FADE = 2.0  # [s] that this takes
 BRIDGED = 1.0  # [s] between two expressions, over which a fluidity of 1 leads from one into the other
 
 _VAGUE = word_set(  # words that say what is shown only together with the others
@@ -180,7 +180,7 @@ class Envelope:
         """(m,) what is held, as a share of what was asked."""
         if power > 0:
             return 1.0 + OVERSHOOT * power * (1.0 - ease("minimum_jerk", (times - self.peak) / SETTLING))
-        holding = min(max(self.relax - self.peak, QUICKEST), LONGEST)
+        holding = min(max(self.relax - self.peak, QUICKEST), LONGEST_FADE)
         return 1.0 + FADING * power * ease("minimum_jerk", (times - self.peak) / holding) if power else 1.0
 
 

@@ -53,7 +53,9 @@ class GazeDirection:
         return float(np.arctan(HALF_APART / self.away))
 
 
-AHEAD = GazeDirection(-np.inf, 0.0, 0.0)  # where eyes are, whatever the head does, when nothing else is looked at
+STRAIGHT_AHEAD = GazeDirection(
+    -np.inf, 0.0, 0.0
+)  # where eyes are, whatever the head does, when nothing else is looked at
 
 
 @dataclass(frozen=True)

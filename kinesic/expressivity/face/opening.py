@@ -14,7 +14,7 @@ OPENING: Mapping[str, float] = {
 }  # [m] of the lips, by action unit
 FASTEST = 0.2  # [m/s] of one lip from the other
 GATHERING = 0.04  # [s] in which they come to it
-FARTHEST = 0.2  # [s] from a narrow mouth, within which that tells how far it opens
+NARROW_REACH = 0.2  # [s] from a narrow mouth, within which that tells how far it opens
 SMOOTH = 0.02  # [s] to either side, over which an open mouth is rounded off
 
 
@@ -49,7 +49,7 @@ def limit_opening(shown: dict[str, Floats], most: Floats, step: float) -> None:
 def _reachable(most: Floats, step: float) -> Floats:
     """(n,) [m] that is never more than `most`, nor farther than lips come from one time to another."""
     found = most.copy()
-    for k in range(1, round(FARTHEST / step) + 1):
+    for k in range(1, round(NARROW_REACH / step) + 1):
         away = k * step
         way = FASTEST * (away - GATHERING / 2 if away > GATHERING else away * away / (2 * GATHERING))
         np.minimum(found[k:], most[:-k] + way, out=found[k:])

@@ -16,13 +16,22 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import NO_FACE
 from kinesic.body.utterance import Utterance
 from kinesic.expressivity.face.expressions import BRIDGED, Envelope, Expression, find_expression
-from kinesic.expressivity.face.eyes import AHEAD, Eyes, blink_times, blinking, flitting, gaze_units, looking, meeting
+from kinesic.expressivity.face.eyes import (
+    STRAIGHT_AHEAD,
+    Eyes,
+    blink_times,
+    blinking,
+    flitting,
+    gaze_units,
+    looking,
+    meeting,
+)
 from kinesic.expressivity.face.visemes import SEAL, visemes
 from kinesic.expressivity.keyframes import BodyMove, Outcome
 from kinesic.expressivity.lexicon.names import shorten_name
 from kinesic.expressivity.style.style import Expressivity, Style
 
-LEAST = 1e-3  # intensity below which an action unit is not told
+LEAST_INTENSITY = 1e-3  # intensity below which an action unit is not told
 
 SPEAKING = 0.3  # intensity at which speech has the mouth for itself
 PRESSED = (SEAL, "23", "28")  # action units that would keep it closed
@@ -68,7 +77,7 @@ def face_track(
     expressed = _open_lips(strongest(_expressions(timeline, times, styles, bodies)), spoken)
     found = strongest((expressed, spoken, strongest(_eyes(times, eyes, [start - BEFORE for start, _ in speeches]))))
     shares = {channel: sealed(np.clip(values, 0.0, 1.0)) for channel, values in found.items()}
-    return {channel: values for channel, values in shares.items() if values.max(initial=0.0) >= LEAST}
+    return {channel: values for channel, values in shares.items() if values.max(initial=0.0) >= LEAST_INTENSITY}
 
 
 def strongest(parts: Iterable[Channels]) -> Channels:
@@ -89,7 +98,7 @@ def face_at_ticks(shown: Channels, ticks: int) -> Iterator[Mapping[str, float]]:
     """
     rows = {channel: values.tolist() for channel, values in shown.items()}
     for k in range(ticks):
-        yield {channel: row[k] for channel, row in rows.items() if row[k] >= LEAST} or NO_FACE
+        yield {channel: row[k] for channel, row in rows.items() if row[k] >= LEAST_INTENSITY} or NO_FACE
 
 
 def outcome(action: Face) -> Outcome:
@@ -180,7 +189,7 @@ def _flutter(shown: Expression, since: Floats) -> Floats | float:
 
 
 def _eyes(times: Floats, eyes: Eyes, onsets: Sequence[float]) -> Iterator[Channels]:
-    habits, ordered = eyes.habits, [AHEAD, *sorted(eyes.looks, key=lambda look: look.start)]
+    habits, ordered = eyes.habits, [STRAIGHT_AHEAD, *sorted(eyes.looks, key=lambda look: look.start)]
     angles = looking(ordered, times, np.zeros((len(times), 2)) if eyes.head is None else eyes.head)
     if habits is not None and len(times):
         span = (float(times[0]), float(times[-1]))

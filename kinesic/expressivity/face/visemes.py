@@ -21,12 +21,14 @@ from kinesic.body.utterance import STRESSES, VOWELS, Phoneme
 from kinesic.expressivity.face.expressions import Envelope
 from kinesic.expressivity.face.opening import OPENING, limit_opening, opening
 
-STEP = 0.005  # [s] in which the mouth is worked out
+MOUTH_STEP = 0.005  # [s] in which the mouth is worked out
 LEAD = 0.07  # [s] before a sound, when its shape begins
 ROUND_LEAD = 0.12  # [s] the same of lips that round
 SEAL_LEAD, SEAL_LAG = 0.025, 0.03  # [s] in which closed lips are pressed together before, and let go after
 SOONER = 0.028  # [s] before they are heard to open, when closed lips let go: soft ones stick together at first
-SHORTEST = 0.015  # [s] that they are pressed at least; to be seen closed takes them 0.05, more than a picture of a film
+SHORTEST_PRESS = (
+    0.015  # [s] that they are pressed at least; to be seen closed takes them 0.05, more than a picture of a film
+)
 ATTACK = 0.3  # share of a sound after which its shape is reached
 LAG = 0.06  # [s] after a sound, when its shape is gone
 VISEMES = CONFIGS / "faces" / "visemes.toml"
@@ -106,7 +108,7 @@ def visemes(phonemes: Sequence[Phoneme], times: Floats, *, start: float = 0.0) -
         if sound.viseme.firm:
             first, last = np.searchsorted(grid, sound.held)
             np.minimum(most[first:last], opening(sound.units), out=most[first:last])
-    limit_opening(shown, most, STEP)
+    limit_opening(shown, most, MOUTH_STEP)
     if SEAL in shown:
         for channel in shown.keys() & {*BEHIND}:
             shown[channel] = shown[channel] * (1.0 - shown[SEAL])
@@ -133,7 +135,7 @@ class _Sound:
         """[s] when the mouth holds its shape; closed lips so long that a film shows them."""
         if SEAL not in self.viseme.units:
             return self.begin, self.end
-        return min(self.begin, self.end - SOONER - SHORTEST), self.end - SOONER
+        return min(self.begin, self.end - SOONER - SHORTEST_PRESS), self.end - SOONER
 
     def course(self, channel: str) -> Envelope:
         """How one action unit comes and goes: lips that close have when it begins, others come a little later."""
@@ -148,7 +150,7 @@ def _grid(sounds: Sequence[_Sound], times: Floats) -> Floats:
     """(n,) [s] steps of the utterance that decide what is shown at some times of it."""
     first = max(sounds[0].begin, times[0]) - MARGIN
     last = min(sounds[-1].end, times[-1]) + MARGIN
-    return STEP * np.arange(np.floor(first / STEP), np.ceil(max(first, last) / STEP) + 1)
+    return MOUTH_STEP * np.arange(np.floor(first / MOUTH_STEP), np.ceil(max(first, last) / MOUTH_STEP) + 1)
 
 
 def _shapes(sounds: Iterable[_Sound], grid: Floats) -> dict[str, Floats]:

@@ -25,7 +25,9 @@ from kinesic.motion.piecewise import PiecewisePolynomial
 
 PARALLEL = 0.99  # cosine of pointing and palm from which on they say no rotation
 SAMPLING = 0.01  # [arm lengths] that a path may be off the straight way between two of its samples
-STEP = 0.2  # [arm lengths] from sample to sample at most: between them hinges turn evenly, and the hand leaves its path
+PATH_STEP = (
+    0.2  # [arm lengths] from sample to sample at most: between them hinges turn evenly, and the hand leaves its path
+)
 SURGE = 0.5  # by how much longer full power makes the hand speed up along a path
 BEGUN = 0.5  # of the largest speed, which who is fastest at the end has after its first swing
 BRAKE, BRAKING = 0.12, 0.5  # [s], and of the time of speeding up, in which a path ends at a word
@@ -144,7 +146,7 @@ def along(
     start, end = a.hand.reach, b.hand.reach
     if path is None or start is None or end is None:
         return []
-    shares = path.samples(start.position, end.position, SAMPLING * unit, STEP * unit)
+    shares = path.samples(start.position, end.position, SAMPLING * unit, PATH_STEP * unit)
     brake = BRAKE / (b.time - a.time) if late else None
     times = a.time + (b.time - a.time) * _when(shares, path.swings(start.position, end.position), power, brake)
     positions = path.at(start.position, end.position, shares)

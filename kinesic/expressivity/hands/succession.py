@@ -15,11 +15,11 @@ from kinesic.body.robot import SIDES, Robot
 from kinesic.expressivity.context import BlockContext
 from kinesic.expressivity.hands.poses import Poses
 from kinesic.expressivity.hands.strokes import HandStroke
-from kinesic.expressivity.keyframes import TOGETHER, Hand, Succession
+from kinesic.expressivity.keyframes import NO_SUCCESSION, Hand, Succession
 from kinesic.expressivity.style.style import Expressivity
 from kinesic.expressivity.variation import Deviation
 
-NEAR = 0.3  # [arm lengths] from wrist to wrist, below which two hands stay together
+NEAR_HANDS = 0.3  # [arm lengths] from wrist to wrist, below which two hands stay together
 FLUID = 0.6  # by which full fluidity makes arms looser, and full stiffness firmer
 FIRM = 0.7  # that full power or tension takes away
 
@@ -41,7 +41,7 @@ def find_successions(works: Iterable[HandStroke], context: BlockContext) -> Mapp
 def _succession(work: HandStroke, behaviour: Behaviour, context: BlockContext) -> Succession:
     deviation = context.deviations.get(work.id)
     if deviation is None:
-        return TOGETHER
+        return NO_SUCCESSION
     found = _asked(deviation, context.manner(behaviour))
     return found if _apart(work.poses, context.robot) else replace(found, behind=0.0)
 
@@ -55,7 +55,7 @@ def _asked(deviation: Deviation, manner: Expressivity) -> Succession:
 def _apart(poses: Poses, robot: Robot) -> bool:
     """Whether there are two hands, which touch nothing and never come near one another."""
     rows = [poses.hands.get(side, ()) for side in SIDES]
-    return all(rows) and all(_distance(*pair) > NEAR * robot.arm_length for pair in zip(*rows, strict=True))
+    return all(rows) and all(_distance(*pair) > NEAR_HANDS * robot.arm_length for pair in zip(*rows, strict=True))
 
 
 def _distance(one: Hand, other: Hand) -> float:

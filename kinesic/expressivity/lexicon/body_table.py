@@ -11,7 +11,7 @@ from kinesic.expressivity.face.expressions import find_expression
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.lexicon.body_form import BodyForm, LookAt
 
-LARGEST = 45.0  # [deg] of any part
+LARGEST_ANGLE = 45.0  # [deg] of any part
 LOWEST = 10.0  # [deg] that shoulders sink at most
 
 
@@ -69,14 +69,14 @@ def body_form(table: BodyFormTable) -> BodyForm:
 def _turn(part: str, table: TurnTable | None) -> Turn:
     if table is None:
         return Turn()
-    return Turn(*(_angle(f"{part}.{name}", getattr(table, name), -LARGEST) for name in ("turn", "tilt", "roll")))
+    return Turn(*(_angle(f"{part}.{name}", getattr(table, name), -LARGEST_ANGLE) for name in ("turn", "tilt", "roll")))
 
 
 def _angle(name: str, written: float | None, least: float) -> float:
     """An angle [rad] that is written in degrees."""
     angle = written or 0.0
-    if not least <= angle <= LARGEST:
-        raise ValueError(f"body: {name} is {angle:g} deg, outside [{least:g}, {LARGEST:g}]")
+    if not least <= angle <= LARGEST_ANGLE:
+        raise ValueError(f"body: {name} is {angle:g} deg, outside [{least:g}, {LARGEST_ANGLE:g}]")
     return radians(angle)
 
 

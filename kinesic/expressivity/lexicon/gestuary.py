@@ -19,7 +19,7 @@ from kinesic.expressivity.lexicon.paths import HandPath, PathKind, SizeTrend, Th
 from kinesic.expressivity.lexicon.space import position
 
 _SIDES: Mapping[str, Side] = {"left": "l", "right": "r"}
-LARGEST = Bounds(size=40_000_000, elements=1_000_000)  # of a lexicon
+LARGEST_GESTUARY = Bounds(size=40_000_000, elements=1_000_000)  # of a lexicon
 
 _INHERITED = "empty"  # the hand shape that means: as before
 _TRUTHS: Mapping[str, bool] = {"true": True, "1": True, "false": False, "0": False}
@@ -93,7 +93,7 @@ def read_gestuary(path: Path) -> tuple[GestureForm, ...]:
         ConfigError: the file is missing, is no gestuary, or a gesture in it is wrong.
     """
     try:
-        root = read_tree(path.read_bytes(), source=str(path), bounds=LARGEST)
+        root = read_tree(path.read_bytes(), source=str(path), bounds=LARGEST_GESTUARY)
     except OSError as error:
         raise ConfigError(f"{path}: {error.strerror}") from None
     except BmlError as error:

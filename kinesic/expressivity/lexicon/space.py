@@ -33,7 +33,7 @@ SECTORS: Mapping[Axis, Mapping[str, float]] = {
 }
 
 EASE = 0.95  # [arm lengths] from the shoulder, beyond which spatial extent takes no hand
-FARTHEST = 5.0  # [arm lengths] from the origin that a place may be: any hand falls short of it
+FARTHEST_PLACE = 5.0  # [arm lengths] from the origin that a place may be: any hand falls short of it
 HAND_GAP = 0.24  # [arm lengths] least distance between wrists or fingertips of two hands, each about 0.12 thick
 
 _HAND_LENGTH = 0.2  # [arm lengths] wrist to fingertips
@@ -74,8 +74,8 @@ def position(x: str | float, y: str | float, z: str | float) -> Floats:
         for axis, value in zip(SECTORS, (x, y, z), strict=True)
     )
     for name, value in (("outward", outward), ("up", up), ("forward", forward)):
-        if not abs(value) <= FARTHEST:
-            what = f"a hand is {value:g} arm lengths {name}, outside [{-FARTHEST:g}, {FARTHEST:g}]"
+        if not abs(value) <= FARTHEST_PLACE:
+            what = f"a hand is {value:g} arm lengths {name}, outside [{-FARTHEST_PLACE:g}, {FARTHEST_PLACE:g}]"
             raise ValueError(f"{what}; arms are 1 long, and hands are within 2 of the body's middle")
     return sealed([forward, outward, up])
 

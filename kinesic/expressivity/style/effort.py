@@ -18,13 +18,13 @@ from kinesic.motion.keys import EVEN, STEEPEST, Passage
 Tempo = Literal["sudden", "neutral", "sustained"]
 
 PACES: Mapping[Tempo, float] = {"sudden": 0.48, "neutral": 1.0, "sustained": 2.1}  # factors on time
-STILL = 1.3  # factor on the time of a gesture that is a pose
+POSE_TIME = 1.3  # factor on the time of a gesture that is a pose
 CALM = 0.5  # exponent of slowness on the way home; who acts quickly goes home no faster
 SPREAD = 0.5  # exponent of a tempo in the stroke, which has its length in time from its meaning
 
 PREPARATION, RETURN, STROKE = 0.56, 0.96, 0.47  # [s] of a way of usual length
 WAY, SWING_WAY = 0.9, 0.35  # [arm lengths] of such a way from rest, and in a stroke
-SHORTEST = 0.02  # [arm lengths] below which no way takes less time
+SHORTEST_WAY = 0.02  # [arm lengths] below which no way takes less time
 FLAT, FLATTER, STEEP = 0.10, 0.25, 0.4  # exponents of the length: of the way there, back, and in a stroke
 PLAIN_BEGIN, PLAIN_BIT, PLAIN_WIDTH = 0.1, 0.15, 0.05  # [s], [s] and [m] of a target in Fitts' law
 PLAIN_FORCEFUL, PLAIN_HOLD = 2.4, 0.5  # times the least time of a stroke without any effort, and shares of it as hold
@@ -94,7 +94,7 @@ class Effort:
     @cached_property
     def slowness(self) -> float:
         """Factor on time by what the gesture is."""
-        return self._character.time * PACES[self.nature.tempo] * (1.0 if self.nature.dynamic else STILL)
+        return self._character.time * PACES[self.nature.tempo] * (1.0 if self.nature.dynamic else POSE_TIME)
 
     def preparation_time(self, distance: float) -> float:
         """Finds the natural time of the way from rest to a stroke [s].
@@ -197,7 +197,7 @@ class Effort:
 
     def _length(self, distance: float, usual: float) -> float:
         """Length of a way [m] in usual ones [arm lengths]."""
-        return max(distance / self.pace.robot.arm_length, SHORTEST) / usual
+        return max(distance / self.pace.robot.arm_length, SHORTEST_WAY) / usual
 
 
 def _fitts(distance: float) -> float:

@@ -8,13 +8,13 @@ import numpy as np
 from kinesic.body.robot import Robot
 from kinesic.expressivity.idle import Span
 from kinesic.motion.trajectory import STEP, Trajectory
-from kinesic.planning.secondary.swells import AHEAD, Swell
+from kinesic.planning.secondary.swells import CONTROL_LEAD, Swell
 from kinesic.planning.torso import set_turn
 
 LEAST_TURN, LEAST_TIME = radians(6.0), 0.2  # [rad] and [s] of a turn that is worth an arc
 DIP, LEAN = (0.06, 0.16), (-0.04, 0.14)  # of a turn, that the head goes down, and leans to where it turns
-MOST = radians(4.0)  # of both
-FARTHEST = 0.35, 0.6  # share of the time, at which it is lowest
+LARGEST_BEND = radians(4.0)  # of both
+LOWEST_AT = 0.35, 0.6  # share of the time, at which it is lowest
 MOVING = radians(2.0)  # [rad/s] of a head that turns
 
 
@@ -34,9 +34,9 @@ def arcs(
         return
     for begin, end, turn in head_turns(motion, robot):
         away = np.zeros(len(robot.skeleton.hinges))
-        dip, lean = (amount * min(abs(turn) * float(chance.uniform(*share)), MOST) for share in (DIP, LEAN))
+        dip, lean = (amount * min(abs(turn) * float(chance.uniform(*share)), LARGEST_BEND) for share in (DIP, LEAN))
         set_turn(robot, "neck", np.array([0.0, dip, -np.sign(turn) * lean]), away)
-        peak = begin + float(chance.uniform(*FARTHEST)) * (end - begin)
+        peak = begin + float(chance.uniform(*LOWEST_AT)) * (end - begin)
         if not any(a < end and begin < b for a, b in taken):
             yield Swell(begin, peak, end, away)
 
@@ -55,4 +55,4 @@ def head_turns(motion: Trajectory, robot: Robot) -> Iterator[tuple[float, float,
     for first, last in zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True):
         turn = float(torsion[last] - torsion[first])
         if sides[first] and abs(turn) >= LEAST_TURN and (last - first) * STEP >= LEAST_TIME:
-            yield motion.start + (first - AHEAD) * STEP, motion.start + (last - AHEAD) * STEP, turn
+            yield motion.start + (first - CONTROL_LEAD) * STEP, motion.start + (last - CONTROL_LEAD) * STEP, turn

@@ -9,14 +9,14 @@ import numpy as np
 
 from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.expressivity.idle import Span
-from kinesic.expressivity.keyframes import TOGETHER, KeyFrames, Succession
+from kinesic.expressivity.keyframes import NO_SUCCESSION, KeyFrames, Succession
 from kinesic.motion.condition import Conditioned
 from kinesic.motion.trajectory import STEP, Trajectory
-from kinesic.planning.secondary.swells import AHEAD
+from kinesic.planning.secondary.swells import CONTROL_LEAD
 from kinesic.planning.syncs import on_keys
 
 LEAST_REST = 0.03  # [s]
-STILL = 5e-5  # [rad] from knot to knot
+STILL_ARM = 5e-5  # [rad] from knot to knot
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,7 @@ def _strokes(side: Side, spans: Mapping[str, Span], frames: KeyFrames) -> list[A
     for id, (begin, end) in sorted(spans.items(), key=lambda row: row[1]):
         if f"{side}_hand" not in frames.uses.get(id, ()):
             continue
-        asked: Succession = frames.successions.get(id, TOGETHER)
+        asked: Succession = frames.successions.get(id, NO_SUCCESSION)
         if found and begin <= found[-1].end:
             found[-1] = ArmStroke(id, found[-1].begin, max(end, found[-1].end))
         else:
@@ -94,9 +94,9 @@ def _strokes(side: Side, spans: Mapping[str, Span], frames: KeyFrames) -> list[A
 
 def _gaps(motion: Trajectory, joints: list[int], strokes: Sequence[ArmStroke]) -> list[Gap]:
     """The times before, between and after the strokes of an arm."""
-    turned = np.abs(np.diff(motion.controls[:, joints], axis=0)).max(axis=1) >= STILL
+    turned = np.abs(np.diff(motion.controls[:, joints], axis=0)).max(axis=1) >= STILL_ARM
     edges = np.flatnonzero(np.diff(np.concatenate([[True], turned, [True]]).astype(np.int8)))
-    times = motion.start + (edges.astype(np.float64) - AHEAD) * STEP
+    times = motion.start + (edges.astype(np.float64) - CONTROL_LEAD) * STEP
     still = list(zip(times[::2].tolist(), times[1::2].tolist(), strict=True))
     still[0], still[-1] = (-inf, still[0][1]), (still[-1][0], inf)
     ends = [(-inf, strokes[0].begin), *((a.end, b.begin) for a, b in pairwise(strokes)), (strokes[-1].end, inf)]

@@ -11,7 +11,7 @@ from kinesic.body.limits import Limits
 from kinesic.motion.bspline import WIDTHS
 from kinesic.motion.limit_check import find_beyond
 from kinesic.motion.trajectory import EARLY, FEWEST, STEP, Trajectory
-from kinesic.planning.secondary.swells import AHEAD, MotionChange
+from kinesic.planning.secondary.swells import CONTROL_LEAD, MotionChange
 
 FULL = 1.0 + 1e-9  # share of a limit
 WIDEST = max(WIDTHS)  # control points that one limit depends on
@@ -69,7 +69,7 @@ class Changes:
         """(c, 2) the first control point that each moves, and the one after the last."""
         (begins, ends), start = self._times.T, self.motion.start
         first = np.maximum(FEWEST - 1, ((begins - start) / STEP).astype(np.intp))  # before it the motion is at rest
-        last = np.minimum(np.ceil((ends - start) / STEP) + AHEAD, self._sizes - FEWEST + 1).astype(np.intp)
+        last = np.minimum(np.ceil((ends - start) / STEP) + CONTROL_LEAD, self._sizes - FEWEST + 1).astype(np.intp)
         return np.stack([first, np.maximum(first, last)], axis=1)
 
     @cached_property
@@ -86,7 +86,7 @@ class Changes:
     @cached_property
     def _rows(self) -> Sequence[Floats]:
         """By how much each moves its control points (r, h) [rad]."""
-        times: Floats = np.asarray(self.motion.start + (np.arange(self._alone.shape[1]) - AHEAD) * STEP)
+        times: Floats = np.asarray(self.motion.start + (np.arange(self._alone.shape[1]) - CONTROL_LEAD) * STEP)
         spans = self._spans.tolist()
         return [change.added(times[first:last]) for change, (first, last) in zip(self.every, spans, strict=True)]
 

@@ -20,9 +20,9 @@ from kinesic.planning.secondary.swells import Swell
 
 BOW = radians(5.0), radians(6.0), radians(8.0)  # that shoulder, elbow and wrist turn aside on the way home at most
 SETTLED = radians(1.5), radians(3.0), radians(4.0)  # likewise where the hand rests until the next gesture
-WHOLE = 0.8  # [s] of a way, that is worth a whole bow
+WHOLE_BOW = 0.8  # [s] of a way, that is worth a whole bow
 LEAST_WAY, LEAST_REST = 0.3, 0.2  # [s]
-FARTHEST = 0.35, 0.65  # share of the way, at which the bow is widest
+WIDEST_AT = 0.35, 0.65  # share of the way, at which the bow is widest
 AT_REST = 0.05  # [rad] from rest: the arm hangs
 INWARD = 1e-3  # [rad] that hinges keep from the ends of their ranges
 LEFT = 1  # axis of the world
@@ -63,8 +63,8 @@ def _bends(course: ArmCourse, motion: Trajectory, variation: Variation, block: s
         if way is None or way[1] - way[0] < LEAST_WAY:
             continue
         chance = np.random.default_rng((variation.seed, crc32(f"{block}:{stroke.id}:{side}:home".encode())))
-        peak = way[0] + float(chance.uniform(*FARTHEST)) * (way[1] - way[0])
-        share = variation.amount * min(1.0, (way[1] - way[0]) / WHOLE)
+        peak = way[0] + float(chance.uniform(*WIDEST_AT)) * (way[1] - way[0])
+        share = variation.amount * min(1.0, (way[1] - way[0]) / WHOLE_BOW)
         there, home = motion.sample(np.array([peak, way[1]]))[0]
         yield _Bend(Swell(way[0], peak, way[1], _aside(share, BOW, side, robot, chance)), there, side)
         if _hangs(gap, home, side, robot):  # beside its usual rest until its next stroke, where it has its place again

@@ -18,7 +18,7 @@ from kinesic.body.robot import Robot
 from kinesic.motion.easing import minimum_jerk
 from kinesic.motion.trajectory import STEP, Trajectory
 from kinesic.planning.secondary.arm_times import ArmCourse, ArmStroke, Gap
-from kinesic.planning.secondary.swells import AHEAD
+from kinesic.planning.secondary.swells import CONTROL_LEAD
 
 LEAD = 0.5  # of what the wrist is later than the shoulder, that the shoulder is sooner than the elbow
 CAUGHT_UP = 0.15  # of a way, that a hinge makes up for at most
@@ -133,9 +133,9 @@ class _Curves:
             [int(min(max((shift.lateness[k][0] - start) / STEP, 0.0), last + BEYOND)) for k in (0, -1)]
             for shift in shifts
         ]
-        rows = np.concatenate([np.arange(first, end + AHEAD + 2) for first, end in spans])
-        times = np.asarray(start + (rows - AHEAD) * STEP, dtype=np.float64)
-        edges = np.cumsum([0, *(end + AHEAD + 2 - first for first, end in spans)]).tolist()
+        rows = np.concatenate([np.arange(first, end + CONTROL_LEAD + 2) for first, end in spans])
+        times = np.asarray(start + (rows - CONTROL_LEAD) * STEP, dtype=np.float64)
+        edges = np.cumsum([0, *(end + CONTROL_LEAD + 2 - first for first, end in spans)]).tolist()
         late = _late_at([times[one:other] for one, other in pairwise(edges)], [shift.lateness for shift in shifts])
         places = np.minimum(np.maximum(rows - late / STEP, 0.0), last)
         own = self.motion.controls[:, list(self.joints)]

@@ -15,7 +15,7 @@ import numpy as np
 from kinesic.body.arrays import Flags, Floats
 from kinesic.motion.easing import minimum_jerk
 
-AHEAD = 1  # knots by which a control point lies before the one where it counts most
+CONTROL_LEAD = 1  # knots by which a control point lies before the one where it counts most
 
 
 class MotionChange(Protocol):

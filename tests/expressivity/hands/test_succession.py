@@ -1,7 +1,7 @@
 import pytest
 
 from kinesic.bml.block import Gesture
-from kinesic.expressivity.keyframes import TOGETHER
+from kinesic.expressivity.keyframes import NO_SUCCESSION
 from kinesic.expressivity.realise import keyframes
 from kinesic.expressivity.style.style import Expressivity, Style
 from kinesic.expressivity.variation import BEHIND, EXACT, LOOSE, Variation, deviations
@@ -42,6 +42,6 @@ def test_fluid_arms_swing_along_and_stiff_or_forceful_ones_move_as_one_piece(suc
 
 
 def test_what_does_not_vary_moves_together(succession, timeline, phases, context):
-    assert succession("large", amount=0.0) == TOGETHER
+    assert succession("large", amount=0.0) == NO_SUCCESSION
     built = timeline(("g", Gesture("large"), phases(0, 1, 1.4, 2, 2.4, 3, 4)))
     assert deviations(built.block, EXACT) == {}

@@ -6,7 +6,7 @@ import pytest
 from kinesic.body.robot import Robot
 from kinesic.controller.perform import plan, set_up
 from kinesic.expressivity.idle import Idling
-from kinesic.planning.secondary.arcs import DIP, MOST, arcs, head_turns
+from kinesic.planning.secondary.arcs import DIP, LARGEST_BEND, arcs, head_turns
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 LOOK = '<gaze id="g" target="left" start="1" ready="1.6" relax="2.5" end="3.1"/><wait id="w" duration="4"/>'
@@ -41,7 +41,7 @@ def test_the_head_dips_on_its_way_and_is_where_it_was_at_both_ends(looked):
     assert len(swells) == len(turns) == 2
     for swell, (begin, end, turn) in zip(swells, turns, strict=True):
         assert begin == swell.begin < swell.peak < swell.end == end
-        assert min(DIP[0] * abs(turn), MOST) - 1e-9 <= swell.away[TILT] <= MOST + 1e-9
+        assert min(DIP[0] * abs(turn), LARGEST_BEND) - 1e-9 <= swell.away[TILT] <= LARGEST_BEND + 1e-9
         assert np.flatnonzero(swell.away).tolist() == [TILT, ROLL]
     assert all(
         np.abs(half.away - whole.away / 2).max() < np.radians(1)

@@ -5,7 +5,7 @@ from kinesic.body.arrays import sealed
 from kinesic.body.robot import Robot
 from kinesic.motion.easing import minimum_jerk
 from kinesic.motion.trajectory import STEP, Trajectory, stay
-from kinesic.planning.secondary.drift import FARTHEST, LEAST_HOLD, drifts, held_spans
+from kinesic.planning.secondary.drift import LARGEST_DRIFT, LEAST_HOLD, drifts, held_spans
 
 ROBOT = Robot.load()
 REST = ROBOT.skeleton.rest
@@ -42,11 +42,11 @@ def test_it_strays_within_the_hold_a_little_and_more_than_once_in_a_long_one():
     assert len(swells) >= 3
     assert min(swell.begin for swell in swells) >= 1.4
     assert max(swell.end for swell in swells) <= 7.6
-    assert 0.0 < max(np.abs(swell.away).max() for swell in swells) <= FARTHEST
+    assert 0.0 < max(np.abs(swell.away).max() for swell in swells) <= LARGEST_DRIFT
     moved = np.any([swell.away != 0.0 for swell in swells], axis=0)
     assert {ROBOT.skeleton.names[hinge][:2] for hinge in np.flatnonzero(moved)} == {"l_"}
 
 
 def test_in_little_time_it_strays_less_far():
     (short,) = drifts(raised(0.6), 1.0, ROBOT, np.random.default_rng(0))
-    assert np.abs(short.away).max() <= FARTHEST * 0.75
+    assert np.abs(short.away).max() <= LARGEST_DRIFT * 0.75

@@ -10,7 +10,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.utterance import Phoneme, Script, Utterance
 from kinesic.expressivity.face.eyes import Eyes, GazeDirection, Habits
 from kinesic.expressivity.face.tracks import Channels, face_track
-from kinesic.expressivity.face.visemes import SHORTEST, SOONER
+from kinesic.expressivity.face.visemes import SHORTEST_PRESS, SOONER
 from kinesic.expressivity.style.resolve import resolve_styles
 from kinesic.expressivity.style.style import Style
 
@@ -102,6 +102,6 @@ def test_lips_close_on_p_b_and_m_whatever_is_felt(timeline: Timeline, said: Utte
     found = show(timeline, said, TIMES)
     for sound in said.phonemes:
         since, last = TIMES - begin - sound.start, sound.duration - SOONER  # when they begin to part
-        during = (since >= min(0.0, last - SHORTEST)) & (since <= last)
+        during = (since >= min(0.0, last - SHORTEST_PRESS)) & (since <= last)
         if sound.symbol in ("p", "b", "m") and during.any():
             np.testing.assert_allclose(found["24"][during], 1.0, atol=0.06)

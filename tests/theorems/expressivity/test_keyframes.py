@@ -27,7 +27,7 @@ from kinesic.bml.block import (
 )
 from kinesic.body.robot import SIDES
 from kinesic.expressivity.context import BlockContext, Context
-from kinesic.expressivity.gather import TOGETHER
+from kinesic.expressivity.gather import SAME_FRAME
 from kinesic.expressivity.hands.poses import poses, resting_hands
 from kinesic.expressivity.keyframes import Hand, KeyFrames
 from kinesic.expressivity.lexicon.lexicon import Lexicon, in_mode, mirror_form
@@ -121,8 +121,8 @@ def test_every_sync_point_of_what_moves_is_on_a_key(timeline, style):
     assert sum(len(frame.syncs) for frame in found.frames) == len(moved)
     strokes = sorted(time for (_, sync), time in moved.items() if sync.partition(":")[0] == "stroke")
     for (behaviour, sync), time in moved.items():
-        assert abs(on[behaviour, sync] - time) < TOGETHER
-        if sync == "stroke" and not any(0 < abs(other - time) < 2 * TOGETHER for other in strokes):
+        assert abs(on[behaviour, sync] - time) < SAME_FRAME
+        if sync == "stroke" and not any(0 < abs(other - time) < 2 * SAME_FRAME for other in strokes):
             assert on[behaviour, sync] == time
     for (behaviour, sync), time in asked.items():  # what gives way for another stroke of the same hand
         later = moved[behaviour, sync] - time
@@ -142,7 +142,7 @@ def test_frames_are_whole_apart_and_between_rests(timeline, style):
     for frame in found.frames:
         assert set(frame.hands) == set(SIDES)
         assert frame.given <= PARTS
-    assert all(b.time - a.time >= TOGETHER - 1e-9 for a, b in pairwise(found.frames))
+    assert all(b.time - a.time >= SAME_FRAME - 1e-9 for a, b in pairwise(found.frames))
     if found.frames:
         first = found.frames[0]
         assert all(first.hands[side].reach is None for side in SIDES)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from kinesic.bml.block import GESTURE_SYNCS, Behaviour, Block, Gesture, Head, Place, TimedBehaviour, Timeline
 from kinesic.body.robot import OTHER_SIDE
 from kinesic.expressivity.context import BlockContext, Context
-from kinesic.expressivity.gather import TOGETHER
+from kinesic.expressivity.gather import SAME_FRAME
 from kinesic.expressivity.keyframes import KeyFrame, KeyFrames, Turn
 from kinesic.expressivity.lexicon.body_form import NO_BODY
 from kinesic.expressivity.lexicon.lexicon import Lexicon, mirror_form
@@ -111,7 +111,7 @@ def test_a_head_that_the_document_moves_does_just_that(name, spans_, nodding, st
     gesturing = max(gesture.times["start"], head.times["start"]), min(gesture.times["end"], head.times["end"])
     if gesturing[0] < gesturing[1]:  # else they do not meet
         for frame in asked.frames:
-            merged = any(abs(frame.time - time) < TOGETHER for time in gesture.times.values())
+            merged = any(abs(frame.time - time) < SAME_FRAME for time in gesture.times.values())
             if "head" in frame.given and frame.time in heads and not merged:
                 assert getattr(heads[frame.time], axis) == pytest.approx(getattr(frame.head, axis), abs=1e-9)
 
