@@ -25,8 +25,8 @@ if KERNEL == "compiled":
 POSTURES_PER_BATCH = 512  # postures whose kinematics are computed at once
 POSTURES_PER_STRIP = 128  # of them for all pairs, so that arrays stay in the cache
 POSTURES_PER_WINDOW = 4096  # postures whose frames are kept together while a whole motion is looked at
-SAME = 1e-5  # [rad] postures that differ by less are one: no capsule is farther off than 0.01 mm for each hinge
-NEAR = 0.03  # [m] the ball about fingers comes to something, from which on they are measured in a motion
+SAME_POSTURE = 1e-5  # [rad] postures that differ by less are one: no capsule is farther off than 0.01 mm for each hinge
+NEAR_FINGERS = 0.03  # [m] the ball about fingers comes to something, from which on they are measured in a motion
 SIGHT = 0.13  # [m] likewise where gaps are asked for: those that are wider are no less than they are said to be
 
 
@@ -84,7 +84,7 @@ class CapsuleDistances:
         Returns:
             Distance and pair of segments for each posture; infinite for a robot without counted pairs.
         """
-        chosen, back = distinct_rows(angles, SAME)
+        chosen, back = distinct_rows(angles, SAME_POSTURE)
         distances, pairs = self._nearest(angles, chosen)
         return self._named(distances[back], pairs[back])
 
@@ -175,9 +175,8 @@ class CapsuleDistances:
     def _nearest(self, angles: Floats, chosen: Indices) -> tuple[Floats, Indices]:
         """(c,) [m] and index of the closest pair of capsules, for some of the postures (m, n) [rad]."""
         distances, pairs = np.full(len(chosen), np.inf), np.zeros(len(chosen), dtype=np.int64)
-        for block in (
-            slice(k, k + POSTURES_PER_BATCH) for k in range(0, len(chosen) if self._names else 0, POSTURES_PER_BATCH)
-        ):
+        count = len(chosen) if self._names else 0
+        for block in (slice(k, k + POSTURES_PER_BATCH) for k in range(0, count, POSTURES_PER_BATCH)):
             postures = angles[chosen[block]]
             if KERNEL == "compiled" and not self._fingers:
                 _compiled(self).nearest(*self._turned(postures), distances[block], pairs[block])
@@ -198,7 +197,7 @@ class CapsuleDistances:
             starts, ends = self._axes(frames)
             strips = (slice(k, k + POSTURES_PER_STRIP) for k in range(0, len(angles), POSTURES_PER_STRIP))
             lowest = np.concatenate([self._closest(starts[:, :, strip], ends[:, :, strip]) for strip in strips], axis=1)
-        near = np.maximum(lowest[~self._hulled].min(axis=0, initial=np.inf), NEAR)
+        near = np.maximum(lowest[~self._hulled].min(axis=0, initial=np.inf), NEAR_FINGERS)
         self._measure_fingers(lowest, (lowest <= near) & self._hulled[:, None], frames, angles)
         return lowest
 

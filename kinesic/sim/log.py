@@ -16,7 +16,7 @@ FORMAT = (
     "npz with times (m,) [s], names (n,) of the hinges, goals (m, n) [rad] sent at these times, and angles (m, n) "
     "[rad] measured there just before; it begins at rest"
 )
-LARGEST = 500_000_000  # [bytes] unpacked: an hour of 22 hinges at 100 Hz is 130 MB
+LARGEST_LOG = 500_000_000  # [bytes] unpacked: an hour of 22 hinges at 100 Hz is 130 MB
 ARRAYS = ("times", "names", "goals", "angles")
 
 
@@ -49,8 +49,8 @@ def read_log(path: Path, robot: Robot) -> Log:
     try:
         with ZipFile(path) as whole:
             unpacked = sum(part.file_size for part in whole.infolist())
-        if unpacked > LARGEST:
-            raise ConfigError(f"{path}: unpacks to {unpacked / 1e6:.0f} MB, at most {LARGEST / 1e6:.0f} are read")
+        if unpacked > LARGEST_LOG:
+            raise ConfigError(f"{path}: unpacks to {unpacked / 1e6:.0f} MB, at most {LARGEST_LOG / 1e6:.0f} are read")
         with np.load(path, allow_pickle=False) as file:
             data = {name: file[name] for name in ARRAYS if name in file}
     except OSError as error:

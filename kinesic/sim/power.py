@@ -20,8 +20,8 @@ from kinesic.body.command import Power
 from kinesic.body.servo import Drives
 from kinesic.sim.servo_factors import Factors
 
-WHOLE = sealed([1.0])  # share of its voltage that a stiff supply has
-LEAST = 0.4  # share of the voltage at which servos would go out: the twin's do not, they only stay as weak
+FULL_SUPPLY = sealed([1.0])  # share of its voltage that a stiff supply has
+LOWEST_VOLTAGE = 0.4  # share of the voltage at which servos would go out: the twin's do not, they only stay as weak
 CLOSE = 1e-6  # change of the share that is none
 
 
@@ -35,7 +35,7 @@ class DriveEffort:
     supplied: Floats  # (s,) or (1,) share of its voltage that the supply had
 
 
-def effort(drives: Drives, errors: Floats, speeds: Floats, *, supplied: Floats = WHOLE) -> DriveEffort:
+def effort(drives: Drives, errors: Floats, speeds: Floats, *, supplied: Floats = FULL_SUPPLY) -> DriveEffort:
     """Computes demanded duty, applied duty and share of stall torque of each drive at each step of the physics.
 
     Args:
@@ -180,8 +180,8 @@ class Supply:
             fallen = (1.0 - drop * rest) / (1.0 + drop * slope)
             if slope > 0.0 and fallen * slope + rest > self.amps:
                 fallen = (self.amps - rest) / slope
-            if fallen < LEAST:
-                return LEAST
+            if fallen < LOWEST_VOLTAGE:
+                return LOWEST_VOLTAGE
             if fallen > share - CLOSE:
                 return min(share, fallen)
             share = fallen

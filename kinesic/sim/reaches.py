@@ -11,7 +11,7 @@ from kinesic.sim.kinematics import KERNEL
 if KERNEL == "compiled":
     from kinesic.sim import _kernel
 
-SHORTEST = 1e-9  # [m] of a reach that is not none
+SHORTEST_REACH = 1e-9  # [m] of a reach that is not none
 STRIP, PRODUCT = 128, 300_000  # postures at once, so that arrays stay in the cache; products that stay on one core
 
 
@@ -32,7 +32,7 @@ def capsule_reach(skeleton: Skeleton, owner: int, capsule: Capsule) -> Floats:
     while segment is not None:
         joints = list(skeleton.joints_of((segment.name,)))
         far += 2 * sum(float(np.linalg.norm(skeleton.hinges[joint].at)) for joint in joints)  # they may miss its origin
-        reach[joints] += max(far, SHORTEST)
+        reach[joints] += max(far, SHORTEST_REACH)
         for coupling in (each for each in skeleton.couplings if each.segment == segment.name):
             reach[coupling.driver] += abs(coupling.ratio) * far
         far += float(np.linalg.norm(segment.origin_in_parent))

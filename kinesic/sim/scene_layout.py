@@ -16,7 +16,7 @@ ASPECT = 4 / 3  # of pictures, width to height
 MARGIN = 1.03  # times what must be seen
 AIR = 0.12  # arm lengths between hanging hands and the floor
 ROD = 0.035  # arm lengths: radius of a rod
-SHORTEST = 1e-3  # [m] of a rod
+SHORTEST_ROD = 1e-3  # [m] of a rod
 STANDS = 0.2  # arm lengths between the lowest shape's axis and the floor, below which the shape itself stands there
 
 
@@ -82,7 +82,7 @@ def rods(robot: Robot) -> tuple[Rod, ...]:
         radius = min([thickest, *(shape.radius for shape in shapes)])
         ends = [*_inside(shapes), *((_on(shapes, child), child) for child in children)]
         found += [Rod(segment.name, Capsule(start, end, radius)) for start, end in ends]
-    return (*(rod for rod in found if np.linalg.norm(rod.shape.end - rod.shape.start) > SHORTEST), *stand(robot))
+    return (*(rod for rod in found if np.linalg.norm(rod.shape.end - rod.shape.start) > SHORTEST_ROD), *stand(robot))
 
 
 def _inside(shapes: Sequence[Capsule]) -> Iterator[tuple[Floats, Floats]]:
@@ -137,5 +137,5 @@ def _shapes(robot: Robot, arm: RobotArm) -> tuple[Capsule, ...]:
 def _nearest(shape: Capsule, point: Floats) -> Floats:
     """The place on a capsule's axis that is nearest to a point."""
     way = shape.end - shape.start
-    share = float((point - shape.start) @ way) / max(float(way @ way), SHORTEST**2)
+    share = float((point - shape.start) @ way) / max(float(way @ way), SHORTEST_ROD**2)
     return sealed(shape.start + min(max(share, 0.0), 1.0) * way)

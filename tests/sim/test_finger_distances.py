@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from kinesic.body.robot import SIDES, Robot
-from kinesic.sim.distances import NEAR, SIGHT, CapsuleDistances
+from kinesic.sim.distances import NEAR_FINGERS, SIGHT, CapsuleDistances
 from kinesic.sim.fingers import finger_hull
 from kinesic.sim.segment_distances import segment_distances
 from kinesic.sim.worst_postures import random_postures
@@ -41,10 +41,10 @@ def test_every_finger_counts():
         near = expected < SIGHT
         np.testing.assert_allclose(found[near], expected[near], atol=1e-9)
         assert np.all(found <= expected + 1e-9)
-        if expected.min() < NEAR:
+        if expected.min() < NEAR_FINGERS:
             assert least == pytest.approx(expected.min(), abs=1e-9)
         else:
-            assert NEAR <= least <= expected.min() + 1e-9
+            assert NEAR_FINGERS <= least <= expected.min() + 1e-9
 
 
 @pytest.mark.parametrize("side", SIDES)

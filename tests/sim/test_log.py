@@ -66,7 +66,7 @@ def test_a_missing_file_and_another_kind_of_file_are_refused(tmp_path):
 
 
 def test_a_log_that_unpacks_without_end_is_refused_before_it_is(tmp_path, monkeypatch):
-    monkeypatch.setattr(log, "LARGEST", 50_000_000)
+    monkeypatch.setattr(log, "LARGEST_LOG", 50_000_000)
     path = tmp_path / "bomb.npz"
     with ZipFile(path, "w", ZIP_DEFLATED) as whole, whole.open("angles.npy", "w") as part:
         for _ in range(60):

@@ -3,7 +3,7 @@ import pytest
 
 from kinesic.body.command import Command
 from kinesic.body.robot import Robot
-from kinesic.sim.power import LEAST, Supply
+from kinesic.sim.power import LOWEST_VOLTAGE, Supply
 from kinesic.sim.servo_factors import NOMINAL, Factors
 from kinesic.sim.servo_shafts import Shafts
 from kinesic.sim.twin import STEP, Twin
@@ -50,7 +50,9 @@ def test_the_voltage_is_what_the_current_at_that_voltage_leaves(resistance):
     for _ in range(50):
         duties, speeds = chance.uniform(-0.6, 0.6, COUNT), chance.uniform(-1, 1, COUNT) * DRIVES.no_load
         share = supply(resistance=resistance).share(duties, speeds)
-        assert share == pytest.approx(max(LEAST, 1 - resistance * drawn(duties, speeds, share) / 12.0), abs=1e-5)
+        assert share == pytest.approx(
+            max(LOWEST_VOLTAGE, 1 - resistance * drawn(duties, speeds, share) / 12.0), abs=1e-5
+        )
 
 
 def test_a_supply_of_three_amperes_gives_no_more():
@@ -64,8 +66,8 @@ def test_a_supply_of_three_amperes_gives_no_more():
 
 
 def test_servos_that_cannot_be_fed_stay_as_weak_as_the_least_voltage():
-    assert supply(amps=0.1).share(np.ones(COUNT), np.zeros(COUNT)) == LEAST
-    assert supply(resistance=4.0).share(np.ones(COUNT), np.zeros(COUNT)) == LEAST
+    assert supply(amps=0.1).share(np.ones(COUNT), np.zeros(COUNT)) == LOWEST_VOLTAGE
+    assert supply(resistance=4.0).share(np.ones(COUNT), np.zeros(COUNT)) == LOWEST_VOLTAGE
 
 
 def test_a_sagging_twin_is_slower_and_tells_the_lowest_voltage():

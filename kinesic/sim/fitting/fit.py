@@ -24,8 +24,8 @@ from kinesic.sim.servo_factors import Factors
 from kinesic.sim.twin import Twin
 
 REPLAY_STEP = 0.002  # [s] of the physics, at most: half the twin's, as what its steps do wrong would go into the fit
-SAME = 1e-9  # of a step, below which what is left over is none
-STEP = 0.01  # of finite differences
+NO_STEP = 1e-9  # of a step, below which what is left over is none
+DIFFERENCE_STEP = 0.01  # of finite differences
 EVALUATIONS = 15  # of the errors, at most
 LATEST = 64  # errors that are remembered: slopes and steps ask again where they are
 FIT_TOLERANCE = 1e-3  # relative change of the figures at which a fit ends
@@ -132,8 +132,8 @@ def _slopes(errors: Callable[[Floats], Floats], values: Floats, chosen: Sequence
     slopes = np.empty((len(here), len(chosen)))
     for column, k in enumerate(chosen):
         moved = values.copy()
-        moved[k] += STEP
-        slopes[:, column] = (errors(moved) - here) / STEP
+        moved[k] += DIFFERENCE_STEP
+        slopes[:, column] = (errors(moved) - here) / DIFFERENCE_STEP
     return slopes
 
 
@@ -161,7 +161,7 @@ def replay_log(log: Log, robot: Robot, factors: Factors) -> Floats:
         (m, n) [rad].
     """
     spans = np.diff(log.times)
-    counts = np.ceil(spans / REPLAY_STEP - SAME).astype(int)
+    counts = np.ceil(spans / REPLAY_STEP - NO_STEP).astype(int)
     pieces = [np.linspace(a, b, n + 1)[:-1] for (a, b), n in zip(pairwise(log.times), counts, strict=True)]
     steps = np.append(np.concatenate(pieces), log.times[-1])
     goals = np.diff(_sums(log, steps - factors.latency), axis=0) / np.diff(steps)[:, None]

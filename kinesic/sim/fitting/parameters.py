@@ -16,7 +16,7 @@ ServoFigure = Literal["stall", "no_load", "friction", "latency", "armature", "ga
 FIGURES: tuple[ServoFigure, ...] = get_args(ServoFigure)  # last yields first
 OF_THE_ROBOT = ("latency", "mass")
 DEFAULT: tuple[ServoFigure, ...] = FIGURES[:-1]
-FARTHEST = log(4.0)  # a factor is between a quarter and four
+LARGEST_LOG_FACTOR = log(4.0)  # a factor is between a quarter and four
 LATENCY_UNIT = 0.01  # [s]
 MOST_LATENCY = 0.05  # [s]
 
@@ -60,7 +60,7 @@ def unknowns(robot: Robot, free: Sequence[ServoFigure]) -> tuple[Unknown, ...]:
 def bounds(of: Sequence[Unknown]) -> tuple[Floats, Floats]:
     """Finds the lowest and highest values (u,)."""
     late = np.array([unknown.figure == "latency" for unknown in of])
-    return np.where(late, -1e-9, -FARTHEST), np.where(late, MOST_LATENCY / LATENCY_UNIT, FARTHEST)
+    return np.where(late, -1e-9, -LARGEST_LOG_FACTOR), np.where(late, MOST_LATENCY / LATENCY_UNIT, LARGEST_LOG_FACTOR)
 
 
 def factors_of(of: Sequence[Unknown], values: Floats) -> Factors:

@@ -11,7 +11,7 @@ MOST_GIRDLE = 3  # hinges before the shoulder
 SHOULDERS = (2, 3, 4)  # hinges of a shoulder
 MOST_WRIST = 3  # hinges after the elbow, the forearm's twist included; what follows belongs to the fingers
 LENGTHWISE = 0.7  # cosine to its bone from which a hinge is a twist
-SHORTEST = 0.02  # [m] of a bone
+SHORTEST_BONE = 0.02  # [m] of a bone
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ def likeness(limb: HingeRow, split: Split) -> float:
     """Scores how much a split looks like a human arm: about 3 for a good one, below 2 doubtful."""
     at = centres(limb, split)
     upper, fore = at.lengths
-    if min(upper, fore) < SHORTEST:
+    if min(upper, fore) < SHORTEST_BONE:
         return -np.inf
     arm = slice(split.girdle, split.elbow)
     twist = _twist(limb, split, at.shoulder) is not None

@@ -20,7 +20,7 @@ FINGERS = ("thumb", "index", "middle", "ring", "pinky")
 FEWEST = 3  # fingers of a hand; less is a gripper
 ALONG = 0.8  # cosine between an axis and a direction that it counts as
 FLEXION, SPREAD = (0.0, radians(80)), (radians(-10), radians(15))  # where the file tells no range
-WHOLE = radians(350)  # a wider range is none
+WHOLE_TURN = radians(350)  # a wider range is none
 GIRTH = 0.09  # radius of a finger, as a share of its length
 THIN, THICK = 0.004, 0.011  # [m]
 STEPS = 10  # of hinges that follow one another
@@ -198,7 +198,7 @@ def _sense(joint: Joint, name: str, row: _Row, axes: _Axes) -> float:
 
 def _turn(joint: Joint, k: int, side: Side, segment: str, name: str, sign: float) -> MappedHinge:
     lower, upper = SPREAD if name.endswith(("abduct", "pivot")) else FLEXION
-    assumed = joint.lower is None or joint.upper is None or joint.upper - joint.lower > WHOLE
+    assumed = joint.lower is None or joint.upper is None or joint.upper - joint.lower > WHOLE_TURN
     if joint.lower is not None and joint.upper is not None and not assumed:
         ends = sorted((sign * (joint.lower - joint.zero), sign * (joint.upper - joint.zero)))
         lower, upper = max(ends[0], -pi), min(ends[1], pi)

@@ -24,7 +24,7 @@ from kinesic.sim.importer.segments import SegmentLayout, own_capsules, rounded_t
 
 Hands = Mapping[Side, MappedHand]
 BENT, OPPOSED = 0.3, 0.35  # shares of the ranges at rest: of flexion, of the thumb before the palm
-LEAST = 0.003  # [m] a shorter part has no shape of its own
+SHORTEST_PART = 0.003  # [m] a shorter part has no shape of its own
 SLACK = 1e-3  # [deg] that rounding may add to what a coupling is led to
 ROUGH = 0.5  # times the way from the wrist to the knuckles: where the palm is
 
@@ -78,7 +78,7 @@ def _bodies(finger: MappedFinger, tree: Tree, where: SegmentLayout, wrist: str) 
     for turn, end in zip(finger.turns, ends, strict=True):
         part = tree.parts[turn.joint]
         capsules = own_capsules(part.shapes, turn.anchor)
-        if not capsules and np.linalg.norm(end - turn.anchor) > LEAST:
+        if not capsules and np.linalg.norm(end - turn.anchor) > SHORTEST_PART:
             bone = rounded_triple(end - turn.anchor)
             capsules = [CapsuleTable((0.0, 0.0, 0.0), bone, round(finger.radius, 6))]
         found.append(

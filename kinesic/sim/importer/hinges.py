@@ -14,7 +14,7 @@ from kinesic.sim.importer.zero_pose import ACROSS, HumanoidGeometry
 
 KINDS = ("roll", "tilt", "torsion")  # of trunk and head, by the axis x, y, z that is nearest
 VERTEBRAE = {"vl5": ("vl5", "vt10", "vt6", "vt1"), "skullbase": ("skullbase", "vc4", "vc7", "vc2")}
-WHOLE = radians(350)  # a wider range is none
+WHOLE_TURN = radians(350)  # a wider range is none
 
 # Of a hinge without range in its file, after human anatomy [deg].
 ANATOMY = {
@@ -138,7 +138,7 @@ def _sign(name: str, axis: Floats, side: Side) -> float:
 def _named(figure: HumanoidGeometry, joint: int, name: str, segment: str, sign: float) -> MappedHinge:
     foreign = figure.tree.joints[joint]
     lower, upper, assumed, zero = *_default(name), True, foreign.zero
-    if foreign.lower is not None and foreign.upper is not None and foreign.upper - foreign.lower < WHOLE:
+    if foreign.lower is not None and foreign.upper is not None and foreign.upper - foreign.lower < WHOLE_TURN:
         turns = np.round(((foreign.lower + foreign.upper) / 2 - zero) / (2 * pi))
         zero += 2 * pi * turns
         ends = sorted((sign * (foreign.lower - zero), sign * (foreign.upper - zero)))

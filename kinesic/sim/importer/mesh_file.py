@@ -8,10 +8,10 @@ import numpy as np
 from kinesic.body.arrays import Flags, Floats, Indices, sealed
 from kinesic.body.config import ConfigError
 
-LARGEST = 20_000_000  # [bytes] of one file
+LARGEST_MESH = 20_000_000  # [bytes] of one file
 FORMATS = (".stl", ".obj")
 STL_HEAD, STL_ROW = 84, 50  # [bytes]
-FARTHEST = 100.0  # [m] from the origin that anything of a robot is
+FARTHEST_VERTEX = 100.0  # [m] from the origin that anything of a robot is
 HALVINGS = 14  # of the size of cells until triangles are few enough
 FINEST = 100_000  # cells along a side, at most
 
@@ -34,9 +34,9 @@ def read_mesh(path: Path) -> Triangles:
     if kind not in FORMATS:
         raise ConfigError(f"{path.name}: only {' and '.join(FORMATS)} are read; convert it to one of them")
     with path.open("rb") as file:
-        data = file.read(LARGEST + 1)
-    if len(data) > LARGEST:
-        raise ConfigError(f"{path.name}: more than {LARGEST // 1_000_000} MB; simplify it")
+        data = file.read(LARGEST_MESH + 1)
+    if len(data) > LARGEST_MESH:
+        raise ConfigError(f"{path.name}: more than {LARGEST_MESH // 1_000_000} MB; simplify it")
     try:
         found = _stl(data) if kind == ".stl" else _obj(data.decode("utf-8", errors="replace"))
     except (ValueError, IndexError) as error:
@@ -80,7 +80,7 @@ def simplify(surface: Triangles, most: int) -> Triangles:
         surface: with more or fewer.
         most: triangles.
     """
-    surface = _kept(surface, FARTHEST)
+    surface = _kept(surface, FARTHEST_VERTEX)
     size = float(np.ptp(surface.vertices, axis=0).max()) if len(surface.vertices) else 0.0
     low, high, best = size / FINEST, size, surface
     if len(surface.corners) <= most or size == 0.0:

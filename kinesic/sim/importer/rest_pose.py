@@ -18,7 +18,7 @@ from kinesic.sim.worst_postures import random_postures
 
 TILTS = (10.0, 15.0, 20.0, 27.0, 35.0)  # [deg] away from the body, tried in turn
 BENT = 25.0  # [deg] of the elbow
-AHEAD = 5.0  # [deg] of the upper arm, forward
+ARM_FORWARD = 5.0  # [deg] of the upper arm, forward
 AIR = 0.025  # [m] between forearms or hands and everything else
 POSTURES = 300
 NEARLY_ALWAYS = 0.9  # of random postures
@@ -68,7 +68,7 @@ def _wish(tilt: float) -> HangingPose:
         line = np.array([np.sin(ahead), np.sin(tilt) * np.cos(ahead), -np.cos(ahead) * np.cos(tilt)])
         return sealed(line / np.linalg.norm(line))
 
-    upper, fore = down(np.radians(AHEAD)), down(np.radians(AHEAD + BENT))
+    upper, fore = down(np.radians(ARM_FORWARD)), down(np.radians(ARM_FORWARD + BENT))
     bend = np.cross(upper, fore)
     return HangingPose(upper, fore, sealed(bend / np.linalg.norm(bend)))
 

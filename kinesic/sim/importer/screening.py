@@ -7,7 +7,7 @@ from xml.parsers import expat
 
 from kinesic.body.config import ConfigError
 
-LARGEST = 20_000_000  # [bytes] of all files together
+LARGEST_MODEL = 20_000_000  # [bytes] of all files together
 ELEMENTS = 100_000  # of all files together
 DEEPEST = 200  # elements inside one another
 FILES = 50
@@ -32,10 +32,10 @@ def screen_model(path: Path) -> None:
     while pending:
         file = pending.pop()
         with file.open("rb") as stream:
-            data = stream.read(LARGEST + 1 - sizes)
+            data = stream.read(LARGEST_MODEL + 1 - sizes)
         sizes += len(data)
-        if sizes > LARGEST:
-            raise ConfigError(f"{path}: more than {LARGEST // 1_000_000} MB of XML; a robot's is below 1 MB")
+        if sizes > LARGEST_MODEL:
+            raise ConfigError(f"{path}: more than {LARGEST_MODEL // 1_000_000} MB of XML; a robot's is below 1 MB")
         found = _Elements(file, ELEMENTS - elements)
         found.parser.Parse(data, True)
         elements += found.count

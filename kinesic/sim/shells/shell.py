@@ -18,7 +18,7 @@ from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 
 SUFFIX = ".npz"
-LARGEST = 2_000_000  # [bytes] of a file
+LARGEST_SHELL = 2_000_000  # [bytes] of a file
 UNPACKED = 20_000_000  # [bytes] of what it holds
 MOST_VERTICES = 60_000  # of one segment: its triangles count them with 16 bits
 TINY = 1e-7  # [m] below which descriptions are the same
@@ -130,9 +130,9 @@ def _check_size(path: Path) -> None:
     size = path.stat().st_size
     with zipfile.ZipFile(path) as archive:
         unpacked = sum(entry.file_size for entry in archive.infolist())
-    if size > LARGEST or unpacked > UNPACKED:
+    if size > LARGEST_SHELL or unpacked > UNPACKED:
         what = f"{size} bytes, unpacked {unpacked}"
-        raise ValueError(f"{what}: at most {LARGEST} and {UNPACKED} are taken")
+        raise ValueError(f"{what}: at most {LARGEST_SHELL} and {UNPACKED} are taken")
 
 
 def _unpacked(data: Mapping[str, NDArray[np.generic]]) -> Shell:

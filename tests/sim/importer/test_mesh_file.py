@@ -61,7 +61,7 @@ def test_what_is_no_mesh_is_refused_and_says_why(tmp_path: Path, name: str, data
 
 
 def test_a_huge_file_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(module, "LARGEST", 1000)
+    monkeypatch.setattr(module, "LARGEST_MESH", 1000)
     (tmp_path / "ball.stl").write_bytes(stl(ball(12)))
     with pytest.raises(ConfigError, match=r"ball.stl: more than 0 MB"):
         read_mesh(tmp_path / "ball.stl")
