@@ -21,7 +21,7 @@ from kinesic.files.output_file import new_file
 from kinesic.files.output_folder import check_folder, new_folder
 from kinesic.tasks.store import FIGURES
 
-RATE = 1.0  # [Hz] of pictures of the progress bar, which must not be measured along
+PROGRESS_RATE = 1.0  # [Hz] of pictures of the progress bar, which must not be measured along
 
 
 def measure(part: str, stage: Stage = untold) -> list[Figure]:
@@ -55,7 +55,7 @@ def print_figures(
         with name_failures(plots):
             plots.mkdir(parents=True, exist_ok=True)
     names = list(PARTS) if part == "all" else [part]
-    with workers.engine(), show_stages(rate=RATE) as stage:
+    with workers.engine(), show_stages(rate=PROGRESS_RATE) as stage:
         if styles or capture:
             stage("measuring naturalness")
             figures = _measure_naturalness(styles, capture)
@@ -96,7 +96,7 @@ def _print_matrix(*, as_json: bool) -> int:
     from kinesic.bench.bus import faults  # noqa: PLC0415 - no other part needs the drivers of others
 
     if as_json:
-        with show_stages(rate=RATE) as stage:
+        with show_stages(rate=PROGRESS_RATE) as stage:
             stage("comparing drivers")
             rows = [fared.record() for fared in faults.compare_drivers()]
         click.echo(json.dumps(rows, indent=1))

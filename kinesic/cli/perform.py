@@ -19,7 +19,7 @@ from kinesic.cli.progress import Stage, share_of, show_stages
 from kinesic.cli.servos.memory import ServoMemory
 from kinesic.cli.servos.ports import all_ports
 from kinesic.cli.servos.summary import print_lesson
-from kinesic.cli.summary import MOST, print_checks, print_notices, print_side_by_side
+from kinesic.cli.summary import MOST_WARNINGS, print_checks, print_notices, print_side_by_side
 from kinesic.cli.terminal import console
 from kinesic.controller.documents import write_bml
 from kinesic.controller.learned_gains import Lesson, learn
@@ -160,7 +160,7 @@ def _print_report(performances: tuple[Performance, ...], live: ServoRun | None, 
     print_checks((*checks(performances[0]), *(live_checks(live) if live is not None else ())), screen)
     if len(performances) > 1:
         print_side_by_side(performances, screen)
-    print_notices(performances[0].plan, screen, most=MOST)
+    print_notices(performances[0].plan, screen, most=MOST_WARNINGS)
     screen.print(printable(verdict(data)), highlight=False, markup=False, soft_wrap=True)
 
 

@@ -19,7 +19,7 @@ from kinesic.report.labels import label_with_id
 
 COLOURS = {"pass": "green", "warn": "yellow", "poor": "magenta", "fail": "red"}
 MEANINGS = {"dropped": "red", "partly": "yellow", "substituted": "yellow", "warning": "yellow"}  # the gravest first
-MOST = 40  # lines of warnings on a screen
+MOST_WARNINGS = 40  # lines of warnings on a screen
 
 
 def print_checks(verdicts: Sequence[Check], screen: Console) -> None:

@@ -14,7 +14,7 @@ from rich.text import Text
 from kinesic.cli.plain_words import printable
 
 WIDTH = 160  # [characters]
-MOST = 64  # [bytes] taken at once
+MOST_INPUT = 64  # [bytes] taken at once
 
 
 def console() -> Console:
@@ -51,4 +51,4 @@ def pressed_keys() -> Iterator[Callable[[], str]]:
 def _waiting(terminal: int) -> str:
     if not select.select([terminal], [], [], 0)[0]:
         return ""
-    return os.read(terminal, MOST).decode(errors="replace")
+    return os.read(terminal, MOST_INPUT).decode(errors="replace")

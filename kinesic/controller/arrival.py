@@ -25,7 +25,7 @@ LEAST_BALL = 0.005  # [m]
 LEAST_CONE = np.radians(0.5)  # [rad] the ball's like for head and torso
 SHARE = 0.05  # of the path
 SHORTEST = 1e-3  # [s] of a step that has a speed
-LOOK = 4096  # postures whose frames are looked at together
+POSTURES_PER_WINDOW = 4096  # postures whose frames are looked at together
 
 
 def part_paths(angles: Floats, robot: Robot, hands: Mapping[str, Floats] | None = None) -> Mapping[PartName, Floats]:
@@ -47,8 +47,8 @@ def part_paths(angles: Floats, robot: Robot, hands: Mapping[str, Floats] | None 
 
 def _hands(angles: Floats, robot: Robot) -> dict[str, Floats]:
     hands, wrists = np.empty((len(SIDES), len(angles), 3)), [robot.arm(side).wrist for side in SIDES]
-    for begin in range(0, len(angles), LOOK):
-        rows = slice(begin, begin + LOOK)
+    for begin in range(0, len(angles), POSTURES_PER_WINDOW):
+        rows = slice(begin, begin + POSTURES_PER_WINDOW)
         hands[:, rows] = body_frames(robot, angles[rows]).origins[wrists].transpose(0, 2, 1)
     return dict(zip(SIDES, hands, strict=True))
 

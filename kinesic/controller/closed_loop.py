@@ -16,7 +16,7 @@ from kinesic.controller.feedforward import FeedForwardGoals
 from kinesic.controller.observer import (
     CLEAR_LOAD,
     FORGETTING,
-    LARGEST,
+    LARGEST_CORRECTION,
     Observer,
     correct_goals,
     noticing,
@@ -136,7 +136,7 @@ def _correction(observer: Observer) -> "_kernel.Correction":
     compiled = _kernel.make_observer(
         observer.forecast, observer.gain, observer.step, observer.full, observer.arrival, constants
     )
-    noticed = np.array([noticing(observer.period), observer.period / FORGETTING, CLEAR_LOAD, LARGEST])
+    noticed = np.array([noticing(observer.period), observer.period / FORGETTING, CLEAR_LOAD, LARGEST_CORRECTION])
     return _kernel.make_correction(compiled, observer.lower, observer.upper, noticed)
 
 

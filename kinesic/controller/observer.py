@@ -44,7 +44,7 @@ from kinesic.controller.observer_step import compile_tick
 BANDWIDTH = 100.0  # [rad/s] of the observer's three poles
 CLEAR_LOAD = np.radians(2.0)  # of lead, at which the first sign of a load is half believed
 FORGETTING = 5.0  # [s] after which older loads count less
-LARGEST = np.radians(10.0)  # [rad] of correction
+LARGEST_CORRECTION = np.radians(10.0)  # [rad] of correction
 DOUBT = 1.2  # times the error of full duty, up to which a servo is believed to give more for more
 SLICES = 1024  # of a period, for its exact solution
 
@@ -196,8 +196,8 @@ class Observer:
         return ObserverInputs(
             angles=angles,
             goals=goals,
-            lowest=np.maximum(self.lower, goals - LARGEST),
-            highest=np.minimum(self.upper, goals + LARGEST),
+            lowest=np.maximum(self.lower, goals - LARGEST_CORRECTION),
+            highest=np.minimum(self.upper, goals + LARGEST_CORRECTION),
             loads=loads,
             noticed=noticed,
             trust=noticed / (CLEAR_LOAD**2 + learned),

@@ -4,7 +4,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.controller.feedforward import FeedForwardGoals
-from kinesic.controller.observer import CLEAR_LOAD, FORGETTING, LARGEST, Observer, ObserverInputs, noticing
+from kinesic.controller.observer import CLEAR_LOAD, FORGETTING, LARGEST_CORRECTION, Observer, ObserverInputs, noticing
 
 
 class InputStream:
@@ -33,7 +33,10 @@ class InputStream:
         self._learned = (1.0 - observer.period / FORGETTING) * self._learned + np.sum(self._noticed**2, axis=0)
         trust = self._noticed / (CLEAR_LOAD**2 + self._learned)
         goals = setpoints.goals[0]
-        lowest, highest = np.maximum(observer.lower, goals - LARGEST), np.minimum(observer.upper, goals + LARGEST)
+        lowest, highest = (
+            np.maximum(observer.lower, goals - LARGEST_CORRECTION),
+            np.minimum(observer.upper, goals + LARGEST_CORRECTION),
+        )
         (load, lead), (noticed, noticed_lead), (trusted, trusted_lead) = led, self._noticed, trust
         rows = angles, goals, lowest, highest, load, noticed, trusted, lead, noticed_lead, trusted_lead
         return ObserverInputs(*(row[None] for row in rows))

@@ -31,7 +31,7 @@ from kinesic.planning.plan import Plan
 from kinesic.planning.syncs import SyncTime
 
 DELAY = 0.002  # [s] from a command's time until its goals have gone over the wire
-LOOK = 0.02  # [s] between two looks at supervisor and keyboard
+POLL = 0.02  # [s] between two looks at supervisor and keyboard
 ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 TOO_NEAR = "stopped before contact: the servos' errors leave too little clearance (`kinesic twin fit` finds why)"
 FULL = 0.999  # scale of time that is all of it
@@ -143,7 +143,7 @@ def perform_live(
     Args:
         performance: of the twin.
         servos: opened, and closed here.
-        requested: looked up every `LOOK` seconds. After "stop", or when the servos were out of hand for more than a
+        requested: looked up every `POLL` seconds. After "stop", or when the servos were out of hand for more than a
             second, they hold until "resume", or "end"; who never resumes finds them folded and released after a minute.
         shown: gets each new status.
     """
@@ -167,7 +167,7 @@ def perform_live(
                 news = _listen(servos, history, notes, shown)
                 _heed(servos, watch, news, requests, notes)
                 _obey(servos, requested(), requests)
-                time.sleep(LOOK)
+                time.sleep(POLL)
         except BaseException:
             servos.release()  # nobody listens to the keyboard any more
             raise

@@ -16,7 +16,7 @@ from kinesic.planning.plan import Plan
 from kinesic.speech.loudspeaker import SpeakerError
 from kinesic.speech.speaker import Speaker
 
-LARGEST = 32767  # of a sample of 16 bits
+LARGEST_SAMPLE = 32767  # of a sample of 16 bits
 ASTRAY = 0.03  # [s] between the robot's time and the sound's beyond which the sound is put right
 
 
@@ -56,7 +56,7 @@ def resample(spoken: Sound, rate: int) -> Samples:
 
 def write_wav(spoken: Sound, path: Path) -> None:
     """Writes a sound as WAV: one channel of 16 bits."""
-    whole = np.round(LARGEST * np.clip(spoken.samples, -1.0, 1.0)).astype("<i2")
+    whole = np.round(LARGEST_SAMPLE * np.clip(spoken.samples, -1.0, 1.0)).astype("<i2")
     with wave.open(str(path), "wb") as file:
         file.setnchannels(1)
         file.setsampwidth(2)

@@ -8,7 +8,7 @@ import scipy
 from kinesic.body.arrays import Flags, Floats, sealed
 
 LONGEST_DELAY = 0.3  # [s] longest lateness that is looked for
-TOGETHER = 100_000  # speeds that are compared together
+SPEEDS_PER_WINDOW = 100_000  # speeds that are compared together
 
 
 def tracking_delay(planned: Floats, performed: Floats, moving: Flags, *, period: float) -> Floats:
@@ -27,7 +27,7 @@ def tracking_delay(planned: Floats, performed: Floats, moving: Flags, *, period:
     if not moving.any():
         return sealed(late)
     reach, hinges = round(LONGEST_DELAY / period), np.flatnonzero(moving)
-    few = max(1, TOGETHER // len(planned))
+    few = max(1, SPEEDS_PER_WINDOW // len(planned))
     parts = [hinges[k : k + few] for k in range(0, len(hinges), few)]
     likeness = np.concatenate([_compare(planned[:, some], performed[:, some], reach) for some in parts])
     best = 1 + likeness[:, 1:-1].argmax(axis=1)

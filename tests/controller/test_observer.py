@@ -11,7 +11,14 @@ from kinesic.body.servo import SPEED_SHARE
 from kinesic.controller import observer as observer_module
 from kinesic.controller.feedforward import FeedForwardGoals
 from kinesic.controller.learned_gains import learn, soften
-from kinesic.controller.observer import LARGEST, LoadEstimate, Observer, ObserverInputs, _forecast, correct_goals
+from kinesic.controller.observer import (
+    LARGEST_CORRECTION,
+    LoadEstimate,
+    Observer,
+    ObserverInputs,
+    _forecast,
+    correct_goals,
+)
 from kinesic.controller.observer_step import FADING, RESTORING, SHARES
 from kinesic.controller.perform import dry_run, make_observer, plan
 from kinesic.sim.log import Log, log_of
@@ -149,7 +156,7 @@ def test_size_rate_and_range_are_bounded(deviation):
     for _ in range(200):
         before = belief.correction
         belief = OBSERVER.after(belief, NOTHING + deviation, taught, 0)
-        assert np.all(np.abs(belief.correction) <= LARGEST + 1e-12)
+        assert np.all(np.abs(belief.correction) <= LARGEST_CORRECTION + 1e-12)
         assert np.all(np.abs(belief.correction - before) <= step + 1e-12)
         assert np.all((belief.goals >= ROBOT.skeleton.lower) & (belief.goals <= ROBOT.skeleton.upper))
         for learned in (belief.share, belief.pace):

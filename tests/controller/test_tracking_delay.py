@@ -29,7 +29,7 @@ def test_a_hinge_that_does_not_move_has_none():
 
 
 def test_every_hinge_has_its_own_however_many_are_compared_together(monkeypatch):
-    monkeypatch.setattr("kinesic.controller.tracking_delay.TOGETHER", 2 * len(TIMES))
+    monkeypatch.setattr("kinesic.controller.tracking_delay.SPEEDS_PER_WINDOW", 2 * len(TIMES))
     late = [0.0, 0.02, 0.05, -0.01, 0.11, 0.07, 0.03]
     planned = np.stack([pulse(TIMES, 0.0)] * len(late), axis=1)
     performed = np.stack([pulse(TIMES, each) for each in late], axis=1)

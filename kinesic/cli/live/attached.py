@@ -19,7 +19,7 @@ from kinesic.serve.server import Address
 from kinesic.serve.wire.pages import WebFile
 from kinesic.studio.relay import open_relay
 
-PATIENCE = 5.0  # [s] for the server's answer
+ANSWER_TIMEOUT = 5.0  # [s] for the server's answer
 
 
 def read_server(text: str) -> Address:
@@ -45,9 +45,9 @@ def ask_robot(server: Address, token: str | None) -> str:
         ConfigError: nobody is there, the token is wrong or missing, or it is another server.
     """
     try:
-        with Client(server.host, server.port, token=token, timeout=PATIENCE) as robot:
+        with Client(server.host, server.port, token=token, timeout=ANSWER_TIMEOUT) as robot:
             robot.do("status")
-            while (message := robot.receive(PATIENCE)) is not None:
+            while (message := robot.receive(ANSWER_TIMEOUT)) is not None:
                 told = json.loads(message) if message.startswith("{") else {}
                 if told.get("told") == "refused":
                     raise ConfigError(f"--connect {server}: {told.get('why')}; give --token")

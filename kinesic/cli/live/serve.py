@@ -39,7 +39,7 @@ from kinesic.serve.wire.transport import Console
 from kinesic.sim.distances import CapsuleDistances
 from kinesic.speech.loudspeaker import audio_fault
 
-LOOK = 1.0  # [s] between two looks at what has happened to the servos
+SERVO_POLL = 1.0  # [s] between two looks at what has happened to the servos
 
 
 def serve_blocks(
@@ -224,4 +224,4 @@ async def _tell_of_servos(sinks: Sequence[RealTimeSink], memory: ServoMemory) ->
                 print_lesson(lesson, memory.keep(lesson), on_error=True)
             except ConfigError as error:  # the disk is full, or the folder has gone; the robot goes on
                 click.echo(f"kinesic: {error}", err=True)
-        await asyncio.sleep(LOOK)
+        await asyncio.sleep(SERVO_POLL)

@@ -35,7 +35,7 @@ from kinesic.hardware.tools.calibration import (
     positive_way,
 )
 
-LOOK = 0.05  # [s] between two looks
+POLL = 0.05  # [s] between two looks
 FIRST_LOOK = 2.0  # [s] in which all servos must have answered
 ZERO = (
     "Hold the robot in its zero posture, every hinge at 0 degrees (upper22: arms hang, palms to the thighs, head up)."
@@ -56,7 +56,7 @@ def calibrate_robot(robot: str, ports: tuple[str, ...], yes: bool, seconds: floa
     before = read_calibration(raw.path, raw.name)
     _prepare_place(calibration_path(raw.path))
     with open_ports(manifest, paths) as wires:
-        axes = prepare_servos(manifest, wires, period=LOOK)
+        axes = prepare_servos(manifest, wires, period=POLL)
         limp(axes)
         for change in free_servos(axes):
             click.echo(f"servo {change.servo}: {change.register.name} {change.before} -> {change.after}")
@@ -153,7 +153,7 @@ def _looks(axes: Axes, seconds: float) -> Iterator[Snapshot]:
     while axes.now() <= end:
         snapshot = axes.cycle(None)
         yield snapshot
-        axes.sleep(snapshot.time + LOOK)
+        axes.sleep(snapshot.time + POLL)
 
 
 def _table(found: tuple[HingeCalibration, ...], robot: Robot) -> Table:

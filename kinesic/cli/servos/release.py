@@ -19,8 +19,8 @@ from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.hardware.tools.release import held_angles, release_servos
 
 FAULT = 3
-PATIENCE = 60.0  # [s] for a supervisor to fold what it can, and to let go
-LOOK = 0.05  # [s]
+FOLD_TIMEOUT = 60.0  # [s] for a supervisor to fold what it can, and to let go
+POLL = 0.05  # [s]
 
 
 def release_robot(robot: str, ports: tuple[str, ...], yes: bool) -> int:
@@ -81,13 +81,13 @@ def _end(holder: Channel) -> None:
         BusError: it does not.
     """
     holder.set("confirm", 1)
-    limit, cycles, seen = time.monotonic() + PATIENCE, -1, time.monotonic()
+    limit, cycles, seen = time.monotonic() + FOLD_TIMEOUT, -1, time.monotonic()
     while time.monotonic() < limit and holder.status().stage is not Stage.CLOSED:
         if holder.word("cycles") != cycles:
             cycles, seen = holder.word("cycles"), time.monotonic()
         elif time.monotonic() - seen > 1.0:  # it writes no more: it has ended, or never will
             return
-        time.sleep(LOOK)
+        time.sleep(POLL)
     stage = holder.status().stage
     if stage is not Stage.CLOSED:
-        raise BusError(f"the supervisor has not let go in {PATIENCE:g} s ({stage.value}); switch the power off")
+        raise BusError(f"the supervisor has not let go in {FOLD_TIMEOUT:g} s ({stage.value}); switch the power off")

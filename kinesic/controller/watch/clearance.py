@@ -17,14 +17,14 @@ from kinesic.body.dynamics import Distances
 from kinesic.body.robot import Robot
 
 LOOK = 0.05  # [s] between two looks
-AHEAD = 0.3  # [s] that postures are looked at before they come: slowing takes as long
+FORESIGHT = 0.3  # [s] that postures are looked at before they come: slowing takes as long
 MEMORY = 1.0  # [s] for which an error is expected to come again
 EASY, TOUCH = 0.9, 0.4  # of the clearance that a robot asks for: where slowing begins, and where time only creeps
 RESERVE = 0.3  # of that clearance, where it ends at once: a quarter of it stays
 CREEP = 0.02  # pace of a performance that waits for its errors to become smaller
 SETTLED = 0.3  # [s] of creeping, after which servos do not swing any more
-PATIENCE = 2.0  # [s] of creeping, after which it ends: errors are forgotten sooner
-_COMING, _LATE = round(AHEAD / LOOK), round(MEMORY / LOOK)  # looks
+LONGEST_CREEP = 2.0  # [s] of creeping, after which it ends: errors are forgotten sooner
+_COMING, _LATE = round(FORESIGHT / LOOK), round(MEMORY / LOOK)  # looks
 _SKIPPED = 2  # looks from one error to the next that counts, as they change slowly
 
 
@@ -42,7 +42,7 @@ class ClearanceWatch:
     @property
     def over(self) -> bool:
         """Whether the reserve is gone, or waiting was in vain: the performance is to end."""
-        return self.near or self.crept >= PATIENCE
+        return self.near or self.crept >= LONGEST_CREEP
 
 
 def look_ahead(
@@ -52,7 +52,7 @@ def look_ahead(
 
     Args:
         watch: before.
-        coming: (k, n) [rad] planned postures of the next `AHEAD` seconds, the present one first.
+        coming: (k, n) [rad] planned postures of the next `FORESIGHT` seconds, the present one first.
         strayed: (n,) [rad] measured less planned now; NaN where a servo did not answer.
         distances: of the robot.
         least: [m] clearance that the robot asks for.

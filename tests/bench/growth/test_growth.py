@@ -54,11 +54,11 @@ def test_what_a_document_takes_is_measured_in_a_process_of_its_own(monkeypatch):
 
 @pytest.mark.skipif(closed_loop.KERNEL != "compiled", reason="Python performs all in one window")
 def test_a_dry_run_takes_little_more_than_what_it_measures(monkeypatch):
-    monkeypatch.setattr(tracking_delay, "TOGETHER", 4096)
+    monkeypatch.setattr(tracking_delay, "SPEEDS_PER_WINDOW", 4096)
     for module, name in (
         (closed_loop, "COMMANDS_PER_WINDOW"),
         (performance, "WINDOW"),
-        (arrival, "LOOK"),
+        (arrival, "POSTURES_PER_WINDOW"),
         (piecewise, "TIMES_PER_EVALUATION"),
     ):
         monkeypatch.setattr(module, name, 256)

@@ -5,12 +5,12 @@ import pytest
 
 from kinesic.body.dynamics import Clearance
 from kinesic.controller.watch.clearance import (
-    AHEAD,
     CREEP,
     EASY,
+    FORESIGHT,
+    LONGEST_CREEP,
     LOOK,
     MEMORY,
-    PATIENCE,
     RESERVE,
     SETTLED,
     TOUCH,
@@ -78,9 +78,9 @@ def test_who_waits_in_vain_is_over_and_errors_are_forgotten_before():
     watch, looks = ClearanceWatch(), 0
     while not watch.over:
         watch, looks = seen(watch, 0.02, strayed=-0.0165), looks + 1
-    assert looks == pytest.approx(PATIENCE / LOOK, abs=1)
+    assert looks == pytest.approx(LONGEST_CREEP / LOOK, abs=1)
     assert not watch.near
-    assert PATIENCE > MEMORY
+    assert LONGEST_CREEP > MEMORY
 
 
 def test_what_has_come_into_the_reserve_is_over_at_once():
@@ -112,7 +112,7 @@ def test_a_servo_that_does_not_answer_is_no_error():
 
 
 def test_looks_end_where_the_motion_does():
-    np.testing.assert_allclose(coming_times(1.0, 9.0), 1.0 + np.arange(0.0, AHEAD + 1e-9, LOOK))
+    np.testing.assert_allclose(coming_times(1.0, 9.0), 1.0 + np.arange(0.0, FORESIGHT + 1e-9, LOOK))
     assert coming_times(1.0, 1.1).max() == 1.1
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from kinesic.body.command import Command
 from kinesic.body.dynamics import Clearance
-from kinesic.controller.watch.clearance import CREEP, LOOK, PATIENCE
+from kinesic.controller.watch.clearance import CREEP, LONGEST_CREEP, LOOK
 from kinesic.controller.watch.servos import FRESH, ServoWatch, WrittenPostures
 from kinesic.hardware.supervisor.channel import Status
 from kinesic.hardware.supervisor.state_machine import Stage
@@ -74,10 +74,10 @@ def test_errors_slow_time_down_and_too_large_ones_end_it_at_once():
 
 def test_who_waits_in_vain_is_over():
     seen = watch()
-    seen.see(cycles(PATIENCE - 0.2, 0.0035))
+    seen.see(cycles(LONGEST_CREEP - 0.2, 0.0035))
     assert seen.pace == CREEP
     assert not seen.over
-    seen.see(cycles(0.3, 0.0035, begin=PATIENCE - 0.2))
+    seen.see(cycles(0.3, 0.0035, begin=LONGEST_CREEP - 0.2))
     assert seen.over
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from kinesic.controller.feedforward import FeedForward
 from kinesic.controller.perform import dry_run, make_observer, plan
-from kinesic.controller.watch.clearance import PATIENCE, RESERVE
+from kinesic.controller.watch.clearance import LONGEST_CREEP, RESERVE
 from kinesic.controller.watch.watched_run import PERIOD, SLOWING, Slowed, perform_watched
 from kinesic.hardware.protocol.registers import TICK
 from kinesic.planning.plan import Plan
@@ -58,7 +58,7 @@ def test_who_waits_in_vain_is_stopped(known, pleading):
     cautious = replace(pleading, setup=replace(known, robot=replace(known.robot, least_clearance=least)))
     twin = Twin(known.robot, factors=NOMINAL, start=start)
     run = perform_watched(cautious, twin, FeedForward(known.robot, known.dynamics), None)
-    assert len(run.times) * PERIOD == pytest.approx(PATIENCE, abs=0.1)
+    assert len(run.times) * PERIOD == pytest.approx(LONGEST_CREEP, abs=0.1)
     assert run.times[-1] < SLOWING
 
 

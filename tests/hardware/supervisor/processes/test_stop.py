@@ -55,7 +55,7 @@ def test_a_stop_of_another_program_holds_the_robot_until_somebody_consents(rig, 
 
 
 def test_a_supervisor_that_does_not_stop_is_told(rig, moving: Servos, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(stop, "PATIENCE", STILL)
+    monkeypatch.setattr(stop, "STANDSTILL_TIMEOUT", STILL)
     rig.freeze(moving)
     with pytest.raises(BusError, match=r"1 of 1 have not stopped in 0.3 s \(active\); switch the power off"):
         stop.stop_robots()
