@@ -36,7 +36,7 @@ LEAST_OVERSHOOT = 0.02  # of a way; with less room OutQuart takes the place of O
 FINEST = 0.01  # of a way, steps of the overshoot
 ROUNDING = 1e-6  # of such a step
 REMEMBERED = 24  # curves of hinges with the same keys
-LONGEST = 4096  # keys of a curve that is remembered, of all its hinges: 1.5 MB, two minutes of gestures
+MOST_CURVE_KEYS = 4096  # keys of a curve that is remembered, of all its hinges: 1.5 MB, two minutes of gestures
 ROOM = 3.0  # times the limits that an eased way may take: what is beyond them is rounded off without leaving the path
 
 SHARES = np.arange(PARTS) / PARTS  # of a way, at which an easing is given
@@ -254,7 +254,7 @@ class _Ways:
 def _curve(ways: _Ways) -> QuinticSpline:
     """Joins hinges, or remembers them: while a course changes, and is conditioned, most of them stay as they are."""
     _, _, rows, hinges = ways.asked
-    return _remember(ways) if len(rows) * len(hinges) <= LONGEST else _draw(ways)
+    return _remember(ways) if len(rows) * len(hinges) <= MOST_CURVE_KEYS else _draw(ways)
 
 
 def _draw(ways: _Ways) -> QuinticSpline:

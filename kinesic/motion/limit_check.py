@@ -15,9 +15,9 @@ from kinesic.motion.trajectory import KERNEL, STEP, Trajectory, spline_weights
 if KERNEL == "compiled":
     from kinesic.motion import _kernel
 
-RATE = 1000  # [Hz]
+CHECK_RATE = 1000  # [Hz]
 CHUNK = 128  # pieces at once, so that the arrays stay in the cache
-INSTANTS = np.linspace(0.0, 1.0, round(RATE * STEP) + 1)  # of every piece, the same as it is uniform
+INSTANTS = np.linspace(0.0, 1.0, round(CHECK_RATE * STEP) + 1)  # of every piece, the same as it is uniform
 SHARES = tuple(spline_weights(INSTANTS, 1, order)[1] for order in range(3))  # (s, 4 - order) of the control points
 QUANTITIES = ("position", "speed", "acceleration", "jerk", "duty")
 SCALES = sealed([STEP**order for order in range(4)])  # of a derivative

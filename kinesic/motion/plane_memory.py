@@ -20,7 +20,7 @@ Cuts = Mapping[int, Sequence[CuttingPlane]]  # of each hinge
 
 SLIGHT = 1e-4  # share of the steepest slope below which a plane is not about a key
 TIGHT = 0.002  # share of the time by which times keep a plane that holds them back
-MOST = 200  # planes that are remembered
+MOST_PLANES = 200  # planes that are remembered
 GROWING = ("speed", "acceleration", "jerk", "duty")  # limits within which a plane holds under smaller ones, too
 
 
@@ -85,7 +85,7 @@ class PlaneMemory:
             if (begun or not plane.reaches[0]) and (ended or not plane.reaches[1])
         ]
         others = [plane for plane in self._planes if plane.hinge not in hinges]
-        self._planes = [*found, *others][:MOST]
+        self._planes = [*found, *others][:MOST_PLANES]
 
     def keep(self, keys: Keys, limits: Limits, cuts: Cuts, met: Mapping[Pair, Bottleneck], times: Floats) -> None:
         """Learns the planes that a search ends with, and forgets those that it was given and did without.
@@ -108,7 +108,7 @@ class PlaneMemory:
         ]
         forgotten = {id(plane) for plane in known.values()}
         others = [plane for plane in self._planes if id(plane) not in forgotten]
-        self._planes, self._recalled = [*found, *others][:MOST], []
+        self._planes, self._recalled = [*found, *others][:MOST_PLANES], []
 
     def recall(self, keys: Keys, limits: Limits) -> tuple[dict[int, list[CuttingPlane]], dict[Pair, Bottleneck]]:
         """Finds the planes of each hinge that hold for other keys, and what is too fast between these as asked.

@@ -14,7 +14,7 @@ from kinesic.motion.double_s import least_stop
 from kinesic.motion.segments import SplineSegment
 from kinesic.motion.spline_program import nearest_motion
 from kinesic.motion.trajectory import EARLY, STEP, Trajectory
-from kinesic.motion.transition import LEAST, roomy
+from kinesic.motion.transition import FEWEST_PIECES, roomy
 
 
 def cut_knot(running: Trajectory, time: float) -> int:
@@ -49,11 +49,11 @@ def _halt(hinge: int, own: Floats, least: int, limits: Limits) -> Floats:
         return own[:3]
 
     def way(more: int) -> Floats | None:
-        pieces = max(LEAST, least) + more
+        pieces = max(FEWEST_PIECES, least) + more
         halt = SplineSegment.between(hinge, pieces, own[:3])
         return nearest_motion(halt, np.full(pieces + 1, float(own[1])), limits)
 
-    found = _first(way, len(own) - 3 - max(LEAST, least))
+    found = _first(way, len(own) - 3 - max(FEWEST_PIECES, least))
     return own if found is None else found[1]
 
 

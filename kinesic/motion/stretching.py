@@ -24,7 +24,7 @@ WORK = 12  # pieces that could be measured while the linear program of one is so
 RADIUS = 0.4  # share by which time is stretched in the first round
 FINE = 1e-4  # [s] to which spans are rounded up, so that every processor finds the same
 MARGIN = 0.002  # of the time, that is reserved for each segment
-MOST = 0.01  # of the time, by which a reserve grows where a stretch leads no nearer
+LARGEST_GROWTH = 0.01  # of the time, by which a reserve grows where a stretch leads no nearer
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +94,9 @@ def stretch_until_enough(
         for segment, lack in there.lacks:
             if lack.amount > -MARGIN / 4:
                 place = _place(segment)
-                reserves[place] = reserves.get(place, MARGIN) + min(lack.amount + MARGIN, MOST if stuck else MARGIN)
+                reserves[place] = reserves.get(place, MARGIN) + min(
+                    lack.amount + MARGIN, LARGEST_GROWTH if stuck else MARGIN
+                )
         better = there.suffices or there.cost < here.cost
         here, radius = (there, radius / 2.0) if better else (here, radius / 4.0)
     return here.times if here is not None and here.suffices else None

@@ -13,9 +13,9 @@ from kinesic.motion.segments import NOWHERE, SplineSegment
 from kinesic.motion.spline_program import nearest_motion
 from kinesic.motion.trajectory import EARLY, STEP, spline_weights
 
-LEAST = 3  # pieces in which three control points give way to three others
+FEWEST_PIECES = 3  # pieces in which three control points give way to three others
 ROOM = 1.0008  # on limits: where a motion is at one, there may be just one way on, and none is found
-SAME = 1e-9  # [rad]
+SAME_ANGLE = 1e-9  # [rad]
 MARGINS = (15, 40, 10000)  # knots about what exceeds the limits, in which a motion may differ
 
 
@@ -55,10 +55,10 @@ def cross_over(
     """
     leave, land = knots
     begin, end = own[leave : leave + 3], after[land : land + 3]
-    if np.abs(begin - after[leave : leave + 3]).max() <= SAME:
+    if np.abs(begin - after[leave : leave + 3]).max() <= SAME_ANGLE:
         return np.concatenate([own[:leave], after[leave:]])
     pieces = land - leave
-    if pieces < LEAST:
+    if pieces < FEWEST_PIECES:
         return None
     way = SplineSegment.between(hinge, pieces, begin, end, places=passing - leave, angles=_angles(after, passing))
     desired = way.grid.at_knots @ after[leave : land + 3] + _fading(begin - after[leave : leave + 3], pieces)
@@ -102,17 +102,21 @@ def keep_limits(controls: Floats, first: int, last: int, limits: Limits, hinge: 
 
 
 def _beyond(controls: Floats, first: int, last: int, limits: Limits, hinge: int) -> tuple[int, int]:
-    shares = grid(last - first, STEP).shares(controls[first : last + LEAST], limits, hinge)
+    shares = grid(last - first, STEP).shares(controls[first : last + FEWEST_PIECES], limits, hinge)
     places = np.concatenate([np.flatnonzero(np.abs(share) > 1.0) for share in shares])
     return first + int(places.min(initial=last - first)), first + int(places.max(initial=0))
 
 
 def _between(controls: Floats, first: int, last: int, limits: Limits, hinge: int) -> Floats | None:
     """Control points within the limits, the same as given before a knot and after another."""
-    part = controls[first : last + LEAST]
-    way = SplineSegment.between(hinge, last - first, part[:LEAST], part[-LEAST:])
+    part = controls[first : last + FEWEST_PIECES]
+    way = SplineSegment.between(hinge, last - first, part[:FEWEST_PIECES], part[-FEWEST_PIECES:])
     found = nearest_motion(way, way.grid.at_knots @ part, limits)
-    return None if found is None else np.concatenate([controls[: first + LEAST], found[LEAST:-LEAST], controls[last:]])
+    return (
+        None
+        if found is None
+        else np.concatenate([controls[: first + FEWEST_PIECES], found[FEWEST_PIECES:-FEWEST_PIECES], controls[last:]])
+    )
 
 
 def largest_shares(controls: Floats, limits: Limits) -> Floats:
@@ -137,8 +141,8 @@ def lengthen(controls: Floats, count: int) -> Floats:
 
 def shorten(controls: Floats) -> Floats:
     """Cuts control points (m, n) off where they only stay as they end."""
-    moving = np.flatnonzero((np.abs(controls - controls[-1]) > SAME).any(axis=1))
-    return controls[: max(int(moving[-1]) + 1 if len(moving) else 0, 1) + LEAST]
+    moving = np.flatnonzero((np.abs(controls - controls[-1]) > SAME_ANGLE).any(axis=1))
+    return controls[: max(int(moving[-1]) + 1 if len(moving) else 0, 1) + FEWEST_PIECES]
 
 
 def _angles(column: Floats, places: Floats) -> Floats:

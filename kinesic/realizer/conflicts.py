@@ -9,7 +9,7 @@ import numpy as np
 from kinesic.body.arrays import Flags, Floats
 from kinesic.body.robot import SIDES
 from kinesic.motion.trajectory import STEP, Trajectory
-from kinesic.motion.transition import LEAST, SAME, lengthen
+from kinesic.motion.transition import FEWEST_PIECES, SAME_ANGLE, lengthen
 from kinesic.planning.certify import duties
 from kinesic.planning.clearance import LEAST_RESERVE, scan_clearance
 from kinesic.planning.setup import Setup
@@ -27,11 +27,11 @@ def find_conflict(work: Overlay, found: Floats, setup: Setup) -> MergeFailure | 
         found: (k + 3, n) [rad] control points of both together.
         setup: distances and dynamics.
     """
-    apart = [np.abs(found - lengthen(each, len(found))).max(axis=1) > SAME for each in (work.base, work.coming)]
+    apart = [np.abs(found - lengthen(each, len(found))).max(axis=1) > SAME_ANGLE for each in (work.base, work.coming)]
     rows = np.flatnonzero(apart[0] & apart[1])
-    if not len(rows) or rows[-1] < work.cut + LEAST:
+    if not len(rows) or rows[-1] < work.cut + FEWEST_PIECES:
         return None
-    coming = from_knot(found[: rows[-1] + LEAST], work.cut)
+    coming = from_knot(found[: rows[-1] + FEWEST_PIECES], work.cut)
     return _too_near(coming, work, setup) or _too_heavy(coming, work, setup)
 
 

@@ -15,14 +15,14 @@ from kinesic.body.arrays import Flags, Floats
 from kinesic.body.limits import Limits
 from kinesic.motion.easing import minimum_jerk
 from kinesic.motion.trajectory import EARLY, STEP
-from kinesic.motion.transition import LEAST, SAME, cross_over, keep_limits, largest_shares, lengthen
+from kinesic.motion.transition import FEWEST_PIECES, SAME_ANGLE, cross_over, keep_limits, largest_shares, lengthen
 from kinesic.planning.quick_plan import quintic_duration
 from kinesic.planning.setup import Setup
 from kinesic.realizer.occupancy import ARMS, MergeFailure, Occupancy, Overlay, Role, arm_hinges
 
 EASE = 1.5  # times the least time, in which what stays gives way
 AGAIN = 1.5  # times as long, when a way back to rest is too short
-LONGEST = 400  # pieces of a way back to rest
+MOST_PIECES = 400  # pieces of a way back to rest
 LEAST_BACK = 30  # pieces
 KEPT = 1.0 + 1e-6  # share of a limit
 
@@ -40,7 +40,7 @@ def add_motions(work: Overlay, alone: Flags, limits: Limits, names: Sequence[str
         (k + 3, n) [rad] control points; a behaviour of the block where a hinge cannot do both.
     """
     turns = [turn for each in work.performed for turn in _turns(each, work, limits)]
-    count = max([len(work.base), *(ceil(turn.over / STEP) + 2 * LEAST for turn in turns)])
+    count = max([len(work.base), *(ceil(turn.over / STEP) + 2 * FEWEST_PIECES for turn in turns)])
     base, coming = lengthen(work.base, count), lengthen(work.coming, count)
     change = coming - work.start
     change[:, alone] = 0.0
@@ -49,13 +49,16 @@ def add_motions(work: Overlay, alone: Flags, limits: Limits, names: Sequence[str
     for turn in turns:
         change -= turn.share(count)[:, None] * turn.offset
     found = np.asarray(base + change)
-    rows, moved = np.flatnonzero(np.abs(change).max(axis=1) > SAME), np.flatnonzero(np.abs(change).max(axis=0) > SAME)
+    rows, moved = (
+        np.flatnonzero(np.abs(change).max(axis=1) > SAME_ANGLE),
+        np.flatnonzero(np.abs(change).max(axis=0) > SAME_ANGLE),
+    )
     if not len(rows):
         return found
-    first, last = max(work.cut, int(rows[0]) - LEAST), min(int(rows[-1]) + 1, len(found) - LEAST)
-    if last - first < LEAST:
+    first, last = max(work.cut, int(rows[0]) - FEWEST_PIECES), min(int(rows[-1]) + 1, len(found) - FEWEST_PIECES)
+    if last - first < FEWEST_PIECES:
         return found
-    over = largest_shares(found[first : last + LEAST, moved], limits.part(moved)) > 1.0
+    over = largest_shares(found[first : last + FEWEST_PIECES, moved], limits.part(moved)) > 1.0
     for hinge in moved[over].tolist():
         desired = np.clip(found[:, hinge], limits.lower[hinge], limits.upper[hinge])
         column = keep_limits(desired, first, last, limits, hinge)
@@ -67,7 +70,7 @@ def add_motions(work: Overlay, alone: Flags, limits: Limits, names: Sequence[str
 
 def _flatten(change: Floats, dropped: Occupancy, work: Overlay, limits: Limits) -> None:
     """Takes the part of a behaviour that is left out away from what a block changes (k + 3, n) [rad]."""
-    begin, end = max(0, floor(dropped.begin / STEP)), min(ceil(dropped.end / STEP), len(change) - LEAST)
+    begin, end = max(0, floor(dropped.begin / STEP)), min(ceil(dropped.end / STEP), len(change) - FEWEST_PIECES)
     beside = [each for each in work.performed if each.begin < dropped.end and dropped.begin < each.end]
     own = dropped.hinges & ~np.any([each.hinges for each in beside], axis=0) if beside else np.ones_like(dropped.hinges)
     for hinge in np.flatnonzero(own).tolist() if begin < end else ():
@@ -94,7 +97,7 @@ class _Turn:
 
     def share(self, count: int) -> Floats:
         """(count,) share of the offset that is taken out, by control points."""
-        times = np.asarray((np.arange(count) - LEAST) * STEP, dtype=np.float64)
+        times = np.asarray((np.arange(count) - FEWEST_PIECES) * STEP, dtype=np.float64)
         back = rise(times, self.back, self.end) if np.isfinite(self.end) else 0.0
         return np.asarray(rise(times, self.begin, self.gone) * (1.0 - back))
 
@@ -159,7 +162,7 @@ def _between(dropped: Sequence[Occupancy], role: Role, before: Occupancy, after:
 def _led(own: Floats, after: Floats, left: float, stop: Occupancy, limits: Limits, hinge: int) -> Floats | None:
     """Goes over from one work to the next where both meet, else when the next begins, or once the one gives way."""
     land, soonest = floor(stop.ready / STEP + EARLY), ceil(left / STEP - EARLY)
-    apart = np.abs(own[soonest : land + LEAST] - after[soonest : land + LEAST]) > SAME
+    apart = np.abs(own[soonest : land + FEWEST_PIECES] - after[soonest : land + FEWEST_PIECES]) > SAME_ANGLE
     together = np.flatnonzero(~(apart[:-2] | apart[1:-1] | apart[2:]))
     leaves = (
         [soonest + int(together[-1])] if len(together) else [max(soonest, floor(stop.begin / STEP + EARLY)), soonest]
@@ -174,14 +177,14 @@ def _return(
     """Brings a hand back to where it rested before its last work, unless the block ends elsewhere."""
     base, coming = work.base[:, hinge], work.coming[:, hinge]
     cleanly = not any(role in each.roles and each.ready >= done.ready for each in work.dropped)
-    other_rest = abs(coming[-1] - work.start[hinge]) > SAME
-    if cleanly and (other_rest or abs(base[-1] - coming[-1]) <= SAME):
+    other_rest = abs(coming[-1] - work.start[hinge]) > SAME_ANGLE
+    if cleanly and (other_rest or abs(base[-1] - coming[-1]) <= SAME_ANGLE):
         return column
     rest = np.full(len(base), base[-1])
     leave = ceil(done.relax / STEP - EARLY)
     pieces = max(LEAST_BACK, ceil((done.end - done.relax) / STEP))
-    while pieces <= LONGEST:
-        short = max(0, leave + pieces + LEAST - len(column))
+    while pieces <= MOST_PIECES:
+        short = max(0, leave + pieces + FEWEST_PIECES - len(column))
         own, after = (np.pad(each, (0, short), mode="edge") for each in (column, rest))
         way = cross_over(own, after, (leave, leave + pieces), limits, hinge)
         if way is not None:
@@ -215,7 +218,7 @@ def overlay(work: Overlay, setup: Setup, limits: Limits) -> Floats | MergeFailur
         columns[hinge] = column
     count = max(map(len, columns)) + 1
     whole = np.stack([np.pad(column, (0, count - len(column)), mode="edge") for column in columns], axis=1)
-    changed = np.flatnonzero((np.abs(whole - lengthen(work.base, count)) > SAME).any(axis=0))
+    changed = np.flatnonzero((np.abs(whole - lengthen(work.base, count)) > SAME_ANGLE).any(axis=0))
     over = changed[largest_shares(whole[work.cut :, changed], limits.part(changed)) > KEPT]
     if len(over):
         return work.trunk_failure(f"{names[over[0]]} cannot do both within its limits")

@@ -14,7 +14,7 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import Robot, Side
 from kinesic.expressivity.keyframes import Hand
 from kinesic.motion.trajectory import STEP, Trajectory
-from kinesic.motion.transition import LEAST, SAME, keep_limits, knot_at, lengthen, roomy, shorten
+from kinesic.motion.transition import FEWEST_PIECES, SAME_ANGLE, keep_limits, knot_at, lengthen, roomy, shorten
 from kinesic.planning.arm_postures import with_arms
 from kinesic.planning.certify import duties
 from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
@@ -108,13 +108,13 @@ def correct_pointing(
     same = [other.later(-motion.start) for other in others if f"{stroke.pointer.side}_hand" in other.roles]
     begin = max([own.begin, time - motion.start, *(other.relax for other in same if other.ready < at)])
     end = min([own.end, *(other.ready for other in same if other.ready > at)])
-    count = max(len(motion.controls), ceil(end / STEP) + 3 * LEAST)
-    times = np.asarray((np.arange(count) - LEAST) * STEP, dtype=np.float64)
-    share = rise(times, begin, at - LEAST * STEP) * (1.0 - rise(times, own.relax, end))
-    first, last = knot_at(begin), min(ceil(end / STEP) + LEAST, count - LEAST)
-    for part in PARTS if last - first >= LEAST else ():
+    count = max(len(motion.controls), ceil(end / STEP) + 3 * FEWEST_PIECES)
+    times = np.asarray((np.arange(count) - FEWEST_PIECES) * STEP, dtype=np.float64)
+    share = rise(times, begin, at - FEWEST_PIECES * STEP) * (1.0 - rise(times, own.relax, end))
+    first, last = knot_at(begin), min(ceil(end / STEP) + FEWEST_PIECES, count - FEWEST_PIECES)
+    for part in PARTS if last - first >= FEWEST_PIECES else ():
         found = np.array(lengthen(motion.controls, count))
-        for hinge in np.flatnonzero(np.abs(change) > SAME).tolist():
+        for hinge in np.flatnonzero(np.abs(change) > SAME_ANGLE).tolist():
             column = keep_limits(found[:, hinge] + part * share * change[hinge], first, last, limits, hinge)
             found[:, hinge] = found[:, hinge] if column is None else column
         if _clear(found, motion, first, last, setup):
@@ -125,7 +125,8 @@ def correct_pointing(
 def _clear(found: Floats, motion: Trajectory, first: int, last: int, setup: Setup) -> bool:
     """Whether nothing comes too near or is overloaded between two knots."""
     after, before = (
-        from_knot(lengthen(controls, len(found))[: last + LEAST], first) for controls in (found, motion.controls)
+        from_knot(lengthen(controls, len(found))[: last + FEWEST_PIECES], first)
+        for controls in (found, motion.controls)
     )
     peaks = duties(after, setup)
     if (peaks > np.maximum(FULL, duties(before, setup))).any():

@@ -11,7 +11,7 @@ from kinesic.body.robot import Robot
 from kinesic.motion.double_s import least_stop
 from kinesic.motion.trajectory import STEP, Trajectory
 from kinesic.motion.transition import (
-    LEAST,
+    FEWEST_PIECES,
     cross_over,
     join_columns,
     keep_limits,
@@ -30,7 +30,7 @@ WAIT = 10  # knots that an interruption waits at least, when the way back is not
 MOST_WAITS = 6  # each twice as long as the one before
 EASE = 1.5  # times the least time from rest to rest
 LONGER = 1.25  # times as long, when a way back is too short
-LONGEST = 400  # pieces
+MOST_PIECES = 400  # pieces
 FEWEST = 4  # pieces of a motion
 
 
@@ -72,11 +72,11 @@ def _from(
     limits, free = roomy(setup.limits), np.flatnonzero(hinges).tolist()
     if not free:
         return running
-    own = lengthen(running.controls, knot + LEAST)
+    own = lengthen(running.controls, knot + FEWEST_PIECES)
     after = _without(own, layer, setup.robot)
-    pieces = max(LEAST, ceil(EASE * _least(own, after, knot, setup.limits)[free].max() / STEP))
-    while pieces <= LONGEST:
-        count = max(len(after), knot + pieces + LEAST)
+    pieces = max(FEWEST_PIECES, ceil(EASE * _least(own, after, knot, setup.limits)[free].max() / STEP))
+    while pieces <= MOST_PIECES:
+        count = max(len(after), knot + pieces + FEWEST_PIECES)
         whole, goal = np.array(lengthen(own, count)), lengthen(after, count)
         land = knot + pieces
         found = join_columns(cross_over(whole[:, hinge], goal[:, hinge], (knot, land), limits, hinge) for hinge in free)
@@ -91,8 +91,8 @@ def _from(
 
 def _least(own: Floats, after: Floats, knot: int, limits: Limits) -> Floats:
     """(n,) [s] least time of each hinge from one motion to another, as if that were at rest."""
-    begin = own[knot : knot + LEAST]
-    ways = np.abs(begin - after[knot : knot + LEAST]).max(axis=0)
+    begin = own[knot : knot + FEWEST_PIECES]
+    ways = np.abs(begin - after[knot : knot + FEWEST_PIECES]).max(axis=0)
     speed, acceleration = (begin[2] - begin[0]) / (2 * STEP), (begin[0] - 2 * begin[1] + begin[2]) / STEP**2
     stops = least_stop(speed, acceleration, limits.acceleration, limits.jerk)
     return np.maximum(stops, [quintic_duration(float(way), limits, hinge) for hinge, way in enumerate(ways)])

@@ -13,8 +13,8 @@ from kinesic.motion.keys import Keys
 from kinesic.motion.segments import NOWHERE
 from kinesic.motion.trajectory import STEP, Trajectory
 from kinesic.motion.transition import (
-    LEAST,
-    SAME,
+    FEWEST_PIECES,
+    SAME_ANGLE,
     cross_over,
     delay_controls,
     knot_at,
@@ -28,7 +28,7 @@ from kinesic.realizer.merge import MergedMotion
 from kinesic.realizer.occupancy import ARMS, MergeFailure, Occupancy, Overlay, arm_hinges, occupancy_of, still_occupied
 from kinesic.realizer.overlay import overlay
 
-AHEAD = 3  # keys of the other plan that a hand may pass before it has joined its motion
+KEYS_AHEAD = 3  # keys of the other plan that a hand may pass before it has joined its motion
 SWING = 0.1  # [rad] from the other motion, once a hand has met it
 SOON = (10, 20, 40, 80)  # knots in which the trunk joins it
 
@@ -109,7 +109,7 @@ class _PlanChange:
     @property
     def keeps_strokes(self) -> bool:
         """Whether the other plan repeats no stroke that is past, and leaves out none that is to come."""
-        now, soon = self.knot * STEP, (self.knot + LEAST) * STEP
+        now, soon = self.knot * STEP, (self.knot + FEWEST_PIECES) * STEP
         before = {(sync.behaviour, sync.sync): sync.planned + self.playing_zero for sync in self.playing.syncs}
         after = {(sync.behaviour, sync.sync): sync.planned + self.zero for sync in self.better.syncs}
         strokes = [sync for sync in before.keys() & after.keys() if sync[1].startswith("stroke")]
@@ -133,7 +133,7 @@ class _PlanChange:
         goal = overlay(work, setup, roomy(setup.limits))
         if isinstance(goal, MergeFailure):
             return goal
-        count = max(len(goal), self.knot + SOON[-1] + LEAST)
+        count = max(len(goal), self.knot + SOON[-1] + FEWEST_PIECES)
         found = self._catch_up(lengthen(goal, count))
         if found is None:
             return MergeFailure("", "a hinge cannot catch up")
@@ -142,7 +142,7 @@ class _PlanChange:
     @property
     def _count(self) -> int:
         coming = self.offset + len(self.better.trajectory.controls)
-        return max(len(self.running.controls), len(self.playing.layer.controls), coming, self.knot + LEAST)
+        return max(len(self.running.controls), len(self.playing.layer.controls), coming, self.knot + FEWEST_PIECES)
 
     def _without_block(self, count: int) -> Floats:
         """The running motion without the block's part of the trunk; hands leave what runs in any case."""
@@ -159,14 +159,14 @@ class _PlanChange:
         keys = Keys.of(self.better.postures.postures, setup.limits).own
         arms = {hinge for role in ARMS for hinge in arm_hinges(role, setup.robot)}
         found, limits = np.array(goal), roomy(setup.limits)
-        for hinge in np.flatnonzero((np.abs(own - goal)[self.knot :] > SAME).any(axis=0)).tolist():
+        for hinge in np.flatnonzero((np.abs(own - goal)[self.knot :] > SAME_ANGLE).any(axis=0)).tolist():
             coming = places[keys[hinge]] if hinge in arms else NOWHERE
-            coming = coming[coming >= self.knot + LEAST]
+            coming = coming[coming >= self.knot + FEWEST_PIECES]
             way = _join(own[:, hinge], goal[:, hinge], self.knot, coming, limits, hinge)
             if way is None:
                 return None
             found[:, hinge] = way
-        found[: self.knot + LEAST] = own[: self.knot + LEAST]
+        found[: self.knot + FEWEST_PIECES] = own[: self.knot + FEWEST_PIECES]
         return found
 
     def _result(self, found: Floats, kept: Collection[str], occupancy: Sequence[Occupancy]) -> MergedMotion:
@@ -189,11 +189,11 @@ class _PlanChange:
 
 def _join(own: Floats, goal: Floats, knot: int, coming: Floats, limits: Limits, hinge: int) -> Floats | None:
     """Has a hinge join the other motion by one of the keys to come, or soon where there are none."""
-    lands = [(int(place), coming[:k]) for k, place in enumerate(coming[:AHEAD])]
+    lands = [(int(place), coming[:k]) for k, place in enumerate(coming[:KEYS_AHEAD])]
     lands += [(knot + pieces, NOWHERE) for pieces in SOON if not len(coming)]
     for land, passing in lands:
         way = cross_over(own, goal, (knot, land), limits, hinge, passing=passing)
         if way is not None:
             first = ceil(passing[0]) if len(passing) else land
-            return way if np.abs(way - goal)[first + LEAST :].max() < SWING else None
+            return way if np.abs(way - goal)[first + FEWEST_PIECES :].max() < SWING else None
     return None

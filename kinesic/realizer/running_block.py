@@ -17,7 +17,7 @@ from kinesic.realizer.merge import MergedMotion
 from kinesic.realizer.occupancy import Occupancy
 from kinesic.realizer.request import TimedRequest
 
-PATIENCE = 1.0  # [s] for a better plan than a provisional one
+BETTER_PLAN_TIMEOUT = 1.0  # [s] for a better plan than a provisional one
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,7 +161,7 @@ class RunningBlock:
     def doubtful_warnings(self, now: float) -> tuple[ScheduledFeedback, ...]:
         """Warnings to be sent when no better plan comes in time."""
         doubtful = [notice for notice in self.prepared.plan.notices if notice not in self.certain_notices]
-        late = now + PATIENCE
+        late = now + BETTER_PLAN_TIMEOUT
         return tuple(replace(self.warning(notice, late), unless_improved=self.id) for notice in doubtful)
 
     def without(self, behaviours: frozenset[str]) -> "RunningBlock":

@@ -216,7 +216,7 @@ def test_hinges_whose_keys_stay_keep_their_curve_and_others_get_a_new_one():
 def test_long_curves_are_not_remembered(monkeypatch):
     asked = Keys.of(keys(), LIMITS.part(np.arange(2)), room=0.0)
     known = join_keys(TIMES, asked)
-    monkeypatch.setattr(desired, "LONGEST", len(TIMES) * 2 - 1)
+    monkeypatch.setattr(desired, "MOST_CURVE_KEYS", len(TIMES) * 2 - 1)
     again = join_keys(TIMES, asked)
     assert again.curves[0, 1] is not known.curves[0, 1]
     assert np.array_equal(again.curves[0, 1].states, known.curves[0, 1].states)

@@ -17,7 +17,7 @@ from kinesic.ik import KERNEL
 from kinesic.motion.condition import LEAD_IN, condition
 from kinesic.motion.key_time_lp import strain
 from kinesic.motion.keys import Keys
-from kinesic.motion.limit_check import RATE, check_limits
+from kinesic.motion.limit_check import CHECK_RATE, check_limits
 from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
 from kinesic.planning.syncs import SHIFT_TO_WARN, find_bonds
@@ -110,7 +110,7 @@ def violations(planned: Plan) -> int:
 def duty(planned: Plan) -> Floats:
     """(n,) the largest share of full duty that inverse dynamics finds for each drive at 1 kHz."""
     known = planned.setup
-    times = np.arange(0.0, planned.trajectory.duration, 1.0 / RATE)
+    times = np.arange(0.0, planned.trajectory.duration, 1.0 / CHECK_RATE)
     angles, speeds, accelerations = planned.trajectory.sample(times)
     torques = known.dynamics.torques(angles, speeds, accelerations)
     return np.asarray(np.abs(torques / known.robot.drives.stall + speeds * known.limits.viscous).max(axis=0))
