@@ -17,10 +17,10 @@ from kinesic.bml.block import (
     Timeline,
     refusal,
 )
-from kinesic.bml.reading.references import LONGEST
+from kinesic.bml.reading.references import LONGEST_BLOCK
 from kinesic.bml.timing.constraints import Tie, own_ties, point_of, relaxing_ties
 from kinesic.bml.timing.negative_cycles import Edge, contradictions
-from kinesic.bml.timing.network import SHORTEST, Elsewhere, Network, ReferenceResolver
+from kinesic.bml.timing.network import SHORTEST_BEHAVIOUR, Elsewhere, Network, ReferenceResolver
 from kinesic.bml.timing.points import natural_spans
 from kinesic.bml.timing.settle import settle_times
 from kinesic.body.utterance import Utterance
@@ -52,7 +52,7 @@ def schedule(
         The behaviours in document order with all their times, those that are dropped, and the notices.
 
     Raises:
-        BmlError: a part that is required cannot be timed, or a time is beyond `LONGEST`.
+        BmlError: a part that is required cannot be timed, or a time is beyond `LONGEST_BLOCK`.
     """
     cast = _Cast.of(block)
     for behaviour in block.behaviours:
@@ -232,7 +232,7 @@ def _describe_loop(loop: list[Edge], block: str) -> str:
     ]
     names = [":".join(point[1:] if point.block == block else point) for point in turns]
     total = sum(edge.gap for edge in loop)
-    excess = f" by {total:g} s" if total > len(loop) * SHORTEST else ", they leave no time to perform it"
+    excess = f" by {total:g} s" if total > len(loop) * SHORTEST_BEHAVIOUR else ", they leave no time to perform it"
     if len({point.behaviour for point in turns} - {"bml"}) == 1:
         return f"its times contradict one another{excess}: {', '.join(names)}"
     return f"its times go round in a loop that cannot be met{excess}: {' -> '.join([*names, names[0]])}"
@@ -245,10 +245,10 @@ def _timeline(cast: _Cast, network: Network, spans: Mapping[str, Mapping[str, fl
     for chain in network.chains:
         own = {point.sync: times[point] for point in chain.points}
         worst = max(own.values(), key=abs)
-        if abs(worst) > LONGEST:
+        if abs(worst) > LONGEST_BLOCK:
             what = f"'{chain.behaviour.id}' would be at {worst:g} s"
             raise refusal(
-                cast.block.source, chain.behaviour.place, what, f"a block lasts at most {LONGEST:g} s: split it"
+                cast.block.source, chain.behaviour.place, what, f"a block lasts at most {LONGEST_BLOCK:g} s: split it"
             )
         if chain.behaviour.agent is None:
             timed.append(TimedBehaviour(chain.behaviour, own))

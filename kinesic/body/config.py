@@ -16,7 +16,7 @@ import msgspec
 
 CONFIGS = Path(__file__).resolve().parent.parent / "configs"
 
-LARGEST = 4_000_000  # [bytes]
+LARGEST_FILE = 4_000_000  # [bytes]
 MOST_PARTS = 32  # of a dotted key
 MOST_NESTED = 32  # lists and tables inside one another
 
@@ -59,9 +59,9 @@ def read_tables(path: Path) -> dict[str, object]:
     """
     try:
         with path.open("rb") as file:
-            raw = file.read(LARGEST + 1)
-        if len(raw) > LARGEST:
-            raise ConfigError(f"{path}: more than {LARGEST // 1_000_000} MB; such a file has some kB")
+            raw = file.read(LARGEST_FILE + 1)
+        if len(raw) > LARGEST_FILE:
+            raise ConfigError(f"{path}: more than {LARGEST_FILE // 1_000_000} MB; such a file has some kB")
         return parse_tables(raw.decode("utf-8"), path)
     except FileNotFoundError:
         raise ConfigError(f"{path}: no such file") from None

@@ -9,7 +9,7 @@ from kinesic.intent.behaviour_sets import Channel
 FIRST, PER_WORD = 1.0, 0.065  # gestures that a text begins with, and for each of its words: about 8 in 100 words
 LIVELY = 0.5  # share of them that full activation, size and power add
 GAPS: Mapping[Channel, float] = {"gesture": 1.3, "head": 0.9, "face": 1.0, "gaze": 1.2, "torso": 2.5}  # [s]
-LEAST: Mapping[Channel, float] = {"gaze": 0.3}  # certainty below which a channel keeps still
+LEAST_CERTAINTY: Mapping[Channel, float] = {"gaze": 0.3}  # certainty below which a channel keeps still
 
 
 @dataclass(frozen=True)
@@ -34,5 +34,5 @@ def budget_of(words: int, style: Style) -> MovementBudget:
     return MovementBudget(
         gestures=max(1, round((FIRST + PER_WORD * words) * factor)) if words else 0,
         gaps={channel: gap / factor if channel == "gesture" else gap for channel, gap in GAPS.items()},
-        least_certainty=LEAST,
+        least_certainty=LEAST_CERTAINTY,
     )

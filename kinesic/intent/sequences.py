@@ -7,7 +7,7 @@ from dataclasses import replace
 from kinesic.intent.behaviour_sets import BehaviourSet, Channel, Signal
 from kinesic.intent.intents import Intent
 
-LEAST = 0.5  # [s] in which a signal is still seen
+SHORTEST_SIGNAL = 0.5  # [s] in which a signal is still seen
 
 
 def draw_sequence(intent: Intent, found: BehaviourSet, chance: random.Random) -> Iterator[tuple[Intent, Signal]]:
@@ -20,11 +20,11 @@ def draw_sequence(intent: Intent, found: BehaviourSet, chance: random.Random) ->
     shown, barred = set[str](), set[str]()
     for channel in dict.fromkeys(signal.channel for signal in found.signals):
         now = 0.0
-        while seconds - now >= LEAST or now == 0.0:
-            signal = _drawn(found.signals, channel, now / max(seconds, LEAST), shown, barred, chance)
+        while seconds - now >= SHORTEST_SIGNAL or now == 0.0:
+            signal = _drawn(found.signals, channel, now / max(seconds, SHORTEST_SIGNAL), shown, barred, chance)
             if signal is None or signal.spell is None:
                 break
-            lasts = max(min(chance.uniform(signal.spell.least, signal.spell.most), seconds - now), LEAST)
+            lasts = max(min(chance.uniform(signal.spell.least, signal.spell.most), seconds - now), SHORTEST_SIGNAL)
             shown.add(signal.spell.name)
             barred |= signal.spell.excludes
             start = intent.start.later(now)

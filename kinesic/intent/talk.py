@@ -22,9 +22,9 @@ from kinesic.intent.writing import name_behaviours, write_block
 SETTLED = 0.12  # [s] without further words after which the last one is whole, and punctuation ends a phrase
 SILENT = 2.0  # [s] after which what has come is said as it is
 LETTERS_PER_WINDOW = 1500  # letters that are looked at
-LONGEST = 16  # words of a phrase that waits for its end
+LONGEST_PHRASE = 16  # words of a phrase that waits for its end
 SHORT = 3  # words below which a phrase that is no sentence waits for what follows at once
-MOST = 24  # words that are said together
+MOST_WORDS = 24  # words that are said together
 CONTEXT = 60  # words of a sentence that are remembered after they were said
 _STOPS = ".!?\u2026\u3002\uff01\uff1f"
 
@@ -207,7 +207,7 @@ def _whole(passage: Passage, talk: Talk, quiet: float) -> int:
         return 0
     last = passage.phrases[-1]
     whole = count if passage.is_over else last[0]
-    if whole <= talk.said and (count - talk.said > LONGEST or len(talk.text) >= LETTERS_PER_WINDOW):
+    if whole <= talk.said and (count - talk.said > LONGEST_PHRASE or len(talk.text) >= LETTERS_PER_WINDOW):
         return max(count - 1, talk.said + 1)
     is_sentence = whole and passage.is_over and passage.tail[-1:] in _STOPS
     is_short = whole - talk.said < SHORT and whole == count and not is_sentence
@@ -216,7 +216,7 @@ def _whole(passage: Passage, talk: Talk, quiet: float) -> int:
 
 def _together(passage: Passage, words: range) -> range:
     """The words that are said together: whole sentences, else whole phrases, as many as may be."""
-    most = min(words.stop, words.start + MOST)
+    most = min(words.stop, words.start + MOST_WORDS)
     sentences = [each[-1] + 1 for each in passage.sentences if words.start < each[-1] + 1 <= most]
     phrases = [each[-1] + 1 for each in passage.phrases if words.start < each[-1] + 1 <= most]
     return range(words.start, max(sentences or phrases, default=most))

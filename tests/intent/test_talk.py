@@ -15,7 +15,17 @@ from kinesic.intent.behaviour_sets import own_sets
 from kinesic.intent.budget import budget_of
 from kinesic.intent.reading.language import load_language
 from kinesic.intent.reading.words import read_text
-from kinesic.intent.talk import CONTEXT, LETTERS_PER_WINDOW, MOST, SETTLED, SILENT, Talk, hear, is_all_said, next_part
+from kinesic.intent.talk import (
+    CONTEXT,
+    LETTERS_PER_WINDOW,
+    MOST_WORDS,
+    SETTLED,
+    SILENT,
+    Talk,
+    hear,
+    is_all_said,
+    next_part,
+)
 
 LEXICON, STYLE, LANGUAGE = Lexicon.load(), Style.load("neutral"), load_language()
 STORY = (
@@ -49,7 +59,7 @@ def test_every_word_is_said_once_and_in_order_however_the_text_comes(cuts):
     for part in parts:
         block = parse(part.write("b"))
         assert not block.notices
-        assert part.words.stop - part.words.start <= MOST
+        assert part.words.stop - part.words.start <= MOST_WORDS
 
 
 @pytest.mark.parametrize(
@@ -132,7 +142,7 @@ def test_endless_sentences_and_texts_are_said_in_parts_that_stay_small():
     text = "and so the river went on " * 80
     parts, talk = parts_of([text])
     assert words_of(parts) == text.split()
-    assert max(len(part.passage.words) for part in parts) <= max(CONTEXT + MOST, LETTERS_PER_WINDOW // 4)
+    assert max(len(part.passage.words) for part in parts) <= max(CONTEXT + MOST_WORDS, LETTERS_PER_WINDOW // 4)
     assert is_all_said(talk, LANGUAGE)
 
 

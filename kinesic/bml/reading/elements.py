@@ -29,7 +29,7 @@ from kinesic.bml.reading.hands import hands_named
 from kinesic.bml.reading.manner import lexeme, reference_of
 from kinesic.bml.reading.namespaces import is_core
 from kinesic.bml.reading.reader import BehaviourElement, DocumentReading, read_number, read_whole
-from kinesic.bml.reading.references import LONGEST
+from kinesic.bml.reading.references import LONGEST_BLOCK
 from kinesic.bml.reading.script import pause_of, script_of
 from kinesic.bml.reading.sync_names import sync_name
 from kinesic.bml.reading.tree import Element
@@ -148,9 +148,9 @@ def _wait(named: BehaviourElement, reading: DocumentReading) -> Action:
     if name is None:
         return Wait()
     duration = read_number(named, name, reading, default=0.0)
-    if not 0.0 <= duration <= LONGEST:
+    if not 0.0 <= duration <= LONGEST_BLOCK:
         what = f"{name}='{named.word(name)}' is no duration"
-        raise reading.refuse(named.element.place, what, f"0 to {LONGEST:g} s is")
+        raise reading.refuse(named.element.place, what, f"0 to {LONGEST_BLOCK:g} s is")
     return Wait(duration)
 
 

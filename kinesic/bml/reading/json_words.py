@@ -11,7 +11,7 @@ from kinesic.bml.reading.tree import Element
 
 GLANCE = 20.0  # [deg] of a gaze that names a direction instead of a target
 BLINK = 0.25  # [s]
-AHEAD = "audience"  # who is in front
+IN_FRONT = "audience"  # who is in front
 
 _DIRECTIONS = frozenset({"UP", "DOWN", "LEFT", "RIGHT", "UPRIGHT", "UPLEFT", "DOWNRIGHT", "DOWNLEFT", "FRONT"})
 _HANDS = {"DOMINANT": "RIGHT", "NON_DOMINANT": "LEFT"}
@@ -37,7 +37,7 @@ def _gaze(element: Element) -> Element:
     if direction not in _DIRECTIONS:
         return found
     if direction == "FRONT":
-        return found.reword(target=AHEAD)
+        return found.reword(target=IN_FRONT)
     where = {"offsetDirection": direction, "offsetAngle": written.get("offsetAngle", repr(GLANCE))}
     return found.reword(None, "target", **where)
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from kinesic.bml.block import BmlError, Dialect, Notice, NoticeType, Place, refusal
 from kinesic.bml.reading.tree import Element
 
-LARGEST = 1e4  # no number of BML but a time, which has its own limit, is larger
+LARGEST_NUMBER = 1e4  # no number of BML but a time, which has its own limit, is larger
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ def read_number(named: BehaviourElement, name: str, reading: DocumentReading, *,
     """Reads an attribute as a number.
 
     Raises:
-        BmlError: not a number, not finite, or beyond `LARGEST`.
+        BmlError: not a number, not finite, or beyond `LARGEST_NUMBER`.
     """
     text = named.word(name)
     return read_finite(text, name, named.element.place, reading) if text else default
@@ -70,12 +70,12 @@ def read_finite(text: str, name: str, place: Place, reading: DocumentReading) ->
     """Reads a text as a number.
 
     Raises:
-        BmlError: not a number, not finite, or beyond `LARGEST`.
+        BmlError: not a number, not finite, or beyond `LARGEST_NUMBER`.
     """
     try:
         value = float(text)
     except ValueError:
         raise reading.refuse(place, f"{name}='{text}' is no number", f"for example {name}='0.5'") from None
-    if not math.isfinite(value) or abs(value) > LARGEST:
-        raise reading.refuse(place, f"{name}='{text}' is out of range", f"finite, at most {LARGEST:g}")
+    if not math.isfinite(value) or abs(value) > LARGEST_NUMBER:
+        raise reading.refuse(place, f"{name}='{text}' is out of range", f"finite, at most {LARGEST_NUMBER:g}")
     return value

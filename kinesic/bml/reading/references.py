@@ -20,7 +20,7 @@ from kinesic.bml.timing.points import sync_points
 Constraint = Synchronize | Precedence
 Relation = Literal["at", "after", "before"]
 
-LONGEST = 1200.0  # [s] how long a block may last, and how far a time may lie from its start
+LONGEST_BLOCK = 1200.0  # [s] how long a block may last, and how far a time may lie from its start
 
 _NUMBER = r"(?:\d++(?:\.\d*+)?|\.\d++)(?:[eE][+-]?\d++)?"
 _BARE = re.compile(rf"[+-]?{_NUMBER}")
@@ -67,7 +67,7 @@ def parse_ref(text: str, names: Names) -> SyncRef:
         names: of the block it stands in.
 
     Raises:
-        BmlError: not a reference, or a time that is not finite or beyond `LONGEST` (without the place).
+        BmlError: not a reference, or a time that is not finite or beyond `LONGEST_BLOCK` (without the place).
     """
     trimmed = text.strip()
     if _BARE.fullmatch(trimmed):
@@ -104,8 +104,10 @@ def _split_offset(text: str) -> tuple[str, str] | None:
 
 def _seconds(text: str) -> float:
     seconds = float(text)
-    if not math.isfinite(seconds) or abs(seconds) > LONGEST:
-        raise BmlError(f"{text} s is out of range; times lie within {-LONGEST:g} to {LONGEST:g} s of the block's start")
+    if not math.isfinite(seconds) or abs(seconds) > LONGEST_BLOCK:
+        raise BmlError(
+            f"{text} s is out of range; times lie within {-LONGEST_BLOCK:g} to {LONGEST_BLOCK:g} s of the block's start"
+        )
     return seconds
 
 

@@ -14,7 +14,7 @@ import scipy
 
 from kinesic.bml.timing.constraints import Point
 from kinesic.bml.timing.negative_cycles import Edge
-from kinesic.bml.timing.network import SHORTEST, Potentials, SyncChain
+from kinesic.bml.timing.network import SHORTEST_BEHAVIOUR, Potentials, SyncChain
 from kinesic.bml.timing.points import HOLDS, is_repeated
 
 _LONGER = {"relax": 1.0, "strokeStart": 1.5, "end": 4.0, "ready": 5.0}
@@ -108,7 +108,7 @@ class TimingProgram:
                 self._rows.at_most(0.0, [(shorter, 1.0), (shrink, -natural)])
         first, last = chain.points[0], chain.points[-1]
         if self._potentials.find(first)[0] != self._potentials.find(last)[0]:
-            self._at_least(first, last, SHORTEST)
+            self._at_least(first, last, SHORTEST_BEHAVIOUR)
         self._pull_to_zero(first, _EARLY, early)
 
     def _pull_to_zero(self, point: Point, after_zero: float, before_zero: float) -> None:

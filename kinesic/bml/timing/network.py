@@ -11,7 +11,7 @@ from kinesic.bml.timing.negative_cycles import EQUAL, Edge
 from kinesic.bml.timing.points import speech_offsets, sync_points
 from kinesic.body.utterance import Utterance
 
-SHORTEST = 1e-6  # [s] of a behaviour whose length is not asked for
+SHORTEST_BEHAVIOUR = 1e-6  # [s] of a behaviour whose length is not asked for
 
 Elsewhere = Mapping[tuple[str, str, str], float]
 
@@ -93,7 +93,7 @@ class Network:
         return potentials
 
     def edges(self) -> list[Edge]:
-        """All that must hold, as edges; a behaviour takes at least `SHORTEST` unless its length is fixed."""
+        """All that must hold, as edges; a behaviour takes at least `SHORTEST_BEHAVIOUR` unless its length is fixed."""
         edges = list(self.orders)
         for chain in self.chains:
             owner = chain.behaviour.id
@@ -101,7 +101,7 @@ class Network:
             edges += [Edge(early, late, 0.0, owner) for early, late in pairs]
             first, last = chain.points[0], chain.points[-1]
             if self.potentials.find(first)[0] != self.potentials.find(last)[0]:
-                edges.append(Edge(first, last, SHORTEST, owner))
+                edges.append(Edge(first, last, SHORTEST_BEHAVIOUR, owner))
         for distance in self.distances:
             edges.append(Edge(distance.early, distance.late, distance.gap, distance.owner))
             edges.append(Edge(distance.late, distance.early, -distance.gap, distance.owner))

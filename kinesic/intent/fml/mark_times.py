@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from kinesic.bml.reading.references import LONGEST
+from kinesic.bml.reading.references import LONGEST_BLOCK
 from kinesic.bml.reading.script import MARKS, spoken_part
 from kinesic.bml.reading.tree import Element
 from kinesic.intent.intents import Moment, split_reference
@@ -29,7 +29,7 @@ class MarkTimes:
         if (reference and reference not in self.times) or (not reference and offset is None):
             return None
         seconds = self.times.get(reference, 0.0) + (offset or 0.0)
-        return Moment(written.replace(" ", ""), seconds) if seconds <= LONGEST else None
+        return Moment(written.replace(" ", ""), seconds) if seconds <= LONGEST_BLOCK else None
 
     def speech_end(self, written: str) -> Moment | None:
         """Finds the end of the speech that a time names; None without such a speech."""

@@ -9,7 +9,7 @@ from kinesic.intent.reading.passage import COMMAS, Passage
 
 LONGEST_ITEM = 5  # words of one thing in a list
 LEAST_ITEMS = 3
-AHEAD = 3  # words within which a weak word leaves its stroke to one that is stressed
+STRESS_REACH = 3  # words within which a weak word leaves its stroke to one that is stressed
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ def stressed_near(passage: Passage, index: int) -> int:
     if words[index].is_content or words[index].emphatic or not content:
         return index
     at = bisect_right(content, index)
-    if at < len(content) and content[at] <= index + AHEAD:
+    if at < len(content) and content[at] <= index + STRESS_REACH:
         return content[at]
     return min(content[max(at - 1, 0) : at + 1], key=lambda k: abs(k - index))
 

@@ -6,7 +6,7 @@ from kinesic.intent.reading.language import Language
 
 WritingSystem = Literal["hiragana", "katakana", "kanji", "other"]
 
-LONGEST = 12  # letters of a known word
+LONGEST_WORD = 12  # letters of a known word
 
 
 def segment(text: str, language: Language) -> list[str]:
@@ -29,7 +29,7 @@ def segment(text: str, language: Language) -> list[str]:
 
 def _known(text: str, at: int, language: Language, *, is_over: bool) -> str:
     """The longest known word that begins at a letter, or nothing; a particle only behind a word that is over."""
-    for end in range(min(len(text), at + LONGEST), at, -1):
+    for end in range(min(len(text), at + LONGEST_WORD), at, -1):
         word = text[at:end]
         if end - at == 1 and (at == 0 or not is_over) and _script(word) == "hiragana":
             continue
