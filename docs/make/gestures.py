@@ -9,7 +9,7 @@ from pathlib import Path
 
 from kinesic.controller.perform import set_up
 from kinesic.studies.gestures.isolated import key_postures, plan_gesture
-from kinesic.studies.gestures.sheet import MOST, draw_gesture_sheet
+from kinesic.studies.gestures.sheet import MOST_POSTURES, draw_gesture_sheet
 from kinesic.studies.gestures.vocabulary import VocabularyEntry, vocabulary
 
 DOCS = Path(__file__).parents[1]
@@ -74,5 +74,5 @@ def _tables(entries: list[VocabularyEntry]) -> Iterator[str]:
 if __name__ == "__main__":
     known = set_up()
     PAGE.write_text(page(vocabulary(known.lexicon, known.pace)), encoding="utf-8")
-    shows = [key_postures(form, plan_gesture(form, known), MOST) for form in known.lexicon.forms]
+    shows = [key_postures(form, plan_gesture(form, known), MOST_POSTURES) for form in known.lexicon.forms]
     draw_gesture_sheet(shows, known.robot, DOCS / "gestures.png")

@@ -14,7 +14,7 @@ from kinesic.body.config import CONFIGS
 from kinesic.controller.perform import set_up
 from kinesic.studies.gestures.isolated import Show, key_postures, plan_gesture
 from kinesic.studies.gestures.portraits import ROUND, draw_round
-from kinesic.studies.gestures.sheet import MOST, draw_portraits
+from kinesic.studies.gestures.sheet import MOST_POSTURES, draw_portraits
 
 DOCS = Path(__file__).resolve().parents[1]
 STRIP, TURNED, VIEWS = "greet_wave", "count_two", 6
@@ -26,7 +26,7 @@ HUMAN = set_up("human")
 def shown(name: str) -> Show:
     """A gesture alone."""
     form = next(form for form in HUMAN.lexicon.forms if form.id == name)
-    return key_postures(form, plan_gesture(form, HUMAN), MOST)
+    return key_postures(form, plan_gesture(form, HUMAN), MOST_POSTURES)
 
 
 def draw_gestures(folder: Path) -> Image.Image:

@@ -26,7 +26,7 @@ from kinesic.planning.setup import Setup
 from kinesic.sim.film import FilmError
 from kinesic.studies.gestures.isolated import Show, key_postures, plan_gesture
 from kinesic.studies.gestures.portraits import RATE, draw_round
-from kinesic.studies.gestures.sheet import MOST, check_picture, draw_gesture_sheet, draw_portraits, draw_strip
+from kinesic.studies.gestures.sheet import MOST_POSTURES, check_picture, draw_gesture_sheet, draw_portraits, draw_strip
 from kinesic.studies.gestures.vocabulary import vocabulary
 
 LINES = (".svg", ".svgz", ".pdf", ".ps", ".eps", ".pgf")  # endings of pictures without pixels
@@ -115,7 +115,7 @@ def render_gestures(
         else:
             stage("planning")
             form = _found(lexeme, known.lexicon).form
-            shown, says = key_postures(form, plan_gesture(form, known), MOST), known.lexicon.sense(form).says
+            shown, says = key_postures(form, plan_gesture(form, known), MOST_POSTURES), known.lexicon.sense(form).says
             if turntable:
                 _save_turntable(shown, known.robot, fresh, share_of(stage, "drawing"))
             else:
@@ -159,7 +159,7 @@ def _drawable(known: Setup, progress: Callable[[float], None]) -> Iterator[Show]
     for k, form in enumerate(known.lexicon.forms):
         progress(k / len(known.lexicon.forms))
         try:
-            yield key_postures(form, plan_gesture(form, known), MOST)
+            yield key_postures(form, plan_gesture(form, known), MOST_POSTURES)
         except BmlError as error:
             click.echo(printable(f"kinesic: {error}"), err=True)
 

@@ -26,7 +26,7 @@ from kinesic.report.checks import checks
 from kinesic.sim.servo_factors import NOMINAL, PESSIMISTIC, Factors
 from kinesic.sim.twin import STEP, Twin
 from kinesic.studies.variants.sweep import GROUP, perform_variants
-from kinesic.studies.variants.sweep import STEP as SWEEP_STEP
+from kinesic.studies.variants.sweep import PHYSICS_STEP as SWEEP_STEP
 
 ONE: tuple[Factors, ...] = (NOMINAL,)
 BOTH: tuple[Factors, ...] = (NOMINAL, PESSIMISTIC)

@@ -23,7 +23,7 @@ from kinesic.expressivity.lexicon.toml_file import LexiconPart, join_parts, read
 UNKNOWN = "unknown"  # means no gesture
 NAMELESS = "beat"  # what a gesture without a lexeme most likely is
 MOST_NEAR = 3  # gestures that are named when a lexeme is unknown
-LONGEST = 120  # characters of a name that are read; a longer one is none
+LONGEST_NAME = 120  # characters of a name that are read; a longer one is none
 COMPARED = 40  # characters of a name that are compared with others
 KEPT = 512  # forms that are turned to other hands
 
@@ -131,7 +131,7 @@ class Lexicon:
         form = self._entry(lexeme, category)
         if form is not None:
             return Match(in_mode(form, mode))
-        found = self._names.find(lexeme, category) if len(lexeme) <= LONGEST else None
+        found = self._names.find(lexeme, category) if len(lexeme) <= LONGEST_NAME else None
         if found is not None:
             return self._match(found, mode)
         if lexeme.strip() or NAMELESS not in self.forms_by_id:
@@ -140,7 +140,7 @@ class Lexicon:
 
     def near(self, lexeme: str) -> tuple[str, ...]:
         """Names gestures that an unknown lexeme may have meant: by their letters, or by words that speak of them."""
-        lexeme = lexeme[:LONGEST]
+        lexeme = lexeme[:LONGEST_NAME]
         words = set(split_words(lexeme))
         scores = [len(words.intersection((*sense.words, sense.category))) for sense in self.senses]
         likely = sorted((k for k, score in enumerate(scores) if score), key=lambda k: (-scores[k], k))

@@ -8,7 +8,7 @@ from typing import Literal
 from kinesic.expressivity.lexicon.names import KEPT, split_words, word_set
 
 HeadKind = Literal["nod", "shake", "direction"]
-LONGEST = 120  # characters of a name that are read; a longer one is none
+LONGEST_NAME = 120  # characters of a name that are read; a longer one is none
 
 _FORMS: Mapping[str, str] = {  # a word -> others that say the same
     "nod": "nods nodding nodded headnod nodhead",
@@ -83,7 +83,7 @@ class HeadName:
 @lru_cache(maxsize=KEPT)
 def movement_words(name: str) -> tuple[str, ...]:
     """Splits a name into its words, one for all that say the same: `LEANING_Backwards` is lean, back."""
-    if len(name) > LONGEST:
+    if len(name) > LONGEST_NAME:
         return ()
     return tuple(_CANON.get(word, word) for word in split_words(name) if not word.isdigit())
 
@@ -110,7 +110,7 @@ def read_head_name(name: str) -> HeadName | None:
     """
     words = movement_words(name)
     said = [word for word in words if word not in _FILLERS]
-    if not said and len(name) <= LONGEST:
+    if not said and len(name) <= LONGEST_NAME:
         return HeadName("nod", (), f"a nod stands for {name or 'a head movement without lexeme'}")
     kind, known = _kind(said), _NODS | _SHAKES | _LIKE_SHAKES | _DIRECTIONS | {"nod", "shake", "side"}
     others = [word for word in said if word not in known]

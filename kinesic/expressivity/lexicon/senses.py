@@ -14,7 +14,7 @@ _SIDES: dict[str, HandMode] = {"l": "left", "r": "right", "b": "both"}
 _SIDE_WORDS: dict[str, HandMode] = {"left": "left", "right": "right", "both": "both"}
 _ENDINGS = ("s", "es", "d", "ed", "ing", "er", "est", "ly", "ment")
 _SHORTEST_STEM = 3  # letters
-LONGEST = 120  # characters of a name that are read; a longer one is none
+LONGEST_NAME = 120  # characters of a name that are read; a longer one is none
 
 _EXACT, _NEAR, _CATEGORY = 1.0, 0.75, 0.25
 
@@ -42,7 +42,7 @@ def read_lexeme(lexeme: str) -> LexemeReading:
     Articles, digits and words such as `Ges` say nothing about the meaning. A single letter L, R or B names the
     side; the words left, right and both do so too, if other words are there to carry the meaning.
     """
-    if len(lexeme) > LONGEST:
+    if len(lexeme) > LONGEST_NAME:
         return LexemeReading(())
     tokens = [word.lower() for word in _WORD.findall(lexeme)]
     words = [word for word in tokens if len(word) > 1 and word not in _NOISE]

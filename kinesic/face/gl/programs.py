@@ -15,7 +15,7 @@ from kinesic.face.gl.functions import GraphicsError
 if TYPE_CHECKING:
     from kinesic.face.gl.context import GlContext
 
-LONGEST = 256  # bytes of a name
+LONGEST_NAME = 256  # bytes of a name
 FLOATS: Mapping[int, tuple[str, int]] = MappingProxyType(  # by the type of a uniform: function, and numbers in one
     {
         0x1406: ("Uniform1fv", 1),
@@ -109,8 +109,8 @@ class Program:
     def _listed(self) -> "list[tuple[str, Uniform]]":
         gl, found = self._context.functions, []
         for k in range(self._asked("Program", self.number, n.ACTIVE_UNIFORMS)):
-            name, count, kind = ctypes.create_string_buffer(LONGEST), ctypes.c_int(), ctypes.c_uint()
-            gl.GetActiveUniform(self.number, k, LONGEST, None, ctypes.byref(count), ctypes.byref(kind), name)
+            name, count, kind = ctypes.create_string_buffer(LONGEST_NAME), ctypes.c_int(), ctypes.c_uint()
+            gl.GetActiveUniform(self.number, k, LONGEST_NAME, None, ctypes.byref(count), ctypes.byref(kind), name)
             place = gl.GetUniformLocation(self.number, name.value)
             found.append((name.value.decode().partition("[")[0], Uniform(place, kind.value, count.value)))
         return found

@@ -16,7 +16,7 @@ from kinesic.tasks.journal import Journal, run_once
 from kinesic.tasks.processes import WorkerCrash
 
 SHARE = 3  # of the designs one goes on, with so many times the documents
-LEAST = 8  # designs that go on, where there are so many
+FEWEST_DESIGNS = 8  # designs that go on, where there are so many
 AS_IT_IS: Design = ()
 
 Document = tuple[str, bytes]  # name and content
@@ -117,7 +117,7 @@ def search(
         ]
         going = rank(going, next(trial for trial in going if trial.design == AS_IT_IS))
         if number < len(steps):
-            keep = max(LEAST, ceil(len(going) / SHARE))
+            keep = max(FEWEST_DESIGNS, ceil(len(going) / SHARE))
             best = going[:keep] + [trial for trial in going[keep:] if trial.design == AS_IT_IS]
             left += [trial for trial in going if trial not in best]
             going = best

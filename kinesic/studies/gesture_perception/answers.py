@@ -10,7 +10,7 @@ from kinesic.studies.questionnaire.answers import read_columns, read_rows
 
 NEEDED = ("participant", "place", "task", "stimulus", "condition", "options", "chosen")
 COLUMNS = (*NEEDED, "seconds")
-LONGEST = 200  # characters of a name that is believed
+LONGEST_NAME = 200  # characters of a name that is believed
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ def read_gesture_answers(paths: Sequence[Path]) -> Answers:
     for where, row in read_rows(paths, NEEDED):
         before = seen.setdefault((row["participant"], row["place"]), where)
         if before != where:
-            who, place = row["participant"][:LONGEST], row["place"][:LONGEST]
+            who, place = row["participant"][:LONGEST_NAME], row["place"][:LONGEST_NAME]
             raise ConfigError(
                 f"{where}: participant {who!r} has answered at place {place!r} before, in {before}; give each file once"
             )
@@ -88,7 +88,7 @@ def read_gesture_answers(paths: Sequence[Path]) -> Answers:
 
 def _answer(where: str, row: Mapping[str, str]) -> Recognition | Preference:
     for name in NEEDED:
-        if len(row[name]) > LONGEST * (OPTIONS if name == "options" else 1):
+        if len(row[name]) > LONGEST_NAME * (OPTIONS if name == "options" else 1):
             raise ConfigError(f"{where}: {name} has {len(row[name])} characters, more than a page writes")
     options, task = tuple(row["options"].split(SEPARATOR)), row["task"]
     if task not in TASKS:

@@ -19,7 +19,7 @@ from kinesic.report.scene import pack_rows
 from kinesic.studies.gesture_perception.design import StimulusVersion
 from kinesic.studies.gestures.isolated import write_document
 
-RATE = 50.0  # [Hz] of the motions
+MOTION_RATE = 50.0  # [Hz] of the motions
 SEEN = radians(1.0)  # that some hinge must differ by, sometime, before anybody can compare
 
 
@@ -27,13 +27,13 @@ SEEN = radians(1.0)  # that some hinge must differ by, sometime, before anybody 
 class SampledMotion:
     """A motion at a steady rate."""
 
-    angles: Floats  # (m, n) [rad] at `RATE`
+    angles: Floats  # (m, n) [rad] at `MOTION_RATE`
     words: tuple[Caption, ...] = ()  # that are said meanwhile
 
     def differs(self, other: "SampledMotion") -> bool:
         """Whether somebody might see a difference: in when it ends, or in a hinge."""
         shorter = min(len(self.angles), len(other.angles))
-        long_after = abs(len(self.angles) - len(other.angles)) > 0.2 * RATE
+        long_after = abs(len(self.angles) - len(other.angles)) > 0.2 * MOTION_RATE
         return long_after or bool(np.abs(self.angles[:shorter] - other.angles[:shorter]).max() > SEEN)
 
 
@@ -138,7 +138,7 @@ def motion_data(motions: Sequence[SampledMotion]) -> list[Json]:
 def _packed(motion: SampledMotion) -> Json:
     step = float(np.abs(motion.angles).max()) / np.iinfo(np.int16).max or 1.0
     return {
-        "end": (len(motion.angles) - 1) / RATE,
+        "end": (len(motion.angles) - 1) / MOTION_RATE,
         "frames": len(motion.angles),
         "step": step,
         "angles": pack_rows(motion.angles / step, "<i2"),
@@ -147,5 +147,5 @@ def _packed(motion: SampledMotion) -> Json:
 
 
 def _motion(planned: Plan) -> SampledMotion:
-    times = np.arange(int(np.ceil(planned.duration * RATE)) + 1) / RATE
+    times = np.arange(int(np.ceil(planned.duration * MOTION_RATE)) + 1) / MOTION_RATE
     return SampledMotion(planned.trajectory.sample(times)[0], tuple(captions(planned)))

@@ -24,7 +24,7 @@ from kinesic.studies.gestures.isolated import Show
 from kinesic.studies.gestures.portraits import draw_stills
 from kinesic.studies.gestures.silhouette import COLOURS, PenStroke, outline_lines, pale, project, silhouette
 
-MOST = 6  # key postures in a strip
+MOST_POSTURES = 6  # key postures in a strip
 
 _TALL = 0.97  # on paper, whose unit that makes: what is seen of a robot is drawn so high, however tall it is
 _LABEL, _HEADING = 0.08, 0.16  # below each figure and above each category

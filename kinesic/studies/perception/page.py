@@ -23,7 +23,7 @@ from kinesic.studies.questionnaire.page import write_questionnaire
 HERE = Path(__file__).parent
 SCALE = ("totally disagree", "disagree", "neither", "agree", "totally agree")
 OPINIONS = {"naturalness": "This face looks natural", "realism": "This face looks realistic"}
-RATE = 24.0  # [Hz] of films
+PICTURE_RATE = 24.0  # [Hz] of films
 COURSE = Envelope(0.2, 0.7, 1.5, 2.0)  # [s] of an expression: from rest, up, held, and gone
 SECONDS = 2.2  # of a film
 
@@ -102,14 +102,14 @@ def draw_stimuli(
             for stimulus in own:
                 path = folder / file_of(stimulus)
                 if stimulus.presentation == "animation":
-                    save_film(list(_film(portrait, stimulus)), path, rate=RATE, once=True)
+                    save_film(list(_film(portrait, stimulus)), path, rate=PICTURE_RATE, once=True)
                 else:
                     save(_picture(portrait, stimulus, 1.0), path)
                 yield path
 
 
 def _film(portrait: Portrait, stimulus: Stimulus) -> Iterator[Picture]:
-    for share in COURSE.at(np.arange(round(SECONDS * RATE)) / RATE).tolist():
+    for share in COURSE.at(np.arange(round(SECONDS * PICTURE_RATE)) / PICTURE_RATE).tolist():
         yield _picture(portrait, stimulus, share)
 
 

@@ -21,7 +21,7 @@ from kinesic.sim.servo_factors import Factors
 from kinesic.tasks.engine import engine_in_use
 from kinesic.tasks.processes import WorkerCrash
 
-STEP = 0.005  # [s] of the physics: angles stay within 0.3 deg, 0.03 deg on average, of those with steps of 1 ms
+PHYSICS_STEP = 0.005  # [s] of the physics: angles stay within 0.3 deg, 0.03 deg on average, of those with steps of 1 ms
 GROUP = 16  # variants of a task: they share the feed-forward
 
 Group = tuple[Factors, ...]
@@ -40,7 +40,7 @@ class ServoSweep:
 
 
 def sweep_servos(
-    text: str, variants: Sequence[Factors], make_setup: Callable[[], Setup], *, step: float = STEP
+    text: str, variants: Sequence[Factors], make_setup: Callable[[], Setup], *, step: float = PHYSICS_STEP
 ) -> ServoSweep:
     """Performs a document in twins with all these servos, by the engine in use.
 
@@ -73,7 +73,7 @@ def _prepare(make_setup: Callable[[], Setup], text: str, step: float) -> Callabl
     return partial(perform_variants, plan(text, make_setup()), step=step)
 
 
-def perform_variants(planned: Plan, variants: Group, *, step: float = STEP) -> Floats:
+def perform_variants(planned: Plan, variants: Group, *, step: float = PHYSICS_STEP) -> Floats:
     """(k, 5) columns of `ServoSweep`, of one plan.
 
     Args:

@@ -3,7 +3,7 @@
 import pytest
 
 from kinesic.expressivity.lexicon.movement_words import (
-    LONGEST,
+    LONGEST_NAME,
     amplitude_factor,
     movement_words,
     read_head_name,
@@ -36,7 +36,7 @@ def test_a_word_more_is_said():
     "name",
     [
         *("upset", "uproar", "downtown", "leftover", "bright", "noddy", "handshake", "shake_hands", "side_glance"),
-        *("left_behind", "cheer_up", "no_problem", "not_nod", "dont_shake", "no_nod", "turn", "nod " * LONGEST),
+        *("left_behind", "cheer_up", "no_problem", "not_nod", "dont_shake", "no_nod", "turn", "nod " * LONGEST_NAME),
     ],
 )
 def test_what_only_looks_like_one_is_none(name: str):

@@ -8,7 +8,7 @@ import pytest
 from kinesic.bench.naturalness.lexicon import measure_gesture
 from kinesic.body.config import ConfigError
 from kinesic.studies.gesture_perception.stimuli import (
-    RATE,
+    MOTION_RATE,
     SEEN,
     SampledMotion,
     changed_setup,
@@ -36,8 +36,8 @@ def test_a_motion_is_the_plans(known, motions: dict[str, SampledMotion]):
     assert tuple(motions) == NAMES
     plan = plan_gesture(known.lexicon.find("stop").form, known)
     angles = motions["stop"].angles
-    assert len(angles) - 2 < plan.duration * RATE <= len(angles) - 1
-    assert angles[60] == pytest.approx(plan.trajectory.at(60 / RATE).angles, abs=1e-9)
+    assert len(angles) - 2 < plan.duration * MOTION_RATE <= len(angles) - 1
+    assert angles[60] == pytest.approx(plan.trajectory.at(60 / MOTION_RATE).angles, abs=1e-9)
 
 
 def test_the_page_gets_it_to_a_hair(motions: dict[str, SampledMotion]):
@@ -46,7 +46,7 @@ def test_the_page_gets_it_to_a_hair(motions: dict[str, SampledMotion]):
     rows = data["step"] * np.frombuffer(base64.b64decode(data["angles"]), "<i2").reshape(data["frames"], -1)
     assert rows == pytest.approx(angles, abs=data["step"])
     assert data["step"] < 2e-4
-    assert data["end"] == (len(angles) - 1) / RATE
+    assert data["end"] == (len(angles) - 1) / MOTION_RATE
 
 
 def test_a_gesture_that_the_robot_cannot_perform_is_told_and_left_out(known):
@@ -63,7 +63,7 @@ def test_pairs_differ_by_the_setting_alone(known, documents, motions: dict[str, 
     assert (pair.stimulus, pair.condition) == ("doubt_shrug", "whole_body=0")
     assert pair.motions["standard"] is motions["doubt_shrug"]
     changed = plan_gesture(known.lexicon.find("doubt_shrug").form, changed_setup(known, "whole_body=0"))
-    assert pair.motions["changed"].angles[80] == pytest.approx(changed.trajectory.at(80 / RATE).angles, abs=1e-9)
+    assert pair.motions["changed"].angles[80] == pytest.approx(changed.trajectory.at(80 / MOTION_RATE).angles, abs=1e-9)
     assert np.abs(pair.motions["changed"].angles[:80] - pair.motions["standard"].angles[:80]).max() > SEEN
 
 

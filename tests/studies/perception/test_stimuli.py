@@ -4,7 +4,7 @@ from PIL import Image
 
 from kinesic.face.display import DisplayError, offscreen
 from kinesic.studies.perception.design import stimuli
-from kinesic.studies.perception.page import RATE, SECONDS, draw_stimuli, file_of
+from kinesic.studies.perception.page import PICTURE_RATE, SECONDS, draw_stimuli, file_of
 
 FROWNS = [each for each in stimuli() if each.action.name == "4" and (each.agent, each.strength) == ("female", "high")]
 
@@ -37,7 +37,7 @@ def test_a_film_plays_once_and_comes_back_to_rest(drawn: dict):
     assert sum(film_duration(drawn[True, "animation"])) == pytest.approx(1000 * SECONDS, rel=0.05)
     moved = [np.abs(frame - frames[0]).mean() for frame in frames]
     assert max(moved) > 5 * moved[-1]
-    assert moved.index(max(moved)) / RATE == pytest.approx(1.0, abs=0.6)
+    assert moved.index(max(moved)) / PICTURE_RATE == pytest.approx(1.0, abs=0.6)
 
 
 def film_duration(path) -> list[int]:

@@ -19,7 +19,7 @@ SOFT = Factors(gain=0.3)
 def test_rows_are_what_dry_runs_measure_and_coarser_steps_come_near_them():
     planned = plan(TEXT, set_up())
     variants = (NOMINAL, PESSIMISTIC, SOFT)
-    exact, coarse = (perform_variants(planned, variants, step=step) for step in (0.004, sweep.STEP))
+    exact, coarse = (perform_variants(planned, variants, step=step) for step in (0.004, sweep.PHYSICS_STEP))
     run = dry_run(planned, twin=PESSIMISTIC, watch=False)
     assert exact[1, 0] == pytest.approx(np.sqrt(np.nanmean(run.errors**2)))
     assert exact[1, 2] == run.measured.clearance.distances.min()
