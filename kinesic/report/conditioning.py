@@ -14,11 +14,11 @@ from kinesic.planning.plan import Plan
 from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime, limit_met
 
 STROKE = ("strokeStart", "strokeEnd")
-RATE = 100  # [Hz]
+PATH_RATE = 100  # [Hz]
 LOSS_TO_TELL = 0.05  # share of a stroke's speed or path
 DEVIATION_TO_TELL = 1.0  # [deg]
 MOST_DEVIATIONS = 3  # hinges that are named
-LEAST = {"m": 0.01, "m/s": 0.05, "deg": 1.0, "deg/s": 5.0}  # below which nobody sees a stroke
+LEAST_SEEN = {"m": 0.01, "m/s": 0.05, "deg": 1.0, "deg/s": 5.0}  # below which nobody sees a stroke
 
 
 @dataclass(frozen=True)
@@ -122,7 +122,7 @@ class _DesiredPaths:
 
 def _desired_paths(plan: Plan) -> _DesiredPaths:
     motion = plan.desired
-    times = np.arange(int(np.ceil(motion.duration * RATE)) + 1) / RATE
+    times = np.arange(int(np.ceil(motion.duration * PATH_RATE)) + 1) / PATH_RATE
     return _DesiredPaths(times - motion.zero, part_paths(motion.angles(times), plan.setup.robot))
 
 
@@ -163,5 +163,5 @@ def _losses(
     unit, scale = ("m", 1.0) if part in HANDS else ("deg", float(np.degrees(1.0)))
     for k, (quantity, per) in enumerate((("speed", "/s"), ("path", ""))):
         loss = Loss(part, quantity, unit + per, scale * asked[k], scale * planned[k])
-        if loss.share > LOSS_TO_TELL and loss.asked > LEAST[loss.unit]:
+        if loss.share > LOSS_TO_TELL and loss.asked > LEAST_SEEN[loss.unit]:
             yield loss

@@ -22,14 +22,14 @@ from kinesic.bml.block import (
 )
 from kinesic.planning.syncs import SyncTime
 
-MOST = 40  # letters
-WHOLE = "WHOLEBODY"  # the part of a pose that goes without saying
+MOST_LETTERS = 40  # letters
+WHOLE_BODY = "WHOLEBODY"  # the part of a pose that goes without saying
 
 
 def label(behaviour: Behaviour) -> str:
     """Names what a behaviour asks for: its lexeme, or what it looks, points or goes at."""
     words = " ".join(_words(behaviour.action).split()) or behaviour.type
-    return words if len(words) <= MOST else f"{words[: MOST - 1]}\u2026"
+    return words if len(words) <= MOST_LETTERS else f"{words[: MOST_LETTERS - 1]}\u2026"
 
 
 def label_with_id(id: str, block: Block) -> str:
@@ -74,4 +74,4 @@ def _words(action: Action) -> str:
 
 
 def _pose(part: str, lexeme: str) -> str:
-    return lexeme if part.upper() == WHOLE else f"{part} {lexeme}"
+    return lexeme if part.upper() == WHOLE_BODY else f"{part} {lexeme}"

@@ -178,7 +178,11 @@ def style_departures(row: Mapping[str, Json], style: Mapping[str, Json]) -> str:
     return "; ".join(f"{', '.join(numbers)} ({source})" for source, numbers in said.items())
 
 
-WHOLE = ("collision.pace", "collision.performed", "meaning.performed")  # 1, which is their limit, where all is well
+WHOLE_AT_ONE = (
+    "collision.pace",
+    "collision.performed",
+    "meaning.performed",
+)  # 1, which is their limit, where all is well
 
 
 @dataclass(frozen=True)
@@ -229,7 +233,7 @@ def _tile(title: str, rows: list[Mapping[str, Json]]) -> Tile:
 
 def _nearness(row: Mapping[str, Json]) -> float:
     """Share of a limit that is used up: 1 is the limit; 0 for what is whole unless something went wrong."""
-    if row["name"] in WHOLE:
+    if row["name"] in WHOLE_AT_ONE:
         return 0.0
     value, limit = row["value"], row["limit"]
     if not isinstance(value, int | float) or not isinstance(limit, int | float) or not value or not limit:

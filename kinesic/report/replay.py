@@ -13,7 +13,7 @@ from kinesic.report.labels import label
 from kinesic.report.report import Json
 from kinesic.report.scene import pack_rows, scene_data
 
-RATE = 50.0  # [Hz]
+REPLAY_RATE = 50.0  # [Hz]
 MOST_FRAMES = 6000  # of one motion; longer ones have a lower rate
 MOST_MARKS = 300  # on the time line; with more there are only those of strokes
 DUTY_STEP = 0.01  # of a byte
@@ -29,7 +29,7 @@ def replay_data(performance: Performance) -> dict[str, Json]:
     """
     plan, measured = performance.plan, performance.measured
     robot, end = plan.setup.robot, float(measured.times[-1])
-    moments = np.linspace(0.0, end, min(int(np.ceil(end * RATE)) + 1, MOST_FRAMES))
+    moments = np.linspace(0.0, end, min(int(np.ceil(end * REPLAY_RATE)) + 1, MOST_FRAMES))
     motions = {
         "twin": np.column_stack([np.interp(moments, measured.times, column) for column in measured.angles.T]),
         "plan": plan.trajectory.sample(moments)[0],

@@ -14,7 +14,7 @@ from kinesic.report.labels import label
 PEAK_SYNCS = ("stroke", "strokeStart", "attackPeak", "ready", "start")  # the first that a behaviour has is its peak
 MOST_WORDS = 400  # of a longer text the rest is one piece without words
 PAUSE = 0.5  # [s] without a word that are a piece of their own
-SAME = 1e-6  # [s]
+SAME_TIME = 1e-6  # [s]
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ def transcribe(plan: Plan) -> tuple[TranscriptPiece, ...]:
     begins = [piece.begin for piece in pieces]
     found: list[list[PeakingBehaviour]] = [[] for _ in pieces]
     for behaviour in sorted(_peaking_behaviours(plan), key=lambda each: each.peak):
-        found[bisect_right(begins, behaviour.peak + SAME) - 1].append(behaviour)
+        found[bisect_right(begins, behaviour.peak + SAME_TIME) - 1].append(behaviour)
     whole = (replace(piece, behaviours=tuple(here)) for piece, here in zip(pieces, found, strict=True))
     return tuple(piece for piece in whole if piece.word or piece.behaviours)
 

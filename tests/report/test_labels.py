@@ -4,7 +4,7 @@ import pytest
 
 from kinesic.bml.parse import parse
 from kinesic.planning.syncs import SyncTime
-from kinesic.report.labels import MOST, label, label_sync, label_with_id
+from kinesic.report.labels import MOST_LETTERS, label, label_sync, label_with_id
 
 NAMES = {
     '<gesture lexeme="beat" stroke="1"/>': "beat",
@@ -34,7 +34,7 @@ def test_a_behaviour_is_called_by_what_it_does(written: str, name: str):
 
 def test_a_long_name_is_cut():
     (behaviour,) = parse(f'<bml id="b"><gesture id="g" lexeme="{"very" * 30}"/></bml>').behaviours
-    assert len(label(behaviour)) == MOST
+    assert len(label(behaviour)) == MOST_LETTERS
     assert label(behaviour).endswith("\u2026")
 
 

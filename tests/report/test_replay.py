@@ -36,7 +36,7 @@ def origins(data, angles):
 def test_motions_are_those_of_plan_and_twin(hurried: Performance) -> None:
     data = replay_data(hurried)
     moments = np.linspace(0.0, data["end"], data["frames"])
-    assert np.diff(moments).max() <= 1 / module.RATE + 1e-12
+    assert np.diff(moments).max() <= 1 / module.REPLAY_RATE + 1e-12
     twin, plan, asked = (
         data["step"] * unpacked(data["motions"][name], "<i2", data["frames"]) for name in ("twin", "plan", "asked")
     )

@@ -15,7 +15,7 @@ from kinesic.report.scene import pack_rows
 
 WEIGHT_STEP = 1 / 255
 GAZE_STEP = 1e-4  # [rad]
-LEAST = WEIGHT_STEP / 2  # weight of a shape that is used
+LEAST_WEIGHT = WEIGHT_STEP / 2  # weight of a shape that is used
 
 
 def face_data(units: Sequence[Mapping[str, float]]) -> dict[str, Json]:
@@ -29,7 +29,7 @@ def face_data(units: Sequence[Mapping[str, float]]) -> dict[str, Json]:
     """
     mesh = load_figure().mesh
     weights = np.array([shape_weights(mesh, row) for row in units])
-    used = np.flatnonzero(weights.max(axis=0) > LEAST)
+    used = np.flatnonzero(weights.max(axis=0) > LEAST_WEIGHT)
     told = [intensities(row) for row in units]
     gaze = np.concatenate([_turns([gaze_rotation(row, eye) for row in told]) for eye in (0, 1)], axis=1)
     return {

@@ -1,7 +1,8 @@
 """A performance as a glTF scene: the skeleton as nodes, what is drawn on them, and an animation of both.
 
 Nodes carry the names of segments. The scene is glTF's: y up and z forward; one node above all others turns our frame
-into it, so that all below it is in metres in ours. Key frames are `RATE` a second; between them players interpolate.
+into it, so that all below it is in metres in ours. Key frames are `KEY_FRAME_RATE` a second; between them players
+interpolate.
 """
 
 from collections.abc import Mapping, Sequence
@@ -25,7 +26,7 @@ from kinesic.sim.shells.shell import SegmentShell, shell_of
 from kinesic.version import __version__
 
 SUFFIX = ".glb"
-RATE = 30.0  # [Hz] of key frames
+KEY_FRAME_RATE = 30.0  # [Hz] of key frames
 TURNED = [-0.5, -0.5, -0.5, 0.5]  # x, y, z, w: our x, y, z become glTF's z, x, y
 COLOURS = ([0.78, 0.80, 0.83, 1.0], [0.16, 0.19, 0.24, 1.0])  # linear: of what moves, of what carries
 STILL = 1e-9  # [m]
@@ -75,8 +76,8 @@ def is_scene(path: Path | None) -> bool:
 
 
 def key_times(duration: float) -> Floats:
-    """Gives (m,) [s] the times of key frames: 0, then `RATE` a second, and the end, all apart."""
-    return np.append(np.arange(max(np.ceil(duration * RATE - NEAR), 1.0)) / RATE, duration)
+    """Gives (m,) [s] the times of key frames: 0, then `KEY_FRAME_RATE` a second, and the end, all apart."""
+    return np.append(np.arange(max(np.ceil(duration * KEY_FRAME_RATE - NEAR), 1.0)) / KEY_FRAME_RATE, duration)
 
 
 def write_scene(robot: Robot, motion: SceneMotion, path: Path) -> None:

@@ -17,7 +17,7 @@ PAIRS = (("torso", "neck"), ("r_arm", "l_arm"))  # side by side
 PARTS = {chain: part for part, chain in CHAINS.items()}  # of key frames
 OTHERS = "other hinges"  # outside any chain
 NAMES = {"l_arm": "left arm", "r_arm": "right arm"}
-STILL = 0.5  # [deg] a hinge that moves less is not drawn
+STILL_HINGE = 0.5  # [deg] a hinge that moves less is not drawn
 LEAST_SPAN = 10.0  # [deg] of a panel, so that noise does not look like motion
 LEFT, RIGHT, GAP = 0.45, 0.1, 0.55  # [in]
 TOP, PANEL, HEAD, BOTTOM = 0.46, 0.95, 0.2, 0.3  # [in]; the head of a panel holds its name
@@ -49,7 +49,7 @@ def still_hinges(performance: Performance) -> list[str]:
 
 def _moving(curves: tuple[Floats, Floats, Floats]) -> Flags:
     """(n,) whether the curves of a hinge leave one place, or one another."""
-    return np.asarray(np.ptp(np.concatenate(curves), axis=0) >= STILL)
+    return np.asarray(np.ptp(np.concatenate(curves), axis=0) >= STILL_HINGE)
 
 
 def _curves(performance: Performance) -> tuple[Floats, Floats, Floats]:

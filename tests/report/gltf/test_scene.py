@@ -13,7 +13,14 @@ from kinesic.body.robot import Robot
 from kinesic.controller.perform import plan, set_up
 from kinesic.face.assets.body import load_figure
 from kinesic.face.assets.skinning import Skin
-from kinesic.report.gltf.scene import RATE, SceneMotion, key_times, save_scene, smooth_quaternions, write_scene
+from kinesic.report.gltf.scene import (
+    KEY_FRAME_RATE,
+    SceneMotion,
+    key_times,
+    save_scene,
+    smooth_quaternions,
+    write_scene,
+)
 from kinesic.sim.shells.shell import shell_of
 
 TO_GLTF = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # y up, z forward
@@ -27,7 +34,7 @@ def wild(robot: Robot, count: int = 3) -> np.ndarray:
 
 def written(robot: Robot, angles: np.ndarray, path: Path, units: dict[str, float] | None = None) -> Path:
     faces = [units or {}] * len(angles)
-    write_scene(robot, SceneMotion(np.arange(len(angles)) / RATE, angles, faces), path)
+    write_scene(robot, SceneMotion(np.arange(len(angles)) / KEY_FRAME_RATE, angles, faces), path)
     return path
 
 
@@ -114,7 +121,7 @@ def test_the_animation_has_every_posture(trimesh: ModuleType, robot: Robot, tmp_
             np.testing.assert_allclose(rotation, TO_GLTF @ stand.rotations[frame, k], atol=1e-5)
             np.testing.assert_allclose(origin, TO_GLTF @ stand.origins[frame, k], atol=1e-5)
     times = values(tables, block, next(iter(moved.values()))["input"])
-    np.testing.assert_allclose(times.ravel(), np.arange(len(angles)) / RATE, atol=1e-6)
+    np.testing.assert_allclose(times.ravel(), np.arange(len(angles)) / KEY_FRAME_RATE, atol=1e-6)
 
 
 def test_the_skin_moves_as_it_is_drawn(trimesh: ModuleType, tmp_path: Path):
@@ -179,4 +186,4 @@ def test_key_frames_are_apart_and_reach_the_end(duration: float):
     assert times[0] == 0.0
     assert times[-1] == np.float32(duration)
     assert (np.diff(times) > 1e-4).all()
-    assert (np.diff(times) < 1.02 / RATE).all()
+    assert (np.diff(times) < 1.02 / KEY_FRAME_RATE).all()

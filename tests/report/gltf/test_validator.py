@@ -10,7 +10,7 @@ import pytest
 
 from kinesic.body.robot import Robot
 from kinesic.face.assets.body import load_figure
-from kinesic.report.gltf.scene import RATE, SceneMotion, write_scene
+from kinesic.report.gltf.scene import KEY_FRAME_RATE, SceneMotion, write_scene
 from kinesic.studio import page
 
 MODULES = Path(page.__file__).parent / "client" / "node_modules"
@@ -39,7 +39,7 @@ def written(robot: Robot, path: Path) -> Path:
     lower, upper = robot.skeleton.lower, robot.skeleton.upper
     angles = np.random.default_rng(5).uniform(lower, upper, (4, len(lower)))
     units = [{"12": share, "63": share, "26": 1.0 - share} for share in (0.0, 0.4, 0.8, 1.0)]
-    write_scene(robot, SceneMotion(np.arange(4) / RATE, angles, units), path)
+    write_scene(robot, SceneMotion(np.arange(4) / KEY_FRAME_RATE, angles, units), path)
     return path
 
 
