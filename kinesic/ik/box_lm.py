@@ -16,7 +16,7 @@ LEAST_DAMPING = 1e-9
 POSTURE = 0.4  # share of the way back to the posture in a round, as far as the errors do not notice ...
 FADING = 0.7  # ... less from round to round
 STALL = 0.98  # a round that leaves more than this share of the error ...
-PATIENCE = 6  # ... so many times in a row has come to a rest
+STALLED_STEPS = 6  # ... so many times in a row has come to a rest
 CAUTION = 8.0  # times the damping after a round that lost ground
 
 ErrorFunction = Callable[
@@ -63,7 +63,7 @@ def descend(errors: ErrorFunction, start: Floats, box: Box, *, tolerance: float)
     now = np.array(start, dtype=np.float64)
     error, jacobian = errors(now)
     caution, stalled, rounds = 1.0, 0, 0
-    while (least := float(np.linalg.norm(error))) > tolerance and stalled < PATIENCE and rounds < ROUNDS:
+    while (least := float(np.linalg.norm(error))) > tolerance and stalled < STALLED_STEPS and rounds < ROUNDS:
         rounds += 1
         damping = caution * (DAMPING * least * least + LEAST_DAMPING)
         pulls = POSTURE * FADING**rounds / caution * (box.home - now) * (box.mobility > 0.0)

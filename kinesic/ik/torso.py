@@ -22,7 +22,7 @@ from kinesic.ik.solve import three
 from kinesic.kernels import Kernel
 
 EASY = 0.96  # of the arm's reach, within which no hand asks the torso
-MOST = radians(20.0)  # of each hinge; a target beyond is pointed at
+LARGEST_TURN = radians(20.0)  # of each hinge; a target beyond is pointed at
 WIDEST = 3.0  # the weaker hinges go on when the strongest has come to its end
 SAMPLES = 15  # of the way there, then bisected
 BISECTIONS = 10
@@ -54,7 +54,7 @@ class _Arm:
 
 
 def lean_torso(
-    robot: Robot, hands: Mapping[Side, Floats], *, most: float = MOST, kernel: Kernel = KERNEL
+    robot: Robot, hands: Mapping[Side, Floats], *, most: float = LARGEST_TURN, kernel: Kernel = KERNEL
 ) -> tuple[float, float, float]:
     """Finds the smallest turn and lean that bring each shoulder near enough to its hand's target.
 

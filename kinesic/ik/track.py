@@ -20,7 +20,9 @@ from kinesic.ik.arm.shoulder_elbow import STRETCH, nearest_girdle
 from kinesic.ik.scalar3 import Vector, distance, dot, minus, norm, plus, scaled, vector
 from kinesic.kernels import Kernel
 
-LONGEST = 0.005  # [s] that one step of the way takes; a longer tick takes several, so that its length does not matter
+LONGEST_STEP = (
+    0.005  # [s] that one step of the way takes; a longer tick takes several, so that its length does not matter
+)
 RAMP = 4.0  # time constants until the pull has its full strength: nothing starts with a jerk
 ROUNDS = 8
 TOLERANCE = 1e-8  # of the arm's length
@@ -64,7 +66,7 @@ class Tracker:
             raise ValueError(f"start is {angles.tolist()}; it needs {len(chain.rest)} finite numbers")
         self.residual = 0.0
         self._angles: Floats = np.clip(angles, chain.lower, chain.upper)
-        self._parts = max(1, ceil(period / LONGEST - 1e-9))
+        self._parts = max(1, ceil(period / LONGEST_STEP - 1e-9))
         self._pull = 1.0 - exp(-period / self._parts / posture_seconds)
         self._strength, self._growth = 0.0, period / (RAMP * posture_seconds)
         self._follow = arm_of(chain).track if kernel == "compiled" else _Specification(chain).track

@@ -6,7 +6,7 @@ from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot, Side
 from kinesic.ik import KERNEL
 from kinesic.ik.solve import solve
-from kinesic.ik.torso import MOST, lean_torso
+from kinesic.ik.torso import LARGEST_TURN, lean_torso
 
 ROBOT = Robot.load()
 FLIP = np.array([1.0, -1.0, 1.0])
@@ -36,7 +36,7 @@ def test_a_far_target_comes_into_reach(sector: tuple[float, float, float]) -> No
     turn = lean_torso(ROBOT, {"l": _sector(*sector)})
     assert _residual((0.0, 0.0, 0.0), _sector(*sector)) > 0.005
     assert _residual(turn, _sector(*sector)) < 1e-3
-    assert 0.0 < max(abs(angle) for angle in turn) < MOST
+    assert 0.0 < max(abs(angle) for angle in turn) < LARGEST_TURN
 
 
 def test_two_hands_in_front_lean_forward_without_a_turn() -> None:
@@ -57,7 +57,7 @@ def test_the_mirror_image_turns_the_other_way() -> None:
 def test_a_further_target_asks_for_more_up_to_the_bound() -> None:
     leans = [lean_torso(ROBOT, {"l": _sector(forward, 0.3, 0.2)})[1] for forward in (0.9, 1.0, 1.1, 1.2)]
     assert leans == sorted(leans)
-    assert max(abs(angle) for angle in lean_torso(ROBOT, {"l": _sector(9.0, 0.3, -4.0)})) == pytest.approx(MOST)
+    assert max(abs(angle) for angle in lean_torso(ROBOT, {"l": _sector(9.0, 0.3, -4.0)})) == pytest.approx(LARGEST_TURN)
     assert max(abs(angle) for angle in lean_torso(ROBOT, {"l": _sector(9.0, 0.3, -4.0)}, most=0.1)) == pytest.approx(
         0.1
     )

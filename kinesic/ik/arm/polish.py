@@ -17,7 +17,7 @@ LEAST_DAMPING = 1e-7
 POSTURE = 0.4  # share of the way back to the posture in a round, as far as the hand does not notice ...
 FADING = 0.7  # ... less from round to round: the last ones belong to the target
 STALL = 0.98  # a round that leaves more than this share of the error ...
-PATIENCE = 6  # ... so many times in a row has come to a rest
+STALLED_STEPS = 6  # ... so many times in a row has come to a rest
 CAUTION = 8.0  # times the damping after a round that lost ground
 
 
@@ -67,7 +67,7 @@ def polish(
     hand, moves = columns(linkage, now)
     error = minus(target, hand)
     caution, fading, stalled, done = 1.0, 1.0, 0, 0
-    while norm(error) > TOLERANCE * size and stalled < PATIENCE and done < rounds:
+    while norm(error) > TOLERANCE * size and stalled < STALLED_STEPS and done < rounds:
         done += 1
         fading *= FADING
         damping = caution * (DAMPING * dot(error, error) + LEAST_DAMPING * size * size)

@@ -19,7 +19,7 @@ from kinesic.ik.box_lm import Box, ErrorFunction, descend
 
 DIRECTION_WEIGHT = 0.05  # of a direction beside an arm's length of the hand
 ELBOW_WEIGHT = 0.02  # of the elbow's place on the ideal arm, where its swivel was asked
-NEAR = 1e-5  # arm lengths at which the hand is there
+ARRIVED_WITHIN = 1e-5  # arm lengths at which the hand is there
 FAR = 2e-3  # arm lengths at which other starts are tried
 TRAVEL = 0.03  # price of a radian of travel, beside that of the rows
 LOST = 1e3  # price of a hand that is not there
@@ -109,8 +109,8 @@ def refine_posture(robot: Robot, side: Side, reach: Reach, angles: Floats, *, ne
         if k > 1 and least < LOST:
             break
         box = Box(lower, upper, sealed(start), np.ones(len(joints)))
-        turned = descend(led, start, box, tolerance=NEAR).angles
-        found = descend(there, turned, replace(box, home=turned), tolerance=NEAR)
+        turned = descend(led, start, box, tolerance=ARRIVED_WITHIN).angles
+        found = descend(there, turned, replace(box, home=turned), tolerance=ARRIVED_WITHIN)
         price = float(np.linalg.norm(led(found.angles)[0])) + TRAVEL * float(np.linalg.norm(found.angles - present))
         price += LOST * (found.miss > FAR) * (1.0 + found.miss)
         if price < least:

@@ -11,7 +11,7 @@ from kinesic.ik.arm.linkage import linkage_of
 from kinesic.ik.arm.masses import settle_masses
 from kinesic.ik.scalar3 import distance
 from kinesic.ik.solve import solve
-from kinesic.ik.torso import MOST, lean_torso
+from kinesic.ik.torso import LARGEST_TURN, lean_torso
 
 from ...examples import examples
 
@@ -81,5 +81,5 @@ def test_masses_keep_both_ends_and_never_take_more_than_their_rounds(start: Floa
 def test_the_torso_never_turns_further_than_allowed(left: Floats, right: Floats) -> None:
     turn = np.array(lean_torso(ROBOT, {"l": left, "r": right}))
     joints = list(ROBOT.joints("torso"))
-    assert np.all(np.abs(turn) <= MOST)
+    assert np.all(np.abs(turn) <= LARGEST_TURN)
     assert np.all((ROBOT.skeleton.lower[joints] <= turn) & (turn <= ROBOT.skeleton.upper[joints]))
