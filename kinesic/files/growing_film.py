@@ -14,7 +14,7 @@ from kinesic.body.arrays import Picture
 BEGIN = 12  # bytes before the first chunk: RIFF, the size of what follows, WEBP
 PLACE = 16  # bytes of a picture's chunk before its pixels: left and top halved, width, height, time, flags
 PAUSE = 0.004  # [s] between looks at a film that has not grown
-PATIENCE = 60.0  # [s] without a new picture, after which nobody seems to write it
+WRITER_TIMEOUT = 60.0  # [s] without a new picture, after which nobody seems to write it
 
 
 class GrowingFilm:
@@ -33,7 +33,7 @@ class GrowingFilm:
             OSError: it is not there.
         """
         path.stat()
-        self._path, self._patience = path, PATIENCE
+        self._path, self._patience = path, WRITER_TIMEOUT
         self._next, self._ends = BEGIN, 0.0  # [bytes] where the next chunk begins; [s] when the picture does
         self._picture: Picture | None = None
 

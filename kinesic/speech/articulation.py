@@ -15,7 +15,7 @@ VOICELESS, VOICED = frozenset("ptkcqʈ"), frozenset("bdgɡɖɟɓɗ")  # noqa: RU
 NASALS = frozenset("mnŋɲɳɱ")
 GLIDES = frozenset("lɹrwjʎ")
 CLOSED = 0.036  # [s] at rate 1 that a voiceless stop is closed before its burst
-TOGETHER = 0.02  # [s] between two sounds without a pause
+NO_PAUSE = 0.02  # [s] between two sounds without a pause
 LAST_SHARE = 0.5  # of a voiced stop before a pause, at which it bursts
 SHARES = ((VOICED, 0.62), (NASALS, 0.7), (GLIDES, 0.6))  # of each, at which the mouth opens to a vowel
 
@@ -41,7 +41,7 @@ def _between(sounds: Sequence[Phoneme]) -> Iterator[tuple[Phoneme | None, Phonem
 
 def _letter(other: Phoneme | None, sound: Phoneme) -> str:
     """The nearer letter of a neighbour; none where a pause is between them."""
-    if other is None or max(other.start - sound.end, sound.start - other.end) > TOGETHER:
+    if other is None or max(other.start - sound.end, sound.start - other.end) > NO_PAUSE:
         return ""
     return other.letters[-1:] if other.start < sound.start else other.letters[:1]
 
@@ -74,7 +74,7 @@ def _is_open(letter: str) -> bool:
 def _joined(before: Phoneme | None, sound: Phoneme, after: Phoneme | None) -> Phoneme:
     """Lets a sound begin where the one before it is let go, and end where the next one begins to be made."""
     onset, release = sound.made
-    if before is not None and sound.start - before.end < TOGETHER:
+    if before is not None and sound.start - before.end < NO_PAUSE:
         onset = min(onset, max(before.made))
     if after is not None:
         release = max(onset, min(release, after.made[0]))

@@ -27,7 +27,7 @@ SLOWEST, FASTEST = 80, 450  # words per minute
 MIDDLE, HIGHEST = 50, 99  # espeak-ng's pitch: 50 more is an octave up
 REMEMBERED = 64  # utterances of one run
 SHOWN = 40  # letters in a remark
-LONGEST = 25_000  # characters, about half an hour: more than a block may last
+MOST_CHARACTERS = 25_000  # characters, about half an hour: more than a block may last
 ENGLISH = "en-us"
 ALIASES: Mapping[str, str] = {  # tags that the files of espeak-ng spell otherwise
     "en": ENGLISH,
@@ -96,9 +96,11 @@ def _said(script: Script, rate: float, pitch: float) -> Utterance:
     place = engine()
     if place is None:
         return DurationModel(f"nothing is heard: {espeak_fault()}").say(script, rate=rate)
-    if len(script.text) > LONGEST:
-        why = f"a text of {len(script.text)} characters is too long for one speech, at most {LONGEST} are said"
-        return DurationModel(f"nothing is heard: {why}").say(replace(script, text=script.text[:LONGEST]), rate=rate)
+    if len(script.text) > MOST_CHARACTERS:
+        why = f"a text of {len(script.text)} characters is too long for one speech, at most {MOST_CHARACTERS} are said"
+        return DurationModel(f"nothing is heard: {why}").say(
+            replace(script, text=script.text[:MOST_CHARACTERS]), rate=rate
+        )
     voice, remark = voice_of(script.language, place.data)
     lost = unreadable_letters(script.text, voice)
     if lost:

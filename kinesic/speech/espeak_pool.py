@@ -17,7 +17,7 @@ from functools import lru_cache
 from pathlib import Path
 
 INSTALL = "pip install 'kinesic[speech]'"
-PATIENCE = 20.0  # [s]
+ENGINE_TIMEOUT = 20.0  # [s]
 
 _PROGRAM = Path(__file__).with_name("espeak_process.py")
 _SHARED = {"Windows": "espeak-ng.dll", "Darwin": "libespeak-ng.dylib"}
@@ -80,7 +80,7 @@ def synthesise(text: str, place: Engine, *, voice: str, words_per_minute: int, p
         pitch: 0 to 99; 50 is the voice's own.
 
     Raises:
-        SpeechError: the engine fails, or takes longer than `PATIENCE`.
+        SpeechError: the engine fails, or takes longer than `ENGINE_TIMEOUT`.
     """
     request = json.dumps({"voice": voice, "words_per_minute": words_per_minute, "pitch": pitch, "text": text})
     try:
@@ -92,10 +92,10 @@ def synthesise(text: str, place: Engine, *, voice: str, words_per_minute: int, p
     if _ready.setdefault(os.getpid(), following) is not following:  # of another thread
         _end(following)
     try:
-        answer, complaint = process.communicate(timeout=PATIENCE)
+        answer, complaint = process.communicate(timeout=ENGINE_TIMEOUT)
     except subprocess.TimeoutExpired:
         _end(process)
-        raise SpeechError(f"espeak-ng takes longer than {PATIENCE:g} s") from None
+        raise SpeechError(f"espeak-ng takes longer than {ENGINE_TIMEOUT:g} s") from None
     if process.returncode:
         why = complaint.decode(errors="replace").strip().splitlines()
         raise SpeechError(why[-1] if why else f"espeak-ng ended with code {process.returncode}")

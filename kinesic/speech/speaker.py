@@ -7,7 +7,7 @@ import numpy as np
 from kinesic.body.utterance import Samples, Sound
 from kinesic.speech.loudspeaker import Clock, Device, PortAudio
 
-RATE = 44100  # [Hz]
+SAMPLE_RATE = 44100  # [Hz]
 JUMP = 0.01  # [s] by which a device may misjudge when it is heard, before that is believed
 
 
@@ -17,7 +17,7 @@ class Speaker:
     The device is open from the beginning, so that nobody waits for it in the middle of a performance.
     """
 
-    def __init__(self, clock: Clock = time.monotonic, *, device: Device | None = None, rate: int = RATE) -> None:
+    def __init__(self, clock: Clock = time.monotonic, *, device: Device | None = None, rate: int = SAMPLE_RATE) -> None:
         """Opens a device, by default the machine's own.
 
         Args:

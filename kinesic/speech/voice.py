@@ -15,7 +15,7 @@ from kinesic.speech.espeak import Espeak
 from kinesic.speech.espeak_pool import espeak_fault
 
 ASTRAY = 0.05  # [s] by which a mark may be off its word without a remark
-LONGEST = 1300  # [s] of a recording that is read
+LONGEST_RECORDING = 1300  # [s] of a recording that is read
 
 
 def voice(name: VoiceName = "durations") -> Voice:
@@ -102,7 +102,7 @@ def read_wav(path: Path) -> Sound:
     """Reads a WAV file of 8, 16, 24 or 32 bits; of several channels their mean.
 
     Raises:
-        RecordingError: there is no such file, it is no plain WAV, or it is longer than `LONGEST`.
+        RecordingError: there is no such file, it is no plain WAV, or it is longer than `LONGEST_RECORDING`.
     """
     if path.exists() and not path.is_file():
         raise RecordingError(f"{path} is no ordinary file")  # whoever opens a pipe may wait for ever
@@ -114,8 +114,8 @@ def read_wav(path: Path) -> Sound:
                 file.getsampwidth(),
                 file.getnchannels(),
             )
-            if count > LONGEST * rate:
-                raise RecordingError(f"{path} lasts {count / rate:.0f} s, at most {LONGEST} s are read")
+            if count > LONGEST_RECORDING * rate:
+                raise RecordingError(f"{path} lasts {count / rate:.0f} s, at most {LONGEST_RECORDING} s are read")
             data = file.readframes(count)
     except OSError as error:
         raise RecordingError(f"{path}: {error.strerror}") from None

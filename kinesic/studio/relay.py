@@ -18,8 +18,8 @@ from kinesic.serve.server import Address
 from kinesic.serve.wire.origin import find_rejection, own_authorities
 from kinesic.serve.wire.pages import WebFile, asks_for_file, show_file
 
-LONGEST = 16_000_000  # [bytes] of a message, either way; the server has its own rules
-PATIENCE = 5.0  # [s] for the robot to take a connection
+LARGEST_MESSAGE = 16_000_000  # [bytes] of a message, either way; the server has its own rules
+CONNECTION_TIMEOUT = 5.0  # [s] for the robot to take a connection
 LATER = 1013  # WebSocket's code for a robot that is not there now
 
 
@@ -47,7 +47,9 @@ async def open_relay(door: Address, robot: Address, files: Mapping[str, WebFile]
         await _pass_on(page, robot)
 
     try:
-        server = await serve(pass_on, door.host, door.port, process_request=answer, max_size=LONGEST, compression=None)
+        server = await serve(
+            pass_on, door.host, door.port, process_request=answer, max_size=LARGEST_MESSAGE, compression=None
+        )
     except OSError as error:
         raise ConfigError(f"{door}: {error.strerror}; give another one with --listen") from None
     async with server:
@@ -58,7 +60,12 @@ async def _pass_on(page: ServerConnection, robot: Address) -> None:
     """Passes messages on between a page and the robot, until either ends."""
     try:
         line = await connect(
-            f"ws://{robot}/", max_size=LONGEST, compression=None, open_timeout=PATIENCE, origin=None, proxy=None
+            f"ws://{robot}/",
+            max_size=LARGEST_MESSAGE,
+            compression=None,
+            open_timeout=CONNECTION_TIMEOUT,
+            origin=None,
+            proxy=None,
         )
     except (OSError, InvalidHandshake) as error:
         await page.close(LATER, f"{robot} is not there: {error}"[:100])

@@ -22,8 +22,8 @@ Result = TypeVar("Result")
 
 LOCAL = "local:"
 FORMS = "ADDRESS of a dask scheduler, such as tcp://10.0.0.2:8786, or local:N for N workers on this machine"
-PATIENCE = 10  # [s] for a scheduler to answer, and for its first worker
-AHEAD = 8  # tasks for each worker that the scheduler has: it never waits for us, and its memory stays small
+SCHEDULER_TIMEOUT = 10  # [s] for a scheduler to answer, and for its first worker
+TASKS_AHEAD = 8  # tasks for each worker that the scheduler has: it never waits for us, and its memory stays small
 ASK_AGAIN = 2.0  # [s] how many workers there are
 TRIES = 3  # of a task whose workers die; a scheduler gives one up after some deaths, and strangers kill workers, too
 
@@ -74,7 +74,7 @@ class Cluster:
         self, code: bytes, left: Iterator[Task], begun: "dict[str, _Begun[Task]]", workers: int
     ) -> "Iterator[Future]":
         """Sends as many of the tasks that are left as the workers want."""
-        while len(begun) < AHEAD * max(1, workers):
+        while len(begun) < TASKS_AHEAD * max(1, workers):
             task = next(left, None)
             if task is None:
                 return
@@ -143,7 +143,7 @@ def cluster(address: str) -> Iterator[Cluster]:
                 )
             )
         try:
-            client = stack.enter_context(distributed.Client(where, timeout=PATIENCE))
+            client = stack.enter_context(distributed.Client(where, timeout=SCHEDULER_TIMEOUT))
         except (OSError, ValueError) as error:
             raise ConfigError(f"--cluster {address}: no scheduler answers ({error}); it takes {FORMS}") from None
         yield Cluster(client)
@@ -159,7 +159,7 @@ def _count(address: str) -> int:
 def _check_workers(client: "Client") -> None:
     """Refuses a cluster without workers, or with workers whose results would be others than ours."""
     try:
-        client.wait_for_workers(1, timeout=PATIENCE)
+        client.wait_for_workers(1, timeout=SCHEDULER_TIMEOUT)
     except TimeoutError:
         raise ConfigError(f"the cluster has no workers; start some: dask worker {client.scheduler.addr}") from None
     for worker, found in client.run(_own_version).items():

@@ -12,7 +12,7 @@ from kinesic.hardware.supervisor.channel import Status
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.planning.setup import Setup
 from kinesic.speech.loudspeaker import Feed
-from kinesic.speech.speaker import RATE as HEARD_RATE
+from kinesic.speech.speaker import SAMPLE_RATE as HEARD_RATE
 from kinesic.speech.speaker import Speaker
 from kinesic.speech.voice import read_wav
 

@@ -70,7 +70,7 @@ def test_parts_are_put_over_what_was_seen_before(tmp_path: Path) -> None:
 
 
 def test_a_film_that_nobody_writes_is_given_up_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("kinesic.files.growing_film.PATIENCE", 0.05)
+    monkeypatch.setattr("kinesic.files.growing_film.WRITER_TIMEOUT", 0.05)
     path = tmp_path / "x.webp"
     with pytest.raises(FileNotFoundError):
         GrowingFilm(path)

@@ -50,7 +50,7 @@ def test_what_fails_says_why(place: Engine, change: dict[str, object], why: str)
 
 
 def test_an_engine_that_takes_too_long_is_given_up(place: Engine, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(espeak_pool, "PATIENCE", 0.0)
+    monkeypatch.setattr(espeak_pool, "ENGINE_TIMEOUT", 0.0)
     with pytest.raises(SpeechError, match="longer than 0 s"):
         synthesise(HELLO, place, **USUAL)
 

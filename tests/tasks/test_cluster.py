@@ -90,6 +90,6 @@ def test_a_worker_of_another_program_is_refused(two, monkeypatch):
 
 @pytest.mark.parametrize("address", ["local:", "local:0", "local:two", "tcp://127.0.0.1:1", "nowhere:"])
 def test_an_address_that_is_none_says_what_would_be_one(address, monkeypatch):
-    monkeypatch.setattr(module, "PATIENCE", 1)
+    monkeypatch.setattr(module, "SCHEDULER_TIMEOUT", 1)
     with pytest.raises(ConfigError, match=r"local:N for N workers"), cluster(address):
         pass

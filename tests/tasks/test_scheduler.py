@@ -62,7 +62,7 @@ def test_workers_of_another_program_are_refused(address, monkeypatch):
 
 
 def test_a_scheduler_without_workers_says_how_to_begin_some(tmp_path, monkeypatch):
-    monkeypatch.setattr(module, "PATIENCE", 1)
+    monkeypatch.setattr(module, "SCHEDULER_TIMEOUT", 1)
     with (
         dask_scheduler(tmp_path) as lonely,
         pytest.raises(ConfigError, match=f"no workers.*dask worker {lonely}"),

@@ -74,7 +74,7 @@ SHAPES: Mapping[int, Mapping[str, float]] = {
     64: {"eyeLookDownLeft": 1.0, "eyeLookDownRight": 1.0},
     66: {"eyeLookInLeft": 0.4, "eyeLookInRight": 0.4},
 }
-TOGETHER: Mapping[tuple[str, str], Mapping[str, float]] = {  # what two units do that neither does alone
+COMBINATIONS: Mapping[tuple[str, str], Mapping[str, float]] = {  # what two units do that neither does alone
     **{  # a smile parts the lips over the teeth
         (f"{side}12", "25"): {f"mouthUpperUp{name}": 0.7, f"mouthLowerDown{name}": 0.35} for side, name in SIDES.items()
     },
@@ -207,7 +207,7 @@ def gaze_rotation(told: Floats, number: int) -> Floats:
 
 def _weights(rig: _Rig, told: Floats) -> Floats:
     found = rig.mixing @ told
-    for both, shapes in TOGETHER.items():
+    for both, shapes in COMBINATIONS.items():
         amount = min(told[_CHANNEL[name]] for name in both)
         for name, weight in shapes.items():
             found[rig.shape[name]] += amount * weight

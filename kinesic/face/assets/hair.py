@@ -36,7 +36,7 @@ POINTED = 0.6  # of the way, from where a lock becomes narrower
 EVEN = (0.93, 1.07)  # of its length that a lock has
 LAYERS = (0.7, 1.0)  # of how far locks stand off
 LET_GO = (-0.7, -0.1)  # height at which hair hangs free, and over which it lies on the skull
-SHORTEST = 0.9  # steps that are left of a lock, or it is cut off
+SHORTEST_LOCK = 0.9  # steps that are left of a lock, or it is cut off
 CUT = (-0.06, 0.06)  # and by how much they differ there
 TURNING = 0.55  # share of the comb's direction in that of a step
 
@@ -213,7 +213,7 @@ def _cut(lines: Floats, style: HairStyle, random: np.random.Generator) -> Floats
     above, under = lines[lock, first - 1, 2], lines[lock, first, 2]
     back = np.where(ears[lock, first], 1.0, (heights[:, 0] - under) / np.maximum(above - under, 1e-9))
     ends = first - np.clip(back, 0.0, 1.0)
-    lock = lock[ends > SHORTEST]
+    lock = lock[ends > SHORTEST_LOCK]
     where = ends[lock, None] * np.linspace(0.0, 1.0, rows)
     before = np.minimum(where.astype(int), rows - 2)
     share = (where - before)[:, :, None]

@@ -24,7 +24,7 @@ Quaternion = tuple[float, float, float, float]  # w, x, y, z
 
 TWIST = "_twisting"  # how the name of a hinge about its bone ends
 HAND = "wrist"  # whose frame moves fingers that the skeleton lacks
-STILL = 1e-9  # sine of half an angle
+NO_TURN = 1e-9  # sine of half an angle
 
 
 class Skin:
@@ -148,7 +148,7 @@ def _product(a: Quaternion, b: Quaternion) -> Quaternion:
 def _power(q: Quaternion, share: float) -> Quaternion:
     """A share of a turn, the way that the hinges went: the sign is kept, also beyond half a turn."""
     sine = math.hypot(*q[1:])
-    if share == 1.0 or sine < STILL:
+    if share == 1.0 or sine < NO_TURN:
         return q
     half = share * math.atan2(sine, q[0])
     scale = math.sin(half) / sine

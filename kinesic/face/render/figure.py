@@ -14,7 +14,7 @@ from kinesic.face.assets.skinning import Blending
 from kinesic.face.display import DisplayError, offscreen
 from kinesic.face.render.camera import LIGHTS, Camera, Lights
 from kinesic.face.render.pipeline import DrawnHead, Pipeline
-from kinesic.face.render.portrait import LARGEST
+from kinesic.face.render.portrait import LARGEST_SIDE
 from kinesic.face.render.presets import DRAFT, NORMAL, Occlusion, Preset, Shadow
 from kinesic.face.render.shape import FigureShape
 
@@ -53,8 +53,8 @@ class FigurePortrait:
         Raises:
             DisplayError: nothing can be drawn here, or no picture of this size.
         """
-        if not all(1 <= side * preset.samples <= LARGEST for side in size):
-            limit = LARGEST // preset.samples
+        if not all(1 <= side * preset.samples <= LARGEST_SIDE for side in size):
+            limit = LARGEST_SIDE // preset.samples
             raise DisplayError(f"a picture of {size[0]} x {size[1]} pixels; each side may be 1 to {limit}")
         figure = _figure(preset.subdivided)
         self.shape = FigureShape(figure, skeleton, blending=blending)

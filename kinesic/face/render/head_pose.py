@@ -10,7 +10,7 @@ from kinesic.face.render.camera import PIVOT, head_rotation
 
 NECK = "neck"
 HEAD_ENDS, SHOULDERS_BEGIN = -0.09, -0.19  # [m] up from the eyes: the neck lies between
-STILL = 1e-6  # [rad]
+NO_TURN = 1e-6  # [rad]
 
 
 def turns(robot: Robot, angles: Floats) -> Floats:
@@ -44,7 +44,7 @@ def steady_shoulders(rest: Floats, positions: Floats, turn: tuple[float, float, 
     angle = float(
         np.linalg.norm(spun := scipy.spatial.transform.Rotation.from_matrix(head_rotation(*turn)).as_rotvec())
     )
-    if angle < STILL:
+    if angle < NO_TURN:
         return positions
     share = np.clip((HEAD_ENDS - rest[:, 2]) / (HEAD_ENDS - SHOULDERS_BEGIN), 0.0, 1.0)
     moved = share > 0.0

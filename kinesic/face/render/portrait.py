@@ -22,7 +22,7 @@ from kinesic.face.render.presets import NORMAL, Preset
 from kinesic.face.render.pupils import light_on_eyes, settled_diameter
 from kinesic.face.render.shape import HeadShape
 
-LARGEST = 4096  # pixels along a side
+LARGEST_SIDE = 4096  # pixels along a side
 LOUDEST = 4.0  # gain of the wrinkles
 CHART: Variant = "female"  # whose chart the painting and the wrinkles of all are drawn in; the vertices correspond
 
@@ -55,8 +55,8 @@ class Portrait:
         Raises:
             DisplayError: nothing can be drawn here, no such variant, or no picture of this size.
         """
-        if not all(1 <= side * preset.samples <= LARGEST for side in size):
-            limit = LARGEST // preset.samples
+        if not all(1 <= side * preset.samples <= LARGEST_SIDE for side in size):
+            limit = LARGEST_SIDE // preset.samples
             raise DisplayError(f"a picture of {size[0]} x {size[1]} pixels; each side may be 1 to {limit}")
         self.mesh = _mesh(variant, preset.subdivided)
         self.preset, self.size, self.lights = preset, size, lights

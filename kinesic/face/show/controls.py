@@ -8,7 +8,7 @@ from kinesic.body.choices import Variant
 from kinesic.face.assets.mesh import VARIANTS
 from kinesic.face.render.presets import PRESETS
 
-STEP = 0.1  # of an intensity
+INTENSITY_STEP = 0.1  # of an intensity
 TURN = 15.0  # [deg] of the camera
 NUMBERS = tuple(UNITS)
 HELP = (
@@ -42,7 +42,7 @@ class Controls:
                 place = NUMBERS.index(self.unit) + (1 if key == "right" else -1)
                 return replace(self, unit=NUMBERS[place % len(NUMBERS)])
             case "up" | "down":
-                value = self.units.get(self.unit, 0.0) + (STEP if key == "up" else -STEP)
+                value = self.units.get(self.unit, 0.0) + (INTENSITY_STEP if key == "up" else -INTENSITY_STEP)
                 return replace(self, units={**self.units, self.unit: min(max(round(value, 3), 0.0), 1.0)})
             case "0":
                 return replace(self, units={})
