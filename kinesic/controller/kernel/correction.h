@@ -1,4 +1,5 @@
-// An observer on its way: what it believes, and what it needs of the ticks before. The arithmetic of `Observer.inputs`.
+// Corrects goals tick by tick: an observer with its belief and what it needs of the ticks before. The arithmetic of
+// `Observer.inputs`.
 
 #pragma once
 
@@ -10,50 +11,50 @@
 
 namespace kinesic::controller {
 
-// What an observer is told beside its gains: where goals may be, what is noticed and forgotten a tick, what is clear.
-struct Noticing {
-    std::vector<double> lower, upper;  // (n,) [rad]
+// The settings of a correction beside the observer's gains: the range of goals, and how fast it learns and forgets.
+struct CorrectionSettings {
+    std::vector<double> lower, upper;  // (n,) [rad] range of goals
     double noticed = 0.0;              // share of what acts that is noticed after a tick
     double forgotten = 0.0;            // share of what was learned that is forgotten in a tick
     double clear = 0.0;                // [rad^2] square of a lead at which its first sign is half believed
     double largest = 0.0;              // [rad] of a correction
 };
 
-// One tick as the feed-forward has it, (n,) [rad] each.
-struct Led {
+// What feed-forward computed for one tick, (n,) [rad] each: planned angles, goals, and the loads and leads in them.
+struct FeedforwardTick {
     const double *angles, *goals, *loads, *leads;
 };
 
 class Correction {
   public:
-    Correction(Observer made, Noticing taught) : observer(std::move(made)), noticing(std::move(taught)) {}
+    Correction(Observer made, CorrectionSettings given) : observer(std::move(made)), settings(std::move(given)) {}
 
     int hinges() const { return observer.hinges; }
     bool begun() const { return !earlier.empty(); }
 
-    // The goals (n,) [rad] of a tick, when hinges are measured at (n,) [rad]; those of the first tick as they are led.
-    const double* correct(const Led& led, const double* measured) {
+    // Returns the goals (n,) [rad] of a tick, corrected by what (n,) [rad] is measured; those of the first tick as they are.
+    const double* correct(const FeedforwardTick& tick, const double* measured) {
         const int n = observer.hinges;
         const bool first = !begun();
-        if (first) begin(led);
-        notice(led);
+        if (first) begin(tick);
+        notice(tick);
         if (!first) {
             for (int i = 0; i < n; ++i) strayed[i] = measured[i] - before[i];
             observe(observer, inputs.data(), strayed.data(), belief.data());
         }
-        before.assign(led.angles, led.angles + n);
-        return first ? led.goals : belief.data() + size_t(observer.rows() - 1) * n;
+        before.assign(tick.angles, tick.angles + n);
+        return first ? tick.goals : belief.data() + size_t(observer.rows() - 1) * n;
     }
 
   private:
-    void begin(const Led& led) {
+    void begin(const FeedforwardTick& tick) {
         const int n = observer.hinges;
         belief.assign(size_t(observer.rows()) * n, 0.0);
         inputs.resize(size_t(INPUTS) * n);
         strayed.resize(n);
         learned.assign(n, 0.0);
         for (int part = 0; part < 2; ++part) {
-            const double* now = part ? led.leads : led.loads;
+            const double* now = part ? tick.leads : tick.loads;
             noticed[part].assign(now, now + n);
             earlier.resize(2 * size_t(observer.late + 1) * n);
             for (int k = 0; k <= observer.late; ++k) std::copy_n(now, n, led_before(part, k));
@@ -65,28 +66,28 @@ class Correction {
         return earlier.data() + (size_t(part) * (observer.late + 1) + ticks) * observer.hinges;
     }
 
-    void notice(const Led& led) {
+    void notice(const FeedforwardTick& tick) {
         const int n = observer.hinges, late = observer.late;
-        const double* now[2] = {led.loads, led.leads};
-        const double forgotten = noticing.forgotten;
+        const double* now[2] = {tick.loads, tick.leads};
+        const double forgotten = settings.forgotten;
         for (int part = 0; part < 2; ++part) {
             for (int i = 0; i < n; ++i) {
                 double acting = 0.0;
                 for (int j = 0; j < late; ++j) acting += observer.arrival[j] * led_before(part, j + 1)[i];
-                follow(acting, noticing.noticed, noticed[part][i]);
+                follow(acting, settings.noticed, noticed[part][i]);
             }
             std::copy_backward(led_before(part, 0), led_before(part, late), led_before(part, late) + n);
             std::copy_n(now[part], n, led_before(part, 0));
         }
         const auto row = [&](int kind) { return inputs.data() + size_t(kind) * n; };
         for (int i = 0; i < n; ++i) {
-            const double load = noticed[0][i], lead = noticed[1][i], goal = led.goals[i];
+            const double load = noticed[0][i], lead = noticed[1][i], goal = tick.goals[i];
             follow(load * load + lead * lead, forgotten, learned[i]);
-            const double trust = noticing.clear + learned[i] / forgotten;
-            row(ANGLE)[i] = led.angles[i];
+            const double trust = settings.clear + learned[i] / forgotten;
+            row(ANGLE)[i] = tick.angles[i];
             row(GOAL)[i] = goal;
-            row(LOWEST)[i] = std::max(noticing.lower[i], goal - noticing.largest);
-            row(HIGHEST)[i] = std::min(noticing.upper[i], goal + noticing.largest);
+            row(LOWEST)[i] = std::max(settings.lower[i], goal - settings.largest);
+            row(HIGHEST)[i] = std::min(settings.upper[i], goal + settings.largest);
             row(LOAD)[i] = now[0][i];
             row(NOTICED)[i] = load;
             row(TRUST)[i] = load / trust;
@@ -102,7 +103,7 @@ class Correction {
     }
 
     const Observer observer;
-    const Noticing noticing;
+    const CorrectionSettings settings;
     std::vector<double> belief, inputs, strayed, before;  // rows of (n,) each
     std::vector<double> noticed[2], learned;              // (n,)
     std::vector<double> earlier;                          // (2, late + 1, n) loads and leads of the last ticks
