@@ -142,7 +142,7 @@ def _straightened(joint: ChainJoint) -> ChainJoint:
 
 
 def _aiming(joint: ChainJoint) -> tuple[Hinge, ...]:
-    """Its hinges without those that are one too many."""
+    """Picks the hinges of a joint that aim its bone: at most two that swing it, and one that twists it."""
     hinges, bone = joint.hinges, joint.bone
     twists = bool(hinges) and _lengthwise(hinges[-1], bone) > 1.0 - EXACT
     swings = list(hinges[:-1] if twists else hinges)

@@ -113,7 +113,7 @@ def _hinge(hinge: HingeTable, rest: float) -> Hinge:
 
 
 def _mount(hinge: HingeTable, models: Mapping[str, ServoModel]) -> Mount:
-    """Its servo where it is mounted; without one, what its limits make of it, which weighs nothing."""
+    """Mounts a hinge's drive: its servo, or, where only limits are given, a weightless drive that keeps them."""
     if hinge.limits is not None:
         limits = hinge.limits
         speed, acceleration = radians(limits.speed_deg), radians(limits.acceleration_deg)

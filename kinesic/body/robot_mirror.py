@@ -92,7 +92,7 @@ def _mirrored_coupling(coupling: CouplingTable, mirror: MirrorTable) -> Coupling
 
 
 def _mirrored_axis(axis: Triple) -> Triple:
-    """So that equal angles are mirror postures."""
+    """Mirrors a hinge's axis so that equal angles make mirrored postures."""
     x, y, z = axis
     return (-x, y, -z)
 

@@ -241,7 +241,7 @@ def _hinge(hinge: HingeTable, remark: str) -> list[str]:
 
 
 def _plain(table: msgspec.Struct) -> dict[str, object]:
-    """Its keys as the file writes them, without what is the default."""
+    """Lists the fields of a table under the names that a file has for them, without those at their defaults."""
     found: dict[str, object] = {}
     for field in msgspec.structs.fields(table):
         value = getattr(table, field.name)
@@ -251,7 +251,7 @@ def _plain(table: msgspec.Struct) -> dict[str, object]:
 
 
 def _written(table: msgspec.Struct) -> dict[str, object]:
-    """Its keys as the file writes them; what is None is left out."""
+    """Lists the fields of a table under the names that a file has for them, without those that are None."""
     rows = {field.encode_name: getattr(table, field.name) for field in msgspec.structs.fields(table)}
     return {key: value for key, value in rows.items() if value is not None}
 

@@ -15,7 +15,7 @@ from kinesic.sim.servo_factors import NOMINAL, Factors
 
 
 class CommandedMotion(Protocol):
-    """What can be led, such as a trajectory."""
+    """A motion, such as a trajectory, for which feed-forward computes goals."""
 
     def sample(self, times: Floats, /) -> tuple[Floats, Floats, Floats]:
         """Angles [rad], speeds and accelerations, each (m, n), at (m,) times [s]."""

@@ -52,7 +52,7 @@ class ServoRun:
 
     @cached_property
     def _rows(self) -> tuple[Status, ...]:
-        """Those in which time went on and every servo had been read."""
+        """The rows of the history in which time went on and every servo had been read."""
         return usable(self.history)
 
     @cached_property

@@ -45,11 +45,11 @@ class TwinPhysics:
 
     @property
     def body(self) -> Shafts:
-        """What moves."""
+        """The simulated shafts of the robot's hinges."""
         return self._body
 
     def shafts(self) -> Sequence[Shaft]:
-        """As they are now."""
+        """The present states of the servos' shafts, one for each servo."""
         body, hinges = self._body, self._hinges
         angles = self._zeros + self._turns * body.angles[hinges]
         ways = np.sign(self._turns)

@@ -95,7 +95,7 @@ def pose(posture: Posture, lexicon: Lexicon, robot: Robot) -> Pose | None:
 
 
 def _parts(posture: Posture, lexicon: Lexicon, robot: Robot) -> tuple[list[_Part], list[str]]:
-    """What its poses ask, and why some ask nothing; of two for one arm, the first counts."""
+    """Lists what the poses of a posture ask, and why some are left out; of two for one arm, the first counts."""
     parts: list[_Part] = []
     left_out: list[str] = []
     placed: dict[Side, str] = {}

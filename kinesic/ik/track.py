@@ -120,7 +120,7 @@ def track(
 
 
 class _Specification:
-    """What the kernel's `track` does, in plain floats."""
+    """A tracker in Python that does what the kernel's does."""
 
     def __init__(self, chain: Chain) -> None:
         self._right = is_right(chain)

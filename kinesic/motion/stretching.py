@@ -47,7 +47,7 @@ class _Look:
 
     @property
     def cost(self) -> float:
-        """What is made least."""
+        """The strain of the keys plus a penalty for the time that is lacking: what the search makes least."""
         return self.strain + LACKING * max(self.amount + MARGIN / 4, 0.0)
 
 

@@ -211,7 +211,7 @@ def _neighbours(frames: KeyFrames, postures: Sequence[KeyPosture], setup: Setup)
 def _search(
     pair: Neighbours, postures: Sequence[KeyPosture], setup: Setup, budget: Budget, memory: PlaneMemory
 ) -> float:
-    """By how much two strokes move apart [s] when nothing but their hands moves, from rest before to rest after."""
+    """Measures how far two strokes move apart [s] when only their hands move, from rest before to rest after."""
     keyed = np.array([any(posture.keyed[hinge] for hinge in pair.hinges) for posture in postures])
     begin, end = _around(pair, postures, keyed)
     rows = sorted({row for row in range(begin, end + 1) if keyed[row]} | {*pair.strokes})  # some strokes move no hand

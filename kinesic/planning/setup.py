@@ -32,7 +32,7 @@ class IntentionFiles:
 
 @dataclass(frozen=True, eq=False)
 class Setup:
-    """What planning is given beside the text; planning changes nothing of it."""
+    """The robot, its manner and all else that planning is given beside a document; planning changes none of it."""
 
     robot: Robot
     style: Style

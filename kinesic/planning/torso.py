@@ -56,7 +56,7 @@ def set_turn(robot: Robot, chain: str, turn: Floats, angles: Floats) -> None:
 
 @dataclass(frozen=True, eq=False)
 class _Hinges:
-    """Those of a chain that serve an axis, and how far they go to either side, each alone and all of its axis."""
+    """The hinges of a chain that serve an axis, with their ranges to either side, alone and summed over each axis."""
 
     joints: list[int]  # in joint order
     axes: list[int]  # in `AXES`

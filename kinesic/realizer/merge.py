@@ -94,7 +94,7 @@ class _Attempt:
 
 @dataclass(frozen=True, eq=False)
 class _Merge:
-    """What is laid over what; times [s] are since the running motion's start."""
+    """A plan that is laid over the running motion; times [s] are since that motion's start."""
 
     running: Trajectory
     coming: Plan
@@ -171,7 +171,7 @@ class _Merge:
 
 
 def _delays(first: _Attempt, others: Sequence[Occupancy]) -> list[int]:
-    """By how many knots a block may come later, so that nothing it needs is occupied: that, and a little more."""
+    """Lists the delays [knots] with which a block may come: the least that finds its parts free, and longer ones."""
     lacking = [
         other.relax - each.ready for each in first.every for other in others if each.meets(other) and not other.stays
     ]

@@ -73,7 +73,7 @@ class RunningBlock:
 
     @property
     def block(self) -> Block:
-        """As it was requested."""
+        """The block as it was requested."""
         return self.prepared.plan.timeline.block
 
     @cached_property

@@ -26,7 +26,7 @@ NARROWEST = 15.0  # [deg] upright: head and hands with some of the body about th
 
 @dataclass(frozen=True, eq=False)
 class FigureFilm:
-    """What a figure did."""
+    """A film of a human figure through a performance."""
 
     kind: ClassVar[FilmKind] = "twin"  # it is drawn where a robot's would be
     after: ClassVar[None] = None

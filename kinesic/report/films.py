@@ -52,7 +52,7 @@ class FilmJob(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class TwinFilm:
-    """What the twin did, with its face on its head."""
+    """A film of the twin through a performance, with its face on its head."""
 
     kind: ClassVar[FilmKind] = "twin"
     robot: Robot
@@ -114,7 +114,7 @@ class TwinFilm:
 
 @dataclass(frozen=True, eq=False)
 class FaceFilm:
-    """What the face showed."""
+    """A film of the face through a performance."""
 
     kind: ClassVar[FilmKind] = "face"
     after: ClassVar[None] = None

@@ -60,7 +60,7 @@ class Performance(DryRun):
 
     @cached_property
     def checks(self) -> tuple[Check, ...]:
-        """All verdicts."""
+        """The verdicts on the twin's performance, and on that of the servos where they performed."""
         return (*checks(self), *(live_checks(self.servos) if self.servos is not None else ()))
 
     @property

@@ -151,7 +151,7 @@ def windings_of(names: tuple[str, ...], drives: Drives) -> tuple[Winding, ...]:
 
 @dataclass(frozen=True, eq=False)
 class Supply:
-    """Where the servos' current comes from."""
+    """The supply that feeds the servos, whose voltage sags under load."""
 
     drives: Drives
     resistance: float  # [ohm]

@@ -29,7 +29,7 @@ FAILED = 3
 
 
 class _Id(ctypes.Union):
-    """What an event is about."""
+    """The name or the phoneme that an event of espeak-ng carries."""
 
     _fields_ = (("name", ctypes.c_char_p), ("string", ctypes.c_char * 8))
 

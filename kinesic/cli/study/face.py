@@ -86,7 +86,7 @@ def analyse_faces(files: tuple[Path, ...], as_json: bool) -> int:
 
 
 def _people(people: People) -> str:
-    """How many, and how old they are."""
+    """Says how many participants there were, and how old they are."""
     number = f"{people.count} participant{'' if people.count == 1 else 's'}"
     if not people.ages:
         return number

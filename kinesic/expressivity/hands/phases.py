@@ -86,7 +86,7 @@ def arrange_hands(
 
 
 def _alone(works: Mapping[Side, Sequence[HandStroke]], side: Side) -> list[HandStroke]:
-    """What the other hand does without this one."""
+    """Lists the strokes that the other hand does without this one."""
     return [work for work in works[OTHER_SIDE[side]] if work not in works[side]]
 
 

@@ -78,7 +78,7 @@ def add_secondary_motion(
 
 @dataclass(frozen=True, eq=False)
 class _Every:
-    """What all changes of a motion move."""
+    """The changes of a motion, by the joints that they move and the times at which they do."""
 
     of: Changes
     robot: Robot
@@ -121,7 +121,7 @@ def _measure_again(found: Clearance, changed: Flags, angles: Floats, setup: Setu
 def _changes(
     motion: Conditioned, frames: KeyFrames, utterances: Mapping[str, Utterance], setup: Setup
 ) -> tuple[MotionChange, ...]:
-    """All that a block leaves room for; nothing while an arm points at something."""
+    """Makes the changes that a block leaves room for; none while an arm points at something."""
     timeline, trajectory = frames.timeline, motion.trajectory
     zero, courses = trajectory.zero, tuple(arm_courses(frames, motion, setup.robot))
     found: tuple[MotionChange, ...] = (

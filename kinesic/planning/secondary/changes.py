@@ -26,7 +26,7 @@ def lessened(amounts: Floats, less: Flags) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class _Cells:
-    """What changes add to single control points, one change after the other."""
+    """The amounts that changes add to single control points, sorted by change."""
 
     change: Indices  # (p,) whose it is
     hinge: Indices  # (p,)
@@ -58,7 +58,7 @@ class Changes:
 
     @cached_property
     def _cells(self) -> _Cells:
-        """All that is added."""
+        """The amounts that all changes add at full size."""
         change, hinge, count = self._parts.T
         row = np.arange(count.sum()) + np.repeat(self._spans[change, 0] - (np.cumsum(count) - count), count)
         added = np.concatenate([NOTHING, *(own.ravel(order="F") for own in self._rows)])
@@ -85,13 +85,13 @@ class Changes:
 
     @cached_property
     def _rows(self) -> Sequence[Floats]:
-        """By how much each moves its control points (r, h) [rad]."""
+        """The (r, h) [rad] by which each change moves its control points."""
         times: Floats = np.asarray(self.motion.start + (np.arange(self._alone.shape[1]) - CONTROL_LEAD) * STEP)
         spans = self._spans.tolist()
         return [change.added(times[first:last]) for change, (first, last) in zip(self.every, spans, strict=True)]
 
     def _whole_size(self, amounts: Floats) -> int:
-        """How many control points there are with so much (c,) of each."""
+        """Counts the control points of the motion with changes of these amounts (c,)."""
         return int(self._sizes[amounts > 0.0].max(initial=len(self.motion.controls)))
 
     def _window(self, amounts: Floats, changed: Flags) -> slice:

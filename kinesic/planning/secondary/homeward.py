@@ -49,7 +49,7 @@ def ways_home(
 
 @dataclass(frozen=True, eq=False)
 class _Bend:
-    """What an arm does aside, and where it is (n,) [rad] at its peak without that."""
+    """A swell that turns an arm aside, and the angles (n,) [rad] that the arm has at its peak without it."""
 
     swell: Swell
     angles: Floats
@@ -57,7 +57,7 @@ class _Bend:
 
 
 def _bends(course: ArmCourse, motion: Trajectory, variation: Variation, block: str, robot: Robot) -> Iterator[_Bend]:
-    """By chance, towards either side."""
+    """Yields the bends of one arm's ways home, each to a side and as far as chance has it."""
     for stroke, gap in zip(course.strokes, course.gaps[1:], strict=True):
         way, side = gap.way_home, course.side
         if way is None or way[1] - way[0] < LEAST_WAY:
@@ -95,7 +95,7 @@ def _aside(
 
 
 def _outward(bends: Sequence[_Bend], robot: Robot) -> Iterator[Swell]:
-    """All of them within the ranges of the arms, and the hands no nearer to the body's middle."""
+    """Yields the swells of bends, turned away from the body's middle and cut at the ranges of the arms."""
     angles, away = np.stack([bend.angles for bend in bends]), np.stack([bend.swell.away for bend in bends])
     wrists = {bend.side: robot.arm(bend.side).wrist for bend in bends}
     both = robot.skeleton.frames(

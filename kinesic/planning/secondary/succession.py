@@ -73,7 +73,7 @@ class _Shift:
 
 
 def _shifts(course: ArmCourse, start: float, robot: Robot) -> Iterator[_Shift]:
-    """All that one arm is to do later in a motion from a start [s] on."""
+    """Yields the shifts of one arm in a motion that begins at a start [s]."""
     arm = robot.arm(course.side)
     hand, forearm = (robot.skeleton.joints_of((name,)) for name in arm.segments[:-3:-1])
     upper = [joint for joint in arm.joints if joint not in (*forearm, *hand)]
@@ -85,7 +85,7 @@ def _shifts(course: ArmCourse, start: float, robot: Robot) -> Iterator[_Shift]:
 
 
 def _behind(stroke: ArmStroke, before: Gap, after: Gap) -> Lateness:
-    """All of a stroke, and the ways there and back, later than the other hand."""
+    """Delays a stroke, with the ways there and back, against the other hand; empty where it could not catch up."""
     rest_needed = stroke.behind / REST
     come = next(((a, b) for a, b in reversed(before.rests) if b - a >= rest_needed), None)
     gone = next(((a, b) for a, b in reversed(after.rests) if b - a >= rest_needed), None)
@@ -167,7 +167,7 @@ def _spline(points: Floats) -> "scipy.interpolate.PPoly":
 
 
 def _seen_runs(shifts: Sequence[_Shift], blocks: Sequence[Floats]) -> Iterator[tuple[int, int, int, int]]:
-    """Where joints are away by more than nothing, and once by what is worth it: shift, joint, first and last row.
+    """Finds runs of rows in which joints are away, at least once far enough to be seen: shift, joint, first, last.
 
     Each joint counts by itself, or all of a shift together as its first.
 
@@ -194,7 +194,7 @@ def _seen_runs(shifts: Sequence[_Shift], blocks: Sequence[Floats]) -> Iterator[t
 
 
 def _late_at(times: Sequence[Floats], latenesses: Sequence[Lateness]) -> Floats:
-    """How late hinges are [s]: each in its own times (m,) [s], one after the other."""
+    """Computes how late hinges are [s], each at its own times (m,) [s]; their results are joined."""
     parts: list[tuple[float, float, float, float]] = []  # begin [s], how long [s], lateness and how it grows [s]
     counts: list[int] = []
     for own, lateness in zip(times, latenesses, strict=True):

@@ -31,7 +31,7 @@ HAIRLINE = (-0.06, 0.12)  # in the chart's unit, where skin becomes hair
 
 @dataclass(frozen=True, eq=False)
 class AddedSkin:
-    """What of a skin moves."""
+    """The moving nodes of a skin that was added to a scene."""
 
     face: int  # the node with morph targets
     _skin: Skin
@@ -215,7 +215,7 @@ class _Surface:
         return found
 
     def _morph(self, own: Rows, shape: int) -> int:
-        """How a shape moves each vertex."""
+        """Writes by how much a shape moves each vertex, and returns the index of that."""
         moves = self._deltas[:, [shape]].toarray().reshape(-1, 3)[own]
         places = np.flatnonzero(np.abs(moves).max(axis=1) > 0.0)
         return self._file.sparse(len(own), places, moves[places])

@@ -145,7 +145,7 @@ class Canvas:
 
 
 def _common(one: Box, other: Box) -> Box | None:
-    """What two boxes have in common; None: nothing."""
+    """Intersects two boxes; None where they have nothing in common."""
     left, top, right, low = max(one[0], other[0]), max(one[1], other[1]), min(one[2], other[2]), min(one[3], other[3])
     return (left, top, right, low) if left < right and top < low else None
 

@@ -127,5 +127,5 @@ def _boxes(least: Floats, most: Floats, size: tuple[int, int]) -> list[Box]:
 
 
 def bounding_box(one: Box, other: Box) -> Box:
-    """The least box that holds two."""
+    """Finds the smallest box that holds two boxes."""
     return (min(one[0], other[0]), min(one[1], other[1]), max(one[2], other[2]), max(one[3], other[3]))

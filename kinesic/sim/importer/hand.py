@@ -38,7 +38,7 @@ class MappedFinger:
 
     @property
     def hinges(self) -> tuple[MappedHinge, ...]:
-        """Those that have a motor."""
+        """The hinges that have a motor of their own."""
         return tuple(turn for turn in self.turns if turn.name not in self.follows)
 
 

@@ -89,7 +89,7 @@ def _bodies(finger: MappedFinger, tree: Tree, where: SegmentLayout, wrist: str) 
 
 
 def _hinge(turn: MappedHinge, where: SegmentLayout, wrist: str) -> HingeTable:
-    """Its motor sits in the hand."""
+    """Writes the table of a finger's hinge, whose motor sits in the hand."""
     return HingeTable(
         name=turn.name,
         body=turn.segment,

@@ -97,7 +97,7 @@ def load_model(path: Path) -> Tree:
 
 
 def _unheard(_: str) -> None:
-    """What MuJoCo warns of in a URDF is looked at here."""
+    """Drops a warning of MuJoCo about a URDF: the importer checks the same itself."""
 
 
 def _read_spec(path: Path) -> mujoco.MjSpec:

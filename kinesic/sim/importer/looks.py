@@ -120,7 +120,7 @@ class _Reader:
 
 
 def _scaled(triangles: Triangles, mesh: mujoco.MjsMesh) -> Triangles:
-    """As the model uses it: at its scale, and moved to its own origin."""
+    """Moves the triangles of a mesh file to where the model has them: scaled, and in the mesh's own frame."""
     scale, turn = np.array(mesh.scale), np.empty(9)
     mujoco.mju_quat2Mat(turn, np.array(mesh.refquat))
     places = (triangles.vertices * scale - np.array(mesh.refpos)) @ turn.reshape(3, 3)

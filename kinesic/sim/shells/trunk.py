@@ -60,7 +60,7 @@ def head(part: Part) -> Housing:
 
 
 def _visor(eyes: Floats, wide: float, high: float) -> DistanceField:
-    """What is in front of a rounded rectangle."""
+    """Makes the solid in front of a rounded rectangle about the eyes."""
 
     def field(points: Floats) -> Floats:
         across, up = (points[:, 1] - eyes[1]) / wide, (points[:, 2] - eyes[2]) / high
@@ -71,7 +71,7 @@ def _visor(eyes: Floats, wide: float, high: float) -> DistanceField:
 
 
 def trunk(part: Part, moving: set[str]) -> Housing:
-    """What stands or bends: a loft through its lateral shapes, bars for others, drums and boxes for servos."""
+    """Designs the shell of a part of the trunk: a loft through lateral shapes, bars, and drums and boxes for servos."""
     parts, standing = list(_rigid(part, moving)), part.segment.parent is None
     capsules = [c for each in parts for c in each.capsules]
     lateral = _lateral(capsules)
@@ -89,7 +89,7 @@ def trunk(part: Part, moving: set[str]) -> Housing:
 
 
 def _lateral(capsules: Sequence[Capsule]) -> list[Capsule]:
-    """Those that lie across the midline, from below, each clearly above the one before."""
+    """Picks the capsules that lie across the midline, from below, each clearly above the one before."""
     found: list[Capsule] = []
     for shape in sorted(capsules, key=lambda c: float(c.start[2])):
         way, middle = np.abs(shape.end - shape.start), (shape.start + shape.end) / 2

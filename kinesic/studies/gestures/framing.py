@@ -67,7 +67,7 @@ class Balls:
 
     @classmethod
     def of(cls, robot: Robot, postures: Sequence[Floats]) -> "Balls":
-        """What moves of a robot, in some postures (n,) [rad] each; all of it where nothing does."""
+        """Collects the balls of the segments that move, in some postures (n,) [rad]; of all where none does."""
         moving = [segment.parent is not None and bool(segment.capsules) for segment in robot.skeleton.segments]
         centres, radii = [], []
         for angles in postures:

@@ -123,7 +123,7 @@ def compare_sides(answers: Sequence[Rating], condition: str, sides: tuple[str, s
 
 @dataclass(frozen=True)
 class People:
-    """Who answered."""
+    """The participants of a study, by number and age."""
 
     count: int
     ages: tuple[int, ...]  # [years] of those who told it, in rising order
