@@ -25,19 +25,25 @@ from kinesic.motion.piecewise import QuinticSpline
 Hinges = tuple[int, ...]  # in joint order
 _Asked = tuple[tuple[Easing, float, float], ...]  # easing, overshoot and steepness of each hinge
 
-SWING = 0.05  # [rad] beyond its keys that any hinge may swing to pass them smoothly: what conditioning allows, too
+LARGEST_SWING = (
+    0.05  # [rad] beyond its keys that any hinge may swing to pass them smoothly: what conditioning allows, too
+)
 BULGE = 5.0  # speed, in distance / duration, that a quintic may have beside a still key to swing out by the distance
 BOW = 58.0  # acceleration, in distance / duration^2, that it may have for the same
 HULL = 2.5  # speed, in distance / duration, that keeps the control points of a quintic within the distance
 STEEPEST = 2.0  # speed, in shares of the slower chord, with which a hinge stays between its keys
-BEND = 6.0  # acceleration, in distance / duration^2, with which a hinge comes to a key and turns back without a swing
+TURNING_ACCELERATION = (
+    6.0  # acceleration, in distance / duration^2, with which a hinge comes to a key and turns back without a swing
+)
 GRADE = 0.25  # of the steepness
 LEAST_OVERSHOOT = 0.02  # of a way; with less room OutQuart takes the place of OutBack
 FINEST = 0.01  # of a way, steps of the overshoot
 ROUNDING = 1e-6  # of such a step
-REMEMBERED = 24  # curves of hinges with the same keys
+CURVES_KEPT = 24  # curves of hinges with the same keys
 MOST_CURVE_KEYS = 4096  # keys of a curve that is remembered, of all its hinges: 1.5 MB, two minutes of gestures
-ROOM = 3.0  # times the limits that an eased way may take: what is beyond them is rounded off without leaving the path
+EASING_ROOM = (
+    3.0  # times the limits that an eased way may take: what is beyond them is rounded off without leaving the path
+)
 
 SHARES = np.arange(PARTS) / PARTS  # of a way, at which an easing is given
 
@@ -63,8 +69,8 @@ class _Course:
 def _choose_speeds(course: _Course) -> Floats:
     """Chooses the speeds (k, h) [rad/s] at the keys of some hinges.
 
-    Zero at the ends and beside holds. A speed that would carry the hinge beyond its keys by more than `SWING` is cut,
-    unless the tension is negative or the key has a swing: at -1 and 1 only the ends of the range cut it.
+    Zero at the ends and beside holds. A speed that would swing the hinge past its keys by more than `LARGEST_SWING` is
+    cut, unless the tension is negative or the key has a swing: at -1 and 1 only the ends of the range cut it.
     """
     keys, steps, ways = course.keys, course.steps, course.ways
     found = np.zeros_like(keys.angles)
@@ -74,7 +80,7 @@ def _choose_speeds(course: _Course) -> Floats:
     free = course.flow * ((1 + bias) * earlier + (1 - bias) * later) / (steps[:-1] + steps[1:])
     slower = np.minimum(np.abs(before) / steps[:-1], np.abs(after) / steps[1:])
     inside = np.where(before * after < 0.0, 0.0, STEEPEST * slower)
-    smooth = BULGE * SWING / np.maximum(steps[:-1], steps[1:])
+    smooth = BULGE * LARGEST_SWING / np.maximum(steps[:-1], steps[1:])
     below, above = keys.angles[1:-1] - keys.limits.lower, keys.limits.upper - keys.angles[1:-1]
     upward, downward = (
         HULL * np.minimum(ahead / steps[1:], behind / steps[:-1]) for ahead, behind in ((above, below), (below, above))
@@ -97,7 +103,7 @@ def _choose_accelerations(course: _Course, passed: Floats) -> Floats:
     begins = (6 * ways - steps * (4 * passed[:-1] + 2 * passed[1:])) / steps**2
     bends = np.abs(ways) / steps**2
     longer = np.maximum(steps[:-1], steps[1:])
-    bound = np.maximum(BEND * np.minimum(bends[:-1], bends[1:]), BOW * SWING / longer**2)
+    bound = np.maximum(TURNING_ACCELERATION * np.minimum(bends[:-1], bends[1:]), BOW * LARGEST_SWING / longer**2)
     middle = np.minimum(course.flow, 1.0) * (ends[:-1] + begins[1:]) / 2
     found[1:-1] = np.where(course.resting, 0.0, np.minimum(np.maximum(middle, -bound), bound))
     return found
@@ -173,7 +179,7 @@ def _allowed(states: Floats, most: Floats) -> bool:
     """
     inertial, viscous = most[3:, :, None]
     taken = np.stack([states[1], states[2], inertial * states[2] + viscous * states[1]])
-    return bool((np.abs(taken).max(axis=2) <= ROOM * most[:3]).all())
+    return bool((np.abs(taken).max(axis=2) <= EASING_ROOM * most[:3]).all())
 
 
 @dataclass(frozen=True, eq=False)
@@ -262,7 +268,7 @@ def _draw(ways: _Ways) -> QuinticSpline:
     return _join(times, keys.part(rows, hinges))
 
 
-_remember = lru_cache(maxsize=REMEMBERED)(_draw)
+_remember = lru_cache(maxsize=CURVES_KEPT)(_draw)
 
 
 def _join(times: Floats, keys: Keys) -> QuinticSpline:

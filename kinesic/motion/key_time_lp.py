@@ -16,7 +16,7 @@ if KERNEL == "compiled":
 LATENESS = 3.0  # weight of being late over being early
 BROKEN = 50.0  # weight of a bond that cannot be kept, per second
 UNMOVED = 1e-7  # [s]
-KEPT = 1e-7  # [s], or of a plane's amount, by which a row may be missed
+ROW_TOLERANCE = 1e-7  # [s], or of a plane's amount, by which a row may be missed
 FEW = 20_000  # entries of a program that the kernel solves sooner than HiGHS does
 
 
@@ -129,7 +129,7 @@ def _relax_few(problem: KeyTimeProblem) -> Floats | None:
     limits = np.concatenate([-np.array(apart), bounds, np.full(count, problem.lead_in - keys.asked[0])])
     broken = shares @ keys.asked - limits
     moved = _kernel.move_keys(shares, broken, LATENESS * keys.weights, keys.weights, penalties)
-    if moved is None or (shares @ moved > KEPT - broken)[np.isinf(penalties)].any():
+    if moved is None or (shares @ moved > ROW_TOLERANCE - broken)[np.isinf(penalties)].any():
         return None
     return keys.asked + moved
 

@@ -87,7 +87,7 @@ class Passage:
         return flow(self.tension, self.continuity, self.swing)
 
 
-PLAIN = Passage()
+PLAIN_PASSAGE = Passage()
 
 
 @lru_cache(maxsize=1024)
@@ -249,7 +249,7 @@ def _manner(passages: tuple[Passage, ...], count: int) -> Floats:
     """(6, count) the manner in which each hinge passes one key."""
     rows = [
         (each.tension, each.continuity, each.bias, each.steepness, EASINGS.index(each.easing), each.swing)
-        for each in passages or (PLAIN,) * count
+        for each in passages or (PLAIN_PASSAGE,) * count
     ]
     return sealed(np.transpose(rows))
 

@@ -14,7 +14,7 @@ from kinesic.motion.spline_program import nearest_motion
 from kinesic.motion.trajectory import EARLY, STEP, spline_weights
 
 FEWEST_PIECES = 3  # pieces in which three control points give way to three others
-ROOM = 1.0008  # on limits: where a motion is at one, there may be just one way on, and none is found
+LIMIT_ROOM = 1.0008  # on limits: where a motion is at one, there may be just one way on, and none is found
 SAME_ANGLE = 1e-9  # [rad]
 MARGINS = (15, 40, 10000)  # knots about what exceeds the limits, in which a motion may differ
 
@@ -28,10 +28,10 @@ def roomy(limits: Limits) -> Limits:
     """Widens limits a little, within what the certificate allows."""
     return replace(
         limits,
-        speed=sealed(ROOM * limits.speed),
-        acceleration=sealed(ROOM * limits.acceleration),
-        jerk=sealed(ROOM * limits.jerk),
-        duty=sealed(ROOM * limits.duty),
+        speed=sealed(LIMIT_ROOM * limits.speed),
+        acceleration=sealed(LIMIT_ROOM * limits.acceleration),
+        jerk=sealed(LIMIT_ROOM * limits.jerk),
+        duty=sealed(LIMIT_ROOM * limits.duty),
     )
 
 

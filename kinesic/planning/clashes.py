@@ -25,7 +25,7 @@ from kinesic.motion.keys import HOLD, Choices, KeyPosture, Keys, Pair
 from kinesic.motion.plane_memory import PlaneMemory
 from kinesic.planning.setup import Setup
 
-APART = 0.2  # [s] by which strokes may move apart; more is seen beside a word
+VISIBLE_CLASH = 0.2  # [s] by which strokes may move apart; more is seen beside a word
 SEARCHES = 12  # of a block; what comes after is judged by the estimate
 MANY = 4 * SEARCHES  # neighbours that may lack time: more are a crowd, which the estimate alone judges
 WORK = 100_000  # pieces of splines that all searches may measure
@@ -53,7 +53,7 @@ class Neighbours:
 
 
 class ClashFinder:
-    """Finds neighbours whose strokes would have to move, with those before and after, by more than `APART`."""
+    """Finds neighbours whose strokes would have to move, with those before and after, by more than `VISIBLE_CLASH`."""
 
     def __init__(self, setup: Setup) -> None:
         """Nothing is found yet.
@@ -95,7 +95,7 @@ class ClashFinder:
         for each, here, whole in sorted(
             zip(suspects, apart, chain_sums(suspects, apart), strict=True), key=_worst_first
         ):
-            if here > NEGLIGIBLE_CLASH and whole > APART and near.isdisjoint(each.behaviours):
+            if here > NEGLIGIBLE_CLASH and whole > VISIBLE_CLASH and near.isdisjoint(each.behaviours):
                 self.clashes[frozenset(each.behaviours)] = Clash(here, each.brief)
                 near |= {*each.behaviours} if self.spent else _beside(each, every)
                 added |= {*each.behaviours}
@@ -115,13 +115,13 @@ class ClashFinder:
             return []
         keys = Keys.of(postures, self._setup.limits)
         problem = KeyTimeProblem(keys, _gaps(keys), lead_in=0.0)
-        if problem.lacking < APART - NEGLIGIBLE_CLASH:
+        if problem.lacking < VISIBLE_CLASH - NEGLIGIBLE_CLASH:
             return []
         times = relax_key_times(problem)
         apart = [each.moved_apart(keys, times) for each in coming]
         sums = chain_sums(coming, apart)
         rows = zip(coming, apart, sums, strict=True)
-        return [(each, here) for each, here, whole in rows if here > NEGLIGIBLE_CLASH and whole > APART]
+        return [(each, here) for each, here, whole in rows if here > NEGLIGIBLE_CLASH and whole > VISIBLE_CLASH]
 
     def _search(self, pair: Neighbours, guess: float, postures: Sequence[KeyPosture]) -> float:
         known, budget = pair.known_as, self._budget

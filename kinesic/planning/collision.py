@@ -23,7 +23,7 @@ PROBE = 1e-4  # [rad] for the gradient
 STRIDE = 0.15  # [rad] that a hinge turns in one round
 DISPLACEMENT = 0.05  # [m] of a hand that counts like a turn of 1 rad of a hinge: elbows swing before hands move
 UNMOVED = 1e-6  # [m/rad] a pair whose gap changes less is not moved by the joints
-NONE = 1e-9
+NO_LENGTH = 1e-9
 HOVER = 0.015  # [m]
 NEAR_ENOUGH = 0.12  # [m] a hand that is farther from what it touches stays where it is
 
@@ -69,7 +69,7 @@ class TipTouch:
         rows = []
         for capsule in self.robot.skeleton.segments[self.other].capsules:
             start, way = origins + rotations @ capsule.start, rotations @ (capsule.end - capsule.start)
-            share = np.einsum("mk,mk->m", here - start, way) / max(float(np.sum(way[0] ** 2)), NONE)
+            share = np.einsum("mk,mk->m", here - start, way) / max(float(np.sum(way[0] ** 2)), NO_LENGTH)
             nearest = start + np.clip(share, 0.0, 1.0)[:, None] * way
             rows.append(np.linalg.norm(here - nearest, axis=1) - capsule.radius)
         return np.asarray(np.min(rows, axis=0, initial=np.inf) - self.tip.radius)
@@ -122,7 +122,7 @@ def separate(
         step = _smallest(rows, np.concatenate([lack[near], nearer, *bounds]), _metric(probes, robot))
         if step is None:
             return None
-        posture[moving] += step * min(1.0, STRIDE / max(NONE, float(np.abs(step).max())))
+        posture[moving] += step * min(1.0, STRIDE / max(NO_LENGTH, float(np.abs(step).max())))
         posture = robot.skeleton.clamp(posture)
     return None
 
@@ -153,7 +153,7 @@ def _smallest(rows: Floats, needed: Floats, metric: Floats) -> Floats | None:
         system = np.vstack([within, asked])
         multipliers, _ = scipy.optimize.nnls(system, np.append(np.zeros(len(within)), 1.0))
         residual = system @ multipliers
-        if 1.0 - residual[-1] > NONE:
+        if 1.0 - residual[-1] > NO_LENGTH:
             step: Floats = np.linalg.solve(root.T, residual[:-1] / (1.0 - residual[-1]))
             return step
     return None

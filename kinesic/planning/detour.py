@@ -21,12 +21,12 @@ ArmHinges = tuple[int, ...]  # joints of an arm
 SCAN_RATE = 100  # [Hz]
 STEPS, LONG = 16, 10.0  # changes of a motion, and [s] of a longer one that may have as many once more
 WORK = 2600.0  # [s] of motion that all changes together may look at: one of 40 s has 64 changes, one of 150 s 17
-ROOM = 0.008  # [m] that a detour keeps over the clearance that suffices
+DETOUR_ROOM = 0.008  # [m] that a detour keeps over the clearance that suffices
 WITHDRAWALS = (0.0, 0.2, 0.35, 0.7)  # of the way to rest, where a detour begins to look for room
 PLAINLY = 0.1  # of what is lacking, that a change must leave less than one which withdraws less
 AWAY = (0.004, 0.016)  # [m] that a key goes farther away
 LEAST_STEP = 0.06  # [s] between a detour and the keys of the same arm
-APART = 1e-4  # [s] between the asked times of keys of different hinges
+KEY_SPACING = 1e-4  # [s] between the asked times of keys of different hinges
 GAIN = 0.98  # of what is lacking: a change that leaves more is none
 
 
@@ -131,7 +131,7 @@ class PostureCourse:
         own = [k for k, posture in enumerate(self.postures) if posture.keyed[arm[0]]]
         asked = float(np.interp(time, self.planned[own], [self.postures[k].time for k in own]))
         while asked in {posture.time for posture in self.postures}:
-            asked += APART
+            asked += KEY_SPACING
         keyed = tuple(joint in arm for joint in range(len(angles)))
         k = sum(posture.time < asked for posture in self.postures)
         return replace(
@@ -265,7 +265,7 @@ def _with_a_key(
     for share in WITHDRAWALS:
         start = angles.copy()
         start[[*joints]] += share * (course.robot.skeleton.rest - angles)[[*joints]]
-        clear = room.near(start, joints, Spacing(least, least + ROOM))
+        clear = room.near(start, joints, Spacing(least, least + DETOUR_ROOM))
         if clear is not None:
             change = course
             for together in course.keyed_alike(arms):

@@ -15,7 +15,7 @@ from kinesic.expressivity.hands.fingers import finger_joints
 from kinesic.expressivity.keyframes import FingerKey
 from kinesic.motion.keys import KeyPosture
 
-APART = 1e-4  # [s] between keys of fingers and others
+KEY_SPACING = 1e-4  # [s] between keys of fingers and others
 Fingers = Mapping[Side, Sequence[FingerKey]]
 
 
@@ -40,7 +40,7 @@ def with_finger_keys(postures: Sequence[KeyPosture], fingers: Fingers, robot: Ro
         for key in keys:
             time = key.time
             while time in taken:
-                time += APART
+                time += KEY_SPACING
             if first < time < last:
                 added[time] = _keyed(added.get(time), time, joints, key.angles, robot)
     return tuple(sorted([*postures, *added.values()], key=lambda posture: posture.time))

@@ -13,7 +13,7 @@ from kinesic.body.skeleton import Frames
 from kinesic.expressivity.keyframes import Hand, KeyFrame, KeyFrames
 from kinesic.expressivity.turns import turn_angles
 from kinesic.ik.torso import lean_torso
-from kinesic.motion.keys import LEAST_GAP, PLAIN, KeyPosture, Passage
+from kinesic.motion.keys import LEAST_GAP, PLAIN_PASSAGE, KeyPosture, Passage
 from kinesic.planning.arm_postures import ArmKey, ArmsTask, solve_arms
 from kinesic.planning.finger_postures import set_fingers
 from kinesic.planning.torso import set_turn, torso_turn, volume
@@ -144,7 +144,7 @@ def _firm(frame: KeyFrame) -> bool:
 
 def _passages(frame: KeyFrame, robot: Robot) -> tuple[Passage, ...]:
     """How each hinge passes a frame: as its part does; parts that follow others, as these do."""
-    others = next((frame.passages[part] for part in CHAINS if part in frame.passages), PLAIN)
+    others = next((frame.passages[part] for part in CHAINS if part in frame.passages), PLAIN_PASSAGE)
     found = [others] * len(robot.skeleton.hinges)
     for part, chain in CHAINS.items():
         for hinge in robot.joints(chain):

@@ -20,11 +20,11 @@ from kinesic.planning.quick_plan import quintic_duration
 from kinesic.planning.setup import Setup
 from kinesic.realizer.occupancy import ARMS, MergeFailure, Occupancy, Overlay, Role, arm_hinges
 
-EASE = 1.5  # times the least time, in which what stays gives way
+GIVING_WAY = 1.5  # times the least time, in which what stays gives way
 AGAIN = 1.5  # times as long, when a way back to rest is too short
 MOST_PIECES = 400  # pieces of a way back to rest
 LEAST_BACK = 30  # pieces
-KEPT = 1.0 + 1e-6  # share of a limit
+LIMIT_TOLERANCE = 1.0 + 1e-6  # share of a limit
 
 
 def add_motions(work: Overlay, alone: Flags, limits: Limits, names: Sequence[str]) -> Floats | MergeFailure:
@@ -106,7 +106,7 @@ def _turns(each: Occupancy, work: Overlay, limits: Limits) -> Iterator[_Turn]:
     for role in each.roles - set(ARMS):
         offset = next((other.offset for other in work.holding if role in other.roles and other.end <= each.begin), None)
         if offset is not None:
-            least = EASE * max(quintic_duration(float(way), limits, hinge) for hinge, way in enumerate(offset))
+            least = GIVING_WAY * max(quintic_duration(float(way), limits, hinge) for hinge, way in enumerate(offset))
             gone, end = max(each.ready, each.begin + least), np.inf if each.stays else each.end
             yield _Turn(offset, each.begin, gone, min(each.relax, each.end - least), end)
 
@@ -219,7 +219,7 @@ def overlay(work: Overlay, setup: Setup, limits: Limits) -> Floats | MergeFailur
     count = max(map(len, columns)) + 1
     whole = np.stack([np.pad(column, (0, count - len(column)), mode="edge") for column in columns], axis=1)
     changed = np.flatnonzero((np.abs(whole - lengthen(work.base, count)) > SAME_ANGLE).any(axis=0))
-    over = changed[largest_shares(whole[work.cut :, changed], limits.part(changed)) > KEPT]
+    over = changed[largest_shares(whole[work.cut :, changed], limits.part(changed)) > LIMIT_TOLERANCE]
     if len(over):
         return work.trunk_failure(f"{names[over[0]]} cannot do both within its limits")
     return whole

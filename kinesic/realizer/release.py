@@ -28,10 +28,10 @@ from kinesic.realizer.occupancy import ARMS, Occupancy, arm_hinges
 
 WAIT = 10  # knots that an interruption waits at least, when the way back is not clear
 MOST_WAITS = 6  # each twice as long as the one before
-EASE = 1.5  # times the least time from rest to rest
+RETURN_EASE = 1.5  # times the least time from rest to rest
 LONGER = 1.25  # times as long, when a way back is too short
 MOST_PIECES = 400  # pieces
-FEWEST = 4  # pieces of a motion
+FEWEST_RETURN_PIECES = 4  # pieces of a motion
 
 
 def release_motion(
@@ -74,7 +74,7 @@ def _from(
         return running
     own = lengthen(running.controls, knot + FEWEST_PIECES)
     after = _without(own, layer, setup.robot)
-    pieces = max(FEWEST_PIECES, ceil(EASE * _least(own, after, knot, setup.limits)[free].max() / STEP))
+    pieces = max(FEWEST_PIECES, ceil(RETURN_EASE * _least(own, after, knot, setup.limits)[free].max() / STEP))
     while pieces <= MOST_PIECES:
         count = max(len(after), knot + pieces + FEWEST_PIECES)
         whole, goal = np.array(lengthen(own, count)), lengthen(after, count)
@@ -137,10 +137,10 @@ def _checked(found: Floats, running: Trajectory, knot: int, setup: Setup) -> Tra
 
 
 def from_knot(controls: Floats, knot: int) -> Trajectory:
-    """Returns the motion from a knot on, on a time that starts there, with at least `FEWEST` pieces.
+    """Returns the motion from a knot on, on a time that starts there, with at least `FEWEST_RETURN_PIECES` pieces.
 
     Args:
         controls: (k + 3, n) [rad].
         knot: of k.
     """
-    return Trajectory(sealed(controls[max(0, min(knot, len(controls) - 3 - FEWEST)) :]), 0.0)
+    return Trajectory(sealed(controls[max(0, min(knot, len(controls) - 3 - FEWEST_RETURN_PIECES)) :]), 0.0)

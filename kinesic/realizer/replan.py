@@ -29,7 +29,7 @@ from kinesic.realizer.occupancy import ARMS, MergeFailure, Occupancy, Overlay, a
 from kinesic.realizer.overlay import overlay
 
 KEYS_AHEAD = 3  # keys of the other plan that a hand may pass before it has joined its motion
-SWING = 0.1  # [rad] from the other motion, once a hand has met it
+MEETING_SWING = 0.1  # [rad] from the other motion, once a hand has met it
 SOON = (10, 20, 40, 80)  # knots in which the trunk joins it
 
 
@@ -195,5 +195,5 @@ def _join(own: Floats, goal: Floats, knot: int, coming: Floats, limits: Limits, 
         way = cross_over(own, goal, (knot, land), limits, hinge, passing=passing)
         if way is not None:
             first = ceil(passing[0]) if len(passing) else land
-            return way if np.abs(way - goal)[first + FEWEST_PIECES :].max() < SWING else None
+            return way if np.abs(way - goal)[first + FEWEST_PIECES :].max() < MEETING_SWING else None
     return None

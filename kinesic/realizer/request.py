@@ -35,7 +35,7 @@ from kinesic.planning.setup import Setup
 from kinesic.planning.speech import synthesise_block
 
 LEAD = 0.15  # [s] from the request to the beginning of a block that refers to others: time to plan it
-HEAD = 65_536  # [bytes] of a document in which its id is looked for
+ID_SEARCH = 65_536  # [bytes] of a document in which its id is looked for
 _ID = re.compile(rb"""<(?:\w+:)?bml\b[^<>]*?\sid\s*=\s*["']([^"']+)["']""")
 
 
@@ -201,5 +201,5 @@ def block_id(text: str | bytes) -> str:
             return _named.decode(data).id
         except (msgspec.DecodeError, UnicodeDecodeError):
             return UNNAMED
-    found = _ID.search(data, 0, HEAD)
+    found = _ID.search(data, 0, ID_SEARCH)
     return found[1].decode(errors="replace") if found else UNNAMED

@@ -16,10 +16,10 @@ from kinesic.realizer.occupancy import Occupancy, settle_occupancy
 from kinesic.realizer.request import SceneContext, TimedRequest
 from kinesic.realizer.running_block import EndedBlock, PlayingSpeech, RunningBlock
 
-KEPT = 0.5  # [s] of the past that the motion keeps
+PAST_KEPT = 0.5  # [s] of the past that the motion keeps
 LONGEST_PAST = 2.0  # [s] of the past beyond which it is cut away
 SOON = 0.05  # [s] before it may start a block is merged into what still plays
-REMEMBERED = 32  # blocks that are over and can be referred to
+BLOCKS_KEPT = 32  # blocks that are over and can be referred to
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,7 +154,7 @@ class Scene:
             lasting=settle_occupancy((*self.lasting, *running.occupancy)) if state is BlockState.DONE else self.lasting,
             blocks=tuple(each for each in self.blocks if each.id != running.id),
             replans=tuple(request for request in self.replans if request.block.id != running.id),
-            ended=(*(each for each in self.ended if each.id != ended.id), ended)[-REMEMBERED:],
+            ended=(*(each for each in self.ended if each.id != ended.id), ended)[-BLOCKS_KEPT:],
         )
 
     def hinges_of(self, occupancy: Iterable[Occupancy]) -> Flags:
@@ -169,6 +169,6 @@ def forget_past(scene: Scene, now: float) -> Scene:
     """Cuts the past of the motion away, once there is enough of it."""
     if now - scene.motion.start < LONGEST_PAST:
         return scene
-    blocks = tuple(each.since(now - KEPT) for each in scene.blocks)
-    idle = None if scene.idle is None else scene.idle.since(now - KEPT)
-    return replace(scene, motion=scene.motion.since(now - KEPT), blocks=blocks, idle=idle)
+    blocks = tuple(each.since(now - PAST_KEPT) for each in scene.blocks)
+    idle = None if scene.idle is None else scene.idle.since(now - PAST_KEPT)
+    return replace(scene, motion=scene.motion.since(now - PAST_KEPT), blocks=blocks, idle=idle)

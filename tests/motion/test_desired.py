@@ -7,7 +7,7 @@ from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.motion import desired
 from kinesic.motion.desired import DesiredMotion, join_keys
-from kinesic.motion.keys import PLAIN, KeyPosture, Keys, Passage
+from kinesic.motion.keys import PLAIN_PASSAGE, KeyPosture, Keys, Passage
 
 TIMES = np.array([0.0, 0.5, 1.2, 1.5, 2.4])
 ANGLES = np.array([[0.0, 1.0], [0.4, 1.0], [0.9, 0.2], [0.9, -0.4], [0.1, -0.4]])
@@ -15,12 +15,12 @@ ALL = np.ones_like(ANGLES, dtype=bool)
 LIMITS = Limits(*(sealed([value] * 2) for value in (-2, 2, 10, 100, 1e4, 1e-3, 1e-2, 1)))
 
 
-def keys(passed: Passage = PLAIN, keyed=ALL, angles=ANGLES, times=TIMES):
+def keys(passed: Passage = PLAIN_PASSAGE, keyed=ALL, angles=ANGLES, times=TIMES):
     rows = zip(times, angles, keyed, strict=True)
     return [KeyPosture(time, sealed(row), tuple(own), passages=(passed,) * len(row)) for time, row, own in rows]
 
 
-def joined(passed: Passage = PLAIN, keyed=ALL, zero: float = 0.0, angles=ANGLES, times=TIMES):
+def joined(passed: Passage = PLAIN_PASSAGE, keyed=ALL, zero: float = 0.0, angles=ANGLES, times=TIMES):
     limits = LIMITS.part(np.arange(angles.shape[1]))
     return join_keys(times, Keys.of(keys(passed, keyed, angles, times), limits, room=0.0), zero=zero)
 
@@ -185,7 +185,7 @@ def test_a_hinge_with_swing_goes_on_through_a_key_where_it_turns_back_but_stays_
 
 
 def test_every_hinge_and_key_has_a_manner_of_its_own():
-    stiff, plain = Passage(tension=1.0), PLAIN
+    stiff, plain = Passage(tension=1.0), PLAIN_PASSAGE
     rows = [replace(key, passages=(plain, stiff)) for key in keys()]
     rows[1] = replace(rows[1], passages=(stiff, plain))
     speeds = join_keys(TIMES, Keys.of(rows, LIMITS, room=0.0)).sample(TIMES)[1]

@@ -6,7 +6,7 @@ from kinesic.bml.block import BmlError
 from kinesic.bml.parse import parse
 from kinesic.motion.keys import KeyPosture, Keys
 from kinesic.planning import clashes
-from kinesic.planning.clashes import APART, NEGLIGIBLE_CLASH, Neighbours, chain_sums, least_times_between_turns
+from kinesic.planning.clashes import NEGLIGIBLE_CLASH, VISIBLE_CLASH, Neighbours, chain_sums, least_times_between_turns
 from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.quick_plan import plan_quickly
 
@@ -67,7 +67,7 @@ def test_what_would_have_worked_works(planned):
     at = float(why.split("with its stroke at ")[1].split(" s")[0])
     later = planned(document("love", "contrast_left_right", at - 1.8, BOTH)[0])
     assert "dropped" not in fates(later).values()
-    assert abs(times(later)["ask:stroke"] - 1.8) < APART
+    assert abs(times(later)["ask:stroke"] - 1.8) < VISIBLE_CLASH
 
 
 def test_a_beat_gives_way_to_what_comes_later(planned):
@@ -83,7 +83,7 @@ def test_gestures_that_follow_closely_are_both_performed(planned):
         found = planned(document("offer", "large", later, BOTH)[0])
         assert "dropped" not in fates(found).values()
         strokes = [times(found)[f"{id}:stroke"] for id in ("ask", "next")]
-        assert strokes[1] - strokes[0] - later < APART
+        assert strokes[1] - strokes[0] - later < VISIBLE_CLASH
 
 
 def test_an_open_hand_is_taken_before_one_gives_way(planned):
@@ -108,7 +108,7 @@ def test_a_row_of_gestures_that_lack_a_little_each_does_not_drift(planned):
     kinds = [outcome.kind for outcome in found.keyframes.outcomes.values()]
     assert 1 <= kinds.count("dropped") <= 3
     drift = max(abs(sync.planned - sync.asked) for sync in found.syncs if sync.sync == "stroke")
-    assert drift <= 1.25 * APART  # no pair lacks more than `APART`, and a row no more than a pair
+    assert drift <= 1.25 * VISIBLE_CLASH  # no pair lacks more than `VISIBLE_CLASH`, and a row no more than a pair
 
 
 def test_sums_are_those_of_the_longest_chain_without_gaps():

@@ -20,7 +20,7 @@ from kinesic.expressivity.hands.poses import REST
 from kinesic.expressivity.keyframes import Hand
 from kinesic.expressivity.lexicon.paths import HandPath
 from kinesic.expressivity.turns import MERGE
-from kinesic.motion.keys import PLAIN, Passage
+from kinesic.motion.keys import PLAIN_PASSAGE, Passage
 from kinesic.motion.piecewise import PiecewisePolynomial
 
 PARALLEL = 0.99  # cosine of pointing and palm from which on they say no rotation
@@ -40,7 +40,7 @@ class HandKey:
 
     time: float  # [s] block time
     hand: Hand
-    passage: Passage = PLAIN
+    passage: Passage = PLAIN_PASSAGE
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,7 +19,7 @@ from kinesic.expressivity.hands.strokes import HandStroke, Stroke, stroke_keys
 from kinesic.expressivity.keyframes import Hand, Outcome, Touch
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.turns import MERGE, arrival, departure_time
-from kinesic.motion.keys import PLAIN
+from kinesic.motion.keys import PLAIN_PASSAGE
 
 NEIGHBOUR = 0.5  # [s] gestures nearer than this do not pass through rest
 MEETING: frozenset[Touch] = frozenset(("hand", "forearm", "upper_arm"))  # what an arm rests on of the other one
@@ -181,7 +181,7 @@ def _approach(
     else:
         leave = departure_time(work.at("start"), own[0].time, way)
     leave = max(leave, free)
-    passage = holding.effort(pace).passage("hold") if holding else PLAIN
+    passage = holding.effort(pace).passage("hold") if holding else PLAIN_PASSAGE
     hold = [HandKey(leave, hand, passage)] if leave - free >= MERGE else []
     return [*keys, *hold, *(key for key in own if key.time >= leave + MERGE)]
 

@@ -13,10 +13,10 @@ from kinesic.motion.limit_check import find_beyond
 from kinesic.motion.trajectory import EARLY, FEWEST, STEP, Trajectory
 from kinesic.planning.secondary.swells import CONTROL_LEAD, MotionChange
 
-FULL = 1.0 + 1e-9  # share of a limit
-WIDEST = max(WIDTHS)  # control points that one limit depends on
+FULL_LIMIT = 1.0 + 1e-9  # share of a limit
+MOST_CONTROLS = max(WIDTHS)  # control points that one limit depends on
 LESS = 0.4  # of a change that hinders, before it is left out
-NOTHING = sealed([])
+NO_ROWS = sealed([])
 
 
 def lessened(amounts: Floats, less: Flags) -> Floats:
@@ -61,7 +61,7 @@ class Changes:
         """The amounts that all changes add at full size."""
         change, hinge, count = self._parts.T
         row = np.arange(count.sum()) + np.repeat(self._spans[change, 0] - (np.cumsum(count) - count), count)
-        added = np.concatenate([NOTHING, *(own.ravel(order="F") for own in self._rows)])
+        added = np.concatenate([NO_ROWS, *(own.ravel(order="F") for own in self._rows)])
         return _Cells(np.repeat(change, count), np.repeat(hinge, count), row, added)
 
     @cached_property
@@ -97,7 +97,7 @@ class Changes:
     def _window(self, amounts: Floats, changed: Flags) -> slice:
         """Control points that limits have to be looked at after some changes (c,): elsewhere all is as it was."""
         size, (first, last) = self._whole_size(amounts), self._spans[changed].T
-        return slice(max(0, min(int(first.min()), size) - WIDEST), min(int(last.max()) + WIDEST, size))
+        return slice(max(0, min(int(first.min()), size) - MOST_CONTROLS), min(int(last.max()) + MOST_CONTROLS, size))
 
     @cached_property
     def _alone(self) -> Floats:
@@ -132,7 +132,7 @@ class Changes:
             hinges, window = np.flatnonzero(self.moved[changed].any(axis=0)), self._window(amounts, changed)
             broken = np.zeros(self._alone.shape, dtype=np.bool_)
             laid, alone = (every[hinges, window] for every in (self._laid(amounts), self._alone))
-            broken[hinges, window] = find_beyond(laid, alone, limits, hinges, full=FULL)
+            broken[hinges, window] = find_beyond(laid, alone, limits, hinges, full=FULL_LIMIT)
             met = self._cells.change[broken.reshape(-1)[self._places]]
             changed = (np.bincount(met, minlength=len(amounts)) > 0) & (amounts > 0.0)
             amounts = lessened(amounts, changed)

@@ -23,7 +23,7 @@ SPACING = 0.9, 2.2  # [s] from one dip to the next
 PHRASE = 2.5, 4.5  # [s] that head and trunk take to stray and come back
 FARTHEST_AT = 0.35, 0.6  # share of it, at which they are farthest
 LEAST_PHRASE = 1.2  # [s] that is worth it
-HEAD = radians(3.0), radians(1.2), radians(2.0)  # torsion, tilt and roll that the head strays at most
+HEAD_STRAY = radians(3.0), radians(1.2), radians(2.0)  # torsion, tilt and roll that the head strays at most
 TRUNK = radians(0.9), radians(0.3), radians(0.7)  # likewise the trunk
 
 
@@ -61,7 +61,7 @@ def _straying(span: Span, amount: float, robot: Robot, chance: np.random.Generat
         if span[1] - end < LEAST_PHRASE:
             end = span[1]
         farthest = amount * min(1.0, (end - begin) / PHRASE[0])
-        for chain, widest in (("neck", HEAD), ("torso", TRUNK)):
+        for chain, widest in (("neck", HEAD_STRAY), ("torso", TRUNK)):
             away = np.zeros(len(robot.skeleton.hinges))
             set_turn(robot, chain, farthest * np.array(widest) * chance.uniform(-1.0, 1.0, 3), away)
             yield Swell(begin, begin + float(chance.uniform(*FARTHEST_AT)) * (end - begin), end, away)

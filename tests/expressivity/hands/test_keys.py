@@ -7,14 +7,14 @@ from kinesic.body.reach import Reach
 from kinesic.expressivity.hands.keys import HandKey, Turning, along, facing_rotations
 from kinesic.expressivity.keyframes import Hand
 from kinesic.expressivity.lexicon.paths import shape_path
-from kinesic.motion.keys import PLAIN, Passage
+from kinesic.motion.keys import PLAIN_PASSAGE, Passage
 
 TIMES = (0.0, 0.4, 1.1, 1.5, 2.3)
 KEYS = Rotation.random(5, random_state=7)
 STEP = 1e-6
 
 
-def turning(passed: Passage = PLAIN, keys: Rotation = KEYS) -> Turning:
+def turning(passed: Passage = PLAIN_PASSAGE, keys: Rotation = KEYS) -> Turning:
     return Turning.through(TIMES, keys, (passed,) * len(TIMES))
 
 
@@ -27,7 +27,7 @@ def test_keys_are_met():
     np.testing.assert_allclose((KEYS.inv() * turning().at(np.array(TIMES))).magnitude(), 0.0, atol=1e-12)
 
 
-@pytest.mark.parametrize("passed", [PLAIN, Passage(-1.0, 0.0, 1.0), Passage(0.4, -0.3, -0.7)])
+@pytest.mark.parametrize("passed", [PLAIN_PASSAGE, Passage(-1.0, 0.0, 1.0), Passage(0.4, -0.3, -0.7)])
 def test_the_turning_speed_does_not_jump_at_keys(passed):
     motion = turning(passed)
     for time in TIMES[1:-1]:
@@ -76,7 +76,7 @@ def test_holds_do_not_turn():
 
 def test_it_goes_the_short_way():
     there = Rotation.from_rotvec([[0.0, 0.0, 0.1], [0.0, 0.0, 2 * np.pi - 0.1]])
-    motion = Turning.through((0.0, 1.0), there, (PLAIN, PLAIN))
+    motion = Turning.through((0.0, 1.0), there, (PLAIN_PASSAGE, PLAIN_PASSAGE))
     assert motion.at(np.array([0.5])).magnitude()[0] == pytest.approx(0.0, abs=1e-12)
 
 

@@ -17,7 +17,7 @@ from kinesic.expressivity.style.style import (
     style_preset,
 )
 from kinesic.motion.easing import PARTS, soften_easing
-from kinesic.motion.keys import PLAIN, Passage
+from kinesic.motion.keys import PLAIN_PASSAGE, Passage
 
 PRESETS = sorted(file.stem for file in (CONFIGS / "styles").glob("*.toml"))
 PHASES = ("preparation", "stroke", "hold", "retraction")
@@ -183,7 +183,7 @@ def test_fluidity_is_continuity_and_tension_tension(phase):
         found = passage_of(Expressivity(fluidity=fluidity, tension=-0.4), phase)
         assert found.continuity == pytest.approx((fluidity - 1.0) / 2.0)
         assert found.tension == -0.4
-    assert passage_of(Expressivity(fluidity=1.0), phase) == PLAIN
+    assert passage_of(Expressivity(fluidity=1.0), phase) == PLAIN_PASSAGE
 
 
 @pytest.mark.parametrize(("accent", "least"), [(0.0, 1.6), (1.0, 1.4), (1.9, 1.3)])
