@@ -35,7 +35,7 @@ from kinesic.expressivity.turns import UPRIGHT, Layer, exclusive, pass_layer
 REALISED = Outcome("realised")
 POINTED = "index"  # shape of a hand that points
 DEICTIC = "deictic"  # category of gestures that point
-WIDEST = 0.5  # more of the body's part at a spatial extent of 1, and less at -1
+EXTENT_GAIN = 0.5  # more of the body's part at a spatial extent of 1, and less at -1
 HEAD_KNOWN = "nod, shake, up, down, left, right, aside, tilt, forward, back and their synonyms are known"
 WEIGHED: tuple[Modality, Modality, Modality] = ("head", "torso", "gesture")
 COUNTING = "count"  # gestures whose names begin with it count on one hand
@@ -170,7 +170,7 @@ def _weigh_body(body: BodyForm, timed: TimedBehaviour, context: BlockContext) ->
     """Makes the body's part in a gesture as large as its style has it, and each part's spatial extent."""
     weight = context.styles[timed.behaviour.id].whole_body
     head, trunk, arms = (
-        weight * (1.0 + WIDEST * context.manner(timed.behaviour, modality).spatial) for modality in WEIGHED
+        weight * (1.0 + EXTENT_GAIN * context.manner(timed.behaviour, modality).spatial) for modality in WEIGHED
     )
     return body.weighed(head=head, trunk=trunk, shoulders=arms, face=weight)
 

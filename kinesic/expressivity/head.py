@@ -28,7 +28,7 @@ from kinesic.expressivity.turns import (
 NOD = radians(20)  # peak of a nod of amount 1
 SHAKE = radians(25)  # of a shake of amount 1, to each side
 DIRECTION = radians(30)  # of a direction of amount 1, on each axis that it names
-SWING = 0.17  # [s] one way, at ease
+NOD_TIME = 0.17  # [s] one way, at ease
 MORE = 2  # nods or shakes that full repetition adds
 
 _AHEAD = 0.85  # of a direction: where the head is when ready
@@ -90,7 +90,7 @@ def head_form(head: Head, robot: Robot, manner: Expressivity) -> HeadForm | None
 
 def swing_time(form: HeadForm, pace: Pace, manner: Expressivity) -> float:
     """Finds the natural time of one swing from upright to the peak [s], under temporal extent and power."""
-    return pace.turn_time("neck", form.peak, manner.temporal, manner.power, usual=SWING)
+    return pace.turn_time("neck", form.peak, manner.temporal, manner.power, usual=NOD_TIME)
 
 
 def direction(words: tuple[str, ...]) -> Turn:

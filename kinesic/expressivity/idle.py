@@ -20,7 +20,7 @@ from kinesic.expressivity.turns import UPRIGHT, Layer, TurnKey
 
 Span = tuple[float, float]  # [s] from and to
 
-MARGIN = 0.3  # [s] between idle motion and what is asked for
+IDLE_MARGIN = 0.3  # [s] between idle motion and what is asked for
 LEAST_PAUSE = 2.4  # [s] that is worth a breath
 
 BREATH = 4.0  # [s] of one; people breathe 12 to 18 times a minute
@@ -74,8 +74,8 @@ def idle(free: Iterable[Span], idling: Idling) -> tuple[Layer, Layer]:
     torso: list[TurnKey] = []
     head: list[TurnKey] = []
     for begin, end in free:
-        if end - begin - 2 * MARGIN >= LEAST_PAUSE:
-            times = _breaths((begin + MARGIN, end - MARGIN), chance)
+        if end - begin - 2 * IDLE_MARGIN >= LEAST_PAUSE:
+            times = _breaths((begin + IDLE_MARGIN, end - IDLE_MARGIN), chance)
             torso += [TurnKey(times[0], UPRIGHT), *_swaying(times, amount, chance), TurnKey(times[-1], UPRIGHT)]
             head += [TurnKey(times[0], UPRIGHT), *_wandering(times, amount, chance), TurnKey(times[-1], UPRIGHT)]
     return tuple(torso), tuple(head)

@@ -27,7 +27,9 @@ GOLDEN = (sqrt(5.0) - 1.0) / 2.0  # step of a sequence on the circle whose neigh
 SPATIAL = 0.5  # most that spatial extent differs, like all of these at amount 1
 TEMPORAL = 0.3  # and temporal extent: an eighth of the time of each phase; half of it follows from the size
 PLACE = 0.05  # [arm lengths] along each axis: 3 cm of a person
-APART = 0.04  # [arm lengths] along each axis, that the left hand of two is beside the mirror image of the right one
+MIRROR_OFFSET = (
+    0.04  # [arm lengths] along each axis, that the left hand of two is beside the mirror image of the right one
+)
 NEAR_HANDS = 0.45  # [arm lengths] from hand to hand, below which they stay mirror images
 OUTWARD = 1  # among the coordinates of a place
 OTHER_HAND = 0.25  # share of gestures that the other hand makes, where the document leaves it open
@@ -152,7 +154,7 @@ def _deviation(block: Block, behaviour: Behaviour, number: int, variation: Varia
         spatial=variation.amount * SPATIAL * extent,
         temporal=variation.amount * TEMPORAL * (float(temporal) - extent) / 2.0,  # what is larger takes longer
         place=sealed(variation.amount * PLACE * np.array(place)),
-        apart=sealed(variation.amount * APART * apart),
+        apart=sealed(variation.amount * MIRROR_OFFSET * apart),
         other_hand=other_hand,
         leader="l" if chance.uniform() < LEFT_LEADS else "r",
         behind=variation.amount * float(chance.uniform(*BEHIND)),

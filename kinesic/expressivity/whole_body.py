@@ -40,9 +40,9 @@ EASE, HOME = 0.5, 0.8  # [s] of the way there and back, where the document leave
 LONG_WAIT = 0.8  # [s] from one gesture to the next, in which the head turns back to the listener
 WAITING = 0.3  # share of its turn that it keeps meanwhile
 FAR = 1.0  # [m] of what a hand points at, where nothing is named
-WIDEST: Mapping[LookAt, float] = {"hands": radians(14), "place": radians(35)}  # that the head turns to look
+LARGEST_LOOK: Mapping[LookAt, float] = {"hands": radians(14), "place": radians(35)}  # that the head turns to look
 LEAD_IN = 0.3  # of a nod that the head goes up before it
-SWING = 0.30  # [s] of a shake to one side, at ease
+SHAKE_TIME = 0.30  # [s] of a shake to one side, at ease
 SWINGS = 4  # at most
 TRUNK_SHARE = 0.5  # of the way to what is looked at, that the trunk turns at most
 BEYOND = 2.0  # times as far as the head, that eyes look away
@@ -183,7 +183,7 @@ def _place(work: HandStroke, body: BodyForm) -> Floats | None:
 
 def _looked(seen: Turn, body: BodyForm) -> Turn:
     """The head's share of a gaze."""
-    most = WIDEST.get(body.gaze, 0.0)
+    most = LARGEST_LOOK.get(body.gaze, 0.0)
     torsion, tilt, _ = (min(max(body.look * angle, -most), most) for angle in turn_angles(seen))
     return Turn(torsion, tilt)
 
@@ -226,9 +226,9 @@ def _shakes(work: HandStroke, move: BodyMove, pace: Pace) -> dict[float, Turn]:
     After a short stroke the head may go on while the hands go home.
     """
     begin, held = work.at("strokeStart"), max(work.at("relax"), work.at("strokeEnd"))
-    end = max(held, min(begin + 3 * SWING, work.at("end")))
+    end = max(held, min(begin + 3 * SHAKE_TIME, work.at("end")))
     least = pace.least_turn_time("neck", Turn(torsion=2 * move.shake)) / HASTE
-    count = min(SWINGS, int((end - begin) / max(least, SWING)))
+    count = min(SWINGS, int((end - begin) / max(least, SHAKE_TIME)))
     times = np.linspace(begin, end, count + 1).tolist() if count >= 2 else []
     sides = [move.shake * (-1) ** k for k in range(count)]
     return {time: add_turns(move.head, Turn(torsion=side)) for time, side in zip(times, (*sides, 0.0), strict=False)}

@@ -19,7 +19,7 @@ from kinesic.expressivity.durations import spans
 from kinesic.expressivity.hands.poses import poses
 from kinesic.expressivity.hands.strokes import least_stroke_times
 from kinesic.expressivity.head import MORE
-from kinesic.expressivity.style.effort import ROOM
+from kinesic.expressivity.style.effort import ROOM_FOR_ACCENT
 from kinesic.expressivity.style.pace import FORCE
 from kinesic.expressivity.style.style import Expressivity, Style
 
@@ -87,7 +87,7 @@ def test_power_hurries_the_stroke_as_far_as_the_servos_allow_and_weakness_slows_
         assert len({of[sync] for of in found[4:]}) == 1
     neutral = poses(lexicon.find(lexeme).form, pace.robot, Expressivity())
     least = sum(least_stroke_times(neutral, pace)[: neutral.stroke])
-    assert found[-1]["stroke"] == pytest.approx(max(found[4]["stroke"] / FORCE, ROOM * least))
+    assert found[-1]["stroke"] == pytest.approx(max(found[4]["stroke"] / FORCE, ROOM_FOR_ACCENT * least))
     assert [of["relax"] for of in found] == pytest.approx([found[0]["relax"]] * len(EXTENTS))
 
 

@@ -6,7 +6,7 @@ import pytest
 from kinesic.bml.block import GAZE_SYNCS, SHIFT_SYNCS, Block, Gaze, Head, HeadDirectionShift, NoticeType
 from kinesic.body.action_units import ASIDE
 from kinesic.expressivity.gaze import aim
-from kinesic.expressivity.head import MORE, SWING, head_form, head_layer, swing_time
+from kinesic.expressivity.head import MORE, NOD_TIME, head_form, head_layer, swing_time
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import Expressivity, passage_of
 from kinesic.expressivity.turns import UPRIGHT, room, turn_at
@@ -289,7 +289,7 @@ def test_repetition_nods_more_as_far_as_there_is_time(robot, pace, phases):
 def test_a_swing_is_quicker_with_temporal_extent_and_power(robot, pace):
     form = head_form(Head("NOD"), robot, Expressivity())
     usual = swing_time(form, pace, Expressivity())
-    assert usual >= SWING
+    assert usual >= NOD_TIME
     for name in ("temporal", "power"):
         slow, quick = (swing_time(form, pace, Expressivity(**{name: extent})) for extent in (-1.0, 1.0))
         assert quick < usual < slow

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kinesic.bml.block import Gaze, Gesture, Wait
-from kinesic.expressivity.idle import LEAST_PAUSE, MARGIN, Idling, idle, pauses
+from kinesic.expressivity.idle import IDLE_MARGIN, LEAST_PAUSE, Idling, idle, pauses
 from kinesic.expressivity.realise import keyframes
 from kinesic.expressivity.turns import UPRIGHT, total, turn_angles
 
@@ -28,7 +28,9 @@ def test_it_moves_in_pauses_alone_and_begins_and_ends_at_nothing(busy, seed):
             continue
         times = [key.time for key in layer]
         assert times == sorted(set(times))
-        inside = np.concatenate([np.linspace(begin - MARGIN, end + MARGIN, 20) for begin, end in busy] or [[0.0]])
+        inside = np.concatenate(
+            [np.linspace(begin - IDLE_MARGIN, end + IDLE_MARGIN, 20) for begin, end in busy] or [[0.0]]
+        )
         np.testing.assert_allclose(total([layer], inside), 0.0, atol=1e-12)
         assert layer[0].turn == layer[-1].turn == UPRIGHT
 
@@ -64,8 +66,8 @@ def test_what_is_held_by_head_and_trunk_is_no_bar(timeline, context):
 
 
 def test_a_short_pause_is_left_still():
-    assert idle([(0.0, LEAST_PAUSE + 2 * MARGIN - 0.01)], LIVELY) == ((), ())
-    assert idle([(0.0, LEAST_PAUSE + 2 * MARGIN + 0.01)], LIVELY)[0]
+    assert idle([(0.0, LEAST_PAUSE + 2 * IDLE_MARGIN - 0.01)], LIVELY) == ((), ())
+    assert idle([(0.0, LEAST_PAUSE + 2 * IDLE_MARGIN + 0.01)], LIVELY)[0]
 
 
 def test_what_is_asked_stays_as_it_is(timeline, context, phases):

@@ -10,8 +10,8 @@ from kinesic.expressivity.durations import spans
 from kinesic.expressivity.realise import keyframes
 from kinesic.expressivity.style.style import Expressivity, Style
 from kinesic.expressivity.variation import (
-    APART,
     EXACT,
+    MIRROR_OFFSET,
     OTHER_HAND,
     PLACE,
     SPATIAL,
@@ -157,7 +157,7 @@ def test_hands_apart_are_no_mirror_images(lexicon, robot, name):
         left, right = (key.hands[side].position - usual.hands[side].position for side in ("l", "r"))
         seen.append(float(np.abs(left - right).max()))
     assert np.mean(seen) > 0.005
-    assert max(seen) <= APART + 1e-9
+    assert max(seen) <= MIRROR_OFFSET + 1e-9
 
 
 def test_extents_stay_in_their_ranges(context):

@@ -17,15 +17,15 @@ from kinesic.bml.reading.vocabulary import (
     ATTRIBUTES,
     BLOCK_ATTRIBUTES,
     EMPTY,
+    EMPTY_VALUES,
     INSIDE,
     KINDS,
-    NEEDED,
-    NOTHING,
+    NEEDED_ATTRIBUTES,
     PARTS,
     SPOKEN,
 )
 
-SHOWN = 30  # characters of a text in a message
+CHARACTERS_SHOWN = 30  # characters of a text in a message
 
 STRAY = frozenset({"description", "tm", "sync", "pitchaccent", "boundary"})  # of a block itself, where they say nothing
 
@@ -178,7 +178,7 @@ class _Notes:
 
 def _cut(text: str) -> str:
     shown = " ".join(text.split())
-    return shown if len(shown) <= SHOWN else f"{shown[:SHOWN]}..."
+    return shown if len(shown) <= CHARACTERS_SHOWN else f"{shown[:CHARACTERS_SHOWN]}..."
 
 
 def _place(element: Element) -> str:
@@ -200,10 +200,10 @@ def _ineffective(element: Element) -> Iterator[str]:
     for (local, name), empty in EMPTY.items():
         if local == element.local and name in written and written[name] not in empty:
             yield name
-    for (local, name), other in NEEDED.items():
+    for (local, name), other in NEEDED_ATTRIBUTES.items():
         value = written.get(name, "")
         is_known = name != "offsetDirection" or value.upper().replace("_", "") in DIRECTIONS
-        if local == element.local and value not in NOTHING and is_known and written.get(other, "") in NOTHING:
+        if local == element.local and value not in EMPTY_VALUES and is_known and written.get(other, "") in EMPTY_VALUES:
             yield name
     if element.local == "say-as" and "detail" in written and written.get("interpret-as") != "tts:digits":
         yield "detail"

@@ -81,8 +81,8 @@ EMPTY: Mapping[tuple[str, str], frozenset[str]] = {  # values that are followed,
     ("say-as", "interpret-as"): frozenset({"characters", "telephone", "tts:char", "tts:digits", "tts:key"}),
     ("say-as", "format"): frozenset({"glyphs"}),
 }
-NOTHING = frozenset({"", "none"})  # values that are as good as no attribute
-NEEDED: Mapping[tuple[str, str], str] = {  # attributes that have no effect without another one
+EMPTY_VALUES = frozenset({"", "none"})  # values that are as good as no attribute
+NEEDED_ATTRIBUTES: Mapping[tuple[str, str], str] = {  # attributes that have no effect without another one
     **dict.fromkeys((("gaze", "offsetAngle"), ("gazeShift", "offsetAngle")), "offsetDirection"),
     **dict.fromkeys((("gaze", "offsetDirection"), ("gazeShift", "offsetDirection")), "offsetAngle"),
 }

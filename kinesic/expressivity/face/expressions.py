@@ -13,7 +13,7 @@ from kinesic.body.action_units import UNITS, FaceSide, channels, face_keys, unkn
 from kinesic.body.arrays import Floats
 from kinesic.body.config import CONFIGS, ConfigError, read_toml
 from kinesic.expressivity.lexicon.movement_words import NEGATIONS, amplitude_factor, movement_words
-from kinesic.expressivity.lexicon.names import KEPT, word_set
+from kinesic.expressivity.lexicon.names import NAMES_KEPT, word_set
 from kinesic.expressivity.lexicon.senses import Sense, nearest_sense, read_lexeme
 from kinesic.expressivity.style.style import NEUTRAL, Expressivity
 from kinesic.motion.easing import ease
@@ -21,7 +21,7 @@ from kinesic.motion.easing import ease
 EXPRESSIONS = CONFIGS / "faces" / "expressions.toml"
 
 QUICKEST = 0.06  # [s] in which a muscle of the face can do anything
-WIDEST = 0.5  # more intensity of a spatial extent of 1, and less of -1
+EXTENT_GAIN = 0.5  # more intensity of a spatial extent of 1, and less of -1
 OVERSHOOT = 0.25  # of the intensity, by which a power of 1 goes over what it then holds
 SETTLING = 0.35  # [s] from there to what is held
 FADING = 0.4  # of the intensity, that a power of -1 loses while it holds
@@ -120,7 +120,7 @@ class _Found:
     left_out: tuple[str, ...]  # words that it does not show
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=NAMES_KEPT)
 def _entry(lexeme: str, path: Path) -> _Found | None:
     known, reading = entries(path), read_lexeme(lexeme)
     found = nearest_sense(reading.words, [Sense(tuple(entry.words), "face", entry.says) for entry in known])
@@ -174,7 +174,7 @@ class Envelope:
         shares = _way(_early((times - self.start) / (self.peak - self.start), manner.power), manner.fluidity)
         if not np.isinf(self.end):
             shares = np.minimum(shares, 1.0 - _way((times - self.relax) / (self.end - self.relax), manner.fluidity))
-        return np.asarray((1.0 + WIDEST * manner.spatial) * shares * self._level(times, manner.power))
+        return np.asarray((1.0 + EXTENT_GAIN * manner.spatial) * shares * self._level(times, manner.power))
 
     def _level(self, times: Floats, power: float) -> Floats | float:
         """(m,) what is held, as a share of what was asked."""

@@ -34,7 +34,7 @@ LAG = 0.06  # [s] after a sound, when its shape is gone
 VISEMES = CONFIGS / "faces" / "visemes.toml"
 SEAL = "24"  # the action unit that closes the lips
 BEHIND = ("19", "32")  # what must not be seen through closed lips
-MARGIN = 0.4  # [s] round a time, within which sounds may decide what is shown
+VISEME_REACH = 0.4  # [s] round a time, within which sounds may decide what is shown
 UNSTRESSED = 0.55  # of the opening of a vowel without stress
 _LEADS = {"18": ROUND_LEAD, "22": ROUND_LEAD}
 NEUTRAL = "\N{LATIN SMALL LETTER SCHWA}"
@@ -148,8 +148,8 @@ class _Sound:
 
 def _grid(sounds: Sequence[_Sound], times: Floats) -> Floats:
     """(n,) [s] steps of the utterance that decide what is shown at some times of it."""
-    first = max(sounds[0].begin, times[0]) - MARGIN
-    last = min(sounds[-1].end, times[-1]) + MARGIN
+    first = max(sounds[0].begin, times[0]) - VISEME_REACH
+    last = min(sounds[-1].end, times[-1]) + VISEME_REACH
     return MOUTH_STEP * np.arange(np.floor(first / MOUTH_STEP), np.ceil(max(first, last) / MOUTH_STEP) + 1)
 
 

@@ -21,7 +21,7 @@ from kinesic.expressivity.style.pace import Pace
 from kinesic.motion.double_s import least_rest_times
 
 LAG = 0.045  # [s] by which fingers follow the wrist
-EASE = 0.40  # [s] that a change takes, where there is time
+CHANGE_TIME = 0.40  # [s] that a change takes, where there is time
 HASTE = 1.5  # times the shortest time that servos need, which it takes at least
 QUARTERS = 4  # keys of a turn of a motion
 BREATH = 0.02  # [s] between keys at least
@@ -105,7 +105,7 @@ def _changes(keys: Sequence[HandKey], works: Sequence[HandStroke], side: Side, p
         least = HASTE * _least_time(here, there, side, pace)
         entering = any(abs(after.time - begin) < BREATH for begin in begins)
         start = before.time + LAG
-        end = max(start + max(least, min(EASE, after.time - start)), start + least)
+        end = max(start + max(least, min(CHANGE_TIME, after.time - start)), start + least)
         latest = after.time if entering else after.time + LAG
         if after.hand.shape is not None:
             end = min(end, latest)

@@ -18,7 +18,7 @@ from kinesic.expressivity.lexicon.body_form import NO_BODY, BodyForm
 from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
 from kinesic.expressivity.lexicon.hand_shapes import FingerMotion
 from kinesic.expressivity.lexicon.paths import HandPath
-from kinesic.expressivity.lexicon.space import EASE, direction_in_world, extend_position, to_world, widen_key
+from kinesic.expressivity.lexicon.space import EASY_REACH, direction_in_world, extend_position, to_world, widen_key
 from kinesic.expressivity.style.effort import PLAIN_NATURE, Nature
 from kinesic.expressivity.style.style import Expressivity
 
@@ -250,7 +250,7 @@ def _paths(
 
     Where a path that grows would leave the arm's easy reach, it grows less.
     """
-    centre, easy = shoulder(robot, side), EASE * robot.arm_length
+    centre, easy = shoulder(robot, side), EASY_REACH * robot.arm_length
     found: list[HandPath | None] = []
     for k, key in enumerate(keys):
         pose = key.hands.get(side)

@@ -19,7 +19,7 @@ from kinesic.expressivity.style.style import NEUTRAL, Expressivity
 from kinesic.expressivity.turns import MERGE
 
 BENT = 1.5  # a swing of a path is worth a straight way of so many lengths: not all hinges turn at once
-SPARE = 1.4  # and takes so many times the shortest time, for it cannot choose where its hinges turn
+SPARE_TIME = 1.4  # and takes so many times the shortest time, for it cannot choose where its hinges turn
 
 _SAME = 1e-9  # [s]
 _LEAST_TURNS: Mapping[PathKind, float] = {"wave": 0.5, "arc": 0.5}  # what is left to see of it; one turn of others
@@ -219,7 +219,7 @@ def _way(a: Hand, b: Hand, path: HandPath | None, rest: Reach) -> _Way:
         return _Way(1, pose_distance(a, b, rest), 1.0)
     start, end = (a.reach or rest).position, (b.reach or rest).position
     swings = path.swings(start, end)
-    return _Way(swings, BENT * path.length(start, end) / swings, SPARE)
+    return _Way(swings, BENT * path.length(start, end) / swings, SPARE_TIME)
 
 
 def least_stroke_times(poses: Poses, pace: Pace) -> tuple[float, ...]:

@@ -12,7 +12,7 @@ from kinesic.body.config import CONFIGS, ConfigError, read_toml
 Finger = Literal["thumb", "index", "middle", "ring", "pinky"]
 FINGERS: tuple[Finger, ...] = get_args(Finger)
 Five = tuple[float, float, float, float, float]  # thumb .. little finger
-NONE: Five = (0.0, 0.0, 0.0, 0.0, 0.0)
+NO_FINGERS: Five = (0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -35,8 +35,8 @@ class FingerMotion:
     name: str
     says: str  # in words
     rate: float  # [Hz]
-    bend: Five = NONE  # by how much of its way each finger closes; below 0 it opens
-    later: Five = NONE  # [quarters of a turn] when each does so
+    bend: Five = NO_FINGERS  # by how much of its way each finger closes; below 0 it opens
+    later: Five = NO_FINGERS  # [quarters of a turn] when each does so
     apart: float = 0.0  # by how much the fingers go apart; below 0 together
 
 
@@ -53,8 +53,8 @@ class _ShapeTable(msgspec.Struct, forbid_unknown_fields=True):
 class _MotionTable(msgspec.Struct, forbid_unknown_fields=True):
     says: str
     rate: float
-    bend: Five = NONE
-    later: Five = NONE
+    bend: Five = NO_FINGERS
+    later: Five = NO_FINGERS
     apart: float = 0.0
 
 

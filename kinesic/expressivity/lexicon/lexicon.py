@@ -25,7 +25,7 @@ NAMELESS = "beat"  # what a gesture without a lexeme most likely is
 MOST_NEAR = 3  # gestures that are named when a lexeme is unknown
 LONGEST_NAME = 120  # characters of a name that are read; a longer one is none
 COMPARED = 40  # characters of a name that are compared with others
-KEPT = 512  # forms that are turned to other hands
+FORMS_KEPT = 512  # forms that are turned to other hands
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,7 +171,7 @@ class Lexicon:
         return Match(posed, found.kind, f"substituted by {form.id}: {why}" if why else "")
 
 
-@lru_cache(maxsize=KEPT)  # so that one gesture is one form, of which others remember what it takes
+@lru_cache(maxsize=FORMS_KEPT)  # so that one gesture is one form, of which others remember what it takes
 def in_mode(form: GestureForm, mode: HandMode) -> GestureForm:
     """Gives a form the hands that a mode asks for.
 
@@ -188,7 +188,7 @@ def in_mode(form: GestureForm, mode: HandMode) -> GestureForm:
     return replace(source, keys=keys)
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=FORMS_KEPT)
 def mirror_form(form: GestureForm) -> GestureForm:
     """Mirrors a form: each hand does what the other did, and the body goes to the other side."""
     keys = tuple(StrokeKey({OTHER_SIDE[side]: pose for side, pose in key.hands.items()}) for key in form.keys)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Literal
 
-from kinesic.expressivity.lexicon.names import KEPT, split_words, word_set
+from kinesic.expressivity.lexicon.names import NAMES_KEPT, split_words, word_set
 
 HeadKind = Literal["nod", "shake", "direction"]
 LONGEST_NAME = 120  # characters of a name that are read; a longer one is none
@@ -80,7 +80,7 @@ class HeadName:
     stands_for: str = ""  # why it is not the name itself
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=NAMES_KEPT)
 def movement_words(name: str) -> tuple[str, ...]:
     """Splits a name into its words, one for all that say the same: `LEANING_Backwards` is lean, back."""
     if len(name) > LONGEST_NAME:

@@ -9,8 +9,8 @@ from itertools import pairwise
 from kinesic.bml.block import HandMode
 
 SIDE_WORDS: dict[str, HandMode] = {"left": "left", "right": "right", "both": "both"}
-KEPT = 4096  # names that are remembered taken apart; documents of strangers may hold any number
-SHOWN = 60  # characters of a name in a message
+NAMES_KEPT = 4096  # names that are remembered taken apart; documents of strangers may hold any number
+CHARACTERS_SHOWN = 60  # characters of a name in a message
 CATEGORIES = frozenset(
     {"metaphoric", "iconic", "emblem", "emblematic", "adaptor", "performative", "adjectival", "lexicalized"}
 )
@@ -99,16 +99,16 @@ def word_set(text: str) -> frozenset[str]:
 
 def shorten_name(name: str) -> str:
     """Cuts a name of a stranger to what a message can show."""
-    return name if len(name) <= SHOWN else f"{name[:SHOWN]}..."
+    return name if len(name) <= CHARACTERS_SHOWN else f"{name[:CHARACTERS_SHOWN]}..."
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=NAMES_KEPT)
 def split_words(name: str) -> tuple[str, ...]:
     """Splits a name at everything but letters, at capitals and at numbers: `GreetWave-RH2` is greet, wave, rh, 2."""
     return tuple(word.lower() for word in _WORD.findall(_APOSTROPHES.sub("", name)))
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=NAMES_KEPT)
 def read_name(name: str) -> GestureName:
     """Takes a name apart: `Rise_Arm_R2` is ("rise", "arm", "2"), right hand; articles say nothing."""
     words = split_words(_FOLDERS.sub("", name.strip()))

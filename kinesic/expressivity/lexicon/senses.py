@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from kinesic.bml.block import HandMode
-from kinesic.expressivity.lexicon.names import KEPT
+from kinesic.expressivity.lexicon.names import NAMES_KEPT
 
 _WORD = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])")
 _NOISE = frozenset({"a", "an", "the", "of", "to", "ges", "gesture", "pos", "pose", "posture", "hand", "lexeme"})
@@ -89,7 +89,7 @@ def _near(word: str, known: str) -> bool:
     return word in _inflections(known) or known in _inflections(word)
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=NAMES_KEPT)
 def _inflections(word: str) -> frozenset[str]:
     """A word with the usual endings, a silent e dropped; words of one or two letters have none."""
     if len(word) < _SHORTEST_STEM:

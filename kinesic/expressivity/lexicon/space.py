@@ -32,7 +32,7 @@ SECTORS: Mapping[Axis, Mapping[str, float]] = {
     "z": {"ZNear": 0.4, "ZMiddle": 0.65, "ZFar": 0.95},
 }
 
-EASE = 0.95  # [arm lengths] from the shoulder, beyond which spatial extent takes no hand
+EASY_REACH = 0.95  # [arm lengths] from the shoulder, beyond which spatial extent takes no hand
 FARTHEST_PLACE = 5.0  # [arm lengths] from the origin that a place may be: any hand falls short of it
 HAND_GAP = 0.24  # [arm lengths] least distance between wrists or fingertips of two hands, each about 0.12 thick
 
@@ -142,7 +142,7 @@ def shift_position(position: Floats, shift: Floats, robot: Robot) -> Floats:
 def _reached(position: Floats, wide: Floats, shoulder: Floats) -> Floats:
     """On the way from a position to a wider one, the last that the arm reaches with ease, or the position itself."""
     way, out = wide - position, position - shoulder
-    radius = max(EASE, float(np.linalg.norm(out)))
+    radius = max(EASY_REACH, float(np.linalg.norm(out)))
     if float(np.linalg.norm(wide - shoulder)) <= radius:
         return wide
     a, b, c = float(way @ way), float(way @ out), float(out @ out) - radius**2

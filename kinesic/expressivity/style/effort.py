@@ -29,7 +29,9 @@ FLAT, FLATTER, STEEP = 0.10, 0.25, 0.4  # exponents of the length: of the way th
 PLAIN_BEGIN, PLAIN_BIT, PLAIN_WIDTH = 0.1, 0.15, 0.05  # [s], [s] and [m] of a target in Fitts' law
 PLAIN_FORCEFUL, PLAIN_HOLD = 2.4, 0.5  # times the least time of a stroke without any effort, and shares of it as hold
 READY, EASY, FORCEFUL = 1.05, 1.3, 1.6  # times what the servos need at least; an accent needs half as much again
-ROOM = 1.5  # times the same that power leaves a stroke: with less the servos round its accent off, and it is no faster
+ROOM_FOR_ACCENT = (
+    1.5  # times the same that power leaves a stroke: with less the servos round its accent off, and it is no faster
+)
 CARRIED = 0.6  # of weakness: what the ways there and back have of it (Greta's share)
 
 BEAT_TIME = 0.6  # [s] of a stroke after which the hand is held as long as its category says
@@ -120,7 +122,7 @@ class Effort:
         ease = STROKE * self.slowness**SPREAD * self._length(distance, SWING_WAY) ** STEEP
         least = self.pace.least_hand_time(distance)
         ease = self._blend(max(ease, FORCEFUL * least), max(_fitts(distance), PLAIN_FORCEFUL * least))
-        return natural_time(ease, least, self.manner.temporal, self.manner.power, room=ROOM)
+        return natural_time(ease, least, self.manner.temporal, self.manner.power, room=ROOM_FOR_ACCENT)
 
     def hold_time(self, stroke: float) -> float:
         """Finds how long the hand stays after a stroke, which took so many seconds in plain manner [s]."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import SIDES, Robot
-from kinesic.expressivity.idle import BREATH, LEAST_PAUSE, MARGIN, RISE, Span
+from kinesic.expressivity.idle import BREATH, IDLE_MARGIN, LEAST_PAUSE, RISE, Span
 from kinesic.planning.secondary.swells import Swell
 from kinesic.planning.torso import set_turn
 
@@ -29,7 +29,7 @@ def breaths(span: Span, amount: float, robot: Robot, chance: np.random.Generator
         robot: whose trunk breathes; what it lacks of trunk and collar bones stays still.
         chance: how long and how deep each breath is.
     """
-    begin, end = span[0] + MARGIN, span[1] - MARGIN
+    begin, end = span[0] + IDLE_MARGIN, span[1] - IDLE_MARGIN
     if end - begin < LEAST_PAUSE:
         return
     parts = [_trunk(robot), *(_collar_bone(robot.arm(side).lifting, robot) for side in SIDES)]

@@ -7,10 +7,10 @@ from kinesic.bml.block import Face
 from kinesic.body.action_units import CHANNELS, UNITS, channels
 from kinesic.body.config import ConfigError
 from kinesic.expressivity.face.expressions import (
+    EXTENT_GAIN,
     FADING,
     OVERSHOOT,
     QUICKEST,
-    WIDEST,
     Envelope,
     entries,
     find_expression,
@@ -171,7 +171,7 @@ def test_every_manner_keeps_the_four_times(manner: Expressivity, sign: float):
 
 def test_a_wide_face_shows_more_and_a_tight_one_less():
     peaks = [Envelope.of(TIMES).at(FINE, Expressivity(spatial=value)).max() for value in (-1.0, -0.4, 0.0, 1.0)]
-    np.testing.assert_allclose(peaks, [1.0 - WIDEST, 1.0 - 0.4 * WIDEST, 1.0, 1.0 + WIDEST])
+    np.testing.assert_allclose(peaks, [1.0 - EXTENT_GAIN, 1.0 - 0.4 * EXTENT_GAIN, 1.0, 1.0 + EXTENT_GAIN])
 
 
 def test_power_comes_early_and_overshoots_and_weakness_comes_late_and_fades():

@@ -9,7 +9,7 @@ from kinesic.body.arrays import sealed
 from kinesic.body.robot import Robot
 from kinesic.expressivity.lexicon.form import HandPose, StrokeKey
 from kinesic.expressivity.lexicon.space import (
-    EASE,
+    EASY_REACH,
     HAND_GAP,
     SECTORS,
     extend_position,
@@ -109,7 +109,7 @@ def test_spatial_extent_takes_no_hand_out_of_reach(place, spatial):
     shoulder = ROBOT.skeleton.straight.origins[ROBOT.skeleton.segment("l_shoulder")] - ROBOT.gesture_origin
     wide = widen_key(StrokeKey({"l": HandPose(place)}), spatial, ROBOT).hands["l"].position
     far, before = (float(np.linalg.norm(where - shoulder / ROBOT.arm_length)) for where in (wide, place))
-    assert far <= max(before, EASE) + 1e-9 or spatial < 0
+    assert far <= max(before, EASY_REACH) + 1e-9 or spatial < 0
 
 
 @given(places)

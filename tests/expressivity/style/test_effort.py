@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from kinesic.body.arrays import sealed
-from kinesic.expressivity.style.effort import ACCENT, CHARACTERS, CROWDED, LOOSE, PACES, ROOM, Effort, Nature
+from kinesic.expressivity.style.effort import ACCENT, CHARACTERS, CROWDED, LOOSE, PACES, ROOM_FOR_ACCENT, Effort, Nature
 from kinesic.expressivity.style.pace import HASTE, Pace
 from kinesic.expressivity.style.style import LEAST_LATE, NEUTRAL, Expressivity, passage_of
 from kinesic.motion.keys import ACCENT as ACCENT_EASING
@@ -226,5 +226,5 @@ def test_power_leaves_a_stroke_the_time_for_its_accent(pace):
         Effort(pace, Nature("beat"), Expressivity(power=power, temporal=temporal)).stroke_time(way)
         for power, temporal in ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0))
     )
-    assert strong == pytest.approx(ROOM * least)
+    assert strong == pytest.approx(ROOM_FOR_ACCENT * least)
     assert both <= fast
