@@ -15,7 +15,7 @@ from kinesic.planning.bap import Sampled, bap_heading, write_bap
 SUFFIXES = (".npz", ".csv", ".bap")
 ARRAYS = ("times", "names", "angles", "speeds", "accelerations")  # of npz
 COLUMN = "time_s"  # first of csv
-HEAD = 512  # [bytes] in which a file says what it is
+HEADER = 512  # [bytes] in which a file says what it is
 
 
 def save_motion(motion: Sampled, robot: Robot, path: Path, *, force: bool) -> Path:
@@ -58,7 +58,7 @@ def is_own_motion(path: Path) -> bool:
             with ZipFile(path) as file:
                 return sorted(file.namelist()) == sorted(f"{name}.npy" for name in ARRAYS)
         with path.open("rb") as file:
-            head = file.read(HEAD).decode("utf-8", "replace")
+            head = file.read(HEADER).decode("utf-8", "replace")
     except (OSError, BadZipFile):
         return False
     return head.startswith(COLUMN if path.suffix == ".csv" else bap_heading(path))

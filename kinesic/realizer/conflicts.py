@@ -16,7 +16,7 @@ from kinesic.planning.setup import Setup
 from kinesic.realizer.occupancy import MergeFailure, Occupancy, Overlay
 from kinesic.realizer.release import from_knot
 
-FULL = 1.0  # of a drive's duty
+FULL_DUTY = 1.0  # of a drive's duty
 
 
 def find_conflict(work: Overlay, found: Floats, setup: Setup) -> MergeFailure | None:
@@ -52,10 +52,10 @@ def _too_near(coming: Trajectory, work: Overlay, setup: Setup) -> MergeFailure |
 
 def _too_heavy(coming: Trajectory, work: Overlay, setup: Setup) -> MergeFailure | None:
     peaks = duties(coming, setup)
-    if peaks.max() <= FULL:
+    if peaks.max() <= FULL_DUTY:
         return None
     before = duties(from_knot(work.base[: work.cut + len(coming.controls)], work.cut), setup)
-    over = (peaks > FULL) & (peaks > before)
+    over = (peaks > FULL_DUTY) & (peaks > before)
     if not over.any():
         return None
     worst = int(np.where(over, peaks, 0.0).argmax())

@@ -27,7 +27,7 @@ from kinesic.realizer.release import from_knot
 from kinesic.realizer.running_block import RunningBlock
 from kinesic.realizer.scene import Scene
 
-FULL = 1.0  # of a drive's duty
+FULL_DUTY = 1.0  # of a drive's duty
 PARTS = (1.0, 0.8, 0.5)  # of what an arm should turn, until it is clear of the body
 ASTRAY = np.radians(2.0)  # by which a hand may point farther past its aim than without other blocks
 
@@ -129,7 +129,7 @@ def _clear(found: Floats, motion: Trajectory, first: int, last: int, setup: Setu
         for controls in (found, motion.controls)
     )
     peaks = duties(after, setup)
-    if (peaks > np.maximum(FULL, duties(before, setup))).any():
+    if (peaks > np.maximum(FULL_DUTY, duties(before, setup))).any():
         return False
     least = setup.robot.least_clearance + LAG_RESERVE
     return float(scan_clearance(after, setup.distances)[1].distances.min()) >= least

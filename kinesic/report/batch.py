@@ -25,7 +25,7 @@ from kinesic.tasks.store import JOURNAL
 DocumentOutcome = Literal["performed", "refused", "crashed"]
 
 SUFFIXES = (".xml", ".bml")
-HEAD = 4096  # [bytes] of a file of another ending that tell what it is
+HEADER = 4096  # [bytes] of a file of another ending that tell what it is
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ def _is_document(path: Path) -> bool:
         return False
     try:
         with path.open("rb") as file:
-            return begins_as_bml(file.read(HEAD))
+            return begins_as_bml(file.read(HEADER))
     except OSError:
         return False
 

@@ -61,11 +61,11 @@ class Recordings:
     voice: Path | None = None  # what is heard, .wav, whose clock the replay then follows
 
 
-NOTHING = Recordings()
+NO_RECORDINGS = Recordings()
 
 
 def write_page(
-    performance: Performance, data: Mapping[str, Json], recordings: Recordings = NOTHING, *, path: Path
+    performance: Performance, data: Mapping[str, Json], recordings: Recordings = NO_RECORDINGS, *, path: Path
 ) -> None:
     """Writes the report for people.
 

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats
 from kinesic.face.assets.lips import falls, lips
-from kinesic.face.assets.mesh import DELTA_STEP, HEAD, PARTS, POSITION_STEP, VARIANTS, Mesh, load_head
+from kinesic.face.assets.mesh import DELTA_STEP, HEAD_FILE, PARTS, POSITION_STEP, VARIANTS, Mesh, load_head
 from kinesic.face.assets.sculpt import GAINS, even_out, settle_lips, shape_bulge
 
 Whole = NDArray[np.int64]
@@ -78,7 +78,7 @@ class Moves:
     deltas: Floats  # (k, 3) [m]
 
 
-def bake_head(wheel: Path, out: Path = HEAD) -> None:
+def bake_head(wheel: Path, out: Path = HEAD_FILE) -> None:
     """Writes the head of one wheel."""
     with ZipFile(wheel) as archive:
         source = read_source(archive)

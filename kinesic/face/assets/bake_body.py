@@ -5,7 +5,7 @@ nothing imports this at run time. The figure is dressed: of the skin there are t
 the neck to wrists and feet there is only the suit from which its clothes are cut. See `configs/faces/NOTICE`.
 
 Positions are those of the source's A pose, in our frame, with the origin between the eyes as in `head.npz`; the legs,
-which straddle in the source, are turned inward. Each vertex follows up to `KEPT` frames of the rig.
+which straddle in the source, are turned inward. Each vertex follows up to `FRAMES_PER_VERTEX` frames of the rig.
 """
 
 import json
@@ -29,7 +29,7 @@ from kinesic.face.assets.bake import (
     read_variant,
     to_our_frame,
 )
-from kinesic.face.assets.body import BODY, KEPT, POSITION_STEP
+from kinesic.face.assets.body import BODY, FRAMES_PER_VERTEX, POSITION_STEP
 from kinesic.face.assets.mesh import PARTS
 from kinesic.face.assets.rig import FINGERS, FOREARM, FRAMES, UPPER_ARM
 
@@ -231,7 +231,7 @@ def _share_joint(parts: Columns, parents: tuple[str, ...], child: str) -> None:
 
 def _strongest(frames: Floats) -> tuple[Whole, Whole]:
     """(v, KEPT) the frames that move each vertex most, and (v, KEPT) their weights, which add up to 255."""
-    places = np.argsort(-frames, axis=1)[:, :KEPT]
+    places = np.argsort(-frames, axis=1)[:, :FRAMES_PER_VERTEX]
     kept = np.take_along_axis(frames, places, axis=1)
     weights = np.rint(255 * kept / kept.sum(axis=1, keepdims=True)).astype(np.int64)
     weights[:, 0] += 255 - weights.sum(axis=1)

@@ -26,7 +26,7 @@ from kinesic.face.display import DisplayError
 BODY = CONFIGS / "faces" / "body.npz"
 POSITION_STEP = 5e-5  # [m] of the file's positions
 CROP, FULL = 0.013, 0.7  # [m] that hair stands off, so far over the hairline in the chart's unit
-KEPT = 8  # frames that move a vertex at most
+FRAMES_PER_VERTEX = 8  # frames that move a vertex at most
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,7 +15,7 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.face.assets.mesh import PARTS, Indices, Mesh
 from kinesic.face.assets.teeth import teeth_chart
 
-ROUND = 4 * np.pi  # width of the whole chart
+CHART_WIDTH = 4 * np.pi  # width of the whole chart
 AXIS = 1.6  # how far behind the eyes the cylinder has its axis
 LEFT_RIGHT = (-1.8, 1.8)  # of the window that is drawn
 LOW_HIGH = (-2.2, 1.6)
@@ -83,12 +83,12 @@ def unroll(place: Floats, triangles: Indices) -> tuple[NDArray[np.intp], Floats,
         (w,) which vertex each is, the mesh's own first; (w, 4) places; (t, 3) corners, none of them across the seam.
     """
     corners = place[triangles, 0]
-    torn = np.ptp(corners, axis=1) > ROUND / 2
+    torn = np.ptp(corners, axis=1) > CHART_WIDTH / 2
     low = torn[:, None] & (corners < 0.0)
     twice, which = np.unique(triangles[low], return_inverse=True)
     found = triangles.copy()
     found[low] = len(place) + which
-    again = place[twice] + np.array([ROUND, 0.0, 0.0, 0.0])
+    again = place[twice] + np.array([CHART_WIDTH, 0.0, 0.0, 0.0])
     return np.concatenate([np.arange(len(place)), twice]), np.concatenate([place, again]), found
 
 

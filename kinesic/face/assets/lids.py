@@ -21,7 +21,7 @@ LIFT = 0.0004  # [m] that skin stands off the eyeball, if it did at rest
 BURIED = 0.001  # [m] in the ball at rest: what is deeper is never seen
 OVERLAP = 0.02  # of the way, that a closed lid goes on over the other
 PROUD = 20.0  # [rad/m] how much more it counts that the edge of a lid stands out than that it is low
-STEPS = 40  # of the way of a lid
+LID_STEPS = 40  # of the way of a lid
 FAINT = 5e-4  # [m] of a blink, that counts as none
 
 Vertices = NDArray[np.intp]
@@ -148,7 +148,7 @@ def _hidden(upper: Floats, lower: Floats, radius: float) -> Floats:
     aside = np.linspace(-IRIS, IRIS, 65)[:, None] * radius
     half = np.sqrt((IRIS * radius) ** 2 - aside**2) / radius
     top, bottom = _edge(upper, aside), _edge(lower, aside)
-    edges = top - (top - bottom) * np.linspace(0.0, 1.0, STEPS + 1)
+    edges = top - (top - bottom) * np.linspace(0.0, 1.0, LID_STEPS + 1)
     shown = np.maximum(np.minimum(edges, half) - np.maximum(bottom, -half), 0.0).sum(axis=0)
     return np.asarray(1.0 - shown / shown[0])
 

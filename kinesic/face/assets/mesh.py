@@ -25,7 +25,7 @@ Whole = TypeVar("Whole", np.int32, np.uint8)
 
 VARIANTS: tuple[Variant, ...] = ("female", "male")
 PARTS: tuple[Part, ...] = ("skin", "eyes", "teeth", "tongue", "lashes", "cloth")
-HEAD = CONFIGS / "faces" / "head.npz"
+HEAD_FILE = CONFIGS / "faces" / "head.npz"
 POSITION_STEP = 1e-5  # [m] of the file's rest positions
 DELTA_STEP = 1e-4  # [m] of its shapes
 BROW = "browInnerUp"  # the only shape without sides whose action unit has them
@@ -98,7 +98,7 @@ class Mesh:
         return scipy.sparse.csr_array((np.ones(len(corners)), (corners, number)), shape=shape)
 
 
-def load_head(variant: Variant = "female", *, path: Path = HEAD) -> Mesh:
+def load_head(variant: Variant = "female", *, path: Path = HEAD_FILE) -> Mesh:
     """Reads a head from its file.
 
     Args:

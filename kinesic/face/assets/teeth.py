@@ -11,7 +11,7 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.face.assets.mesh import Mesh
 
 MILLIMETRES = 1000.0
-ROUND = 0.043  # [m] how far behind its front the middle is that a row of teeth runs round
+ROW_DEPTH = 0.043  # [m] how far behind its front the middle is that a row of teeth runs round
 SECTOR = np.radians(24.0)  # round it, within which the cutting edge is looked for
 EDGE = 0.0007  # [m] that is as far from the gums as the furthest
 BEHIND = 0.003  # [m] that what faces the tongue is nearer to the middle than the cutting edge is
@@ -51,7 +51,7 @@ def _upper(mesh: Mesh) -> "np.ndarray[tuple[int], np.dtype[np.bool_]]":
 
 def _along(points: Floats, jaw: float) -> Floats:
     """(n, 2) along a row and away from its cutting edge [mm]."""
-    forward = points[:, 0] - points[:, 0].max() + ROUND
+    forward = points[:, 0] - points[:, 0].max() + ROW_DEPTH
     angles = np.arctan2(points[:, 1], forward)
     slope, _ = np.polyfit(points[:, 0], points[:, 2], 1)  # back teeth stand higher
     level = -jaw * (points[:, 2] - slope * points[:, 0])

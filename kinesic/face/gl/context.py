@@ -9,7 +9,7 @@ from kinesic.face.gl.functions import Functions, Lookup
 from kinesic.face.gl.programs import Buffer, Column, Program, Vertices
 from kinesic.face.gl.textures import Depth, DepthBuffer, DepthTexture, Framebuffer, Rectangle, Size, Texture
 
-SPARE = 15  # place of a texture that is changed, which no shader reads from
+SPARE_UNIT = 15  # place of a texture that is changed, which no shader reads from
 SWITCHES = (n.DEPTH_TEST, n.CULL_FACE, n.BLEND)
 COMPARED = {
     "<": n.LESS,
@@ -36,7 +36,7 @@ class Owner(Protocol):
 class GlContext:
     """Draws; while it is entered, calls of OpenGL are meant for it."""
 
-    spare = SPARE
+    spare = SPARE_UNIT
 
     def __init__(self, find: Lookup, owner: Owner) -> None:
         """Takes a context that is current.

@@ -12,7 +12,7 @@ from kinesic.face.gl.functions import GraphicsError
 
 EGL = "libEGL.so.1"
 GL = ("libGL.so.1", "libOpenGL.so.0")  # either serves; a graphics card's EGL knows the functions without them
-NEEDED = (3, 3)  # version of OpenGL
+NEEDED_VERSION = (3, 3)  # version of OpenGL
 IN_SOFTWARE = "LIBGL_ALWAYS_SOFTWARE=1 draws on the processor"
 
 _DEVICE_PLATFORM = 0x313F  # numbers of eglext.h and egl.h
@@ -65,17 +65,17 @@ class Egl:
             return 0
 
     def create(self) -> int:
-        """Makes a context of OpenGL `NEEDED`.
+        """Makes a context of OpenGL `NEEDED_VERSION`.
 
         Raises:
             GraphicsError: there is only another version, or none.
         """
-        wanted = _list(_MAJOR, NEEDED[0], _MINOR, NEEDED[1], _PROFILE, _CORE)
+        wanted = _list(_MAJOR, NEEDED_VERSION[0], _MINOR, NEEDED_VERSION[1], _PROFILE, _CORE)
         self._bind_api()  # each thread has its own, and others in it may have chosen OpenGL ES
         context = self._create(self._display, self._config, None, wanted)
         if context:
             return int(context)
-        found, needed = self._version(), "{}.{}".format(*NEEDED)
+        found, needed = self._version(), "{}.{}".format(*NEEDED_VERSION)
         raise GraphicsError(f"OpenGL is {found or 'missing'} here, a face needs {needed}; {IN_SOFTWARE}")
 
     def current(self) -> "Current":

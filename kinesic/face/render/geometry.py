@@ -23,7 +23,7 @@ from kinesic.face.render.shape import MovingMesh
 
 Layer = Literal["skin", "organs", "lashes", "cloth", "film", "hair", "hair inside"]
 
-MARGIN = 3  # [pixels] round a rectangle
+PIXEL_MARGIN = 3  # [pixels] round a rectangle
 FILM = (0.30, 0.95, 0.45)  # what an eyeshade lets through, linear
 COVER = 0.5  # share of its pixels that are drawn
 GLOSS = 0.5
@@ -170,8 +170,8 @@ class Geometry:
 
     def rectangle(self, points: Floats) -> Rectangle:
         """Finds the pixels round (2, k) points of the screen, and between them."""
-        low = np.clip(np.floor(points.min(axis=1)).astype(int) - MARGIN, 0, self.size)
-        high = np.clip(np.ceil(points.max(axis=1)).astype(int) + MARGIN, 0, self.size)
+        low = np.clip(np.floor(points.min(axis=1)).astype(int) - PIXEL_MARGIN, 0, self.size)
+        high = np.clip(np.ceil(points.max(axis=1)).astype(int) + PIXEL_MARGIN, 0, self.size)
         return int(low[0]), int(low[1]), int(high[0] - low[0]), int(high[1] - low[1])
 
     def _turned(self, ball: NDArray[np.intp], vertices: Floats) -> Floats:

@@ -16,7 +16,7 @@ import numpy as np
 from kinesic.body.action_units import CHANNELS, channels
 from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.config import CONFIGS
-from kinesic.face.assets.chart import LEFT_RIGHT, LOW_HIGH, ROUND, chart_window, vertex_chart
+from kinesic.face.assets.chart import CHART_WIDTH, LEFT_RIGHT, LOW_HIGH, chart_window, vertex_chart
 from kinesic.face.assets.mesh import PARTS, Mesh
 from kinesic.face.gl.context import GlContext
 from kinesic.face.gl.textures import Texture
@@ -240,7 +240,7 @@ def _wrinkled(mesh: Mesh, drawn_on: Mesh) -> Flags:
     """(16, v) which vertices belong to a triangle that has something of each wrinkle map."""
     corners = vertex_chart(drawn_on)[mesh.triangles, :2]
     low, high = corners.min(axis=1), corners.max(axis=1)
-    whole = (high - low)[:, 0] < ROUND / 2  # not cut by the chart's seam
+    whole = (high - low)[:, 0] < CHART_WIDTH / 2  # not cut by the chart's seam
     found = np.zeros((MAPS, len(mesh.positions)), dtype=bool)
     for near, (lowest, highest) in zip(found, reaches(), strict=True):
         near[mesh.triangles[whole & np.all((low < highest) & (high > lowest), axis=1)]] = True

@@ -9,7 +9,7 @@ from kinesic.face.assets.mesh import VARIANTS
 from kinesic.face.render.presets import PRESETS
 
 INTENSITY_STEP = 0.1  # of an intensity
-TURN = 15.0  # [deg] of the camera
+CAMERA_TURN = 15.0  # [deg] of the camera
 NUMBERS = tuple(UNITS)
 HELP = (
     "1 2 3: preset; left, right: action unit; up, down: its intensity; 0: none by hand; w: wrinkles; v: variant; "
@@ -51,7 +51,7 @@ class Controls:
             case "v":
                 return replace(self, variant=VARIANTS[1 - VARIANTS.index(self.variant)])
             case "comma" | "period":
-                return replace(self, yaw_deg=self.yaw_deg + (TURN if key == "comma" else -TURN))
+                return replace(self, yaw_deg=self.yaw_deg + (CAMERA_TURN if key == "comma" else -CAMERA_TURN))
             case "escape" | "q":
                 return replace(self, shut=True)
         return self

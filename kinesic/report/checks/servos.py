@@ -13,7 +13,7 @@ from kinesic.report.checks.check import Check, format_time
 
 SATURATION = 0.0  # [s]
 CONTINUOUS = 0.3  # share of the stall torque that a servo gives for long
-FULL = 1.0  # duty, above which the servo gives all it has
+FULL_DUTY = 1.0  # duty, above which the servo gives all it has
 WARMING = 40.0  # [K] from a warm housing of 40 C to the 80 C at which servos switch off
 
 
@@ -21,7 +21,7 @@ def servo_checks(performance: Performance) -> list[Check]:
     """Checks the time at full duty, and the torque that heats."""
     names = performance.plan.setup.robot.skeleton.names
     measured = performance.measured
-    over = (measured.duties > FULL) | (measured.duties < -FULL)
+    over = (measured.duties > FULL_DUTY) | (measured.duties < -FULL_DUTY)
     saturated = over.sum(axis=0) * performance.period
     longest = int(saturated.argmax())
     where = f"{names[longest]} from {measured.times[over[:, longest].argmax()]:.2f} s" if over.any() else ""
@@ -68,7 +68,7 @@ class DriveLoad:
     @property
     def strain(self) -> float:
         """How near the drive comes to what it can give, in its peak or in the long run; 1 is the limit."""
-        return max(self.duty / FULL, self.rms / CONTINUOUS)
+        return max(self.duty / FULL_DUTY, self.rms / CONTINUOUS)
 
 
 def loads(performance: Performance) -> tuple[DriveLoad, ...]:
@@ -86,7 +86,7 @@ def loads(performance: Performance) -> tuple[DriveLoad, ...]:
             torque=float(shares[:, k].max()),
             torque_at=float(measured.times[shares[:, k].argmax()]),
             rms=float(np.sqrt(np.mean(shares[:, k] ** 2))),
-            saturated=float((duties[:, k] > FULL).sum() * performance.period),
+            saturated=float((duties[:, k] > FULL_DUTY).sum() * performance.period),
             duties=duties[:, k],
         )
         for k, (name, drive) in enumerate(zip(robot.skeleton.names, robot.drives, strict=True))

@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
 from kinesic.body.skeleton import Skeleton
-from kinesic.face.assets.body import KEPT, POSITION_STEP, DressedPerson, load_figure
+from kinesic.face.assets.body import FRAMES_PER_VERTEX, POSITION_STEP, DressedPerson, load_figure
 from kinesic.face.assets.chart import chart_window, mouth, vertex_chart
 from kinesic.face.assets.mesh import PARTS, Part
 from kinesic.face.assets.paint import COMPLEXIONS, RESOLUTION, skin
 from kinesic.face.assets.rig import FRAMES, PLACE, SkinningFrame
 from kinesic.face.assets.skinning import TWIST, Skin
-from kinesic.report.gltf.skin import HAIRLINE, PLAIN, screen_colours
+from kinesic.report.gltf.skin import HAIRLINE, PLAIN_COLOURS, screen_colours
 from kinesic.report.report import Json
 
 KINDS: dict[Part, int] = {"cloth": 1, "eyes": 2}  # of vertices, for the shader; 0 is any other
@@ -30,8 +30,8 @@ VERTEX = np.dtype(
         ("kind", "i1"),
         ("colour", "u1", 4),  # as screens have it, and nothing
         ("mark", "<i2", 2),  # of cloth: share of BORDER beyond its border; of eyes: left and up from their middle
-        ("joints", "u1", KEPT),
-        ("weights", "u1", KEPT),
+        ("joints", "u1", FRAMES_PER_VERTEX),
+        ("weights", "u1", FRAMES_PER_VERTEX),
     ]
 )
 
@@ -114,7 +114,7 @@ def _colours(figure: DressedPerson) -> Floats:
     t = np.clip((chart[:, 3] - HAIRLINE[0]) / (HAIRLINE[1] - HAIRLINE[0]), 0.0, 1.0)
     found += (t * t * (3 - 2 * t))[:, None] * (np.asarray(complexion.hair) - found)
     found *= 1.0 - INNER * mouth(mesh)[:, None]
-    for part, colour in PLAIN.items():
+    for part, colour in PLAIN_COLOURS.items():
         found[mesh.parts == PARTS.index(part)] = np.array(colour) * (SHADED if part in ("teeth", "tongue") else 1.0)
     assert mesh.plain is not None  # a figure has it
     cloth = mesh.parts == PARTS.index("cloth")
@@ -135,7 +135,7 @@ def _marks(figure: DressedPerson) -> Floats:
 def _influences(figure: DressedPerson) -> tuple[NDArray[np.intp], NDArray[np.uint8]]:
     """(v, 8) frames that move each vertex, after them left and right eye, and (v, 8) how much; it adds up to 255."""
     rows = figure.weights.toarray()
-    places = np.argsort(-rows, axis=1)[:, :KEPT]
+    places = np.argsort(-rows, axis=1)[:, :FRAMES_PER_VERTEX]
     shares = 255 * np.take_along_axis(rows, places, axis=1)
     whole = np.rint(shares).astype(np.intp)
     whole[:, 0] += 255 - whole.sum(axis=1)  # the strongest takes what rounding left

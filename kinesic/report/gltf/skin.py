@@ -22,7 +22,7 @@ from kinesic.files.gltf import GltfFile
 
 Rows = NDArray[np.intp]
 
-PLAIN = {"teeth": (0.68, 0.63, 0.55), "tongue": (0.42, 0.12, 0.11), "lashes": (0.02, 0.014, 0.012)}  # linear
+PLAIN_COLOURS = {"teeth": (0.68, 0.63, 0.55), "tongue": (0.42, 0.12, 0.11), "lashes": (0.02, 0.014, 0.012)}  # linear
 HEM = 0.04  # [m] on each side of a border that the clothes' texture spans
 ROUGH = {"skin": 0.55, "eyes": 0.15, "cloth": 0.95}
 PAINTED = 512  # pixels along a side of the painted skin
@@ -150,7 +150,7 @@ class _Surface:
         material = self._material("eyes", texture=_encoded(iris(COMPLEXIONS["female"])))
         everyone = np.arange(len(mesh.positions))
         found.append(self._primitive(everyone, eyes, material, self._chart[:, :2] / EYE * 0.5 + 0.5, morphs=True))
-        for part, colour in PLAIN.items():
+        for part, colour in PLAIN_COLOURS.items():
             of_part = triangles[mesh.parts[first] == PARTS.index(part)]
             found.append(self._primitive(everyone, of_part, self._material(part, colour), morphs=True))
         return found

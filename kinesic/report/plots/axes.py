@@ -29,8 +29,8 @@ WIDTH = 11.0  # [in] of a figure; the page scales it
 INCH = 72  # units of the drawing, which are those of type
 SMALL = 7.5  # size of letters
 TICK, GAP = 2.0, 3.0  # length of a tick, and air to its label
-APART = 60.0  # between ticks of time, at least
-STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)  # between ticks, times a power of ten
+TICK_SPACING = 60.0  # between ticks of time, at least
+TICK_STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)  # between ticks, times a power of ten
 ABOVE = 0.05  # share of what is drawn that is left free above it, where nobody sets a limit
 
 Align = Literal["left", "center", "right"]
@@ -229,7 +229,7 @@ class Axes:
         """Lines of the grid inside, and ticks with numbers outside."""
         foot, left = self.top + self.height, self.left
         grid, ticks, numbers = [], [], []
-        for value, name in nice_ticks(*self._x, max(int(self.width / APART), 1)):
+        for value, name in nice_ticks(*self._x, max(int(self.width / TICK_SPACING), 1)):
             (x,) = self._across(np.array([value]))
             grid.append((x, 0.0, x, self.height))
             ticks.append((left + x, foot, left + x, foot + TICK))
@@ -260,7 +260,7 @@ def nice_ticks(first: float, last: float, most: int) -> list[tuple[float, str]]:
     if not least > 0 or not np.isfinite(least):
         return []
     power = 10.0 ** floor(log10(least))
-    step = next(factor * power for factor in STEPS if factor * power >= least * (1 - 1e-9))
+    step = next(factor * power for factor in TICK_STEPS if factor * power >= least * (1 - 1e-9))
     digits = next(digits for digits in range(12) if abs(round(step, digits) - step) < 1e-6 * step)
     counts = range(ceil(low / step - 1e-9), floor(high / step + 1e-9) + 1)
     return [(count * step, f"{count * step + 0.0:.{digits}f}".replace("-", "\u2212")) for count in counts]

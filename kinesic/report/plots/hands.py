@@ -15,7 +15,7 @@ HANDS: dict[Side, PartName] = {"l": "l_hand", "r": "r_hand"}
 GAP, TOP, BOTTOM = 0.5, 0.3, 0.3  # [in]
 TALLEST = 4.6  # [in] of the views
 MOST_POINTS = 4000  # of a path
-ROOM = 0.06  # [m] about what is drawn
+PLOT_ROOM = 0.06  # [m] about what is drawn
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ def hands(performance: Performance) -> Markup:
     keys = {side: _keys(performance, side) for side in SIDES}
     bones = _bones(robot)
     everything = np.concatenate([*reference.values(), *performance.measured.hands.values(), *keys.values(), *bones])
-    low, high = everything.min(axis=0) - ROOM, everything.max(axis=0) + ROOM
+    low, high = everything.min(axis=0) - PLOT_ROOM, everything.max(axis=0) + PLOT_ROOM
     spans = [float((high - low)[view.across]) for view in VIEWS]
     scale = min((WIDTH - GAP * len(VIEWS)) / sum(spans), TALLEST / float((high - low)[2]))  # [in/m]
     tall = scale * float((high - low)[2])

@@ -2,7 +2,17 @@ import numpy as np
 import pytest
 
 from kinesic.body.choices import Variant
-from kinesic.face.assets.chart import LEFT_RIGHT, LIP, LOW_HIGH, ROUND, chart_window, hair, mouth, unroll, vertex_chart
+from kinesic.face.assets.chart import (
+    CHART_WIDTH,
+    LEFT_RIGHT,
+    LIP,
+    LOW_HIGH,
+    chart_window,
+    hair,
+    mouth,
+    unroll,
+    vertex_chart,
+)
 from kinesic.face.assets.mesh import VARIANTS, load_head
 
 
@@ -22,13 +32,13 @@ def test_the_seam_is_cut_open():
     mesh = load_head()
     place = vertex_chart(mesh)
     skin = mesh.parts[mesh.triangles[:, 0]] == 0
-    assert (np.ptp(place[mesh.triangles[skin], 0], axis=1) > ROUND / 2).sum() > 20
+    assert (np.ptp(place[mesh.triangles[skin], 0], axis=1) > CHART_WIDTH / 2).sum() > 20
     sources, cut, triangles = unroll(place, mesh.triangles)
     np.testing.assert_array_equal(sources[triangles], mesh.triangles)
     moved = cut - place[sources]
-    assert set(np.unique(moved[:, 0])) <= {0.0, ROUND}
+    assert set(np.unique(moved[:, 0])) <= {0.0, CHART_WIDTH}
     assert np.all(moved[:, 1:] == 0.0)
-    wide = np.ptp(cut[triangles[skin], 0], axis=1) > ROUND / 2
+    wide = np.ptp(cut[triangles[skin], 0], axis=1) > CHART_WIDTH / 2
     heights = mesh.positions[mesh.triangles[skin][wide], 2]
     assert wide.sum() < 8
     assert np.all(heights > 0.08)  # only round the crown, where the chart has its pole

