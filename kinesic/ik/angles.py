@@ -6,7 +6,7 @@ search ends. These give the same bits everywhere, with the kernel and without, w
 
 from math import copysign, pi, sqrt
 
-ROUND = 6755399441055744.0  # 1.5 x 2^52: adding it rounds to an integer
+ROUND_TO_INTEGER = 6755399441055744.0  # 1.5 x 2^52: adding it rounds to an integer
 NARROW = 0.41421356237309504880  # tangent of pi / 8
 
 
@@ -15,7 +15,7 @@ def cosine_sine(angle: float) -> tuple[float, float]:
 
     Cody and Waite's reduction to an eighth of a turn, then the minimax polynomials of fdlibm.
     """
-    quarters = (angle * (2.0 / pi) + ROUND) - ROUND
+    quarters = (angle * (2.0 / pi) + ROUND_TO_INTEGER) - ROUND_TO_INTEGER
     x = (
         (angle - quarters * 1.57079632673412561417e00) - quarters * 6.07710050630396597660e-11
     ) - quarters * 2.02226624879595063154e-21

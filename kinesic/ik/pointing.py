@@ -23,7 +23,7 @@ from kinesic.kernels import Kernel
 Swing = tuple[Floats, float, float | None, float | None]  # angles, residual, errors of pointing and palm
 
 SATISFIED = 1e-3  # [rad] errors of all directions together that need no search
-STEPS = 12  # of the search to either side
+SEARCH_STEPS = 12  # of the search to either side
 PRICE = 0.03  # [rad] of error that a radian of swing has to win
 BISECTIONS = 8
 OFF = 1e-6  # of the reach: a swing that takes the hand farther off its place does not count
@@ -95,9 +95,9 @@ def _swung(linkage: Linkage, at: Callable[[float], Cell], widest: float) -> Cell
         return cell.miss <= OFF * linkage.farthest and cell.error <= SATISFIED
 
     best, least = at(0.0), inf
-    for step in range(STEPS + 1):
+    for step in range(SEARCH_STEPS + 1):
         for side in (1.0, -1.0):
-            outside, offset = side * (step - 1) * widest / STEPS, side * step * widest / STEPS
+            outside, offset = side * (step - 1) * widest / SEARCH_STEPS, side * step * widest / SEARCH_STEPS
             cell = at(offset)
             if cell.miss > OFF * linkage.farthest:
                 continue

@@ -23,7 +23,7 @@ from kinesic.kernels import Kernel
 
 EASY = 0.96  # of the arm's reach, within which no hand asks the torso
 LARGEST_TURN = radians(20.0)  # of each hinge; a target beyond is pointed at
-WIDEST = 3.0  # the weaker hinges go on when the strongest has come to its end
+WIDEST_SCALE = 3.0  # the weaker hinges go on when the strongest has come to its end
 SAMPLES = 15  # of the way there, then bisected
 BISECTIONS = 10
 
@@ -84,7 +84,7 @@ def lean_torso(
     def excess(scale: float) -> float:
         return max(_excess(arm, turns, turned_by(scale)) for arm in arms)
 
-    scales = [WIDEST * most * k / SAMPLES for k in range(SAMPLES + 1)]
+    scales = [WIDEST_SCALE * most * k / SAMPLES for k in range(SAMPLES + 1)]
     first = next((k for k, scale in enumerate(scales) if excess(scale) <= 0.0), None)
     scale = min(scales, key=excess) if first is None else _bisected(excess, scales[first - 1], scales[first])
     found = {turn.kind: angle for turn, angle in zip(turns, turned_by(scale), strict=True)}

@@ -9,7 +9,7 @@ from kinesic.body.robot import Robot, Side
 from kinesic.body.skeleton import Capsule, Skeleton
 from kinesic.sim.kinematics import MotionFrames, motion_frames
 
-REMEMBERED = 32  # ways in which fingers are bent whose places are kept
+BENDS_KEPT = 32  # ways in which fingers are bent whose places are kept
 ALIKE = 1e-5  # [rad] fingers that are bent by so much differently are where they were, but for a micrometre
 
 
@@ -61,7 +61,7 @@ class FingerPlaces:
             rotations, origins = frames.rotations[self._owners], frames.origins[self._owners]
             first, last = (origins + np.einsum("ck,cikm->cim", side, rotations) for side in self._sides)
             found = first, last
-            if len(self._known) >= REMEMBERED:
+            if len(self._known) >= BENDS_KEPT:
                 self._known.pop(next(iter(self._known)), None)  # the one that was asked longest ago
         self._known[asked] = found
         return found

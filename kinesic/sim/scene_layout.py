@@ -13,7 +13,7 @@ VIEW_ANGLE = 28.0  # [deg] of the camera, vertical
 VIEW_FROM = (0.92, 0.36, 0.16)  # direction from the robot to the camera: in front, slightly to its left and above
 SUN = (-0.5, -0.45, -0.8)  # where the light shines that throws shadows
 ASPECT = 4 / 3  # of pictures, width to height
-MARGIN = 1.03  # times what must be seen
+VIEW_MARGIN = 1.03  # times what must be seen
 AIR = 0.12  # arm lengths between hanging hands and the floor
 ROD = 0.035  # arm lengths: radius of a rod
 SHORTEST_ROD = 1e-3  # [m] of a rod
@@ -53,7 +53,7 @@ def view_of(robot: Robot) -> View:
     seen += [(np.array([shoulder[0], side * out, shoulder[2]]), 0.0) for side in (-1, 1)]
     seen += [(np.array([shoulder[0], 0.0, height]), 0.0) for height in (up, below)]
     middle = np.array([*robot.gesture_origin[:2], (max(up, *(p[2] + r for p, r in seen)) + below) / 2])
-    return View(min(float(trunk), below), sealed(middle), MARGIN * _least_height(seen, middle))
+    return View(min(float(trunk), below), sealed(middle), VIEW_MARGIN * _least_height(seen, middle))
 
 
 def _least_height(seen: Iterable[tuple[Floats, float]], middle: Floats) -> float:

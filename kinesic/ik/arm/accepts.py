@@ -17,7 +17,7 @@ from kinesic.body.skeleton import Hinge
 PARALLEL = 1e-9  # sine of the angle below which two lines are one
 ZERO = 1e-6  # of the chain's length: a shorter bone has no direction
 UNIT = 1e-6  # how far an axis' length may be from 1
-FEWEST = 3  # joints: shoulder, elbow, wrist
+FEWEST_JOINTS = 3  # joints: shoulder, elbow, wrist
 MOST_SWINGS = 2  # of one joint
 
 
@@ -37,7 +37,7 @@ def accept_chain(chain: Chain) -> Chain:
         ConfigError: the rule that the chain breaks, where, and what would have worked.
     """
     where = f"chain {chain.name}"
-    if len(chain.joints) < FEWEST:
+    if len(chain.joints) < FEWEST_JOINTS:
         raise ConfigError(f"{where} has {len(chain.joints)} joints; an arm has at least shoulder, elbow, wrist")
     _check_figures(where, "origin_in_base", chain.origin_in_base)
     _check_figures(where, "palm", chain.palm)

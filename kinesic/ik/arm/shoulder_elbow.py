@@ -27,7 +27,7 @@ TAUT = 0.97  # of the reach, at which the arm begins to pull the shoulder along
 EXACT = 1e-6  # of the reach: a miss that counts as none
 NATURAL_SWIVEL = 0.35  # [rad] elbow a little away from the body
 NATURE = 0.5  # how far an unasked swivel goes from the present one to the natural one
-STEPS = 12  # of the search to either side, where the wished swivel does not fit the ranges
+SEARCH_STEPS = 12  # of the search to either side, where the wished swivel does not fit the ranges
 BISECTIONS = 6
 SLIM = 1e-3  # of the reach: on a circle of a smaller radius an elbow has no side to stay on
 TIED = 1e-9  # of the reach: misses that differ by less are equal
@@ -153,13 +153,13 @@ def _nearest_exact(
     best = at(0.0)
     if fits(best):
         return best, True
-    for step in range(1, STEPS + 1):
+    for step in range(1, SEARCH_STEPS + 1):
         for side in (towards, -towards):
             if best.miss <= least:
                 return best, False
-            found = at(side * step * pi / STEPS)
+            found = at(side * step * pi / SEARCH_STEPS)
             if fits(found):
-                outside, inside = side * (step - 1) * pi / STEPS, side * step * pi / STEPS
+                outside, inside = side * (step - 1) * pi / SEARCH_STEPS, side * step * pi / SEARCH_STEPS
                 return bisect_edge(at, outside, inside, found, fits=fits, rounds=BISECTIONS), True
             best = min(best, found, key=lambda candidate: candidate.miss)
     return best, False

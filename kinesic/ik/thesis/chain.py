@@ -13,7 +13,7 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.chain import Chain
 from kinesic.ik.thesis.boxes import EulerBoxes
 
-BEND = float(np.radians(10.0))  # [rad] from bone to bone of a chain that rests in a gentle curve
+REST_BEND = float(np.radians(10.0))  # [rad] from bone to bone of a chain that rests in a gentle curve
 NO_LENGTH = 1e-9  # share of the chain's length below which a bone has no direction
 
 

@@ -12,7 +12,7 @@ FINER = 2  # pixels that are painted along a side of one
 SIZE = (320, 240)  # [pixels] in which the numbers below are
 SCREEN = (240, 180)  # [pixels] of a face on a head's screen, which is a hundred wide or so in a film
 EYE, EYE_HIGH, EYE_APART = (30.0, 38.0), 98.0, 68.0  # half axes, height from the top, from the middle
-ROUND = (16.0, 20.0)  # half axes of a pupil
+PUPIL_AXES = (16.0, 20.0)  # half axes of a pupil
 LOOKS = (12.0, 15.0)  # that a pupil moves at the end of its range
 BROW, BROW_LIFT = 46.0, 18.0  # above the eye, and how far it moves
 MOUTH_HIGH, MOUTH = 184.0, 46.0  # height from the top, half its width
@@ -52,8 +52,8 @@ def _paint_eye(pen: ImageDraw.ImageDraw, scale: float, units: Mapping[str, float
             x + LOOKS[0] * across,
             y + LOOKS[1] * (shown_intensity(units, 64) - shown_intensity(units, 63)) * open_share,
         )
-        high = min(ROUND[1], 0.9 * tall)
-        pen.ellipse(_scaled([(px - ROUND[0], py - high), (px + ROUND[0], py + high)], scale), fill=PUPIL)
+        high = min(PUPIL_AXES[1], 0.9 * tall)
+        pen.ellipse(_scaled([(px - PUPIL_AXES[0], py - high), (px + PUPIL_AXES[0], py + high)], scale), fill=PUPIL)
     frown = 0.6 * shown_intensity(units, 4, side)
     inner, outer = (
         BROW_LIFT * (shown_intensity(units, number, side) - frown * share) for number, share in ((1, 1.0), (2, 0.4))

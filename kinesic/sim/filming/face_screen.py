@@ -11,7 +11,7 @@ from kinesic.body.skeleton import Capsule
 from kinesic.sim.shells.shell import SegmentShell, shell_of
 
 WIDTH, HEIGHT = 0.238, 0.179  # arm lengths: 100 x 75 mm of the default robot; those below are arm lengths, too
-BEND = 0.26  # radius about the upright axis
+SCREEN_RADIUS = 0.26  # radius about the upright axis
 RIM = 0.014  # of the frame, round the picture
 SET_BACK = 0.004  # of the frame behind the picture, so that nothing is in one plane
 DEEP = 0.085  # of the frame's back behind its front
@@ -72,7 +72,7 @@ def _sheet(middle: Floats, axes: Floats, half: Floats, size: float) -> Sheet:
     outline = np.stack([np.sign(f(turns)) * np.abs(f(turns)) ** (2 / CORNER) for f in (np.cos, np.sin)], axis=1)
     flat = np.concatenate([np.zeros((1, 2)), *(outline * ring / RINGS for ring in range(1, RINGS + 1))])
     across, up = (flat * half).T
-    angle, bend = across / (BEND * size), BEND * size
+    angle, bend = across / (SCREEN_RADIUS * size), SCREEN_RADIUS * size
     local = np.stack([bend * np.sin(angle), up, bend * (np.cos(angle) - 1.0)], axis=1)
     normals = np.stack([np.sin(angle), np.zeros_like(angle), np.cos(angle)], axis=1)
     shares = np.stack([(1.0 + flat[:, 0]) / 2, (1.0 - flat[:, 1]) / 2], axis=1)
@@ -127,7 +127,7 @@ def _points(shell: SegmentShell) -> Floats:
 def _before(points: Floats, middle: Floats, axes: Floats, half: Floats, size: float) -> float:
     """[m] by which a sheet comes forward until no point of a head's front comes through it."""
     across, up, ahead = ((points - middle) @ axes.T).T
-    bend = BEND * size
+    bend = SCREEN_RADIUS * size
     behind = (np.abs(across) < half[0] + RIM * size) & (np.abs(up) < half[1] + RIM * size) & (ahead > -DEEP * size)
     if not behind.any():
         return 0.0

@@ -10,7 +10,7 @@ from kinesic.files.film_file import Box
 from kinesic.sim.scene_layout import VIEW_ANGLE, VIEW_FROM, View, rods, view_of
 
 FRAME = 1.2  # times the hands and the head in a picture: 10 % of its width or height is free on every side
-SPARE = 4.0  # pixels beyond it, as shadows are drawn coarsely
+SHADOW_PIXELS = 4.0  # pixels beyond it, as shadows are drawn coarsely
 TINY = 1e-9  # [m]
 BLURRED = 0.04  # heights of the picture that the edge of a shadow reaches
 
@@ -115,7 +115,7 @@ def sunk_balls(places: Floats, reach: Floats, floor: float) -> tuple[Floats, Flo
 def shadow_boxes(outlines: Floats, *, size: tuple[int, int]) -> list[Box]:
     """The part of each picture that holds the shadow, of (m, j, corners, 2) outlines [pixels]."""
     corners = outlines.reshape(len(outlines), -1, 2)
-    soft = BLURRED * size[1] + SPARE
+    soft = BLURRED * size[1] + SHADOW_PIXELS
     return _boxes(corners.min(axis=1) - soft, corners.max(axis=1) + soft, size)
 
 

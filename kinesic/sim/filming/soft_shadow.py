@@ -11,7 +11,7 @@ from kinesic.sim.scene_layout import SUN, View
 COARSE = 4  # pixels of the picture along a side of one of the shadow
 BLUR = 0.012  # of the shadow, in heights of the picture
 DARK = 0.42  # share of the light that the shadow takes
-ROUND = 16  # corners of the shadow of a ball
+BALL_CORNERS = 16  # corners of the shadow of a ball
 
 
 def shadow_outlines(places: Floats, radii: Floats, view: View, *, size: tuple[int, int]) -> Floats:
@@ -31,10 +31,10 @@ def shadow_outlines(places: Floats, radii: Floats, view: View, *, size: tuple[in
     start, end, radius = fallen[:, 0::2], fallen[:, 1::2], radii[0::2, None, None]
     along = sun[:2] / np.linalg.norm(sun[:2])
     stretch = np.linalg.norm(sun) / -sun[2]
-    turns = 2 * np.pi * np.arange(ROUND) / ROUND
+    turns = 2 * np.pi * np.arange(BALL_CORNERS) / BALL_CORNERS
     ahead, aside = np.cos(turns)[:, None], np.sin(turns)[:, None]
     across = np.array([-along[1], along[0]])
-    ring = np.zeros((ROUND, 3))
+    ring = np.zeros((BALL_CORNERS, 3))
     ring[:, :2] = stretch * ahead * along + aside * across
     outward = (ahead * along + stretch * aside * across) / stretch
     far = np.einsum("mkd,cd->mkc", (end - start)[..., :2], outward) > 0

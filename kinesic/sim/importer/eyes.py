@@ -14,7 +14,7 @@ HIGH = 0.5  # of a head's height above its lowest place
 TALLEST = 0.6  # arm lengths from the top of a head to where a neck must have begun
 BAND = 0.09  # arm lengths above and below the eyes in which a head's front is looked for
 WIDE = 0.25  # arm lengths from the midline in which a head without neck is looked for
-FEWEST = 12  # places by which a head is known
+FEWEST_PLACES = 12  # places by which a head is known
 
 
 def place_eyes(figure: HumanoidGeometry, where: SegmentLayout, carried: Mapping[str, Sequence[int]]) -> SiteTable:
@@ -53,7 +53,7 @@ def _places(part: ModelPart) -> Floats:
 
 def _front(places: Floats, size: float) -> Floats | None:
     """(3,) [m] the foremost place half-way up a head, on the midline; None where too little of one is known."""
-    if len(places) < FEWEST:
+    if len(places) < FEWEST_PLACES:
         return None
     top = float(places[:, 2].max())
     low = max(float(places[:, 2].min()), top - TALLEST * size)

@@ -17,13 +17,13 @@ from kinesic.sim.importer.model_tree import Joint, Tree
 from kinesic.sim.importer.zero_pose import HumanoidGeometry
 
 FINGERS = ("thumb", "index", "middle", "ring", "pinky")
-FEWEST = 3  # fingers of a hand; less is a gripper
+FEWEST_FINGERS = 3  # fingers of a hand; less is a gripper
 ALONG = 0.8  # cosine between an axis and a direction that it counts as
 FLEXION, SPREAD = (0.0, radians(80)), (radians(-10), radians(15))  # where the file tells no range
 WHOLE_TURN = radians(350)  # a wider range is none
 GIRTH = 0.09  # radius of a finger, as a share of its length
 THIN, THICK = 0.004, 0.011  # [m]
-STEPS = 10  # of hinges that follow one another
+MOST_FOLLOWERS = 10  # of hinges that follow one another
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +78,7 @@ def find_hand(figure: HumanoidGeometry, side: Side) -> MappedHand | None:
     tree = figure.tree
     rows = [_row(tree, row) for row in _chains(tree, figure.arms[side].joints[-1])]
     rows = [row for row in rows if np.linalg.norm(row.tip - row.base) > THIN]
-    if len(rows) < FEWEST:
+    if len(rows) < FEWEST_FINGERS:
         return None
     thumb = _thumb(tree, rows)
     others = [row for row in rows if row is not thumb]
@@ -219,7 +219,7 @@ def _led(tree: Tree, turn: MappedHinge, turns: dict[int, MappedHinge]) -> tuple[
     """Which motorised hinge of the hand leads another one, by which ratio and offset [rad]; None: none does."""
     named = {tree.joints[k].name: k for k in turns}
     ratio, offset, joint = 1.0, 0.0, turn.joint
-    for _ in range(STEPS):
+    for _ in range(MOST_FOLLOWERS):
         follow = tree.joints[joint].follows
         if follow is None:
             break

@@ -19,7 +19,7 @@ CHOOSING, FINE = 0.1, 0.05  # per radian away from the pose of the file, to choo
 CALM = 3.0  # times that for forearm and wrist, which hardly move the bones
 OUTSIDE_WEIGHT = 0.3  # per radian outside its range
 CENTRED = 0.05  # of its range: an elbow whose middle is nearer to straight bends both ways
-TURN = 2 * np.pi
+FULL_TURN = 2 * np.pi
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +64,7 @@ def elbow_sense(limb: HingeRow, split: Split, lower: float, upper: float) -> flo
     low, high = lower - straight, upper - straight
     if not np.isfinite([low, high]).all():
         return 0.0
-    turns = TURN * np.round((low + high) / 2 / TURN)
+    turns = FULL_TURN * np.round((low + high) / 2 / FULL_TURN)
     middle = (low + high) / 2 - turns
     return float(np.sign(middle)) if abs(middle) > CENTRED * (high - low) else 0.0
 
@@ -103,7 +103,7 @@ def _unwound(angles: Floats, ranges: Ranges) -> Floats:
     """The same pose with each hinge turned by whole turns to where it is nearest to the middle of its range."""
     bounded = np.isfinite(ranges.lower)
     middle = np.where(bounded, np.where(bounded, ranges.lower, 0.0) + np.where(bounded, ranges.upper, 0.0), 0.0) / 2
-    found: Floats = angles - TURN * np.round((angles - middle) / TURN)
+    found: Floats = angles - FULL_TURN * np.round((angles - middle) / FULL_TURN)
     return found
 
 

@@ -22,7 +22,7 @@ ARM_FORWARD = 5.0  # [deg] of the upper arm, forward
 AIR = 0.025  # [m] between forearms or hands and everything else
 POSTURES = 300
 NEARLY_ALWAYS = 0.9  # of random postures
-ROOM = 0.008  # [m] beyond the clearance that a pair must have at rest
+REST_ROOM = 0.008  # [m] beyond the clearance that a pair must have at rest
 
 
 def nearest_to_zero(hinges: tuple[MappedHinge, ...]) -> dict[str, float]:
@@ -93,7 +93,7 @@ def with_exclusions(file: RobotFile, path: Path) -> RobotFile:
     """
     robot = Robot.of(robot_from_tables(file, path))
     gaps = CapsuleDistances(robot).gaps(random_postures(robot.skeleton, POSTURES))
-    least = file.collision.clearance + ROOM
+    least = file.collision.clearance + REST_ROOM
     overlaps = np.mean(gaps < 0.0, axis=0)
     listed = [*file.collision.exclude]
     for pair, rest, share in zip(robot.counted_pairs, gaps[0], overlaps, strict=True):

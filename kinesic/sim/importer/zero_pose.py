@@ -13,7 +13,7 @@ from kinesic.sim.importer.hinge_row import HingeRow
 from kinesic.sim.importer.mirror import Sides, sides
 from kinesic.sim.importer.model_tree import BASE, Tree
 
-FEWEST = 3  # hinges of an arm
+FEWEST_HINGES = 3  # hinges of an arm
 FINGER = 0.15  # of the mass of what carries it: a hinge that moves less moves a finger
 ACROSS = sealed([1.0, -1.0, 1.0])
 HANGING = HangingPose(upper=sealed([0, 0, -1]), fore=sealed([0, 0, -1]), hinge=sealed([0, -1, 0]))
@@ -37,11 +37,11 @@ def branches(tree: Tree, sides: Sides) -> Branches:
         ConfigError: there is no pair of limbs with enough hinges.
     """
     limbs = [_limb(tree, sides, k) for k in sides.pairs if tree.joints[k].parent not in _both(sides)]
-    arms = [limb for limb in limbs if len(limb) >= FEWEST]
+    arms = [limb for limb in limbs if len(limb) >= FEWEST_HINGES]
     if not arms:
         raise ConfigError(
             f"robot {tree.name}: no arms found: among {len(tree.joints)} hinges there are {len(sides.pairs)} mirror "
-            f"pairs, but no pair of limbs with {FEWEST} hinges each"
+            f"pairs, but no pair of limbs with {FEWEST_HINGES} hinges each"
         )
     left = max(arms, key=lambda limb: tree.joints[limb[0]].anchor[2])
     trunk = tree.way(tree.joints[left[0]].parent)

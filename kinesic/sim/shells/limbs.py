@@ -10,7 +10,7 @@ from kinesic.sim.shells.part import (
     CUFF,
     FINGER_BLEND,
     FINGER_SKIN,
-    ROOM,
+    SERVO_ROOM,
     SKIN,
     Housing,
     Part,
@@ -35,7 +35,7 @@ def limb(part: Part) -> Housing:
     solids = [cone(begin * axis, stop * axis, first, last)]
     for servo in part.servos:
         if len(part.servos) > 1 and np.linalg.norm(servo.centre) < 0.01:
-            girth = float(np.linalg.norm(servo.corners, axis=1).max()) + ROOM
+            girth = float(np.linalg.norm(servo.corners, axis=1).max()) + SERVO_ROOM
             solids.append(cone(servo.centre, servo.centre + 1e-4 * axis, girth, girth))
         else:
             solids.append(drum_about(servo, zero, axis)[0])

@@ -10,14 +10,14 @@ from kinesic.body.skeleton import Capsule, Segment
 from kinesic.sim.shells.distance import DistanceField, box, cone, drum
 
 SKIN = 0.0015  # [m] of a shell outside the shapes that it encloses
-ROOM = 0.002  # [m] between the corners of a servo and the outside
+SERVO_ROOM = 0.002  # [m] between the corners of a servo and the outside
 BLEND = 0.012  # [m] in which solids flow into one another
 FINGER_SKIN, FINGER_BLEND = 0.0004, 0.003  # [m]
 SOFT = 0.007  # [m] rounding of servos' housings
 LINE = 0.0016  # [m] width of a panel line
 CUFF = 0.0025  # [m] by which a limb is wider at its end than the next one where it begins
 FOOT = (1.25, 0.010)  # radius in radii of a column, and half of its height [m], of the plate that it stands on
-BEND = 0.26  # arm lengths: radius of the head's front, about the upright axis
+FRONT_RADIUS = 0.26  # arm lengths: radius of the head's front, about the upright axis
 VISOR = (0.137, 0.104)  # arm lengths: half of its width, half of its height
 BUDGET = {"trunk": 2050, "head": 2000, "limb": 1350, "hand": 1000, "finger": 140}  # triangles, before they are cut
 
@@ -85,7 +85,7 @@ def drum_about(servo: ServoBox, base: Floats, axis: Floats) -> tuple[DistanceFie
     """Puts a servo into a drum about a bone: its field, and its radius [m]."""
     along = (servo.corners - base) @ axis
     away = servo.corners - base - along[:, None] * axis
-    radius, half = float(np.linalg.norm(away, axis=1).max()) + ROOM, float(np.ptp(along)) / 2 + 2 * ROOM
+    radius, half = float(np.linalg.norm(away, axis=1).max()) + SERVO_ROOM, float(np.ptp(along)) / 2 + 2 * SERVO_ROOM
     middle = base + (along.max() + along.min()) / 2 * axis
     return drum(middle, axis, radius + 0.3 * SOFT, half + 0.3 * SOFT, SOFT), radius
 
@@ -97,4 +97,4 @@ def own_shape(shape: Capsule) -> DistanceField:
 
 def boxed(servo: ServoBox, rounding: float = SOFT) -> DistanceField:
     """A servo in a box."""
-    return box(servo.centre, servo.half + ROOM + 0.43 * rounding, rounding)
+    return box(servo.centre, servo.half + SERVO_ROOM + 0.43 * rounding, rounding)

@@ -14,7 +14,7 @@ from kinesic.body.arrays import Flags, Floats, Indices
 from kinesic.sim.shells.distance import DistanceField, gradient
 
 SETTLED = 4  # steps of Newton onto the surface
-MARGIN = 2.5  # cells of air round a solid
+AIR_CELLS = 2.5  # cells of air round a solid
 SNAP = 3e-4  # [m] vertices nearer to a line are moved onto it
 STIFF = 0.01  # of a step onto a line that is nearly along the surface
 RELAXED = 2  # times that vertices are drawn to the middle of their neighbours
@@ -49,8 +49,8 @@ def mesh_of(field: DistanceField, low: Floats, high: Floats, *, most: int) -> Me
 
 
 def _nets(field: DistanceField, low: Floats, high: Floats, step: float) -> Mesh:
-    start = low - MARGIN * step
-    shape = np.ceil((high - low) / step + 2 * MARGIN).astype(int) + 1
+    start = low - AIR_CELLS * step
+    shape = np.ceil((high - low) / step + 2 * AIR_CELLS).astype(int) + 1
     points = np.stack(np.meshgrid(*(np.arange(n) for n in shape), indexing="ij"), axis=-1).reshape(-1, 3)
     values = field(start + step * points).reshape(shape)
     inside = values < 0.0

@@ -23,10 +23,10 @@ from kinesic.sim.shells.distance import (
     sharp_union,
 )
 from kinesic.sim.shells.part import (
-    BEND,
     BLEND,
     BUDGET,
     FOOT,
+    FRONT_RADIUS,
     SKIN,
     SOFT,
     VISOR,
@@ -37,7 +37,7 @@ from kinesic.sim.shells.part import (
 )
 
 MIDLINE = 0.004  # [m] nearer to it is on it
-APART = 0.005  # [m] between the heights of two lateral shapes, at least
+SHAPE_SPACING = 0.005  # [m] between the heights of two lateral shapes, at least
 UP = sealed([0.0, 0.0, 1.0])
 
 
@@ -48,7 +48,7 @@ def head(part: Part) -> Housing:
     half = np.array([0.975 * big.radius, 1.08 * big.radius, tall + 0.99 * big.radius])
     block = box(middle, half, 0.72 * big.radius)
     eyes = part.robot.sites.get("eyes")
-    bend = max(BEND * size, 1.2 * big.radius)
+    bend = max(FRONT_RADIUS * size, 1.2 * big.radius)
     front = middle + (half[0] - bend) * np.array([1.0, 0.0, 0.0])
     solids = [rounded_intersection(block, drum(front, UP, bend, 4 * big.radius, 0.01), 0.008)]
     solids += [boxed(servo, 2 * SOFT) for servo in part.servos]
@@ -94,7 +94,7 @@ def _lateral(capsules: Sequence[Capsule]) -> list[Capsule]:
     for shape in sorted(capsules, key=lambda c: float(c.start[2])):
         way, middle = np.abs(shape.end - shape.start), (shape.start + shape.end) / 2
         across = way[1] >= way[2] and way[0] < MIDLINE and np.abs(middle[:2]).max() < MIDLINE
-        if across and (not found or shape.start[2] - found[-1].start[2] > APART):
+        if across and (not found or shape.start[2] - found[-1].start[2] > SHAPE_SPACING):
             found.append(shape)
     return found
 

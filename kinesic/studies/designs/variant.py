@@ -17,7 +17,7 @@ from kinesic.body.robot_file import robot_from_tables
 from kinesic.body.robot_schema import BodyTable, HingeTable, RobotFile, Triple, changes_text
 
 FEATURES = ("length", "servo", "reduction")
-TURN = 360.0  # [deg] of a servo
+FULL_TURN = 360.0  # [deg] of a servo
 FORM = "WHAT.FEATURE=A,B,..., such as l_shoulder.length=0.20,0.22 or *_elbow_flexion.servo=xm430_w210,xc430_w240"
 
 Design = tuple[tuple[str, str], ...]  # (variable, value) of what differs; empty: the robot as it is
@@ -80,10 +80,10 @@ def build(file: RobotFile, design: Design, path: Path) -> Robot:
     varied = apply_design(file, design, path)
     for hinge in varied.hinge:
         turned = (hinge.range_deg[1] - hinge.range_deg[0]) * hinge.reduction
-        if turned > TURN:
+        if turned > FULL_TURN:
             raise ConfigError(
-                f"{hinge.name} turns its servo by {turned:.0f} degrees, and one turn is {TURN:.0f}; "
-                f"a reduction of {TURN / (turned / hinge.reduction):.2g} is the most"
+                f"{hinge.name} turns its servo by {turned:.0f} degrees, and one turn is {FULL_TURN:.0f}; "
+                f"a reduction of {FULL_TURN / (turned / hinge.reduction):.2g} is the most"
             )
     return Robot.of(robot_from_tables(varied, path))
 
