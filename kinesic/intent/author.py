@@ -19,7 +19,7 @@ EARLY = 2.5  # [s] from the first word, until which a hand may have to hurry
 SET_OUT = 0.4  # [s] by which it sets out before that word at the earliest, so that the voice waits no longer
 REACHED, GREETED = 0.55, 1.4  # [s] behind that word its stroke is at the earliest, and that of a wave, after its turns
 GREETING = "performative-greet"  # that waves show
-PLAIN = "neutral"  # the one style in which feelings may choose the manner of their sentences
+PLAIN_STYLE = "neutral"  # the one style in which feelings may choose the manner of their sentences
 
 
 def author(
@@ -66,7 +66,7 @@ def plan_behaviours(
     rules = load_language(language)
     passage = read_text(text, rules)
     intents = find_intents(passage, rules, lexicon, grammar=grammar)
-    if style.name != PLAIN:
+    if style.name != PLAIN_STYLE:
         intents = tuple(replace(each, style="") for each in intents)
     budget = budget_of(len(passage.words), style)
     found = choose_behaviours(intents, sets or own_sets(), budget, seed=seed, reachable=reachable)

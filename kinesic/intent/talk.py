@@ -8,7 +8,7 @@ from functools import partial
 from kinesic.body.choices import GrammarName
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.style import Style
-from kinesic.intent.author import PLAIN, hurry_first_gesture, reachable
+from kinesic.intent.author import PLAIN_STYLE, hurry_first_gesture, reachable
 from kinesic.intent.behaviour_sets import BehaviourSets
 from kinesic.intent.budget import budget_of
 from kinesic.intent.choosing import ChosenBehaviour, Earlier, choose_behaviours
@@ -119,7 +119,7 @@ def next_part(
         for each in find_intents(passage, language, lexicon, grammar=grammar, begins=begins, ends=ends)
         if each.stroke.seconds < passage.starts[words.stop]
     ]
-    if style.name != PLAIN:
+    if style.name != PLAIN_STYLE:
         intents = [replace(each, style="") for each in intents]
     earlier = Earlier(
         tuple(each for id, each in talk.shown if id not in free), tuple(each for id, each in talk.shown if id in free)

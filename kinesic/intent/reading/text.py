@@ -18,7 +18,7 @@ LONG = 8  # words of a text in which the speaker looks away at first
 EMPHASIS = 0.25  # certainty that stress by the writer adds
 EMOTICON = 0.7  # certainty of a feeling that an emoticon shows
 STYLES = {"emotion-joy": "joyful", "emotion-joyStrong": "joyful", "emotion-sadness": "sad", "emotion-anger": "angry"}
-REMEMBERED = 8192  # words
+WORDS_KEPT = 8192  # words
 
 
 def find_intents(
@@ -93,7 +93,7 @@ def _pictures(passage: Passage, lexicon: Lexicon) -> Iterator[Intent]:
             yield _intent(passage, category, (k, k, k), sure, why, lexemes=(gesture,))
 
 
-@lru_cache(maxsize=REMEMBERED)
+@lru_cache(maxsize=WORDS_KEPT)
 def _pictured(lexicon: Lexicon, word: str) -> tuple[str, str] | None:
     """The gesture that a word names outright, with its category."""
     found = lexicon.find(word)

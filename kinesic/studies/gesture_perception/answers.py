@@ -8,8 +8,8 @@ from kinesic.body.config import ConfigError, suggestion
 from kinesic.studies.gesture_perception.design import OPTIONS, SEPARATOR, SIDES, TASKS
 from kinesic.studies.questionnaire.answers import read_columns, read_rows
 
-NEEDED = ("participant", "place", "task", "stimulus", "condition", "options", "chosen")
-COLUMNS = (*NEEDED, "seconds")
+NEEDED_COLUMNS = ("participant", "place", "task", "stimulus", "condition", "options", "chosen")
+COLUMNS = (*NEEDED_COLUMNS, "seconds")
 LONGEST_NAME = 200  # characters of a name that is believed
 
 
@@ -70,7 +70,7 @@ def read_gesture_answers(paths: Sequence[Path]) -> Answers:
     """
     seen: dict[tuple[str, str], str] = {}
     found: list[Recognition | Preference] = []
-    for where, row in read_rows(paths, NEEDED):
+    for where, row in read_rows(paths, NEEDED_COLUMNS):
         before = seen.setdefault((row["participant"], row["place"]), where)
         if before != where:
             who, place = row["participant"][:LONGEST_NAME], row["place"][:LONGEST_NAME]
@@ -87,7 +87,7 @@ def read_gesture_answers(paths: Sequence[Path]) -> Answers:
 
 
 def _answer(where: str, row: Mapping[str, str]) -> Recognition | Preference:
-    for name in NEEDED:
+    for name in NEEDED_COLUMNS:
         if len(row[name]) > LONGEST_NAME * (OPTIONS if name == "options" else 1):
             raise ConfigError(f"{where}: {name} has {len(row[name])} characters, more than a page writes")
     options, task = tuple(row["options"].split(SEPARATOR)), row["task"]

@@ -30,7 +30,7 @@ COLUMNS = (
     "age",
 )
 SIGNIFICANT = 0.05  # share of chance below which two conditions differ
-NEEDED = ("participant", "action", *CONDITIONS, *LABELS, *OPINIONS)
+NEEDED_COLUMNS = ("participant", "action", *CONDITIONS, *LABELS, *OPINIONS)
 AGES = range(10, 120)  # [years] that are believed
 ALL = "all"  # the row of all actions together
 
@@ -59,7 +59,7 @@ def read_answers(paths: Sequence[Path]) -> tuple[Rating, ...]:
     Raises:
         ConfigError: a file or a column is missing, or a value is out of its range.
     """
-    rows = read_rows(paths, NEEDED)
+    rows = read_rows(paths, NEEDED_COLUMNS)
     found = tuple(_answer(where, row) for where, row in rows if row["action"] in LABELS)
     if not found:
         raise ConfigError(f"{', '.join(map(str, paths))}: no answer for any of {', '.join(LABELS)}")
