@@ -21,7 +21,7 @@ from kinesic.sim.shells.shell import SUFFIX, is_stale, shell_of, write_shell
 
 WARN_TORQUE = 0.4  # of stall
 FAIL_TORQUE = 0.8
-SHOWN = 5  # meshes that are not drawn
+MESHES_SHOWN = 5  # meshes that are not drawn
 
 
 def list_robots() -> int:
@@ -107,9 +107,9 @@ def _write_looks(found: Mapped, target: Path, *, force: bool) -> None:
         with new_file(path, force=force) as fresh:
             write_shell(shell, fresh)
         click.echo(f"shell: {path}")
-    for why in found.figure.tree.left_out[:SHOWN]:
+    for why in found.figure.tree.left_out[:MESHES_SHOWN]:
         click.echo(f"left out: {quote_text(why)}")
-    if (more := len(found.figure.tree.left_out) - SHOWN) > 0:
+    if (more := len(found.figure.tree.left_out) - MESHES_SHOWN) > 0:
         click.echo(f"left out: {more} more")
 
 

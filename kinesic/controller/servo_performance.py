@@ -34,7 +34,7 @@ DELAY = 0.002  # [s] from a command's time until its goals have gone over the wi
 POLL = 0.02  # [s] between two looks at supervisor and keyboard
 ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 TOO_NEAR = "stopped before contact: the servos' errors leave too little clearance (`kinesic twin fit` finds why)"
-FULL = 0.999  # scale of time that is all of it
+FULL_PACE = 0.999  # scale of time that is all of it
 
 Request = Literal["go on", "stop", "resume", "end"]  # "stop": at once; "resume": consents; "end": fold to rest
 Ending = Literal["performed", "ended", "stopped", "failed"]
@@ -106,7 +106,7 @@ class ServoRun:
             found = trajectory.sample(np.interp(taken, self.clocks, self.times))
             planned[:, :, k] = found[0][:, k], found[1][:, k]
         moving: Flags = np.abs(planned[1]) > MOVING * self.performance.plan.setup.limits.speed
-        whole = np.array([[status.scale > FULL] for status in self._rows], dtype=np.bool_).reshape(-1, 1)
+        whole = np.array([[status.scale > FULL_PACE] for status in self._rows], dtype=np.bool_).reshape(-1, 1)
         news: Flags = np.diff(self.taken, axis=0, prepend=-np.inf) > 0.0
         return np.where(moving & whole & news, self.angles - planned[0], np.nan)
 
@@ -120,7 +120,7 @@ class ServoRun:
     @cached_property
     def full_pace(self) -> float:
         """Share of the samples in which time ran at full pace; 0 where there is none."""
-        return float(np.mean([status.scale > FULL for status in self._rows])) if self._rows else 0.0
+        return float(np.mean([status.scale > FULL_PACE for status in self._rows])) if self._rows else 0.0
 
     @cached_property
     def lags(self) -> dict[SyncTime, float | None]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from kinesic.bml.block import Speech
 from kinesic.body.utterance import Samples, Sound
-from kinesic.controller.servo_performance import FULL
+from kinesic.controller.servo_performance import FULL_PACE
 from kinesic.hardware.supervisor.channel import Status
 from kinesic.planning.plan import Plan
 from kinesic.speech.loudspeaker import SpeakerError
@@ -79,7 +79,7 @@ class SpeechPlayback:
 
     def __call__(self, status: Status) -> None:
         """Follows the status of the servos."""
-        if not status.stage.runs or not status.scale > FULL:
+        if not status.stage.runs or not status.scale > FULL_PACE:
             self._hush()
             return
         zero = status.clock - status.time

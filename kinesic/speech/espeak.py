@@ -25,8 +25,8 @@ from kinesic.speech.writing import unreadable_letters
 WORDS_PER_MINUTE = 175  # of espeak-ng at rate 1
 SLOWEST, FASTEST = 80, 450  # words per minute
 MIDDLE, HIGHEST = 50, 99  # espeak-ng's pitch: 50 more is an octave up
-REMEMBERED = 64  # utterances of one run
-SHOWN = 40  # letters in a remark
+UTTERANCES_KEPT = 64  # utterances of one run
+LETTERS_SHOWN = 40  # letters in a remark
 MOST_CHARACTERS = 25_000  # characters, about half an hour: more than a block may last
 ENGLISH = "en-us"
 ALIASES: Mapping[str, str] = {  # tags that the files of espeak-ng spell otherwise
@@ -91,7 +91,7 @@ def voice_of(language: str, data: Path) -> tuple[str, str]:
     return known.get(ENGLISH, ENGLISH), f"no voice speaks {language!r}: it is read as if it were English"
 
 
-@lru_cache(maxsize=REMEMBERED)
+@lru_cache(maxsize=UTTERANCES_KEPT)
 def _said(script: Script, rate: float, pitch: float) -> Utterance:
     place = engine()
     if place is None:
@@ -121,8 +121,8 @@ def _said(script: Script, rate: float, pitch: float) -> Utterance:
 
 
 def _shown(letters: str) -> str:
-    more = len(letters) - SHOWN
-    return f"{letters[:SHOWN]} and {more} other letters" if more > 0 else letters
+    more = len(letters) - LETTERS_SHOWN
+    return f"{letters[:LETTERS_SHOWN]} and {more} other letters" if more > 0 else letters
 
 
 def _timed(script: Script, reply: EngineReply) -> Utterance:

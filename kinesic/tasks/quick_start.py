@@ -10,7 +10,7 @@ from distributed.utils import get_mp_context
 
 from kinesic.child import child_context
 
-NEEDED = "kinesic.report.batch"  # what most tasks import
+IMPORTED = "kinesic.report.batch"  # what most tasks import
 
 
 def quick_start() -> dict[str, str]:
@@ -20,7 +20,7 @@ def quick_start() -> dict[str, str]:
     method = {"distributed.worker.multiprocessing-method": "forkserver"}
     with dask.config.set(method):
         get_mp_context()  # it names modules of its own, once; ours are named after it
-    child_context("distributed.nanny", "distributed.worker", NEEDED)
+    child_context("distributed.nanny", "distributed.worker", IMPORTED)
     return method
 
 

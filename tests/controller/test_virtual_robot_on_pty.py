@@ -15,7 +15,7 @@ from kinesic.body.config import CONFIGS
 from kinesic.controller.feedforward import FeedForward
 from kinesic.controller.perform import plan
 from kinesic.controller.play import command_times, commands
-from kinesic.controller.servo_performance import DELAY, FULL
+from kinesic.controller.servo_performance import DELAY, FULL_PACE
 from kinesic.hardware.protocol.servo_map import ServoMap
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.settings import SupervisorSettings
@@ -71,7 +71,7 @@ def test_kinesic_moves_the_twin_through_the_port(planned: Plan, port: Path):
     for command in commands(planned.trajectory, times, setpoints):
         servos.write(command)
     servos.close()
-    ran = [told for told in servos.history() if told.stage is Stage.ACTIVE and told.scale > FULL]
+    ran = [told for told in servos.history() if told.stage is Stage.ACTIVE and told.scale > FULL_PACE]
     rows = [told for told in ran if np.isfinite(told.taken).all()]
     clocks, reached = np.array([told.clock for told in rows]), np.array([told.time for told in rows])
     at = np.transpose([np.interp(taken, clocks, reached) for taken in np.transpose([told.taken for told in rows])])

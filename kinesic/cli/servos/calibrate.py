@@ -40,7 +40,7 @@ FIRST_LOOK = 2.0  # [s] in which all servos must have answered
 ZERO = (
     "Hold the robot in its zero posture, every hinge at 0 degrees (upper22: arms hang, palms to the thighs, head up)."
 )
-TURN = "Turn every hinge by hand: first the way the table says, then through all its range."
+TURN_HINGES = "Turn every hinge by hand: first the way the table says, then through all its range."
 WHOLE_TURN = {Register.MIN_POSITION_LIMIT: 0, Register.MAX_POSITION_LIMIT: TICKS_PER_TURN - 1}
 ENTER = {"\n", "\r"}
 
@@ -129,7 +129,7 @@ def read_zero_posture(axes: Axes, *, ask: bool) -> Travel:
 def watch_hands(axes: Axes, robot: Robot, travel: Travel, *, seconds: float, keys: Callable[[], str]) -> Travel:
     """Watches hands move the robot until Enter, until the time is over, or until all has been seen."""
     manifest = axes.manifest
-    click.echo(f"{TURN} Enter ends.")
+    click.echo(f"{TURN_HINGES} Enter ends.")
     with Live(console=console(), refresh_per_second=8) as live:
         for snapshot in _looks(axes, seconds):
             travel = travel.seen(counted_ticks(snapshot), manifest)

@@ -17,7 +17,7 @@ from kinesic.body.dynamics import Distances
 from kinesic.controller.watch.clearance import LOOK, ClearanceWatch, coming_times, look_ahead
 from kinesic.hardware.supervisor.channel import Status
 
-KEPT = 100  # cycles whose time is remembered: a second, longer than any position is believed
+CYCLES_KEPT = 100  # cycles whose time is remembered: a second, longer than any position is believed
 WAIT = 0.9 * LOOK  # [s] since the last look: cycles do not come quite evenly
 HELD = 3.0  # [s] for which postures that were written are kept: as long as positions are believed, and to spare
 TRIMMED = 100  # commands that are dropped together
@@ -58,8 +58,8 @@ class ServoWatch:
             least: [m] clearance that the robot asks for.
         """
         self._reference, self._distances, self._least = reference, distances, least
-        self._clocks: deque[float] = deque(maxlen=KEPT)  # [s] of cycles
-        self._times: deque[float] = deque(maxlen=KEPT)  # [s] of the performance, likewise
+        self._clocks: deque[float] = deque(maxlen=CYCLES_KEPT)  # [s] of cycles
+        self._times: deque[float] = deque(maxlen=CYCLES_KEPT)  # [s] of the performance, likewise
         self._strayed = self._taken = np.zeros(0)  # (n,) [rad], and when [s]; none yet
         self._looked = -np.inf  # [s] of the clock
         self.watch = ClearanceWatch()
