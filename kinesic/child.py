@@ -47,7 +47,7 @@ class Child:
         *arguments: *Arguments,
         name: str | None = None,
     ) -> None:
-        """Begins.
+        """Begins the process.
 
         Args:
             context: how processes begin, such as `child_context()`.

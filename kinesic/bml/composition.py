@@ -158,5 +158,5 @@ def is_command(element: Element) -> bool:
 
 
 def _ids(text: str | None) -> tuple[str, ...]:
-    """Each once."""
+    """Splits a list of ids; one that stands twice is kept once."""
     return tuple(dict.fromkeys(filter(None, _SEPARATOR.split(text or ""))))

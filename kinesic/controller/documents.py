@@ -54,5 +54,5 @@ def intention_sets(known: Setup) -> BehaviourSets:
 
 
 def _shown(known: Setup) -> tuple[BehaviourSets, Agent]:
-    """What shows intentions, and who."""
+    """Reads the behaviour sets that show intentions, and the agent that shows them."""
     return intention_sets(known), read_agent(known.intentions.baseline, known.intentions.qualifiers)

@@ -44,7 +44,7 @@ class SyncPoint:
 
 @dataclass(frozen=True)
 class Moment:
-    """When a key frame is, and what falls on it."""
+    """The time of a key frame, with the sync points that fall on it."""
 
     time: float  # [s] of the frame
     first: float  # [s]
@@ -106,7 +106,7 @@ def _anchor(time: float, strokes: Sequence[float], others: Sequence[float]) -> f
 
 @dataclass(frozen=True, eq=False)
 class Sequences:
-    """What the parts do, each for itself."""
+    """The sequences of keys of each part of the body, before they are gathered into key frames."""
 
     torso: tuple[Layer, ...] = ()
     head: tuple[Layer, ...] = ()

@@ -107,7 +107,7 @@ def keyframes(
 
 
 def _whole_body(timeline: Timeline, context: BlockContext, moves: Mapping[str, Move], hands: Arranged) -> WholeBody:
-    """What goes along with the hands of gestures, and gives way to other behaviours."""
+    """Moves the body along with the hands of gestures, where no other behaviour needs it."""
     behaviours = {timed.behaviour.id: timed.behaviour for timed in timeline.timed}
     gestures = [
         Accompanied(work, context.manner(behaviour, "head"), context.manner(behaviour, "torso"))

@@ -55,7 +55,7 @@ FREE: Spans = ((), (), ())
 
 @dataclass(frozen=True)
 class BodyDemands:
-    """When the behaviours of a document need parts of the body."""
+    """The times at which behaviours of a document need parts of the body."""
 
     head: Spans = FREE
     torso: Spans = FREE
@@ -127,7 +127,7 @@ def accompany(gestures: Sequence[Accompanied], asked: BodyDemands, pace: Pace) -
 
 
 def _spans(works: Sequence[HandStroke]) -> list[Span]:
-    """When the body may be away from upright for each gesture, until the next where that follows soon [s]."""
+    """Finds for each gesture from when to when the body may leave upright: to the next gesture if that is soon [s]."""
     ends = [max(work.at("end"), max(work.at("relax"), work.at("strokeEnd")) + HOME) for work in works]
     spans: list[Span] = []
     for k, (work, end) in enumerate(zip(works, ends, strict=True)):

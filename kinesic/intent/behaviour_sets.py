@@ -46,7 +46,7 @@ class Choice:
 
 @dataclass(frozen=True)
 class Spell:
-    """How a signal takes its turn in a sequence."""
+    """The rules by which a signal takes its turn in a sequence."""
 
     least: float  # [s] that it lasts
     most: float  # [s]

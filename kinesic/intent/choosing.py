@@ -52,7 +52,7 @@ class Selection:
 
 @dataclass(frozen=True)
 class Earlier:
-    """What shows the words before these."""
+    """The behaviours that show the words before these."""
 
     fixed: tuple[ChosenBehaviour, ...] = ()  # it is done, or has begun
     free: tuple[ChosenBehaviour, ...] = ()  # it may still give way

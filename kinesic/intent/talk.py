@@ -31,7 +31,7 @@ _STOPS = ".!?\u2026\u3002\uff01\uff1f"
 
 @dataclass(frozen=True)
 class Talk:
-    """What has come of a text, and how much of it is said."""
+    """A text that comes bit by bit: as much of it as has come, and how much is said."""
 
     text: str = ""  # from the sentence on in which the next word stands
     said: int = 0  # words of it that are said
@@ -199,7 +199,7 @@ def _earlier(shown: tuple[tuple[str, ChosenBehaviour], ...], seconds: float) -> 
 
 
 def _whole(passage: Passage, talk: Talk, quiet: float) -> int:
-    """How many words of a passage may be said: those of whole phrases."""
+    """Counts the words of a passage that may be said: those of whole phrases."""
     words, count = passage.words, len(passage.words)
     if (talk.is_over or quiet >= SILENT) and len(talk.text) < LETTERS_PER_WINDOW:
         return count

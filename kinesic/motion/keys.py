@@ -255,7 +255,7 @@ def _manner(passages: tuple[Passage, ...], count: int) -> Floats:
 
 
 def _of_columns(keyed: Flags, find: Callable[[Flags], Found]) -> tuple[Found, ...]:
-    """What is found of each column (m,); once for those that are alike, as are those of most hinges of a part."""
+    """Finds something for each column (m,), once for columns that are alike, as those of most hinges of a part are."""
     every = [column.tobytes() for column in keyed.T]
     known = {told: find(column) for told, column in dict(zip(every, keyed.T, strict=True)).items()}
     return tuple(known[told] for told in every)

@@ -176,7 +176,7 @@ def _aim_one_again(before: Scene, scene: Scene, block: str, pointer: PointingHan
 
 
 def _usual_miss(before: Scene, running: RunningBlock, stroke: PointingStroke) -> float:
-    """By how much a hand pointed past its aim before, or does in its own plan [rad]."""
+    """Measures by how much a hand pointed past its aim before this change, or does in its own plan [rad]."""
     earlier, plan, robot = before.find(running.id), running.prepared.plan, before.setup.robot
     if earlier is not None and earlier.merged is not None and earlier.prepared.plan is plan:
         return stroke.miss(before.motion, robot)

@@ -113,7 +113,7 @@ class Scene:
         return latest
 
     def _next_look(self, running: RunningBlock) -> float:
-        """When to see whether a block may start [s]; never, as long as a block that it waits for waits itself."""
+        """Finds when to see whether a block may start [s]; infinite while a block that it waits for waits itself."""
         if running.state is not BlockState.LURKING:
             return np.inf
         for id in reversed(running.waits):  # the last that came has its turn last

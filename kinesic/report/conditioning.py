@@ -40,7 +40,7 @@ class Moved:
 
 @dataclass(frozen=True)
 class Loss:
-    """What a stroke was to be and what it will be."""
+    """A quantity of a stroke as it was asked and as it is planned."""
 
     part: PartName
     quantity: str

@@ -156,7 +156,7 @@ class _Hands:
         return self._late_by(work, stroke) == 0.0 and (twice or self.room.may_part(work, stroke, option))
 
     def _late_by(self, work: HandStroke, stroke: Stroke) -> float:
-        """How late a hand is that comes from one stroke to another which do not overlap [s].
+        """Returns how late a hand comes from one stroke to another that does not overlap it [s].
 
         Nothing is known of two that have become brief since they were found to clash: whoever plans them looks again.
         """
@@ -297,6 +297,6 @@ class _Hands:
         return remedy(stroke.times["stroke"] + later)
 
     def _lacking(self, work: HandStroke, stroke: Stroke, option: Poses, side: Side) -> float:
-        """How much later a stroke would have to be for a hand that comes from another [s]."""
+        """Computes how much later a stroke must be for its hand to come from another stroke [s]."""
         between = stroke.times["strokeStart"] - work.at("strokeEnd")
         return self._late_by(work, stroke) or self.room.way_between(work, stroke, option, side) - between

@@ -16,7 +16,7 @@ Tied = Mapping[str, Collection[str]]  # behaviour id -> sync points that the doc
 
 @dataclass(frozen=True)
 class Room:
-    """How strokes make room for one another: as far as the document and the servos let them."""
+    """Moves and shortens strokes that are too near to one another, as far as document and servos let it."""
 
     pace: Pace
     tied: Tied

@@ -31,7 +31,7 @@ ALL_TIED: Tied = MappingProxyType({})  # every sync point stays where it is
 
 @dataclass(frozen=True, eq=False)
 class Arranged:
-    """Both hands through a whole block."""
+    """The keys of both hands through a whole block, and what came of each behaviour."""
 
     hands: Mapping[Side, tuple[HandKey, ...]]
     outcomes: Mapping[str, Outcome]
@@ -43,7 +43,7 @@ class Arranged:
 
 @dataclass(frozen=True)
 class _WayHome:
-    """When a hand goes back to its rest pose, and is there [s]."""
+    """The times at which a hand leaves for its rest pose, and is there [s]."""
 
     relax: float
     end: float
@@ -133,7 +133,7 @@ def _stop_at_holds(keys: Sequence[HandKey]) -> tuple[HandKey, ...]:
 
 
 def _homeward(holding: HandStroke, pose: Hand, others: Sequence[HandStroke]) -> _WayHome:
-    """When a hand goes back: to rest on the other one together with it, if that one is soon free."""
+    """Finds when a hand goes back to rest: with the other one where they rest in one another and it is soon free."""
     alone = together = _WayHome(holding.at("relax"), holding.at("end"))
     for other in others if pose.touch in MEETING else ():
         if not other.stroke.rest and other.at("start") < together.end and other.at("relax") > together.relax:

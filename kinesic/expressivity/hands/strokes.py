@@ -27,7 +27,7 @@ _LEAST_TURNS: Mapping[PathKind, float] = {"wave": 0.5, "arc": 0.5}  # what is le
 
 @dataclass(frozen=True)
 class _Way:
-    """What a way of a hand is worth in time."""
+    """A way of a hand, by what decides how much time it takes."""
 
     swings: int
     length: float  # [m] of straight way, each swing

@@ -118,7 +118,7 @@ def _first(element: Element, *names: str) -> Element | None:
 
 
 def _form(reader: _Reader, gesture: Element) -> GestureForm:
-    """What a phase leaves open is as in the phase before."""
+    """Reads the form of a gesture; what a phase leaves open is as in the phase before."""
     hands: dict[Side, HandPose] = {}
     keys = []
     for phase in _all(gesture, "phase"):

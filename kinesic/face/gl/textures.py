@@ -46,7 +46,7 @@ class Texture:
 
     @property
     def filter(self) -> tuple[int, int]:
-        """How it is read where its pixels are smaller than the screen's, and where they are larger."""
+        """The filters that read the texture where its pixels are smaller than the screen's, and where larger."""
         return self._filter
 
     @filter.setter

@@ -148,7 +148,7 @@ class Pipeline:
         return around
 
     def _lit(self, scale: float) -> Values:
-        """What the light must know."""
+        """Collects the values that the pass of the light needs."""
         values: dict[str, Value] = {
             "chart": chart_window(),
             "hair": self._complexion.hair,

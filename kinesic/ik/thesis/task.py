@@ -62,7 +62,7 @@ class Task:
 
 @dataclass(frozen=True, eq=False)
 class Rest:
-    """Where masses have come to rest, or how far they came."""
+    """The positions at which masses have come to rest, or to which they came within the effort."""
 
     points: Floats  # (p, 3) in units of the chain
     iterations: int

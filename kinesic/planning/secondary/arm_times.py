@@ -21,7 +21,7 @@ STILL_ARM = 5e-5  # [rad] from knot to knot
 
 @dataclass(frozen=True)
 class ArmStroke:
-    """When an arm has to be where it is asked, but for what its hand is behind the other one."""
+    """The span in which an arm has to be where its behaviour asks, and by how much its hand and wrist lag."""
 
     id: str  # of the behaviour
     begin: float  # [s]
@@ -48,7 +48,7 @@ class Gap:
 
 @dataclass(frozen=True, eq=False)
 class ArmCourse:
-    """What one arm does through a block."""
+    """The strokes of one arm through a block, and the gaps between them."""
 
     side: Side
     strokes: Sequence[ArmStroke]  # in time order
@@ -70,7 +70,7 @@ def arm_courses(frames: KeyFrames, motion: Conditioned, robot: Robot) -> Iterato
 
 
 def _stroke_spans(frames: KeyFrames, motion: Conditioned) -> Mapping[str, Span]:
-    """From the first to the last of what each behaviour may not miss [s]."""
+    """Finds the span from the first to the last stroke point of each behaviour [s]."""
     found: dict[str, list[float]] = {}
     for behaviour, sync, _, planned in on_keys(frames, motion):
         if sync.startswith("stroke"):
@@ -79,7 +79,7 @@ def _stroke_spans(frames: KeyFrames, motion: Conditioned) -> Mapping[str, Span]:
 
 
 def _strokes(side: Side, spans: Mapping[str, Span], frames: KeyFrames) -> list[ArmStroke]:
-    """What one arm does, in time order; strokes that overlap are one, with nothing late."""
+    """Lists the strokes of one arm in time order; strokes that overlap are joined to one that does not lag."""
     found: list[ArmStroke] = []
     for id, (begin, end) in sorted(spans.items(), key=lambda row: row[1]):
         if f"{side}_hand" not in frames.uses.get(id, ()):

@@ -33,7 +33,7 @@ Lateness = Sequence[tuple[float, float]]  # times [s], and how late a hinge is a
 
 @dataclass(frozen=True, eq=False)
 class Delay:
-    """What some hinges do later than a motion has it; times [s] are those of the motion."""
+    """A change that has some hinges come later than in the motion; times [s] are those of the motion."""
 
     begin: float
     end: float
@@ -65,7 +65,7 @@ def later_hinges(courses: Iterable[ArmCourse], motion: Trajectory, robot: Robot)
 
 @dataclass(frozen=True, eq=False)
 class _Shift:
-    """How late some joints are to be, each by itself or all together."""
+    """The lateness that some joints are to have, judged for each joint alone or for all together."""
 
     joints: Sequence[int]
     lateness: Lateness

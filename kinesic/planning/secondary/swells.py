@@ -19,15 +19,15 @@ CONTROL_LEAD = 1  # knots by which a control point lies before the one where it 
 
 
 class MotionChange(Protocol):
-    """What some hinges do otherwise for a while; times [s] are those of the motion."""
+    """A change of what some hinges do for a while; times [s] are those of the motion."""
 
     @property
     def begin(self) -> float:
-        """From here on."""
+        """The time from which it moves hinges [s]."""
 
     @property
     def end(self) -> float:
-        """Until here."""
+        """The time from which it no longer moves hinges [s]."""
 
     @property
     def hinges(self) -> Sequence[int]:
@@ -46,7 +46,7 @@ def runs(flags: Flags) -> Iterator[tuple[int, int]]:
 
 @dataclass(frozen=True, eq=False)
 class Swell:
-    """What some hinges do for a while; times [s] are those of the motion beneath which it lies."""
+    """A change that rises to a peak and falls back; times [s] are those of the motion beneath it."""
 
     begin: float
     peak: float

@@ -28,7 +28,7 @@ LEAST_SHAPE = 0.005  # [m] radius of a shape that counts
 
 @dataclass(frozen=True)
 class UrdfJoint:
-    """What MuJoCo drops of a joint when it reads a URDF."""
+    """The attributes of a URDF joint that MuJoCo drops when it reads the file."""
 
     speed: float | None  # [rad/s]
     follows: Follow | None
@@ -110,7 +110,7 @@ def _read_spec(path: Path) -> mujoco.MjSpec:
 
 @dataclass(frozen=True)
 class Equalities:
-    """What an MJCF ties together."""
+    """The hinges of an MJCF that equality constraints tie to others."""
 
     follows: dict[str, Follow]  # by the name of the hinge that is led; both as turns away from the file's pose
     left_out: tuple[str, ...]

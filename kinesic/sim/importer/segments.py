@@ -34,7 +34,7 @@ class SegmentLayout:
 
     @property
     def carrier(self) -> str:
-        """What carries arms and neck."""
+        """The name of the segment that carries arms and neck."""
         return TRUNK if TRUNK in self.parents else ROOT
 
     def inside(self, segment: str, point: Floats) -> Floats:
