@@ -19,7 +19,7 @@ from kinesic.expressivity.hands.keys import HandKey, hand_at
 from kinesic.expressivity.hands.poses import resting_hands
 from kinesic.expressivity.keyframes import KeyFrame, Turn
 from kinesic.expressivity.turns import Layer, TurnKey, add_turns, clip_turn, room, scale_turn, total
-from kinesic.motion.keys import Passage
+from kinesic.motion.keys import KeyPassage
 
 Priorities = Mapping[PartName, float]
 
@@ -43,7 +43,7 @@ class SyncPoint:
 
 
 @dataclass(frozen=True)
-class Moment:
+class FrameMoment:
     """The time of a key frame, with the sync points that fall on it."""
 
     time: float  # [s] of the frame
@@ -57,7 +57,7 @@ class Moment:
         return _nearest(inside, self.time) if inside else None
 
 
-def gather_times(times: Mapping[PartName, Sequence[float]], syncs: Sequence[SyncPoint]) -> list[Moment]:
+def gather_times(times: Mapping[PartName, Sequence[float]], syncs: Sequence[SyncPoint]) -> list[FrameMoment]:
     """Groups times: first around the strokes, then what is left, each group from its earliest.
 
     Args:
@@ -74,7 +74,7 @@ def gather_times(times: Mapping[PartName, Sequence[float]], syncs: Sequence[Sync
     names: dict[float, list[tuple[str, str]]] = {anchor: [] for anchor in anchors}
     for point in sorted(syncs, key=lambda point: point.time):
         names[_anchor(point.time, strokes, others)].append((point.behaviour, point.sync))
-    return [Moment(a, members[a][0], members[a][-1], tuple(names[a])) for a in anchors]
+    return [FrameMoment(a, members[a][0], members[a][-1], tuple(names[a])) for a in anchors]
 
 
 def _apart(times: Sequence[float]) -> list[float]:
@@ -172,7 +172,7 @@ def _parts_to_fill(given: frozenset[PartName], priorities: Priorities) -> frozen
 
 
 def _read_times(
-    part: PartName, moments: Sequence[Moment], times: Sequence[float], filled: Sequence[frozenset[PartName]]
+    part: PartName, moments: Sequence[FrameMoment], times: Sequence[float], filled: Sequence[frozenset[PartName]]
 ) -> list[float]:
     """When the sequence of a part is read for each frame [s].
 
@@ -197,8 +197,8 @@ def _turns(layers: Sequence[Layer], times: Sequence[float]) -> list[Turn]:
 
 
 def _passages(
-    moment: Moment, keys: Mapping[PartName, Sequence[TurnKey | HandKey]], times: Mapping[PartName, Sequence[float]]
-) -> Mapping[PartName, Passage]:
+    moment: FrameMoment, keys: Mapping[PartName, Sequence[TurnKey | HandKey]], times: Mapping[PartName, Sequence[float]]
+) -> Mapping[PartName, KeyPassage]:
     """Says how the keys on a moment are passed; of several layers' keys at once the last one counts."""
     near = {part: moment.among(own) for part, own in times.items()}
     return {part: keys[part][bisect_right(times[part], at) - 1].passage for part, at in near.items() if at is not None}

@@ -9,7 +9,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.reach import Reach
 from kinesic.body.robot import PartName, Side
 from kinesic.expressivity.lexicon.hand_shapes import Finger
-from kinesic.motion.keys import Passage
+from kinesic.motion.keys import KeyPassage
 
 Touch = Literal["hand", "forearm", "upper_arm", "head", "chest", "lap"]  # arm and hand: those of the other side
 
@@ -99,7 +99,7 @@ class KeyFrame:
     hands: Mapping[Side, Hand]
     given: frozenset[PartName]  # parts that a behaviour asks for here
     syncs: tuple[tuple[str, str], ...] = ()  # (behaviour id, sync point) that fall on this key
-    passages: Mapping[PartName, Passage] = field(default_factory=dict)  # of given parts; the others pass plainly
+    passages: Mapping[PartName, KeyPassage] = field(default_factory=dict)  # of given parts; the others pass plainly
     filled: frozenset[PartName] = frozenset()  # parts that are on their way here between keys of their own
 
     @property

@@ -12,7 +12,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.style.style import Expressivity, Phase, passage_of
-from kinesic.motion.keys import PLAIN_PASSAGE, Passage
+from kinesic.motion.keys import PLAIN_PASSAGE, KeyPassage
 
 AXES = ("torsion", "tilt", "roll")  # in the order of Turn; hinges of neck and torso are named after them
 UPRIGHT = Turn()
@@ -25,7 +25,7 @@ class TurnKey:
 
     time: float  # [s] block time
     turn: Turn
-    passage: Passage = PLAIN_PASSAGE
+    passage: KeyPassage = PLAIN_PASSAGE
 
 
 Layer = tuple[TurnKey, ...]  # in time order; straight between its keys, constant outside them

@@ -20,7 +20,7 @@ from kinesic.ik.solve import solve
 from kinesic.kernels import Kernel
 
 
-class Mode(IntEnum):
+class ArmMode(IntEnum):
     """What an arm does in a key."""
 
     REST = 0  # it takes the key's rest
@@ -32,7 +32,7 @@ class Mode(IntEnum):
 class Key:
     """What one hand is asked in a key, in the frame of its arm's base."""
 
-    mode: Mode
+    mode: ArmMode
     rest: Floats  # (k,) [rad] of whatever the reach leaves open
     reach: Reach | None = None  # of `Mode.REACH`
     openness: float = 0.0  # how far the elbow turns from where the hand lets it hang to `Manner.open`
@@ -40,7 +40,7 @@ class Key:
 
 
 @dataclass(frozen=True)
-class Manner:
+class ReachManner:
     """How far an arm goes for its hand."""
 
     widest: float  # [rad] that an elbow swings aside for the palm and the pointing of its hand
@@ -58,7 +58,13 @@ class KeyArms:
 
 
 def pose_keys(
-    chain: Chain, keys: Sequence[Key], manner: Manner, *, now: Floats, began: Floats | None, kernel: Kernel = KERNEL
+    chain: Chain,
+    keys: Sequence[Key],
+    manner: ReachManner,
+    *,
+    now: Floats,
+    began: Floats | None,
+    kernel: Kernel = KERNEL,
 ) -> KeyArms:
     """Solves an arm for each of its keys.
 
@@ -87,7 +93,7 @@ def pose_keys(
     return KeyArms(np.reshape(angles, shape), np.reshape(beginnings, shape), np.array(swivels))
 
 
-def _compiled(chain: Chain, keys: Sequence[Key], manner: Manner, now: Floats, began: Floats | None) -> KeyArms:
+def _compiled(chain: Chain, keys: Sequence[Key], manner: ReachManner, now: Floats, began: Floats | None) -> KeyArms:
     count, hinges = len(keys), len(chain.rest)
     places = np.full((3, count, 3), np.nan)  # positions, pointings, palms
     swivels = np.full(count, np.nan)
@@ -100,7 +106,7 @@ def _compiled(chain: Chain, keys: Sequence[Key], manner: Manner, now: Floats, be
         if key.reach.swivel is not None:
             swivels[k] = key.reach.swivel
     rests = np.reshape([key.rest for key in keys], (count, hinges))
-    asked = np.array([key.mode is Mode.REACH for key in keys], dtype=bool)
+    asked = np.array([key.mode is ArmMode.REACH for key in keys], dtype=bool)
     if not (np.isfinite(places[0, asked]).all() and np.isfinite(rests).all() and np.isfinite(now).all()):
         raise ValueError("keys: every position, rest and start must be finite")
     found = KeyArms(np.empty((count, hinges)), np.empty((count, hinges)), np.empty(count))
@@ -126,11 +132,11 @@ def _compiled(chain: Chain, keys: Sequence[Key], manner: Manner, now: Floats, be
 
 
 def _posture(
-    chain: Chain, key: Key, manner: Manner, now: Floats, began: Floats, kernel: Kernel
+    chain: Chain, key: Key, manner: ReachManner, now: Floats, began: Floats, kernel: Kernel
 ) -> tuple[Floats, float | None]:
     """The arm (k,) [rad] in one key, and the swivel that was asked of it."""
-    if key.reach is None or key.mode is not Mode.REACH:
-        return key.rest if key.mode is Mode.REST else now, None
+    if key.reach is None or key.mode is not ArmMode.REACH:
+        return key.rest if key.mode is ArmMode.REST else now, None
     if key.passing:
         asked = structs.replace(key.reach, swivel=swivel(chain, began))
         return solve(chain, asked, start=began, rest=key.rest, kernel=kernel).angles, asked.swivel
@@ -141,7 +147,9 @@ def _posture(
     return free, opened.swivel
 
 
-def _swing_elbow(chain: Chain, reach: Reach, rest: Floats, manner: Manner, start: Floats, kernel: Kernel) -> Floats:
+def _swing_elbow(
+    chain: Chain, reach: Reach, rest: Floats, manner: ReachManner, start: Floats, kernel: Kernel
+) -> Floats:
     """Swings the elbow for palm and pointing, (k,) [rad]; where an arm would turn over for that, it stays as it was."""
     swung = best_swivel(chain, reach, start=start, rest=rest, widest=manner.widest, kernel=kernel).angles
     kept = swivel(chain, start)

@@ -53,7 +53,7 @@ def flow(tension: Amount, continuity: Amount, swing: Amount) -> Amount:
 
 
 @dataclass(frozen=True)
-class Passage:
+class KeyPassage:
     """How one key is passed (Kochanek and Bartels 1984), and how the way to it is moved.
 
     Raises:
@@ -74,7 +74,7 @@ class Passage:
                 raise ValueError(f"{name} is {value:g}, outside [{least:g}, {most:g}]")
 
     @property
-    def calm(self) -> "Passage":
+    def calm(self) -> "KeyPassage":
         """The same without swing and accent; what overshoots does so no more steeply than full power makes it.
 
         An accent at the end of the way, which a word needs, stays: it leaves the way as it is.
@@ -87,11 +87,11 @@ class Passage:
         return flow(self.tension, self.continuity, self.swing)
 
 
-PLAIN_PASSAGE = Passage()
+PLAIN_PASSAGE = KeyPassage()
 
 
 @lru_cache(maxsize=1024)
-def _calm(passage: Passage) -> Passage:
+def _calm(passage: KeyPassage) -> KeyPassage:
     if passage.easing in OVERSHOOTING:
         return replace(passage, swing=0.0, steepness=min(passage.steepness, FORCED))
     return replace(passage, swing=0.0, easing="minimum_jerk" if passage.easing == ACCENT else passage.easing)
@@ -105,7 +105,7 @@ class KeyPosture:
     angles: Floats  # (n,) [rad]
     keyed: tuple[bool, ...]  # (n,)
     syncs: tuple[Sync, ...] = ()
-    passages: tuple[Passage, ...] = ()  # (n,) how each hinge passes, and comes to, this key; all plainly where empty
+    passages: tuple[KeyPassage, ...] = ()  # (n,) how each hinge passes, and comes to, this key; all plainly where empty
     firm: bool = True  # passed exactly; else on a path, which the motion only follows as far as it can
 
     @cached_property
@@ -173,7 +173,7 @@ class Keys:
             self.limits.part(hinges),
         )
 
-    def passed(self, passage: Passage) -> "Keys":
+    def passed(self, passage: KeyPassage) -> "Keys":
         """Takes the firm keys alone, all of them passed in one way."""
         manner = np.broadcast_to(_manner((passage,), 1)[:, :, None], self.manner.shape)
         return replace(self, keyed=self.keyed & self.firm[:, None], manner=manner)
@@ -245,7 +245,7 @@ def _join_postures(postures: tuple[KeyPosture, ...], limits: Limits, bonds: tupl
 
 
 @lru_cache(maxsize=256)
-def _manner(passages: tuple[Passage, ...], count: int) -> Floats:
+def _manner(passages: tuple[KeyPassage, ...], count: int) -> Floats:
     """(6, count) the manner in which each hinge passes one key."""
     rows = [
         (each.tension, each.continuity, each.bias, each.steepness, EASINGS.index(each.easing), each.swing)

@@ -19,14 +19,14 @@ from kinesic.body.skeleton import Frames
 from kinesic.expressivity.keyframes import Hand
 from kinesic.ik.arm.refine import refine_posture, true_arm
 from kinesic.ik.arm.shoulder_elbow import carry_shoulder
-from kinesic.ik.keys import Key, Manner, Mode, pose_keys
+from kinesic.ik.keys import ArmMode, Key, ReachManner, pose_keys
 from kinesic.planning.collision import clear_hands
 from kinesic.planning.torso import aim_from_shoulder, turn_reach
 
 WIDEST_SWING = float(np.radians(25))  # that an elbow swings aside for the palm and the pointing of its hand
 LEAP = float(np.radians(110))  # of a hinge from key to key: an arm that turns over has no time left for its word
 OPEN = float(np.radians(78))  # swivel at openness 1: beyond, elbows rise more than they go out, and palms turn over
-MANNER = Manner(WIDEST_SWING, LEAP, OPEN)
+MANNER = ReachManner(WIDEST_SWING, LEAP, OPEN)
 MOST_AT_ONCE = 64  # keys of a call
 
 
@@ -62,16 +62,16 @@ class ArmKey:
         """The key of a hand, with the torso as it is in these frames; None of a reach rests."""
         chain = robot.arms[side]
         if reach is None:
-            return cls(Key(Mode.REST, robot.skeleton.rest[list(chain.indices)]))
+            return cls(Key(ArmMode.REST, robot.skeleton.rest[list(chain.indices)]))
         base = robot.skeleton.segment(chain.base)
         in_base = turn_reach(reach, frames.rotations[base].T, frames.origins[base], np.zeros(3))
         rest = lift_shoulder(robot, side, carry_shoulder(chain, in_base.position, hand.effort), hand.lift)
-        return cls(Key(Mode.REACH, rest, in_base, hand.openness, hand.passing), reach)
+        return cls(Key(ArmMode.REACH, rest, in_base, hand.openness, hand.passing), reach)
 
     @classmethod
     def same(cls, robot: Robot, side: Side, hand: Hand) -> "ArmKey":
         """The key of a hand whose target is the same again: its arm stays as it is, however it came there."""
-        return cls(Key(Mode.STILL, robot.skeleton.rest[list(robot.arms[side].indices)], passing=hand.passing))
+        return cls(Key(ArmMode.STILL, robot.skeleton.rest[list(robot.arms[side].indices)], passing=hand.passing))
 
 
 def solve_keys(
@@ -94,7 +94,7 @@ def solve_keys(
     found = pose_keys(chain, [each.key for each in keys], MANNER, now=postures[0, indices], began=began)
     beginnings = found.beginnings
     for k, asked in enumerate(keys):
-        if asked.key.mode is Mode.REST:
+        if asked.key.mode is ArmMode.REST:
             solved[k, joints] = robot.skeleton.rest[joints]
     solved[:, indices] = found.angles
     for k, asked in enumerate(keys):

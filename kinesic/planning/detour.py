@@ -12,7 +12,7 @@ from kinesic.body.dynamics import Distances
 from kinesic.body.limits import Limits
 from kinesic.body.robot import SIDES, Robot
 from kinesic.motion.desired import DesiredMotion, join_keys
-from kinesic.motion.keys import KeyPosture, Keys, Passage
+from kinesic.motion.keys import KeyPassage, KeyPosture, Keys
 from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.collision import Spacing, separate
 
@@ -297,7 +297,7 @@ def _is_lively(posture: KeyPosture, joint: int) -> bool:
     return posture.passages[joint] != posture.passages[joint].calm
 
 
-def _calmed(passages: tuple[Passage, ...], joints: set[int]) -> tuple[Passage, ...]:
+def _calmed(passages: tuple[KeyPassage, ...], joints: set[int]) -> tuple[KeyPassage, ...]:
     return tuple(each.calm if k in joints else each for k, each in enumerate(passages))
 
 

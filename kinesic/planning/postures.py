@@ -13,7 +13,7 @@ from kinesic.body.skeleton import Frames
 from kinesic.expressivity.keyframes import Hand, KeyFrame, KeyFrames
 from kinesic.expressivity.turns import turn_angles
 from kinesic.ik.torso import lean_torso
-from kinesic.motion.keys import LEAST_GAP, PLAIN_PASSAGE, KeyPosture, Passage
+from kinesic.motion.keys import LEAST_GAP, PLAIN_PASSAGE, KeyPassage, KeyPosture
 from kinesic.planning.arm_postures import ArmKey, ArmsTask, solve_arms
 from kinesic.planning.finger_postures import set_fingers
 from kinesic.planning.torso import set_turn, torso_turn, volume
@@ -142,7 +142,7 @@ def _firm(frame: KeyFrame) -> bool:
     return bool(frame.syncs) or not frame.given <= passing
 
 
-def _passages(frame: KeyFrame, robot: Robot) -> tuple[Passage, ...]:
+def _passages(frame: KeyFrame, robot: Robot) -> tuple[KeyPassage, ...]:
     """How each hinge passes a frame: as its part does; parts that follow others, as these do."""
     others = next((frame.passages[part] for part in CHAINS if part in frame.passages), PLAIN_PASSAGE)
     found = [others] * len(robot.skeleton.hinges)

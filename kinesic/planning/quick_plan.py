@@ -20,7 +20,7 @@ from kinesic.motion.condition import Conditioned, NearestFinder
 from kinesic.motion.desired import DesiredMotion, join_keys
 from kinesic.motion.double_s import Gaps, Way
 from kinesic.motion.key_time_lp import KeyTimeProblem, relax_key_times
-from kinesic.motion.keys import Bond, KeyPosture, Keys, Passage
+from kinesic.motion.keys import Bond, KeyPassage, KeyPosture, Keys
 from kinesic.motion.plane_memory import PlaneMemory
 from kinesic.motion.segments import SplineSegment
 from kinesic.motion.trajectory import Trajectory
@@ -33,7 +33,7 @@ PEAK_JERK = 60.0  # in distance / duration^3
 RESERVE = 1.03  # on its duration, for what the grid makes of it
 LEAST_GAP = 0.06  # [s] of a gap in which something moves
 LONGER = 1.1  # on gaps that do not suffice after all
-STOPPING = Passage(tension=1.0)  # of every key
+STOPPING = KeyPassage(tension=1.0)  # of every key
 
 
 def plan_quickly(block: Block, setup: Setup, *, engaged: Sequence[Engaged] = ()) -> Plan:

@@ -11,7 +11,7 @@ from kinesic.expressivity.hands.keys import HandKey
 from kinesic.expressivity.hands.poses import REST
 from kinesic.expressivity.keyframes import Hand, Turn
 from kinesic.expressivity.turns import TurnKey
-from kinesic.motion.keys import Passage
+from kinesic.motion.keys import KeyPassage
 
 A, B = Hand(Reach(sealed([0.2, 0.2, 0.8]))), Hand(Reach(sealed([0.4, 0.2, 0.8])))
 HANDS = {"l": (HandKey(0.0, REST), HandKey(1.0, A), HandKey(2.0, B), HandKey(3.0, REST))}
@@ -145,9 +145,9 @@ def test_both_have_the_same_times_and_keys(robot):
 
 
 def test_keys_bring_how_they_are_passed(robot):
-    stiff = Passage(tension=0.7)
+    stiff = KeyPassage(tension=0.7)
     hands = {"l": (HandKey(0.0, REST), HandKey(1.0, A, stiff), HandKey(2.0, REST))}
-    nod = ((TurnKey(0.0, Turn()), TurnKey(1.0, Turn(tilt=0.2), Passage(bias=0.3)), TurnKey(1.5, Turn())),)
+    nod = ((TurnKey(0.0, Turn()), TurnKey(1.0, Turn(tilt=0.2), KeyPassage(bias=0.3)), TurnKey(1.5, Turn())),)
     frames = {frame.time: frame for frame in gather_frames(Sequences(head=nod, hands=hands), [], robot)}
-    assert frames[1].passages == {"l_hand": stiff, "head": Passage(bias=0.3)}
+    assert frames[1].passages == {"l_hand": stiff, "head": KeyPassage(bias=0.3)}
     assert set(frames[1.5].passages) == {"head"}

@@ -9,12 +9,12 @@ from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot
 from kinesic.ik import KERNEL
 from kinesic.ik.arm.swivel import swivel
-from kinesic.ik.keys import Key, Manner, Mode, pose_keys
+from kinesic.ik.keys import ArmMode, Key, ReachManner, pose_keys
 from kinesic.ik.solve import solve
 
 ARMS = Robot.load().arms
 LEFT = ARMS["l"]
-MANNER = Manner(widest=0.4, leap=1.9, open=1.36)
+MANNER = ReachManner(widest=0.4, leap=1.9, open=1.36)
 
 
 def _keys(chain: Chain, count: int, seed: int) -> list[Key]:
@@ -29,7 +29,7 @@ def _keys(chain: Chain, count: int, seed: int) -> list[Key]:
             rotations[-1] @ chain.palm if k % 4 else None,
             0.3 if k % 11 == 10 else None,
         )
-        mode = Mode.REST if k % 7 == 6 else Mode.STILL if k % 5 == 4 else Mode.REACH
+        mode = ArmMode.REST if k % 7 == 6 else ArmMode.STILL if k % 5 == 4 else ArmMode.REACH
         keys.append(Key(mode, chain.rest, reach, random.choice([0.0, 0.6]), passing=bool(k % 6 in (2, 3))))
     return keys
 
@@ -61,7 +61,7 @@ def test_keys_may_be_asked_in_parts(kernel):
 @pytest.mark.parametrize("kernel", ["numpy", KERNEL])
 def test_a_path_keeps_the_swivel_that_it_began_with_and_takes_postures_near_its_beginning(kernel):
     places = [np.array([0.28, 0.10 + 0.02 * k, -0.05]) for k in (0, 1, 2, 1, 0)]
-    keys = [Key(Mode.REACH, LEFT.rest, Reach(place), passing=k > 0) for k, place in enumerate(places)]
+    keys = [Key(ArmMode.REACH, LEFT.rest, Reach(place), passing=k > 0) for k, place in enumerate(places)]
     found = pose_keys(LEFT, keys, MANNER, now=LEFT.rest, began=None, kernel=kernel)
     first = found.angles[0]
     assert np.array_equal(found.beginnings, np.tile(first, (5, 1)))
@@ -75,10 +75,10 @@ def test_a_path_keeps_the_swivel_that_it_began_with_and_takes_postures_near_its_
 def test_rest_still_and_openness(kernel):
     reach = Reach(np.array([0.28, 0.10, -0.05]))
     keys = [
-        Key(Mode.REACH, LEFT.rest, reach),
-        Key(Mode.STILL, LEFT.rest),
-        Key(Mode.REACH, LEFT.rest, reach, openness=1.0),
-        Key(Mode.REST, LEFT.rest),
+        Key(ArmMode.REACH, LEFT.rest, reach),
+        Key(ArmMode.STILL, LEFT.rest),
+        Key(ArmMode.REACH, LEFT.rest, reach, openness=1.0),
+        Key(ArmMode.REST, LEFT.rest),
     ]
     found = pose_keys(LEFT, keys, MANNER, now=LEFT.rest, began=None, kernel=kernel).angles
     assert np.array_equal(found[0], found[1])
@@ -91,6 +91,6 @@ def test_no_keys_are_no_postures():
 
 
 def test_what_is_no_number_is_refused():
-    lost = Key(Mode.REACH, LEFT.rest, Reach(np.array([np.nan, 0.0, 0.0])))
+    lost = Key(ArmMode.REACH, LEFT.rest, Reach(np.array([np.nan, 0.0, 0.0])))
     with pytest.raises(ValueError, match="finite"):
         pose_keys(LEFT, [lost], MANNER, now=LEFT.rest, began=None)

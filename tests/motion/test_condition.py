@@ -6,7 +6,7 @@ import pytest
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.condition import LEAD_IN, condition
-from kinesic.motion.keys import Bond, KeyPosture, Passage
+from kinesic.motion.keys import Bond, KeyPassage, KeyPosture
 from kinesic.motion.limit_check import check_limits
 from kinesic.motion.trajectory import STEP
 
@@ -42,7 +42,7 @@ def test_a_fast_motion_is_stretched_into_the_limits_and_says_which():
 
 def test_a_wish_that_is_too_sharp_keeps_its_times_and_loses_its_shape():
     keys = (posture(0.0, (0, 0), "start"), posture(0.44, (1.0, 0), "stroke"), posture(0.88, (0, 0), "end"))
-    motion = condition(tuple(replace(key, passages=(Passage(tension=1.0),) * 2) for key in keys), LIMITS)
+    motion = condition(tuple(replace(key, passages=(KeyPassage(tension=1.0),) * 2) for key in keys), LIMITS)
     np.testing.assert_array_equal(motion.planned, motion.asked)
     assert motion.lost[0] > 1e-3
     assert highest(motion) <= 1.0 + 1e-6
@@ -87,7 +87,7 @@ def test_block_time_zero_lies_as_far_into_the_motion_as_the_first_key_before_it(
 
 def test_ease_makes_time_for_a_share_of_the_limits_and_the_motion_may_use_them_all():
     """What needs sharp turns loses its shape under a quarter of the limits, but not with the times that these need."""
-    sharp = (Passage(tension=1.0),) * 2
+    sharp = (KeyPassage(tension=1.0),) * 2
     keys = tuple(
         replace(posture(time, angles, sync), passages=sharp)
         for time, angles, sync in ((0.0, (0, 0), "start"), (0.5, (1.0, 0.4), "stroke"), (1.0, (0, 0), "end"))

@@ -7,7 +7,7 @@ from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.motion import desired
 from kinesic.motion.desired import DesiredMotion, join_keys
-from kinesic.motion.keys import PLAIN_PASSAGE, KeyPosture, Keys, Passage
+from kinesic.motion.keys import PLAIN_PASSAGE, KeyPassage, KeyPosture, Keys
 
 TIMES = np.array([0.0, 0.5, 1.2, 1.5, 2.4])
 ANGLES = np.array([[0.0, 1.0], [0.4, 1.0], [0.9, 0.2], [0.9, -0.4], [0.1, -0.4]])
@@ -15,12 +15,12 @@ ALL = np.ones_like(ANGLES, dtype=bool)
 LIMITS = Limits(*(sealed([value] * 2) for value in (-2, 2, 10, 100, 1e4, 1e-3, 1e-2, 1)))
 
 
-def keys(passed: Passage = PLAIN_PASSAGE, keyed=ALL, angles=ANGLES, times=TIMES):
+def keys(passed: KeyPassage = PLAIN_PASSAGE, keyed=ALL, angles=ANGLES, times=TIMES):
     rows = zip(times, angles, keyed, strict=True)
     return [KeyPosture(time, sealed(row), tuple(own), passages=(passed,) * len(row)) for time, row, own in rows]
 
 
-def joined(passed: Passage = PLAIN_PASSAGE, keyed=ALL, zero: float = 0.0, angles=ANGLES, times=TIMES):
+def joined(passed: KeyPassage = PLAIN_PASSAGE, keyed=ALL, zero: float = 0.0, angles=ANGLES, times=TIMES):
     limits = LIMITS.part(np.arange(angles.shape[1]))
     return join_keys(times, Keys.of(keys(passed, keyed, angles, times), limits, room=0.0), zero=zero)
 
@@ -83,11 +83,11 @@ def test_a_hinge_without_a_key_passes_through():
 
 
 def test_tension_one_stops_at_each_key():
-    np.testing.assert_allclose(joined(Passage(tension=1.0)).sample(TIMES)[1], 0.0, atol=1e-9)
+    np.testing.assert_allclose(joined(KeyPassage(tension=1.0)).sample(TIMES)[1], 0.0, atol=1e-9)
 
 
 def test_continuity_lets_keys_flow():
-    stiff, fluid = joined(Passage(continuity=-1.0)), joined(Passage(continuity=0.0))
+    stiff, fluid = joined(KeyPassage(continuity=-1.0)), joined(KeyPassage(continuity=0.0))
     assert abs(state(stiff, 0.5)[1][0]) < 1e-9
     assert state(fluid, 0.5)[1][0] > 0.5
 
@@ -105,7 +105,7 @@ def test_outside_it_stands_still():
 def eased(easing: str, steepness: float = 3.0, to: float = 0.9) -> DesiredMotion:
     """From rest to rest over one second, one hinge."""
     angles, times = np.array([[0.0], [to]]), np.array([0.0, 1.0])
-    return joined(Passage(easing=easing, steepness=steepness), ALL[:2, :1], angles=angles, times=times)
+    return joined(KeyPassage(easing=easing, steepness=steepness), ALL[:2, :1], angles=angles, times=times)
 
 
 GRID = np.linspace(0.0, 1.0, 501)
@@ -138,7 +138,7 @@ def test_out_back_overshoots_as_far_as_there_is_room():
 def test_an_easing_goes_only_as_far_as_the_limits_of_all_hinges_allow():
     slow = replace(LIMITS, acceleration=sealed([100.0, 0.01]))
     angles, times = np.array([[0.0, 0.0], [0.9, 0.9]]), np.array([0.0, 1.0])
-    rows = keys(Passage(easing="out_back"), ALL[:2], angles, times)
+    rows = keys(KeyPassage(easing="out_back"), ALL[:2], angles, times)
     found = join_keys(times, Keys.of(rows, slow, room=0.0)).angles(GRID)
     np.testing.assert_allclose(found, eased("minimum_jerk").angles(GRID) @ np.ones((1, 2)), atol=1e-12)
 
@@ -166,7 +166,7 @@ def test_a_loose_hinge_swings_beyond_its_keys_but_not_beyond_its_range():
     angles, times = np.array([[0.0], [1.2], [1.9], [1.5], [0.0]]), np.array([0.0, 0.4, 0.8, 1.2, 1.6])
     grid = np.linspace(0.0, 1.6, 801)
     highest = [
-        joined(Passage(tension=tension), np.ones((5, 1), dtype=bool), angles=angles, times=times).angles(grid).max()
+        joined(KeyPassage(tension=tension), np.ones((5, 1), dtype=bool), angles=angles, times=times).angles(grid).max()
         for tension in (1.0, 0.0, -1.0)
     ]
     assert highest[0] == pytest.approx(1.9)
@@ -177,15 +177,16 @@ def test_a_hinge_with_swing_goes_on_through_a_key_where_it_turns_back_but_stays_
     angles, times = np.array([[0.0], [1.2], [1.9], [1.5], [0.0]]), np.array([0.0, 0.4, 0.8, 1.2, 1.6])
     grid, keyed = np.linspace(0.0, 1.6, 801), np.ones((5, 1), dtype=bool)
     highest = [
-        joined(Passage(swing=swing), keyed, angles=angles, times=times).angles(grid).max() for swing in (0.0, 0.5, 1.0)
+        joined(KeyPassage(swing=swing), keyed, angles=angles, times=times).angles(grid).max()
+        for swing in (0.0, 0.5, 1.0)
     ]
     assert highest[0] < highest[1] < highest[2] <= 2.0
-    still = joined(Passage(tension=1.0, swing=1.0), keyed, angles=angles, times=times)
+    still = joined(KeyPassage(tension=1.0, swing=1.0), keyed, angles=angles, times=times)
     np.testing.assert_allclose(still.sample(times)[1], 0.0, atol=1e-9)
 
 
 def test_every_hinge_and_key_has_a_manner_of_its_own():
-    stiff, plain = Passage(tension=1.0), PLAIN_PASSAGE
+    stiff, plain = KeyPassage(tension=1.0), PLAIN_PASSAGE
     rows = [replace(key, passages=(plain, stiff)) for key in keys()]
     rows[1] = replace(rows[1], passages=(stiff, plain))
     speeds = join_keys(TIMES, Keys.of(rows, LIMITS, room=0.0)).sample(TIMES)[1]

@@ -4,7 +4,7 @@ import pytest
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.key_time_lp import KeyTimeProblem, relax_key_times
-from kinesic.motion.keys import FORCED, LEAST_GAP, SWUNG, KeyPosture, Keys, Passage
+from kinesic.motion.keys import FORCED, LEAST_GAP, SWUNG, KeyPassage, KeyPosture, Keys
 
 LIMITS = Limits(*(sealed([value] * 2) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
 BOTH, FIRST, SECOND = (True, True), (True, False), (False, True)
@@ -68,7 +68,7 @@ def test_a_part_has_its_keys_of_its_hinges():
 
 
 def test_keys_may_all_be_passed_in_one_way():
-    found = keys(*PATH).passed(Passage(tension=1.0))
+    found = keys(*PATH).passed(KeyPassage(tension=1.0))
     assert np.all(found.manner[0] == 1.0)
     assert not found.keyed[[2, 4]].any()
 
@@ -87,21 +87,25 @@ def test_keys_may_all_be_passed_in_one_way():
 )
 def test_numbers_out_of_range_are_refused_with_the_range(name, value):
     with pytest.raises(ValueError, match=rf"{name} is {value:g}, outside \[.*\]"):
-        Passage(**{name: value})
+        KeyPassage(**{name: value})
 
 
 def test_a_calm_passage_has_neither_swing_nor_accent_and_keeps_the_rest():
-    accented = Passage(tension=0.3, continuity=-0.2, easing="out_power", steepness=3.0, swing=0.7)
-    assert accented.calm == Passage(tension=0.3, continuity=-0.2, steepness=3.0)
-    forced = Passage(bias=0.2, easing="out_back", steepness=4.0, swing=0.7)
-    assert forced.calm == Passage(bias=0.2, easing="out_back", steepness=FORCED)
-    for plain in (Passage(), Passage(easing="linear", steepness=8.0), Passage(easing="out_bounce", steepness=2.0)):
+    accented = KeyPassage(tension=0.3, continuity=-0.2, easing="out_power", steepness=3.0, swing=0.7)
+    assert accented.calm == KeyPassage(tension=0.3, continuity=-0.2, steepness=3.0)
+    forced = KeyPassage(bias=0.2, easing="out_back", steepness=4.0, swing=0.7)
+    assert forced.calm == KeyPassage(bias=0.2, easing="out_back", steepness=FORCED)
+    for plain in (
+        KeyPassage(),
+        KeyPassage(easing="linear", steepness=8.0),
+        KeyPassage(easing="out_bounce", steepness=2.0),
+    ):
         assert plain.calm == plain
 
 
 @pytest.mark.parametrize("swing", [0.0, 0.5, 1.0])
 def test_swing_adds_to_the_flow_and_full_tension_takes_all(swing):
-    flows = [Passage(tension=tension, swing=swing).flow for tension in (-1.0, 0.0, 0.5, 1.0)]
+    flows = [KeyPassage(tension=tension, swing=swing).flow for tension in (-1.0, 0.0, 0.5, 1.0)]
     assert flows == sorted(flows, reverse=True)
     assert flows[-1] == 0.0
     assert flows[1] == pytest.approx(1.0 + SWUNG * swing)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from kinesic.body.arrays import sealed
-from kinesic.motion.keys import KeyPosture, Passage
+from kinesic.motion.keys import KeyPassage, KeyPosture
 from kinesic.motion.trajectory import STEP, Trajectory
 from kinesic.planning import detour
 from kinesic.planning.detour import LEAST_STEP, ClearPostures, PostureCourse, lead_around
@@ -114,7 +114,7 @@ def test_swing_goes_before_the_path_changes():
 
     def swinging(time, arm):
         plain = key(time, left=arm, right=arm)
-        return replace(plain, passages=(Passage(continuity=-0.5, swing=1.0),) * len(REST))
+        return replace(plain, passages=(KeyPassage(continuity=-0.5, swing=1.0),) * len(REST))
 
     def swings(course):
         return [posture.passages[LEFT[0]].swing if posture.passages else None for posture in course.postures]

@@ -20,7 +20,7 @@ from kinesic.expressivity.hands.poses import REST
 from kinesic.expressivity.keyframes import Hand
 from kinesic.expressivity.lexicon.paths import HandPath
 from kinesic.expressivity.turns import MERGE
-from kinesic.motion.keys import PLAIN_PASSAGE, Passage
+from kinesic.motion.keys import PLAIN_PASSAGE, KeyPassage
 from kinesic.motion.piecewise import PiecewisePolynomial
 
 PARALLEL = 0.99  # cosine of pointing and palm from which on they say no rotation
@@ -40,7 +40,7 @@ class HandKey:
 
     time: float  # [s] block time
     hand: Hand
-    passage: Passage = PLAIN_PASSAGE
+    passage: KeyPassage = PLAIN_PASSAGE
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +53,7 @@ class Turning:
 
     @classmethod
     def through(
-        cls, times: Sequence[float], keys: "scipy.spatial.transform.Rotation", passages: Sequence[Passage]
+        cls, times: Sequence[float], keys: "scipy.spatial.transform.Rotation", passages: Sequence[KeyPassage]
     ) -> "Turning":
         """Through at least two keys, the short way from each to the next; at rest at both ends and in holds.
 

@@ -8,7 +8,7 @@ import msgspec
 
 from kinesic.body.config import CONFIGS, read_toml
 
-Place = Literal[
+BodyPlace = Literal[
     "mouth",
     "nose",
     "chin",
@@ -35,7 +35,7 @@ class PlaceTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Where a hand is seen."""
 
     part: Literal["palm", "tips"]  # of the hand
-    at: Place
+    at: BodyPlace
     within: float  # [m]
     when: Literal["strokeStart", "stroke"] = "stroke"
 

@@ -13,7 +13,7 @@ from typing import Literal
 
 from kinesic.expressivity.style.pace import HASTE, Pace, hurry_time, natural_time
 from kinesic.expressivity.style.style import LEAST_LATE, NEUTRAL, Expressivity, Phase, passage_of
-from kinesic.motion.keys import EVEN, STEEPEST, Passage
+from kinesic.motion.keys import EVEN, STEEPEST, KeyPassage
 
 Tempo = Literal["sudden", "neutral", "sustained"]
 
@@ -131,7 +131,7 @@ class Effort:
             self._blend(self._character.hold * dwell, PLAIN_HOLD * stroke), 0.0, self.manner.temporal, HASTE
         )
 
-    def passage(self, phase: Phase, *, led: bool = False, leisure: float = 1.0, stroke: bool = True) -> Passage:
+    def passage(self, phase: Phase, *, led: bool = False, leisure: float = 1.0, stroke: bool = True) -> KeyPassage:
         """Derives how the hand passes a key.
 
         Args:

@@ -11,7 +11,7 @@ import msgspec
 from kinesic.bml.block import RANGES, Modality
 from kinesic.body.config import ConfigError, locate, names_of, read_toml, suggestion
 from kinesic.motion.easing import Easing
-from kinesic.motion.keys import ACCENT, EVEN, LATE_ACCENT, SOFTEST, STEEPEST, Passage
+from kinesic.motion.keys import ACCENT, EVEN, LATE_ACCENT, SOFTEST, STEEPEST, KeyPassage
 
 __all__ = [
     "MODALITIES",
@@ -207,7 +207,7 @@ def style_preset(name: str) -> Style:
 
 def passage_of(
     manner: Expressivity, phase: Phase, *, accent: float = 0.0, late: bool = False, swing: float = 0.0
-) -> Passage:
+) -> KeyPassage:
     """Derives how the keys of a phase are passed (tension, continuity, bias, easing) from an expressivity.
 
     Tension is the spline's tension, fluidity f its continuity c = (f - 1) / 2. On the way to a stroke and in it power
@@ -222,7 +222,7 @@ def passage_of(
         late: whether an accent lies at the end of the way, not at its beginning.
         swing: of the key.
     """
-    passed = Passage(manner.tension, (manner.fluidity - 1.0) / 2.0, swing=swing)
+    passed = KeyPassage(manner.tension, (manner.fluidity - 1.0) / 2.0, swing=swing)
     if phase not in ("preparation", "stroke"):
         return passed
     power, tension, weakness = (max(0.0, value) for value in (manner.power, manner.tension, -manner.power))

@@ -7,14 +7,14 @@ from kinesic.body.reach import Reach
 from kinesic.expressivity.hands.keys import HandKey, Turning, along, facing_rotations
 from kinesic.expressivity.keyframes import Hand
 from kinesic.expressivity.lexicon.paths import shape_path
-from kinesic.motion.keys import PLAIN_PASSAGE, Passage
+from kinesic.motion.keys import PLAIN_PASSAGE, KeyPassage
 
 TIMES = (0.0, 0.4, 1.1, 1.5, 2.3)
 KEYS = Rotation.random(5, random_state=7)
 STEP = 1e-6
 
 
-def turning(passed: Passage = PLAIN_PASSAGE, keys: Rotation = KEYS) -> Turning:
+def turning(passed: KeyPassage = PLAIN_PASSAGE, keys: Rotation = KEYS) -> Turning:
     return Turning.through(TIMES, keys, (passed,) * len(TIMES))
 
 
@@ -27,7 +27,7 @@ def test_keys_are_met():
     np.testing.assert_allclose((KEYS.inv() * turning().at(np.array(TIMES))).magnitude(), 0.0, atol=1e-12)
 
 
-@pytest.mark.parametrize("passed", [PLAIN_PASSAGE, Passage(-1.0, 0.0, 1.0), Passage(0.4, -0.3, -0.7)])
+@pytest.mark.parametrize("passed", [PLAIN_PASSAGE, KeyPassage(-1.0, 0.0, 1.0), KeyPassage(0.4, -0.3, -0.7)])
 def test_the_turning_speed_does_not_jump_at_keys(passed):
     motion = turning(passed)
     for time in TIMES[1:-1]:
@@ -60,7 +60,7 @@ def test_about_one_axis_it_is_the_spline_of_the_angle():
 
 def test_tension_stops_at_each_key():
     for time in TIMES:
-        assert np.linalg.norm(speed(turning(Passage(tension=1.0)), time)) < 1e-4
+        assert np.linalg.norm(speed(turning(KeyPassage(tension=1.0)), time)) < 1e-4
 
 
 def test_it_rests_before_and_after():

@@ -8,7 +8,7 @@ from kinesic.expressivity.style.effort import ACCENT, CHARACTERS, CROWDED, LOOSE
 from kinesic.expressivity.style.pace import HASTE, Pace
 from kinesic.expressivity.style.style import LEAST_LATE, NEUTRAL, Expressivity, passage_of
 from kinesic.motion.keys import ACCENT as ACCENT_EASING
-from kinesic.motion.keys import EVEN, LATE_ACCENT, SOFTEST, STEEPEST, Passage
+from kinesic.motion.keys import EVEN, LATE_ACCENT, SOFTEST, STEEPEST, KeyPassage
 
 WAYS = np.linspace(0.02, 0.8, 27)
 EXTENTS = np.linspace(-1.0, 1.0, 9)
@@ -176,7 +176,7 @@ def test_neither_weakness_nor_looseness_takes_the_accent_from_a_word(pace):
 def test_only_the_way_to_the_word_has_an_accent_and_nobody_rushes_to_where_it_begins(pace):
     spoken = Effort(pace, spoken=True)
     assert spoken.passage("stroke", stroke=False) == replace(
-        Effort(pace).passage("stroke"), easing="minimum_jerk", steepness=Passage().steepness
+        Effort(pace).passage("stroke"), easing="minimum_jerk", steepness=KeyPassage().steepness
     )
     fluid = Expressivity(fluidity=1.0)
     assert spoken.passage("preparation") == replace(spoken, manner=fluid).passage("preparation")

@@ -17,7 +17,7 @@ from kinesic.expressivity.style.style import (
     style_preset,
 )
 from kinesic.motion.easing import PARTS, soften_easing
-from kinesic.motion.keys import PLAIN_PASSAGE, Passage
+from kinesic.motion.keys import PLAIN_PASSAGE, KeyPassage
 
 PRESETS = sorted(file.stem for file in (CONFIGS / "styles").glob("*.toml"))
 PHASES = ("preparation", "stroke", "hold", "retraction")
@@ -171,7 +171,7 @@ def test_a_style_of_one_manner():
     assert {style.of(modality) for modality in MODALITIES} == {Expressivity(power=0.5)}
 
 
-def peak(passed: Passage) -> float:
+def peak(passed: KeyPassage) -> float:
     """The greatest speed on a way of 1 in a time of 1."""
     curve = BPoly.from_derivatives(np.linspace(0.0, 1.0, PARTS + 1), soften_easing(passed.easing, passed.steepness).T)
     return float(curve(np.linspace(0.0, 1.0, 2001), nu=1).max())

@@ -10,7 +10,7 @@ from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.condition import condition
 from kinesic.motion.easing import Easing
-from kinesic.motion.keys import KeyPosture, Passage
+from kinesic.motion.keys import KeyPassage, KeyPosture
 from kinesic.motion.limit_check import check_limits
 
 BOXES = ([-1.5] * 3, [1.5] * 3, [1.0, 4.0, 6.0], [10.0, 59.0, 350.0], [250.0, 1500.0, 8750.0])
@@ -19,7 +19,7 @@ LIMITS = Limits(*(sealed(values) for values in (*BOXES, *DUTY)))
 
 gaps = st.floats(0.021, 1.5)
 passages = st.builds(
-    Passage, st.floats(-1, 1), st.floats(-1, 0), st.floats(-1, 1), st.sampled_from(get_args(Easing)), st.floats(1, 8)
+    KeyPassage, st.floats(-1, 1), st.floats(-1, 0), st.floats(-1, 1), st.sampled_from(get_args(Easing)), st.floats(1, 8)
 )
 
 angles = st.tuples(*[st.floats(-1.5, 1.5)] * 3)
