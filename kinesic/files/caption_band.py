@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from kinesic.body.arrays import Picture
-from kinesic.files.film_file import Box
+from kinesic.files.film_file import PixelBox
 
 TALL = 0.04  # of letters, in heights of the picture
 WIDE = 0.86  # of a line at most, in widths of the picture
@@ -25,7 +25,7 @@ def words_at(spoken: Sequence[Spoken], time: float) -> str:
     return " ".join(text for begin, end, text in spoken if begin <= time < end)
 
 
-def caption_box(text: str, size: tuple[int, int]) -> Box | None:
+def caption_box(text: str, size: tuple[int, int]) -> PixelBox | None:
     """The part of a picture of a size in which words are written; None without words."""
     return _band(text, size)[0] if text else None
 
@@ -40,7 +40,7 @@ def write_caption(picture: Picture, text: str) -> None:
 
 
 @lru_cache(maxsize=4)
-def _band(text: str, size: tuple[int, int]) -> tuple[Box, NDArray[np.float32], NDArray[np.float32]]:
+def _band(text: str, size: tuple[int, int]) -> tuple[PixelBox, NDArray[np.float32], NDArray[np.float32]]:
     """Where a caption is, its colours (h, w, 3), and how much of them is seen (h, w, 1)."""
     width, height = size
     font = ImageFont.load_default(max(round(TALL * height), 8))

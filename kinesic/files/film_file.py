@@ -17,7 +17,7 @@ from PIL import Image
 
 from kinesic.body.arrays import Picture
 
-Box = tuple[int, int, int, int]  # left, top, right, bottom [pixels]; left and top are even
+PixelBox = tuple[int, int, int, int]  # left, top, right, bottom [pixels]; left and top are even
 
 WEBP, MP4 = ".webp", ".mp4"
 NO_ENCODER = "no encoder for .mp4: pip install imageio-ffmpeg, or apt-get install ffmpeg; .webp needs none"
@@ -39,7 +39,7 @@ class EncodingError(RuntimeError):
 class FilmFile(Protocol):
     """A film that is being written; a context manager that completes its file; after an error it is none."""
 
-    def write(self, picture: Picture, changed: Box | None, milliseconds: int, /) -> None:
+    def write(self, picture: Picture, changed: PixelBox | None, milliseconds: int, /) -> None:
         """Adds a picture, which differs from the one before in a box alone (None: anywhere), and is seen for a time."""
 
     def __enter__(self) -> Self:
@@ -100,10 +100,10 @@ class WebpFilm:
         self._path, self._size, self._in_parts, self._loops = path, size, in_parts, int(once)
         self._encoded = partial(_webp, quality=quality, method=method)
         self._threads = ThreadPoolExecutor(THREADS)
-        self._waiting: deque[tuple[Future[bytes], Box, int]] = deque()
-        self._last: tuple[Picture, Box, int] | None = None
+        self._waiting: deque[tuple[Future[bytes], PixelBox, int]] = deque()
+        self._last: tuple[Picture, PixelBox, int] | None = None
 
-    def write(self, picture: Picture, changed: Box | None, milliseconds: int, /) -> None:
+    def write(self, picture: Picture, changed: PixelBox | None, milliseconds: int, /) -> None:
         """Adds a picture."""
         if self._last is None:
             self._last = (picture, (0, 0, *self._size), milliseconds)
@@ -116,13 +116,13 @@ class WebpFilm:
         self._encode(before, box, shown)
         self._last = (picture, changed if self._in_parts else (0, 0, *self._size), milliseconds)
 
-    def _encode(self, picture: Picture, box: Box, milliseconds: int) -> None:
+    def _encode(self, picture: Picture, box: PixelBox, milliseconds: int) -> None:
         if len(self._waiting) >= WAITING:
             self._put(*self._waiting.popleft())
         part = np.ascontiguousarray(_cut(picture, box))
         self._waiting.append((self._threads.submit(self._encoded, part), box, milliseconds))
 
-    def _put(self, encoded: Future[bytes], box: Box, milliseconds: int) -> None:
+    def _put(self, encoded: Future[bytes], box: PixelBox, milliseconds: int) -> None:
         left, top, right, low = box
         place = b"".join(_little(value, 3) for value in (left // 2, top // 2, right - left - 1, low - top - 1))
         head = place + _little(milliseconds, 3) + bytes([WHOLE_PICTURE])
@@ -171,7 +171,7 @@ class Mp4Film:
         self._words = [encoder, "-y", "-loglevel", "error", *pictures, *heard, *ENCODING, str(path)]
         self._path = path
 
-    def write(self, picture: Picture, changed: Box | None, milliseconds: int, /) -> None:
+    def write(self, picture: Picture, changed: PixelBox | None, milliseconds: int, /) -> None:
         """Adds a picture; all are seen equally long."""
         try:
             self._pipe.write(picture.tobytes())
@@ -220,7 +220,7 @@ def _webp(picture: Picture, *, quality: int, method: int) -> bytes:
     return held.getvalue()[12:]
 
 
-def _changed(before: Picture, after: Picture, within: Box) -> Box | None:
+def _changed(before: Picture, after: Picture, within: PixelBox) -> PixelBox | None:
     """The least box that holds what has changed within one; left and top are even. None: nothing has."""
     left, top, _, _ = within
     differs = _cut(before, within) != _cut(after, within)
@@ -232,7 +232,7 @@ def _changed(before: Picture, after: Picture, within: Box) -> Box | None:
     return (begin[0] // 2 * 2, begin[1] // 2 * 2, left + int(columns[-1]) + 1, top + int(rows[-1]) + 1)
 
 
-def _cut(picture: Picture, box: Box) -> Picture:
+def _cut(picture: Picture, box: PixelBox) -> Picture:
     left, top, right, low = box
     return picture[top:low, left:right]
 

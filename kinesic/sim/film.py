@@ -13,7 +13,7 @@ from PIL import Image
 from kinesic.body.arrays import Floats, Picture
 from kinesic.body.robot import Robot
 from kinesic.files.caption_band import Spoken, caption_box, words_at, write_caption
-from kinesic.files.film_file import Box, EncodingError, durations, open_film
+from kinesic.files.film_file import EncodingError, PixelBox, durations, open_film
 from kinesic.sim.filming.canvas import Canvas, CanvasError
 from kinesic.sim.filming.framing import (
     bounding_box,
@@ -27,7 +27,7 @@ from kinesic.sim.filming.framing import (
 from kinesic.sim.filming.soft_shadow import shade, shadow_outlines
 from kinesic.sim.gl import missing_libraries, opengl_fault
 from kinesic.sim.model import turn_order
-from kinesic.sim.scene_layout import View, view_of
+from kinesic.sim.scene_layout import SceneView, view_of
 from kinesic.sim.scene_style import styled_model
 
 __all__ = ["FilmError", "film", "moments", "opengl_fault", "write_still"]
@@ -137,8 +137,8 @@ def _one_ahead(pictures: Generator[T, None, None]) -> Iterator[T]:
 
 
 def _draw_frames(
-    robot: Robot, postures: Floats, size: tuple[int, int], shown: Callable[[int], Picture | None], *, view: View
-) -> Generator[tuple[Picture, Box], None, None]:
+    robot: Robot, postures: Floats, size: tuple[int, int], shown: Callable[[int], Picture | None], *, view: SceneView
+) -> Generator[tuple[Picture, PixelBox], None, None]:
     """Draws postures (m, n) [rad]; of all but the first only what changes: yields a picture, and where it did."""
     width, height = (FINER * side for side in size)
     places, radii = moving_balls(robot, postures, [segment.name for segment in robot.skeleton.segments])

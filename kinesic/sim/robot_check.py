@@ -14,7 +14,7 @@ POSTURES = 2000
 
 
 @dataclass(frozen=True)
-class Gap:
+class ClosestPair:
     """The two segments that are closest in a posture."""
 
     distance: float  # [m] negative when they overlap
@@ -31,8 +31,8 @@ class RobotCheck:
     mass: float  # [kg] of everything, servos and base included
     moving_mass: float  # [kg] without what stands on the ground
     arm_length: float  # [m]
-    rest_gap: Gap
-    zero_gap: Gap  # all hinges at 0, or at the stop nearest to it
+    rest_gap: ClosestPair
+    zero_gap: ClosestPair  # all hinges at 0, or at the stop nearest to it
     clear_share: float  # of uniformly random postures that keep the robot's least clearance
 
 
@@ -57,8 +57,8 @@ def check_robot(robot: Robot) -> RobotCheck:
         mass=sum(mass.values()),
         moving_mass=sum(mass[segment.name] for segment in robot.skeleton.segments if segment.parent is not None),
         arm_length=robot.arm_length,
-        rest_gap=Gap(float(clearance.distances[0]), clearance.pairs[0]),
-        zero_gap=Gap(float(clearance.distances[1]), clearance.pairs[1]),
+        rest_gap=ClosestPair(float(clearance.distances[0]), clearance.pairs[0]),
+        zero_gap=ClosestPair(float(clearance.distances[1]), clearance.pairs[1]),
         clear_share=float(np.mean(clearance.distances[::2] >= robot.least_clearance)),
     )
 

@@ -21,7 +21,7 @@ STANDS = 0.2  # arm lengths between the lowest shape's axis and the floor, below
 
 
 @dataclass(frozen=True, eq=False)
-class View:
+class SceneView:
     """What is seen of a robot from before it."""
 
     floor: float  # [m] height in the world
@@ -37,7 +37,7 @@ class Rod:
     shape: Capsule
 
 
-def view_of(robot: Robot) -> View:
+def view_of(robot: Robot) -> SceneView:
     """Finds a floor that the robot stands on, and a picture in which its hands stay wherever they reach."""
     arm, rest, straight = robot.arm("l"), _balls(robot), robot.skeleton.straight.origins
     arms = {segment for side in SIDES for segment in robot.arm(side).segments}
@@ -53,7 +53,7 @@ def view_of(robot: Robot) -> View:
     seen += [(np.array([shoulder[0], side * out, shoulder[2]]), 0.0) for side in (-1, 1)]
     seen += [(np.array([shoulder[0], 0.0, height]), 0.0) for height in (up, below)]
     middle = np.array([*robot.gesture_origin[:2], (max(up, *(p[2] + r for p, r in seen)) + below) / 2])
-    return View(min(float(trunk), below), sealed(middle), VIEW_MARGIN * _least_height(seen, middle))
+    return SceneView(min(float(trunk), below), sealed(middle), VIEW_MARGIN * _least_height(seen, middle))
 
 
 def _least_height(seen: Iterable[tuple[Floats, float]], middle: Floats) -> float:

@@ -12,14 +12,14 @@ from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.sim.filming.drawn_face import SCREEN, paint_face
 from kinesic.sim.filming.scene_screen import add_screen, has_screen, put_face
 from kinesic.sim.model import capsule_name, describe
-from kinesic.sim.scene_layout import SUN, VIEW_ANGLE, VIEW_FROM, Rod, View, rods, stand, view_of
+from kinesic.sim.scene_layout import SUN, VIEW_ANGLE, VIEW_FROM, Rod, SceneView, rods, stand, view_of
 from kinesic.sim.shells.geoms import add_shell
 from kinesic.sim.shells.shell import Shell, shell_of
 
 CAMERA = "audience"
 FLOOR_GROUP = 5  # of shapes: the floor alone is in it
-Part = Literal["trunk", "limb", "l_hand", "r_hand"]
-COLOURS: dict[Part, tuple[float, ...]] = {
+RodPart = Literal["trunk", "limb", "l_hand", "r_hand"]
+COLOURS: dict[RodPart, tuple[float, ...]] = {
     "trunk": (0.34, 0.42, 0.52, 1.0),
     "limb": (0.93, 0.92, 0.89, 1.0),
     "l_hand": (0.95, 0.55, 0.22, 1.0),
@@ -41,7 +41,7 @@ FILL = (-0.6, 0.7, -0.4)  # where the cool light shines
 SUN_AWAY = 2.0  # picture heights from the robot
 
 
-def styled_model(robot: Robot, *, width: int, height: int, view: View | None = None) -> mujoco.MjModel:
+def styled_model(robot: Robot, *, width: int, height: int, view: SceneView | None = None) -> mujoco.MjModel:
     """Adds colours and scenery to the model of a robot.
 
     Args:
@@ -84,17 +84,17 @@ class Eyeball:
     dark: bool  # a pupil
 
 
-def parts(robot: Robot) -> dict[str, Part]:
+def parts(robot: Robot) -> dict[str, RodPart]:
     """Says what each segment is painted as."""
     limbs = {segment for side in SIDES for segment in robot.arm(side).segments}
     limbs |= set(robot.chains.get("neck", ()))
-    painted: dict[str, Part] = {s.name: "limb" if s.name in limbs else "trunk" for s in robot.skeleton.segments}
-    colours: dict[Side, Part] = {"l": "l_hand", "r": "r_hand"}
+    painted: dict[str, RodPart] = {s.name: "limb" if s.name in limbs else "trunk" for s in robot.skeleton.segments}
+    colours: dict[Side, RodPart] = {"l": "l_hand", "r": "r_hand"}
     hands = {side: (robot.arm(side).segments[-1], *robot.fingers(side)) for side in SIDES}
     return painted | {name: colours[side] for side, names in hands.items() for name in names}
 
 
-def shell_parts(robot: Robot) -> dict[str, Part]:
+def shell_parts(robot: Robot) -> dict[str, RodPart]:
     """Says what the shell of each segment is painted as: the trunk as the limbs."""
     return {name: "limb" if part == "trunk" else part for name, part in parts(robot).items()}
 
@@ -158,7 +158,7 @@ def _add_rods(spec: mujoco.MjSpec, robot: Robot, seen: Iterable[Rod]) -> None:
         )
 
 
-def _add_room(spec: mujoco.MjSpec, view: View) -> None:
+def _add_room(spec: mujoco.MjSpec, view: SceneView) -> None:
     spec.add_texture(
         name="sky",
         type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
@@ -182,7 +182,7 @@ def _add_room(spec: mujoco.MjSpec, view: View) -> None:
     _add_camera(spec, view)
 
 
-def _add_lights(spec: mujoco.MjSpec, view: View) -> None:
+def _add_lights(spec: mujoco.MjSpec, view: SceneView) -> None:
     """A sun from the robot's left, and a cool light from its right; `soft_shadow` draws what the sun does not reach."""
     sun = {"dir": SUN, "diffuse": [0.55, 0.54, 0.52], "castshadow": False}
     fill = {"dir": FILL, "diffuse": [0.22, 0.24, 0.27], "castshadow": False}
@@ -191,7 +191,7 @@ def _add_lights(spec: mujoco.MjSpec, view: View) -> None:
         spec.worldbody.add_light(type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL, pos=away, **light)
 
 
-def _add_camera(spec: mujoco.MjSpec, view: View) -> None:
+def _add_camera(spec: mujoco.MjSpec, view: SceneView) -> None:
     """In front of the robot, so far that the picture has its height there."""
     towards = np.array(VIEW_FROM) / np.linalg.norm(VIEW_FROM)
     distance = view.height / 2 / np.tan(np.radians(VIEW_ANGLE) / 2)

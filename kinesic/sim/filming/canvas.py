@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from kinesic.body.arrays import Picture
-from kinesic.files.film_file import Box
+from kinesic.files.film_file import PixelBox
 from kinesic.sim.filming.drawn_face import SCREEN
 from kinesic.sim.filming.scene_screen import has_screen, put_face
 from kinesic.sim.scene_style import CAMERA, FLOOR_GROUP
@@ -64,7 +64,7 @@ class Canvas:
                 picture = np.asarray(Image.fromarray(picture).resize(SCREEN, Image.Resampling.BILINEAR))
             mujoco.mjr_uploadTexture(self._model, self._context, put_face(self._model, picture))
 
-    def draw(self, data: mujoco.MjData, box: Box | None = None, *, sunk: Box | None = None) -> Image.Image:
+    def draw(self, data: mujoco.MjData, box: PixelBox | None = None, *, sunk: PixelBox | None = None) -> Image.Image:
         """Draws the robot alone, before nothing: floor and sky, which stay, would take longer than it.
 
         Args:
@@ -106,7 +106,7 @@ class Canvas:
         coarse = fine.reduce(self._finer)
         return Image.frombytes(mode, coarse.size, coarse.tobytes(), "raw", mode, 0, -1)
 
-    def _render(self, data: mujoco.MjData, option: mujoco.MjvOption, box: Box) -> None:
+    def _render(self, data: mujoco.MjData, option: mujoco.MjvOption, box: PixelBox) -> None:
         (width, height), (left, top, right, low) = self._size, box
         mujoco.mjv_updateScene(
             self._model, data, option, None, self._camera, mujoco.mjtCatBit.mjCAT_ALL.value, self._scene
@@ -116,13 +116,13 @@ class Canvas:
             _narrow(camera, (left / width, top / height, right / width, low / height), width / height)
         mujoco.mjr_render(self._area(box, box), self._scene, self._context)
 
-    def _area(self, box: Box, part: Box) -> mujoco.MjrRect:
+    def _area(self, box: PixelBox, part: PixelBox) -> mujoco.MjrRect:
         """Where OpenGL has a part of a box that is drawn; its first row is the lowest."""
         finer = self._finer
         (left, _, _, low), (begin, top, end, foot) = box, part
         return mujoco.MjrRect(finer * (begin - left), finer * (low - foot), finer * (end - begin), finer * (foot - top))
 
-    def _pixels(self, box: Box) -> Picture:
+    def _pixels(self, box: PixelBox) -> Picture:
         """(h, w, 4) what was drawn in a box, the fourth 255 where anything was; the next picture takes its place."""
         area = self._area(box, box)
         drawn = self._drawn[: 4 * area.height * area.width].reshape(area.height, area.width, 4)
@@ -144,7 +144,7 @@ class Canvas:
         self._gl.free()
 
 
-def _common(one: Box, other: Box) -> Box | None:
+def _common(one: PixelBox, other: PixelBox) -> PixelBox | None:
     """Intersects two boxes; None where they have nothing in common."""
     left, top, right, low = max(one[0], other[0]), max(one[1], other[1]), min(one[2], other[2]), min(one[3], other[3])
     return (left, top, right, low) if left < right and top < low else None

@@ -6,8 +6,8 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import SIDES, Robot
-from kinesic.files.film_file import Box
-from kinesic.sim.scene_layout import VIEW_ANGLE, VIEW_FROM, View, rods, view_of
+from kinesic.files.film_file import PixelBox
+from kinesic.sim.scene_layout import VIEW_ANGLE, VIEW_FROM, SceneView, rods, view_of
 
 FRAME = 1.2  # times the hands and the head in a picture: 10 % of its width or height is free on every side
 SHADOW_PIXELS = 4.0  # pixels beyond it, as shadows are drawn coarsely
@@ -23,7 +23,7 @@ def camera_axes() -> Floats:
     return sealed(np.stack([right, np.cross(towards, right), towards]))
 
 
-def motion_view(robot: Robot, postures: Floats, *, aspect: float) -> View:
+def motion_view(robot: Robot, postures: Floats, *, aspect: float) -> SceneView:
     """Finds the picture that holds the hands and the head of a motion, with a margin.
 
     Args:
@@ -44,7 +44,7 @@ def motion_view(robot: Robot, postures: Floats, *, aspect: float) -> View:
         high, low = float(np.max(turned[:, k] + slack)), float(np.max(-turned[:, k] + slack))
         centre[k], away = (high - low) / 2, max(away, (high + low) / (2 * slope))
     height = 2 * FRAME * half * (away - towards)
-    return View(view_of(robot).floor, sealed(np.array([*centre, towards]) @ camera_axes()), float(height))
+    return SceneView(view_of(robot).floor, sealed(np.array([*centre, towards]) @ camera_axes()), float(height))
 
 
 def watched_segments(robot: Robot) -> list[str]:
@@ -70,7 +70,7 @@ def moving_balls(robot: Robot, postures: Floats, names: Sequence[str]) -> tuple[
     return sealed(np.stack(places, axis=1)), sealed(np.array(radii))
 
 
-def seen_at(view: View, places: Floats, *, size: tuple[int, int]) -> Floats:
+def seen_at(view: SceneView, places: Floats, *, size: tuple[int, int]) -> Floats:
     """(..., 3) pixels to the right and down, and pixels for a metre there, of (..., 3) [m] places in the world."""
     width, height = size
     distance = view.height / 2 / np.tan(np.radians(VIEW_ANGLE) / 2)
@@ -79,7 +79,7 @@ def seen_at(view: View, places: Floats, *, size: tuple[int, int]) -> Floats:
     return sealed(np.stack([width / 2 + scale * x, height / 2 - scale * y, scale], axis=-1))
 
 
-def robot_boxes(seen: Floats, reach: Floats, *, size: tuple[int, int]) -> list[Box]:
+def robot_boxes(seen: Floats, reach: Floats, *, size: tuple[int, int]) -> list[PixelBox]:
     """The part of each picture that holds the robot; sides are even, as films want them.
 
     Args:
@@ -112,20 +112,20 @@ def sunk_balls(places: Floats, reach: Floats, floor: float) -> tuple[Floats, Flo
     return sealed(cut.reshape(len(places), -1, 3)), sealed(reach[kept])
 
 
-def shadow_boxes(outlines: Floats, *, size: tuple[int, int]) -> list[Box]:
+def shadow_boxes(outlines: Floats, *, size: tuple[int, int]) -> list[PixelBox]:
     """The part of each picture that holds the shadow, of (m, j, corners, 2) outlines [pixels]."""
     corners = outlines.reshape(len(outlines), -1, 2)
     soft = BLURRED * size[1] + SHADOW_PIXELS
     return _boxes(corners.min(axis=1) - soft, corners.max(axis=1) + soft, size)
 
 
-def _boxes(least: Floats, most: Floats, size: tuple[int, int]) -> list[Box]:
+def _boxes(least: Floats, most: Floats, size: tuple[int, int]) -> list[PixelBox]:
     """Boxes in a picture from (m, 2) their upper left and lower right corners, at least two pixels wide and high."""
     least = 2 * np.floor(np.clip(least, 0, np.array(size) - 2) / 2).astype(int)
     most = np.minimum(2 * np.ceil(np.clip(most, least + 2, size) / 2).astype(int), size)
     return [(left, top, right, low) for (left, top), (right, low) in zip(least.tolist(), most.tolist(), strict=True)]
 
 
-def bounding_box(one: Box, other: Box) -> Box:
+def bounding_box(one: PixelBox, other: PixelBox) -> PixelBox:
     """Finds the smallest box that holds two boxes."""
     return (min(one[0], other[0]), min(one[1], other[1]), max(one[2], other[2]), max(one[3], other[3]))

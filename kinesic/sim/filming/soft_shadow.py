@@ -4,9 +4,9 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFilter
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.files.film_file import Box
+from kinesic.files.film_file import PixelBox
 from kinesic.sim.filming.framing import seen_at
-from kinesic.sim.scene_layout import SUN, View
+from kinesic.sim.scene_layout import SUN, SceneView
 
 COARSE = 4  # pixels of the picture along a side of one of the shadow
 BLUR = 0.012  # of the shadow, in heights of the picture
@@ -14,7 +14,7 @@ DARK = 0.42  # share of the light that the shadow takes
 BALL_CORNERS = 16  # corners of the shadow of a ball
 
 
-def shadow_outlines(places: Floats, radii: Floats, view: View, *, size: tuple[int, int]) -> Floats:
+def shadow_outlines(places: Floats, radii: Floats, view: SceneView, *, size: tuple[int, int]) -> Floats:
     """Outlines of the shadows of capsules on the floor.
 
     Args:
@@ -42,7 +42,7 @@ def shadow_outlines(places: Floats, radii: Floats, view: View, *, size: tuple[in
     return sealed(seen_at(view, corners, size=size)[..., :2])
 
 
-def shade(picture: Image.Image, box: Box, outlines: Floats) -> None:
+def shade(picture: Image.Image, box: PixelBox, outlines: Floats) -> None:
     """Darkens a picture where the shadow is.
 
     Args:

@@ -11,7 +11,7 @@ from kinesic.body.robot import SIDES, Robot
 from kinesic.body.skeleton import Segment
 from kinesic.sim.shells.distance import blended_union
 from kinesic.sim.shells.limbs import finger, hand, limb
-from kinesic.sim.shells.part import BLEND, BUDGET, Housing, Part, boxed, own_shape
+from kinesic.sim.shells.part import BLEND, BUDGET, Housing, ShellPart, boxed, own_shape
 from kinesic.sim.shells.trunk import head, trunk
 
 
@@ -24,7 +24,7 @@ def housings(robot: Robot) -> Iterator[tuple[str, Housing]]:
     hands = {robot.arm(side).segments[-1]: side for side in SIDES}
     arms = {name for side in SIDES for name in robot.arm(side).segments}
     for segment in robot.skeleton.segments:
-        part = Part(robot, segment)
+        part = ShellPart(robot, segment)
         if not segment.capsules and not part.servos:
             continue
         if segment.name in fingers:
@@ -41,6 +41,6 @@ def housings(robot: Robot) -> Iterator[tuple[str, Housing]]:
 
 def plain_housing(robot: Robot, segment: Segment) -> Housing:
     """Encloses shapes and servos of a segment as they are, flowing into one another."""
-    part = Part(robot, segment)
+    part = ShellPart(robot, segment)
     solids = [*(own_shape(c) for c in part.capsules), *(boxed(servo) for servo in part.servos)]
     return Housing(blended_union(solids, BLEND), None, (), part.held, BUDGET["limb"])

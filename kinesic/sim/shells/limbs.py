@@ -13,14 +13,14 @@ from kinesic.sim.shells.part import (
     SERVO_ROOM,
     SKIN,
     Housing,
-    Part,
+    ShellPart,
     boxed,
     drum_about,
     own_shape,
 )
 
 
-def limb(part: Part) -> Housing:
+def limb(part: ShellPart) -> Housing:
     """Clavicle, upper arm or forearm: a tapered bar, drums round servos, a hub for the next hinge."""
     end = part.onward()
     if end is None or np.linalg.norm(end) < 1e-6:
@@ -46,7 +46,7 @@ def limb(part: Part) -> Housing:
     return Housing(blended_union(solids, 1.7 * BLEND), dark, lines, held, BUDGET["limb"])
 
 
-def _girths(part: Part, axis: Floats, length: float) -> tuple[float, float]:
+def _girths(part: ShellPart, axis: Floats, length: float) -> tuple[float, float]:
     """[m] radii of a limb at its start and at its end."""
     long = [c for c in part.capsules if np.linalg.norm(c.end - c.start) >= 2 * c.radius] or part.capsules
     bar = min((c.radius for c in long), default=0.1 * length) + SKIN
@@ -54,7 +54,7 @@ def _girths(part: Part, axis: Floats, length: float) -> tuple[float, float]:
     return bar + 0.002, min([bar, *ends]) + CUFF
 
 
-def hand(part: Part, facing: Floats) -> Housing:
+def hand(part: ShellPart, facing: Floats) -> Housing:
     """A palm, or a mitten with a thumb where there are no fingers."""
     across = np.array([1.0, 0.0, 0.0]) if abs(facing[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
     big = max(part.capsules, key=lambda c: c.radius)
@@ -78,7 +78,7 @@ def hand(part: Part, facing: Floats) -> Housing:
     return Housing(blended_union(solids, 0.8 * BLEND), dark, (), part.held, BUDGET["hand"])
 
 
-def finger(part: Part) -> Housing:
+def finger(part: ShellPart) -> Housing:
     """A tapered phalanx with a line behind its joint."""
     solids = [cone(c.start, c.end, c.radius + FINGER_SKIN, 0.95 * c.radius + FINGER_SKIN) for c in part.capsules]
     long = max(part.capsules, key=lambda c: float(np.linalg.norm(c.end - c.start)))

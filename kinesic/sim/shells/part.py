@@ -57,7 +57,7 @@ def servos_of(robot: Robot, name: str) -> tuple[ServoBox, ...]:
     return tuple(found)
 
 
-class Part:
+class ShellPart:
     """A segment with what sits in it."""
 
     def __init__(self, robot: Robot, segment: Segment, origin: Floats | None = None) -> None:

@@ -22,14 +22,14 @@ EVEN = 0.92  # aimed at, of the triangles that are allowed
 
 
 @dataclass(frozen=True, eq=False)
-class Mesh:
+class ClosedSurface:
     """A closed surface."""
 
     vertices: Floats  # (v, 3) [m]
     triangles: Indices  # (t, 3) anticlockwise from outside
 
 
-def mesh_of(field: DistanceField, low: Floats, high: Floats, *, most: int) -> Mesh:
+def mesh_of(field: DistanceField, low: Floats, high: Floats, *, most: int) -> ClosedSurface:
     """Covers the surface of a solid.
 
     Args:
@@ -45,10 +45,10 @@ def mesh_of(field: DistanceField, low: Floats, high: Floats, *, most: int) -> Me
     vertices = mesh.vertices
     for _ in range(RELAXED):
         vertices = _settled(field, _relaxed(vertices, mesh.triangles))
-    return Mesh(_settled(field, vertices), mesh.triangles)
+    return ClosedSurface(_settled(field, vertices), mesh.triangles)
 
 
-def _nets(field: DistanceField, low: Floats, high: Floats, step: float) -> Mesh:
+def _nets(field: DistanceField, low: Floats, high: Floats, step: float) -> ClosedSurface:
     start = low - AIR_CELLS * step
     shape = np.ceil((high - low) / step + 2 * AIR_CELLS).astype(int) + 1
     points = np.stack(np.meshgrid(*(np.arange(n) for n in shape), indexing="ij"), axis=-1).reshape(-1, 3)
@@ -70,7 +70,7 @@ def _nets(field: DistanceField, low: Floats, high: Floats, step: float) -> Mesh:
     number[used] = np.arange(used.sum())
     vertices = start + step * (np.argwhere(used) + sums[used] / counts[used][:, None])
     quads = np.concatenate([_quads(inside, number, axis) for axis in range(3)])
-    return Mesh(vertices, _halved(vertices, quads))
+    return ClosedSurface(vertices, _halved(vertices, quads))
 
 
 def _window(values: Floats, offset: Indices, cells: tuple[int, ...]) -> Floats:
@@ -116,7 +116,7 @@ def _settled(field: DistanceField, vertices: Floats) -> Floats:
     return vertices
 
 
-def cut(mesh: Mesh, solid: DistanceField, lines: Sequence[DistanceField]) -> Mesh:
+def cut(mesh: ClosedSurface, solid: DistanceField, lines: Sequence[DistanceField]) -> ClosedSurface:
     """Cuts triangles where fields are 0, so that none is on both sides.
 
     Args:
@@ -129,7 +129,7 @@ def cut(mesh: Mesh, solid: DistanceField, lines: Sequence[DistanceField]) -> Mes
     return mesh
 
 
-def _cut(mesh: Mesh, solid: DistanceField, line: DistanceField) -> Mesh:
+def _cut(mesh: ClosedSurface, solid: DistanceField, line: DistanceField) -> ClosedSurface:
     vertices, values = mesh.vertices.copy(), line(mesh.vertices)
     near = np.flatnonzero(np.abs(values) < SNAP)
     vertices[near] = _onto(solid, line, vertices[near])
@@ -146,7 +146,7 @@ def _cut(mesh: Mesh, solid: DistanceField, line: DistanceField) -> Mesh:
     share = values[ends[:, 0]] / (values[ends[:, 0]] - values[ends[:, 1]])
     middles = vertices[ends[:, 0]] + share[:, None] * (vertices[ends[:, 1]] - vertices[ends[:, 0]])
     triangles = np.concatenate([mesh.triangles[~split], np.array(fresh, dtype=np.intp).reshape(-1, 3)])
-    return Mesh(np.concatenate([vertices, _onto(solid, line, middles)]), triangles)
+    return ClosedSurface(np.concatenate([vertices, _onto(solid, line, middles)]), triangles)
 
 
 def _onto(solid: DistanceField, line: DistanceField, places: Floats) -> Floats:

@@ -31,7 +31,7 @@ from kinesic.sim.shells.part import (
     SOFT,
     VISOR,
     Housing,
-    Part,
+    ShellPart,
     boxed,
     drum_about,
 )
@@ -41,7 +41,7 @@ SHAPE_SPACING = 0.005  # [m] between the heights of two lateral shapes, at least
 UP = sealed([0.0, 0.0, 1.0])
 
 
-def head(part: Part) -> Housing:
+def head(part: ShellPart) -> Housing:
     """A rounded block with a front that is bent about the upright axis, and a visor where the eyes are."""
     big, size = max(part.capsules, key=lambda c: c.radius), part.robot.arm_length
     middle, tall = (big.start + big.end) / 2, abs(float((big.end - big.start)[2])) / 2
@@ -70,7 +70,7 @@ def _visor(eyes: Floats, wide: float, high: float) -> DistanceField:
     return field
 
 
-def trunk(part: Part, moving: set[str]) -> Housing:
+def trunk(part: ShellPart, moving: set[str]) -> Housing:
     """Designs the shell of a part of the trunk: a loft through lateral shapes, bars, and drums and boxes for servos."""
     parts, standing = list(_rigid(part, moving)), part.segment.parent is None
     capsules = [c for each in parts for c in each.capsules]
@@ -137,15 +137,15 @@ def _waists(lateral: Sequence[Capsule], others: Sequence[Capsule], *, standing: 
     )
 
 
-def _rigid(part: Part, moving: set[str]) -> Iterator[Part]:
+def _rigid(part: ShellPart, moving: set[str]) -> Iterator[ShellPart]:
     """Yields a part and all that is fixed to it."""
     yield part
     for child in part.children:
         if child.name not in moving:
-            yield from _rigid(Part(part.robot, child, sealed(part.origin + child.origin_in_parent)), moving)
+            yield from _rigid(ShellPart(part.robot, child, sealed(part.origin + child.origin_in_parent)), moving)
 
 
-def _joints(parts: Sequence[Part]) -> Iterator[DistanceField]:
+def _joints(parts: Sequence[ShellPart]) -> Iterator[DistanceField]:
     """Yields balls about the places where arms begin."""
     for part in parts:
         arms = {name for side in SIDES for name in part.robot.arm(side).segments}

@@ -12,7 +12,7 @@ from kinesic.sim.filming.canvas import Canvas
 from kinesic.sim.filming.framing import bounding_box, motion_view, moving_balls, robot_boxes, seen_at, sunk_balls
 from kinesic.sim.gl import opengl_fault
 from kinesic.sim.model import turn_order
-from kinesic.sim.scene_layout import View, view_of
+from kinesic.sim.scene_layout import SceneView, view_of
 from kinesic.sim.scene_style import styled_model
 
 ROBOTS = {name: Robot.load(name) for name in ("upper22", "upper36")}
@@ -124,7 +124,7 @@ def test_the_floor_hides_what_is_below_it():
         pytest.skip(why)
     robot, size = ROBOTS["upper22"], (160, 120)
     view = view_of(robot)
-    low = View(view.floor + 0.2 * view.height, sealed(view.middle - [0.0, 0.0, 0.2 * view.height]), view.height)
+    low = SceneView(view.floor + 0.2 * view.height, sealed(view.middle - [0.0, 0.0, 0.2 * view.height]), view.height)
     model = styled_model(robot, width=320, height=240, view=low)
     data = mujoco.MjData(model)
     data.qpos[turn_order(robot, model)] = robot.skeleton.turns(robot.skeleton.rest)

@@ -5,13 +5,13 @@ import pytest
 from PIL import Image
 
 from kinesic.body.arrays import sealed
-from kinesic.files.film_file import Box
+from kinesic.files.film_file import PixelBox
 from kinesic.sim.filming.framing import seen_at, shadow_boxes
 from kinesic.sim.filming.soft_shadow import DARK, shade, shadow_outlines
-from kinesic.sim.scene_layout import SUN, View
+from kinesic.sim.scene_layout import SUN, SceneView
 
 SIZE = (320, 180)
-VIEW = View(0.0, sealed([0.0, 0.0, 0.5]), 2.0)
+VIEW = SceneView(0.0, sealed([0.0, 0.0, 0.5]), 2.0)
 HIGH = 0.4  # [m]
 
 
@@ -31,7 +31,7 @@ def test_it_lies_where_the_light_goes():
     assert (turns <= 1e-6).all() or (turns >= -1e-6).all(), "an outline is convex"
 
 
-def shaded(box: Box) -> np.ndarray:
+def shaded(box: PixelBox) -> np.ndarray:
     """A part of a light room with the shadow in it."""
     left, top, right, low = box
     room = Image.new("RGB", SIZE, (200, 200, 200))
