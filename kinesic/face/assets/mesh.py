@@ -19,12 +19,12 @@ from kinesic.body.choices import Variant
 from kinesic.body.config import CONFIGS, suggestion
 from kinesic.face.display import DisplayError
 
-Part = Literal["skin", "eyes", "teeth", "tongue", "lashes", "cloth"]
+MeshPart = Literal["skin", "eyes", "teeth", "tongue", "lashes", "cloth"]
 Indices = NDArray[np.int32]
 Whole = TypeVar("Whole", np.int32, np.uint8)
 
 VARIANTS: tuple[Variant, ...] = ("female", "male")
-PARTS: tuple[Part, ...] = ("skin", "eyes", "teeth", "tongue", "lashes", "cloth")
+PARTS: tuple[MeshPart, ...] = ("skin", "eyes", "teeth", "tongue", "lashes", "cloth")
 HEAD_FILE = CONFIGS / "faces" / "head.npz"
 POSITION_STEP = 1e-5  # [m] of the file's rest positions
 DELTA_STEP = 1e-4  # [m] of its shapes
@@ -50,7 +50,7 @@ class Mesh:
         """(2 f, 3) corners, anticlockwise from outside: each face cut along its first diagonal."""
         return seal_whole(self.faces[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3))
 
-    def vertices(self, part: Part) -> NDArray[np.intp]:
+    def vertices(self, part: MeshPart) -> NDArray[np.intp]:
         """Returns the indices of a part's vertices."""
         return np.flatnonzero(self.parts == PARTS.index(part))
 

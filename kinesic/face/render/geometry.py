@@ -21,7 +21,7 @@ from kinesic.face.render.camera import Camera
 from kinesic.face.render.passes import Marks, PassRegion, Target, program, set_uniforms
 from kinesic.face.render.shape import MovingMesh
 
-Layer = Literal["skin", "organs", "lashes", "cloth", "film", "hair", "hair inside"]
+HeadLayer = Literal["skin", "organs", "lashes", "cloth", "film", "hair", "hair inside"]
 
 PIXEL_MARGIN = 3  # [pixels] round a rectangle
 FILM = (0.30, 0.95, 0.45)  # what an eyeshade lets through, linear
@@ -75,7 +75,7 @@ class Geometry:
         first = mesh.triangles[:, 0]
         thin, cloth = (mesh.parts[first] == PARTS.index(part) for part in ("lashes", "cloth"))
         still = self._buffer(fixed)
-        self._layers: dict[Layer, tuple[Buffer, Buffer, Buffer]] = {
+        self._layers: dict[HeadLayer, tuple[Buffer, Buffer, Buffer]] = {
             "skin": (self._moving, still, self._buffer(triangles[skin[first]], "i4")),
             "organs": (self._moving, still, self._buffer(triangles[~skin[first] & ~thin & ~cloth], "i4")),
             "lashes": (self._moving, still, self._buffer(triangles[thin], "i4")),
@@ -98,7 +98,7 @@ class Geometry:
         self._solid = [self.drawn(skins, "skin"), self.drawn(organs, "organs")]
         if self.haired:  # what is drawn first hides most of the rest: hair the scalp, and the head the inside of hair
             self._solid = [self.drawn(strands, "hair"), *self._solid, self.drawn(strands, "hair inside")]
-        self.thin: tuple[Layer, ...] = ("lashes", "film") if shaded else ("lashes",)
+        self.thin: tuple[HeadLayer, ...] = ("lashes", "film") if shaded else ("lashes",)
         self._open = [self.drawn(film, "film")] if shaded else []
         if self.dressed:
             self._open.append(self.drawn(cloths, "cloth"))  # seen from both sides
@@ -106,7 +106,7 @@ class Geometry:
         eyes = mesh.vertices("eyes")
         self._balls = [eyes[mesh.positions[eyes, 1] > 0.0], eyes[mesh.positions[eyes, 1] < 0.0]]
 
-    def drawn(self, shader: Program, layer: Layer) -> Vertices:
+    def drawn(self, shader: Program, layer: HeadLayer) -> Vertices:
         """Gives one of the layers, for a program with the vertex shader `geometry`."""
         moving, still, indices = self._layers[layer]
         columns = [
@@ -194,7 +194,7 @@ class Geometry:
             self._buffer(sheet.triangles, "i4"),
         )
 
-    def _locks(self, locks: Locks) -> dict[Layer, tuple[Buffer, Buffer, Buffer]]:
+    def _locks(self, locks: Locks) -> dict[HeadLayer, tuple[Buffer, Buffer, Buffer]]:
         matter = np.tile((len(PARTS), 0.0), (len(locks.positions), 1))
         moving = self._buffer(np.concatenate([locks.positions, locks.normals], axis=1))
         still = self._buffer(np.concatenate([locks.places, matter], axis=1))

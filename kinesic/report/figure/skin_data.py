@@ -11,14 +11,14 @@ from kinesic.body.robot import Robot
 from kinesic.body.skeleton import Skeleton
 from kinesic.face.assets.body import FRAMES_PER_VERTEX, POSITION_STEP, DressedPerson, load_figure
 from kinesic.face.assets.chart import chart_window, mouth, vertex_chart
-from kinesic.face.assets.mesh import PARTS, Part
+from kinesic.face.assets.mesh import PARTS, MeshPart
 from kinesic.face.assets.paint import COMPLEXIONS, RESOLUTION, skin
 from kinesic.face.assets.rig import FRAMES, PLACE, SkinningFrame
 from kinesic.face.assets.skinning import TWIST, Skin
 from kinesic.report.gltf.skin import HAIRLINE, PLAIN_COLOURS, screen_colours
 from kinesic.report.report import Json
 
-KINDS: dict[Part, int] = {"cloth": 1, "eyes": 2}  # of vertices, for the shader; 0 is any other
+KINDS: dict[MeshPart, int] = {"cloth": 1, "eyes": 2}  # of vertices, for the shader; 0 is any other
 EYES = (0.10, 0.17, 0.16), (0.74, 0.70, 0.67)  # linear: the iris, and what is white
 INNER, SHADED = 0.9, 0.45  # how much darker skin inside the mouth is, and how much light teeth and tongue get
 BORDER = 0.32767  # [m] beyond the border of cloth, at most

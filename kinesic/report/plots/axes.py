@@ -11,7 +11,7 @@ from markupsafe import Markup, escape
 from kinesic.body.arrays import Floats
 
 
-class Colour(StrEnum):
+class ThemeColour(StrEnum):
     """Variables of the page's style sheet, so that one figure suits light and dark."""
 
     INK = "var(--ink)"
@@ -35,7 +35,7 @@ ABOVE = 0.05  # share of what is drawn that is left free above it, where nobody 
 
 Align = Literal["left", "center", "right"]
 ANCHORS: dict[Align, str] = {"left": "start", "center": "middle", "right": "end"}
-Layer = Literal["under", "lines", "over"]
+DrawingLayer = Literal["under", "lines", "over"]
 
 
 class Figure:
@@ -68,7 +68,7 @@ class Figure:
 
     def write(self, left: float, bottom: float, words: str) -> None:
         """Writes a title at a place [in] from the figure's left foot."""
-        self._words.append(_text(left * INCH, (self.height - bottom) * INCH, words, Colour.INK, "left", size=9.0))
+        self._words.append(_text(left * INCH, (self.height - bottom) * INCH, words, ThemeColour.INK, "left", size=9.0))
 
     def svg(self) -> Markup:
         """Makes an element of the page of it."""
@@ -92,7 +92,7 @@ class Axes:
         self.ticks = 3  # spaces between ticks of the ordinate, at most; 0: it has none
         self._x, self._y = (0.0, 1.0), (0.0, 1.0)
         self._highest = -np.inf  # of what is drawn
-        self._drawn: list[tuple[Layer, Callable[[], str]]] = []
+        self._drawn: list[tuple[DrawingLayer, Callable[[], str]]] = []
 
     def limit_x(self, first: float, last: float) -> None:
         """Sets the values at the left and the right end."""
@@ -113,7 +113,7 @@ class Axes:
         self,
         x: Floats,
         y: Floats,
-        colour: Colour,
+        colour: ThemeColour,
         *,
         width: float = 1.1,
         dashed: bool = False,
@@ -130,7 +130,7 @@ class Axes:
         self._drawn.append(("lines", draw))
 
     def bars(
-        self, spans: Iterable[tuple[float, float]], low: float, high: float, colour: Colour, opacity: float = 1.0
+        self, spans: Iterable[tuple[float, float]], low: float, high: float, colour: ThemeColour, opacity: float = 1.0
     ) -> None:
         """Draws a bar from `low` to `high` for each (begin, end)."""
         ends = [np.array(span) for span in spans]
@@ -145,11 +145,13 @@ class Axes:
 
         self._drawn.append(("under", draw))
 
-    def band(self, low: float, high: float, colour: Colour) -> None:
+    def band(self, low: float, high: float, colour: ThemeColour) -> None:
         """Fills everything between two values of the ordinate."""
         self.bars([self._x], low, high, colour)
 
-    def level(self, y: float, colour: Colour, *, width: float = 0.8, span: tuple[float, float] | None = None) -> None:
+    def level(
+        self, y: float, colour: ThemeColour, *, width: float = 0.8, span: tuple[float, float] | None = None
+    ) -> None:
         """Draws a line at a value of the ordinate, all across or over a span of the abscissa."""
 
         def draw() -> str:
@@ -160,7 +162,7 @@ class Axes:
         self._drawn.append(("lines", draw))
 
     def verticals(
-        self, at: Iterable[float], colour: Colour, *, width: float = 1.0, span: tuple[float, float] | None = None
+        self, at: Iterable[float], colour: ThemeColour, *, width: float = 1.0, span: tuple[float, float] | None = None
     ) -> None:
         """Draws lines at values of the abscissa, from foot to top or over a span of the ordinate."""
         places = np.array([*at], dtype=np.float64)
@@ -171,7 +173,7 @@ class Axes:
 
         self._drawn.append(("lines", draw))
 
-    def dots(self, x: Floats, y: Floats, fill: Colour, edge: Colour) -> None:
+    def dots(self, x: Floats, y: Floats, fill: ThemeColour, edge: ThemeColour) -> None:
         """Draws a dot at each of (m,) points."""
 
         def draw() -> str:
@@ -188,7 +190,7 @@ class Axes:
         at: tuple[float, float],
         words: str,
         *,
-        colour: Colour = Colour.INK,
+        colour: ThemeColour = ThemeColour.INK,
         place: Literal["axes", "time", "data"] = "axes",
         align: Align = "left",
     ) -> None:
@@ -212,7 +214,7 @@ class Axes:
     def head(self, what: str, note: str, *, height: float) -> None:
         """Writes what is shown above the left end, and a note above the right end, at a share of the height."""
         self.write((0.0, height), what)
-        self.write((1.0, height), note, colour=Colour.FAINT, align="right")
+        self.write((1.0, height), note, colour=ThemeColour.FAINT, align="right")
 
     def svg(self) -> str:
         """Draws everything: a nested drawing cuts what is beyond the limits."""
@@ -221,7 +223,7 @@ class Axes:
         words = "".join(text for text in over if text.startswith("<text"))
         dots = "".join(text for text in over if not text.startswith("<text"))
         place = f'x="{self.left:.2f}" y="{self.top:.2f}" width="{self.width:.2f}" height="{self.height:.2f}"'
-        frame = f'<rect style="fill:none;stroke:{Colour.GRID};stroke-width:.5" {place}/>'
+        frame = f'<rect style="fill:none;stroke:{ThemeColour.GRID};stroke-width:.5" {place}/>'
         grid, labels = self._scale()
         return f'{frame}<svg overflow="hidden" {place}>{grid}{inside}{dots}</svg>{labels}{words}'
 
@@ -234,13 +236,13 @@ class Axes:
             grid.append((x, 0.0, x, self.height))
             ticks.append((left + x, foot, left + x, foot + TICK))
             if self.labelled:
-                numbers.append(_text(left + x, foot + TICK + GAP + 0.7 * SMALL, name, Colour.FAINT, "center"))
+                numbers.append(_text(left + x, foot + TICK + GAP + 0.7 * SMALL, name, ThemeColour.FAINT, "center"))
         for value, name in nice_ticks(*self._y, self.ticks) if self.ticks else ():
             (y,) = self._down(np.array([value]))
             grid.append((0.0, y, self.width, y))
             ticks.append((left - TICK, self.top + y, left, self.top + y))
-            numbers.append(_text(left - TICK - GAP, self.top + y + 0.36 * SMALL, name, Colour.FAINT, "right"))
-        return _strokes(grid, Colour.GRID, 0.5), _strokes(ticks, Colour.FAINT, 0.5) + "".join(numbers)
+            numbers.append(_text(left - TICK - GAP, self.top + y + 0.36 * SMALL, name, ThemeColour.FAINT, "right"))
+        return _strokes(grid, ThemeColour.GRID, 0.5), _strokes(ticks, ThemeColour.FAINT, 0.5) + "".join(numbers)
 
     def _across(self, x: Floats) -> list[float]:
         first, last = self._x
@@ -266,12 +268,12 @@ def nice_ticks(first: float, last: float, most: int) -> list[tuple[float, str]]:
     return [(count * step, f"{count * step + 0.0:.{digits}f}".replace("-", "\u2212")) for count in counts]
 
 
-def _strokes(ends: Iterable[tuple[float, float, float, float]], colour: Colour, width: float) -> str:
+def _strokes(ends: Iterable[tuple[float, float, float, float]], colour: ThemeColour, width: float) -> str:
     path = "".join(f"M{x0:.2f} {y0:.2f}L{x1:.2f} {y1:.2f}" for x0, y0, x1, y1 in ends)
     return f'<path style="stroke:{colour};stroke-width:{width:g}" d="{path}"/>' if path else ""
 
 
-def _text(x: float, y: float, words: str, colour: Colour, align: Align, *, size: float = SMALL) -> str:
+def _text(x: float, y: float, words: str, colour: ThemeColour, align: Align, *, size: float = SMALL) -> str:
     printable = "".join(letter if letter.isprintable() else " " for letter in words)
     look = f"font-size:{size:g}px;fill:{colour};text-anchor:{ANCHORS[align]}"
     return f'<text style="{look}" x="{x:.2f}" y="{y:.2f}">{escape(printable)}</text>'

@@ -9,7 +9,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.robot import SIDES, PartName, Robot, Side
 from kinesic.controller.arrival import part_paths
 from kinesic.controller.performance import Performance
-from kinesic.report.plots.axes import WIDTH, Axes, Colour, Figure
+from kinesic.report.plots.axes import WIDTH, Axes, Figure, ThemeColour
 
 HANDS: dict[Side, PartName] = {"l": "l_hand", "r": "r_hand"}
 GAP, TOP, BOTTOM = 0.5, 0.3, 0.3  # [in]
@@ -19,7 +19,7 @@ PLOT_ROOM = 0.06  # [m] about what is drawn
 
 
 @dataclass(frozen=True)
-class View:
+class HandView:
     """How the body is looked at."""
 
     title: str
@@ -29,9 +29,9 @@ class View:
 
 
 VIEWS = (
-    View("right hand, from its right", 0, False, ("r",)),
-    View("from the front", 1, False, SIDES),
-    View("left hand, from its left", 0, True, ("l",)),
+    HandView("right hand, from its right", 0, False, ("r",)),
+    HandView("from the front", 1, False, SIDES),
+    HandView("left hand, from its left", 0, True, ("l",)),
 )
 
 
@@ -54,13 +54,13 @@ def hands(performance: Performance) -> Markup:
         left += scale * span + GAP
         _frame(axes, view, low, high)
         for bone in bones:
-            axes.line(bone[:, view.across], bone[:, 2], Colour.GRID, width=3.0)
+            axes.line(bone[:, view.across], bone[:, 2], ThemeColour.GRID, width=3.0)
         for side in view.sides:
             _path(axes, view, reference[side], performance.measured.hands[side], keys[side])
     return drawn.svg()
 
 
-def _frame(axes: Axes, view: View, low: Floats, high: Floats) -> None:
+def _frame(axes: Axes, view: HandView, low: Floats, high: Floats) -> None:
     axes.ticks = 6
     span = (float(low[view.across]), float(high[view.across]))
     axes.limit_x(*(span[::-1] if view.mirrored else span))
@@ -68,11 +68,11 @@ def _frame(axes: Axes, view: View, low: Floats, high: Floats) -> None:
     axes.head(view.title, f"{'xyz'[view.across]}, z [m]", height=1.02)
 
 
-def _path(axes: Axes, view: View, planned: Floats, performed: Floats, keys: Floats) -> None:
+def _path(axes: Axes, view: HandView, planned: Floats, performed: Floats, keys: Floats) -> None:
     planned, performed = (path[:: len(path) // MOST_POINTS + 1] for path in (planned, performed))
-    axes.line(planned[:, view.across], planned[:, 2], Colour.PLANNED, width=1.2)
-    axes.line(performed[:, view.across], performed[:, 2], Colour.PERFORMED, width=1.0, dashed=True)
-    axes.dots(keys[:, view.across], keys[:, 2], Colour.ASKED, Colour.PLANNED)
+    axes.line(planned[:, view.across], planned[:, 2], ThemeColour.PLANNED, width=1.2)
+    axes.line(performed[:, view.across], performed[:, 2], ThemeColour.PERFORMED, width=1.0, dashed=True)
+    axes.dots(keys[:, view.across], keys[:, 2], ThemeColour.ASKED, ThemeColour.PLANNED)
 
 
 def _keys(performance: Performance, side: Side) -> Floats:

@@ -10,7 +10,7 @@ from kinesic.body.arrays import Flags, Floats
 from kinesic.body.robot import CHAINS, Robot
 from kinesic.controller.performance import Performance
 from kinesic.planning.syncs import SyncTime
-from kinesic.report.plots.axes import WIDTH, Axes, Colour, Figure
+from kinesic.report.plots.axes import WIDTH, Axes, Figure, ThemeColour
 from kinesic.report.plots.fitting import fit_text, spaced_indices, thin_line
 
 PAIRS = (("torso", "neck"), ("r_arm", "l_arm"))  # side by side
@@ -93,7 +93,7 @@ def _panel(
     times, robot = performance.measured.times, performance.plan.setup.robot
     axes.limit_x(0.0, float(times[-1]))
     _mark(axes, performance, syncs)
-    styles = ((Colour.ASKED, 2.6, False), (Colour.PLANNED, 1.2, False), (Colour.PERFORMED, 1.0, True))
+    styles = ((ThemeColour.ASKED, 2.6, False), (ThemeColour.PLANNED, 1.2, False), (ThemeColour.PERFORMED, 1.0, True))
     for curve, (colour, width, dashed) in zip(curves, styles, strict=True):
         axes.line(*thin_line(times, curve[:, joint]), colour, width=width, dashed=dashed)
     low, high = (
@@ -113,9 +113,9 @@ def _shade(axes: Axes, robot: Robot, joint: int) -> None:
     hinge = robot.skeleton.hinges[joint]
     lower, upper = float(np.degrees(hinge.lower)), float(np.degrees(hinge.upper))
     if low < lower:
-        axes.band(low, lower, Colour.OUTSIDE)
+        axes.band(low, lower, ThemeColour.OUTSIDE)
     if high > upper:
-        axes.band(upper, high, Colour.OUTSIDE)
+        axes.band(upper, high, ThemeColour.OUTSIDE)
 
 
 def _syncs(performance: Performance, chain: str) -> list[SyncTime]:
@@ -130,7 +130,7 @@ def _mark(axes: Axes, performance: Performance, syncs: list[SyncTime]) -> None:
     zero = performance.plan.trajectory.zero
     for strong in (False, True) if len(syncs) <= MOST_LINES else (True,):
         times = [zero + sync.planned for sync in syncs if sync.is_stroke == strong]
-        colour, width = (Colour.FAINT, 0.9) if strong else (Colour.GRID, 0.7)
+        colour, width = (ThemeColour.FAINT, 0.9) if strong else (ThemeColour.GRID, 0.7)
         axes.verticals(times, colour, width=width)
 
 
@@ -141,4 +141,4 @@ def _label(axes: Axes, performance: Performance, syncs: list[SyncTime], width: f
     per_second = width / float(performance.measured.times[-1])
     for k in spaced_indices([sync.planned for sync in strokes], LABEL / per_second):
         label = fit_text(strokes[k].behaviour, LABEL)
-        axes.write((zero + strokes[k].planned, 1.3), label, colour=Colour.FAINT, place="time", align="center")
+        axes.write((zero + strokes[k].planned, 1.3), label, colour=ThemeColour.FAINT, place="time", align="center")

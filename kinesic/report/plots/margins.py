@@ -5,7 +5,7 @@ from markupsafe import Markup
 
 from kinesic.body.arrays import Floats
 from kinesic.controller.performance import Performance
-from kinesic.report.plots.axes import WIDTH, Axes, Colour, Figure
+from kinesic.report.plots.axes import WIDTH, Axes, Figure, ThemeColour
 from kinesic.report.plots.fitting import thin_line
 
 PANEL, BOTTOM = 1.35, 0.3  # [in]
@@ -31,15 +31,15 @@ def _clearance(axes: Axes, performance: Performance) -> None:
     plan, measured = performance.plan, performance.measured
     least = 1000 * plan.setup.robot.least_clearance
     curves = (
-        (plan.clearance_times, plan.clearance, Colour.PLANNED, False),
-        (measured.times, measured.clearance, Colour.PERFORMED, True),
+        (plan.clearance_times, plan.clearance, ThemeColour.PLANNED, False),
+        (measured.times, measured.clearance, ThemeColour.PERFORMED, True),
     )
     for times, clearance, colour, dashed in curves:
         axes.line(*thin_line(times, 1000 * clearance.distances), colour, width=1.2, dashed=dashed)
     lowest = 1000 * min(float(clearance.distances.min()) for _, clearance, _, _ in curves)
     axes.limit_y(min(0.0, lowest - 5.0))
-    axes.band(axes.y_limits[0], least, Colour.OUTSIDE)
-    axes.level(least, Colour.FAIL)
+    axes.band(axes.y_limits[0], least, ThemeColour.OUTSIDE)
+    axes.level(least, ThemeColour.FAIL)
     worst = measured.clearance.worst
     a, b = measured.clearance.pairs[worst]
     nearest = f"nearest: {a} and {b} at {measured.times[worst]:.2f} s"
@@ -51,17 +51,17 @@ def _shares(axes: Axes, performance: Performance) -> None:
     limits, times = performance.plan.setup.limits, performance.measured.times
     speeds, accelerations = performance.reference.speeds, performance.reference.accelerations
     shares = (
-        ("speed", np.abs(speeds) / limits.speed, Colour.PLANNED),
-        ("acceleration", np.abs(accelerations) / limits.acceleration, Colour.FAINT),
-        ("jerk", np.abs(performance.plan.trajectory.jerks(times)) / limits.jerk, Colour.ASKED),
-        ("duty", np.abs(performance.reference.duties), Colour.SPEECH),
+        ("speed", np.abs(speeds) / limits.speed, ThemeColour.PLANNED),
+        ("acceleration", np.abs(accelerations) / limits.acceleration, ThemeColour.FAINT),
+        ("jerk", np.abs(performance.plan.trajectory.jerks(times)) / limits.jerk, ThemeColour.ASKED),
+        ("duty", np.abs(performance.reference.duties), ThemeColour.SPEECH),
     )
     for _, share, colour in shares:
         axes.line(*thin_line(times, share.max(axis=1)), colour)
     top = max(1.1, *(1.05 * float(share.max()) for _, share, _ in shares))
     axes.limit_y(0.0, top)
-    axes.level(1.0, Colour.FAIL)
-    axes.band(1.0, top, Colour.OUTSIDE)
+    axes.level(1.0, ThemeColour.FAIL)
+    axes.band(1.0, top, ThemeColour.OUTSIDE)
     axes.head("share of limit, worst hinge", "", height=HEADING)
     for k, (name, share, colour) in enumerate(shares):
         axes.write((1.0 - 0.21 * (3 - k), HEADING), _peak(name, share, performance), colour=colour, align="right")
@@ -71,7 +71,7 @@ def _tracking(axes: Axes, performance: Performance) -> None:
     """Measured minus planned angle of the hinge that is furthest off; in grey also those that hardly move."""
     everything = np.degrees(np.abs(performance.measured.angles - performance.reference.angles))
     counted = np.degrees(np.abs(np.nan_to_num(performance.errors)))
-    for errors, colour in ((everything, Colour.ASKED), (counted, Colour.PERFORMED)):
+    for errors, colour in ((everything, ThemeColour.ASKED), (counted, ThemeColour.PERFORMED)):
         axes.line(*thin_line(performance.measured.times, errors.max(axis=1)), colour)
     axes.limit_y(0.0)
     title = "tracking error of the twin, worst hinge [deg]; grey: with hinges that hardly move"

@@ -9,7 +9,7 @@ from kinesic.bml.block import Speech
 from kinesic.controller.performance import Performance
 from kinesic.planning.captions import Caption, captions
 from kinesic.report.labels import label
-from kinesic.report.plots.axes import WIDTH, Axes, Colour, Figure
+from kinesic.report.plots.axes import WIDTH, Axes, Figure, ThemeColour
 from kinesic.report.plots.fitting import fit_text
 
 TOP, BOTTOM = 0.06, 0.3  # [in]
@@ -63,7 +63,7 @@ def score(performance: Performance, layout: Layout = BROAD) -> Markup | None:
             _phases(axes, row, behaviour.id, performance, layout)
     if len(behaviours) > ROWS:
         more = f"and {len(behaviours) - ROWS} more behaviours"
-        axes.write((0.0, ROWS + 0.7), more, colour=Colour.FAINT, place="data")
+        axes.write((0.0, ROWS + 0.7), more, colour=ThemeColour.FAINT, place="data")
     return drawn.svg()
 
 
@@ -95,26 +95,26 @@ def _phases(axes: Axes, row: int, name: str, performance: Performance, layout: L
         return
     at = {sync.sync: zero + sync.planned for sync in syncs}
     top, foot = layout.down(row, 0.2), layout.down(row, 0.7)
-    axes.bars([(min(at.values()), max(at.values()))], top, foot, Colour.PLANNED, 0.3)
+    axes.bars([(min(at.values()), max(at.values()))], top, foot, ThemeColour.PLANNED, 0.3)
     for first, last in CORES:
         if first in at and last in at:
-            axes.bars([(at[first], at[last])], top, foot, Colour.PLANNED)
+            axes.bars([(at[first], at[last])], top, foot, ThemeColour.PLANNED)
             break
     strokes, high = [sync for sync in syncs if sync.is_stroke], layout.down(row, 0.08)
     axes.verticals(
-        [zero + sync.planned for sync in strokes], Colour.INK, width=1.2, span=(high, layout.down(row, 0.82))
+        [zero + sync.planned for sync in strokes], ThemeColour.INK, width=1.2, span=(high, layout.down(row, 0.82))
     )
     asked = [zero + sync.asked for sync in syncs]
-    axes.level(layout.down(row, 0.86), Colour.ASKED, width=1.8, span=(min(asked), max(asked)))
+    axes.level(layout.down(row, 0.86), ThemeColour.ASKED, width=1.8, span=(min(asked), max(asked)))
     below = (layout.down(row, 0.74), layout.down(row, 0.98))
-    axes.verticals([zero + sync.asked for sync in strokes], Colour.ASKED, width=1.8, span=below)
+    axes.verticals([zero + sync.asked for sync in strokes], ThemeColour.ASKED, width=1.8, span=below)
 
 
 def _words(axes: Axes, row: int, pieces: Iterable[Caption], per_second: float, layout: Layout) -> None:
     """The text between its marks, each piece where it is said."""
     top, foot = layout.down(row, 0.1), layout.down(row, 0.9)
     for said in pieces:
-        axes.bars([(said.begin, said.end)], top, foot, Colour.SPEECH, 0.25)
-        axes.verticals([said.begin], Colour.SPEECH, span=(top, foot))
+        axes.bars([(said.begin, said.end)], top, foot, ThemeColour.SPEECH, 0.25)
+        axes.verticals([said.begin], ThemeColour.SPEECH, span=(top, foot))
         words = fit_text(said.text, (said.end - said.begin) * per_second - 0.06)
         axes.write((said.begin + 0.03 / per_second, layout.down(row, 0.7)), words, place="data")

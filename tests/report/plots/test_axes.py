@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ElementTree
 import numpy as np
 import pytest
 
-from kinesic.report.plots.axes import INCH, WIDTH, Axes, Colour, Figure, nice_ticks
+from kinesic.report.plots.axes import INCH, WIDTH, Axes, Figure, ThemeColour, nice_ticks
 
 
 @pytest.fixture
@@ -30,7 +30,7 @@ def elements(figure: Figure, tag: str) -> list[ElementTree.Element]:
 
 def test_data_come_to_their_places(drawn: tuple[Figure, Axes]):
     figure, axes = drawn
-    axes.line(np.array([0.0, 5.0, 10.0]), np.array([-1.0, 0.0, 1.0]), Colour.PLANNED)
+    axes.line(np.array([0.0, 5.0, 10.0]), np.array([-1.0, 0.0, 1.0]), ThemeColour.PLANNED)
     (line,) = elements(figure, "polyline")
     assert numbers(line.attrib["points"]) == [0.0, INCH, INCH / 2, INCH / 2, INCH, 0.0]
     _, inner = elements(figure, "svg")
@@ -42,7 +42,7 @@ def test_an_axis_may_run_backwards(drawn: tuple[Figure, Axes]):
     figure, axes = drawn
     axes.limit_x(10.0, 0.0)
     axes.limit_y(4.0, 0.0)
-    axes.bars([(1.0, 2.0)], 1.0, 3.0, Colour.SPEECH, 0.5)
+    axes.bars([(1.0, 2.0)], 1.0, 3.0, ThemeColour.SPEECH, 0.5)
     frame, bar = elements(figure, "rect")
     assert "fill:none" in frame.attrib["style"]
     places = [float(bar.attrib[name]) for name in ("x", "y", "width", "height")]
@@ -51,7 +51,7 @@ def test_an_axis_may_run_backwards(drawn: tuple[Figure, Axes]):
 
 def test_without_a_limit_there_is_room_above_what_is_drawn(drawn: tuple[Figure, Axes]):
     _, axes = drawn
-    axes.line(np.array([0.0, 1.0]), np.array([2.0, 8.0]), Colour.PLANNED)
+    axes.line(np.array([0.0, 1.0]), np.array([2.0, 8.0]), ThemeColour.PLANNED)
     axes.limit_y(0.0)
     assert axes.y_limits == (0.0, pytest.approx(8.4))
 
