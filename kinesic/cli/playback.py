@@ -18,7 +18,7 @@ from kinesic.cli.terminal import pressed_keys
 from kinesic.controller.learned_gains import Lesson
 from kinesic.controller.performance import Performance
 from kinesic.controller.play import command_times, pace, play
-from kinesic.controller.servo_performance import Request, ServoRun, interrupted, perform_live
+from kinesic.controller.servo_performance import RunRequest, ServoRun, interrupted, perform_live
 from kinesic.controller.soundtrack import open_speaker, sound, speak_along
 from kinesic.face.display import DisplayError
 from kinesic.face.show.controls import HELP
@@ -147,8 +147,8 @@ def tell_waiting() -> Callable[[Status], None]:
     return tell
 
 
-def _requested(keys: Callable[[], str], folding: Callable[[], bool]) -> Callable[[], Request]:
-    def request() -> Request:
+def _requested(keys: Callable[[], str], folding: Callable[[], bool]) -> Callable[[], RunRequest]:
+    def request() -> RunRequest:
         pressed = keys()
         if " " in pressed:
             return "stop"

@@ -36,7 +36,7 @@ ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 TOO_NEAR = "stopped before contact: the servos' errors leave too little clearance (`kinesic twin fit` finds why)"
 FULL_PACE = 0.999  # scale of time that is all of it
 
-Request = Literal["go on", "stop", "resume", "end"]  # "stop": at once; "resume": consents; "end": fold to rest
+RunRequest = Literal["go on", "stop", "resume", "end"]  # "stop": at once; "resume": consents; "end": fold to rest
 Ending = Literal["performed", "ended", "stopped", "failed"]
 
 
@@ -135,7 +135,7 @@ def perform_live(
     performance: Performance,
     servos: Servos,
     *,
-    requested: Callable[[], Request] = lambda: "go on",
+    requested: Callable[[], RunRequest] = lambda: "go on",
     shown: Callable[[Status], None] = lambda status: None,
 ) -> ServoRun:
     """Lets the servos perform what a twin has performed before; returns when the robot is limp again.
@@ -154,7 +154,7 @@ def perform_live(
     setpoints = leading.lead(plan.trajectory, times)
     history: list[Status] = []
     notes: list[Note] = []
-    requests: list[Request] = []
+    requests: list[RunRequest] = []
     watch = watch_of(plan)
     with ThreadPoolExecutor(1) as pool:
         try:
@@ -214,7 +214,7 @@ def watch_of(plan: Plan) -> ServoWatch:
 
 
 def _heed(
-    servos: Servos, watch: ServoWatch, news: Sequence[Status], requests: list[Request], notes: list[Note]
+    servos: Servos, watch: ServoWatch, news: Sequence[Status], requests: list[RunRequest], notes: list[Note]
 ) -> None:
     """Slows the servos down where their errors leave too little clearance, and stops them before contact."""
     if watch.see(news):
@@ -236,7 +236,7 @@ def _listen(
     return news
 
 
-def _obey(servos: Servos, request: Request, requests: list[Request]) -> None:
+def _obey(servos: Servos, request: RunRequest, requests: list[RunRequest]) -> None:
     if request == "go on":
         return
     if request == "stop":
@@ -251,7 +251,7 @@ def _obey(servos: Servos, request: Request, requests: list[Request]) -> None:
 
 
 def _ending(
-    history: list[Status], notes: list[Note], requests: list[Request], error: BaseException | None
+    history: list[Status], notes: list[Note], requests: list[RunRequest], error: BaseException | None
 ) -> tuple[Ending, str]:
     if error is not None:
         return "failed", str(error)

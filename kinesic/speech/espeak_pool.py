@@ -29,7 +29,7 @@ class SpeechError(RuntimeError):
 
 
 @dataclass(frozen=True)
-class Engine:
+class EspeakPaths:
     """Where espeak-ng is."""
 
     library: Path
@@ -47,13 +47,13 @@ class EngineReply:
 
 
 @lru_cache(maxsize=1)
-def engine() -> Engine | None:
+def engine() -> EspeakPaths | None:
     """Finds the engine that the extra `speech` brings; None when it is not installed."""
     found = importlib.util.find_spec("espeakng_loader")
     if found is None or not found.submodule_search_locations:
         return None
     folder = Path(found.submodule_search_locations[0])
-    return Engine(folder / _SHARED.get(platform.system(), "libespeak-ng.so"), folder)
+    return EspeakPaths(folder / _SHARED.get(platform.system(), "libespeak-ng.so"), folder)
 
 
 @lru_cache(maxsize=1)
@@ -69,7 +69,7 @@ def espeak_fault() -> str:
     return ""
 
 
-def synthesise(text: str, place: Engine, *, voice: str, words_per_minute: int, pitch: int) -> EngineReply:
+def synthesise(text: str, place: EspeakPaths, *, voice: str, words_per_minute: int, pitch: int) -> EngineReply:
     """Synthesises one text.
 
     Args:
@@ -105,7 +105,7 @@ def synthesise(text: str, place: Engine, *, voice: str, words_per_minute: int, p
     return EngineReply(reply["rate"], marks, phonemes, samples)
 
 
-def _started(place: Engine) -> "subprocess.Popen[bytes]":
+def _started(place: EspeakPaths) -> "subprocess.Popen[bytes]":
     """Starts a process that reads the library and waits for its text."""
     return subprocess.Popen(
         [sys.executable, "-I", "-S", str(_PROGRAM), str(place.library), str(place.data)],

@@ -8,7 +8,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.command import Command
 from kinesic.controller.perform import perform
 from kinesic.controller.performance import Performance
-from kinesic.controller.servo_performance import Request, ServoRun, perform_live
+from kinesic.controller.servo_performance import RunRequest, ServoRun, perform_live
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.channel import Note, Status
 from kinesic.hardware.supervisor.state_machine import Stage
@@ -132,7 +132,9 @@ def test_the_log_is_what_was_sent_and_seen(performance: Performance):
         ([], [], "performed"),
     ],
 )
-def test_what_the_keyboard_wants_is_done(performance: Performance, wishes: list[Request], done: list[str], ending: str):
+def test_what_the_keyboard_wants_is_done(
+    performance: Performance, wishes: list[RunRequest], done: list[str], ending: str
+):
     actor, left = Actor(part=0.4 if wishes else 1.0), [*wishes]
     actor.waiting = lambda: bool(left)
     live = perform_live(performance, actor, requested=lambda: left.pop(0) if left else "go on")
@@ -262,7 +264,7 @@ def test_when_nobody_can_listen_any_more_the_robot_folds_at_once(performance: Pe
     actor = Actor(part=0.3)
     actor.waiting = lambda: "release" not in actor.done
 
-    def closed() -> Request:
+    def closed() -> RunRequest:
         raise OSError("the terminal has closed")
 
     with pytest.raises(OSError, match="has closed"):

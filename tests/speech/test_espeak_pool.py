@@ -5,27 +5,27 @@ from pathlib import Path
 import pytest
 
 from kinesic.speech import espeak_pool
-from kinesic.speech.espeak_pool import Engine, SpeechError, synthesise
+from kinesic.speech.espeak_pool import EspeakPaths, SpeechError, synthesise
 
 HELLO = "<speak>Hello, I am <mark name='0'/>here</speak>"
 USUAL = {"voice": "gmw/en-US", "words_per_minute": 175, "pitch": 50}
 
 
 @pytest.fixture
-def place(espeak: object) -> Engine:
+def place(espeak: object) -> EspeakPaths:
     found = espeak_pool.engine()
     assert found is not None
     return found
 
 
-def test_the_same_text_sounds_the_same_each_time(place: Engine):
+def test_the_same_text_sounds_the_same_each_time(place: EspeakPaths):
     first = synthesise(HELLO, place, **USUAL)
     synthesise("<speak>something else</speak>", place, **USUAL)
     assert synthesise(HELLO, place, **USUAL) == first
     assert first.samples
 
 
-def test_a_process_of_its_own_says_it(place: Engine):
+def test_a_process_of_its_own_says_it(place: EspeakPaths):
     """The licence of the library stays outside of our process, and so does what it remembers."""
     maps = Path("/proc/self/maps")
     if not maps.exists():
@@ -38,10 +38,10 @@ def test_a_process_of_its_own_says_it(place: Engine):
     ("change", "why"),
     [
         ({"voice": "xx/nobody"}, "no voice xx/nobody"),
-        ({"place": Engine(Path("/no/library.so"), Path("/"))}, "no/library"),
+        ({"place": EspeakPaths(Path("/no/library.so"), Path("/"))}, "no/library"),
     ],
 )
-def test_what_fails_says_why(place: Engine, change: dict[str, object], why: str):
+def test_what_fails_says_why(place: EspeakPaths, change: dict[str, object], why: str):
     espeak_pool._dismiss()  # the one that waits knows the right library
     with pytest.raises(SpeechError, match=why):
         synthesise(**({"text": HELLO, "place": place} | USUAL | change))
@@ -49,13 +49,13 @@ def test_what_fails_says_why(place: Engine, change: dict[str, object], why: str)
     assert synthesise(HELLO, place, **USUAL).samples
 
 
-def test_an_engine_that_takes_too_long_is_given_up(place: Engine, monkeypatch: pytest.MonkeyPatch):
+def test_an_engine_that_takes_too_long_is_given_up(place: EspeakPaths, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(espeak_pool, "ENGINE_TIMEOUT", 0.0)
     with pytest.raises(SpeechError, match="longer than 0 s"):
         synthesise(HELLO, place, **USUAL)
 
 
-def test_the_program_ends_quietly_when_nobody_asks(place: Engine):
+def test_the_program_ends_quietly_when_nobody_asks(place: EspeakPaths):
     program = Path(espeak_pool.__file__).with_name("espeak_process.py")
     done = subprocess.run(
         [sys.executable, "-I", "-S", program, place.library, place.data], input=b"", capture_output=True, check=False

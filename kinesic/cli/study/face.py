@@ -21,9 +21,9 @@ from kinesic.studies.perception.answers import (
     ALL,
     LABELS,
     MEASURES,
-    Choices,
     ComparedMeans,
     Comparison,
+    FirstChoices,
     People,
     compare_sides,
     first_choices,
@@ -118,7 +118,7 @@ def _p(cell: ComparedMeans) -> str:
     return f"{cell.p:.3f}" if cell.p >= LEAST_P else f"< {LEAST_P:g}"
 
 
-def _choices(choices: Choices) -> Table:
+def _choices(choices: FirstChoices) -> Table:
     table = Table("wrinkles", *LABELS, title="first choice", title_justify="left", box=None)
     for side in ("with", "without"):
         shares = [choices.shares[action, side] for action in LABELS]

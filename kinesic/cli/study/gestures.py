@@ -31,7 +31,7 @@ from kinesic.studies.gesture_perception.answers import read_gesture_answers
 from kinesic.studies.gesture_perception.design import draw_meanings, draw_questions
 from kinesic.studies.gesture_perception.page import write_gesture_page
 from kinesic.studies.gesture_perception.stimuli import (
-    Pair,
+    StimulusPair,
     changed_setup,
     gesture_documents,
     plan_motions,
@@ -67,7 +67,7 @@ def make_gesture_study(
         questions = draw_questions([meaning for meaning in meanings if meaning.gesture in motions], seed)
         stage("planning texts")
         spoken = plan_motions(texts, known, _tell)
-        compared: list[Pair] = []
+        compared: list[StimulusPair] = []
         for k, condition in enumerate(dict.fromkeys(conditions) if pairs or spoken else ()):
             stage(f"planning with {condition}")
             own = plan_pairs(texts, spoken, known, condition, len(spoken))

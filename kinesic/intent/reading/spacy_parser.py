@@ -35,7 +35,7 @@ class Token(Protocol):
         """Words that depend on it."""
 
 
-class Span(Protocol):
+class WordSpan(Protocol):
     """Some words."""
 
     start: int
@@ -46,7 +46,7 @@ class ParsedDocument(Protocol):
     """A parsed text."""
 
     @property
-    def noun_chunks(self) -> Iterable[Span]:
+    def noun_chunks(self) -> Iterable[WordSpan]:
         """Its noun phrases."""
 
     def __iter__(self) -> Iterator[Token]: ...

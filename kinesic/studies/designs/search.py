@@ -19,7 +19,7 @@ SHARE = 3  # of the designs one goes on, with so many times the documents
 FEWEST_DESIGNS = 8  # designs that go on, where there are so many
 AS_IT_IS: Design = ()
 
-Document = tuple[str, bytes]  # name and content
+NamedDocument = tuple[str, bytes]  # name and content
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class SearchResult:
     rounds: tuple[Round, ...]
 
 
-def document_steps(documents: Sequence[Document], *, seed: int = 0) -> list[list[Document]]:
+def document_steps(documents: Sequence[NamedDocument], *, seed: int = 0) -> list[list[NamedDocument]]:
     """Parts documents, in random order, into what each round adds: a third of the next round's, and so on."""
     order = np.random.default_rng(seed).permutation(len(documents))
     ends, count = [len(documents)], len(documents)
@@ -54,7 +54,7 @@ def document_steps(documents: Sequence[Document], *, seed: int = 0) -> list[list
 def search(
     robot: str,
     designs: Sequence[Design],
-    documents: Sequence[Document],
+    documents: Sequence[NamedDocument],
     *,
     engine: Engine,
     style: str = "neutral",
@@ -80,7 +80,7 @@ def search(
         ConfigError: the robot as it is is out, or it kills its process.
     """
 
-    def run(tried: Sequence[Design], some: Sequence[Document], words: str) -> Iterator[Trial]:
+    def run(tried: Sequence[Design], some: Sequence[NamedDocument], words: str) -> Iterator[Trial]:
         tasks = [DesignTask(design, tuple(some), settings) for design in tried]
         results = run_once(
             {task: task.key for task in tasks},

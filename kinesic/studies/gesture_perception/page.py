@@ -10,7 +10,7 @@ from kinesic.report.report import Json
 from kinesic.report.scene import SCENE_SCRIPTS, read_scripts, scene_data
 from kinesic.studies.gesture_perception.answers import COLUMNS
 from kinesic.studies.gesture_perception.design import SEPARATOR, StudyQuestion
-from kinesic.studies.gesture_perception.stimuli import Pair, SampledMotion, motion_data
+from kinesic.studies.gesture_perception.stimuli import SampledMotion, StimulusPair, motion_data
 from kinesic.studies.questionnaire.page import write_questionnaire
 
 HERE = Path(__file__).parent
@@ -24,7 +24,7 @@ def write_gesture_page(
     robot: Robot,
     questions: Sequence[StudyQuestion],
     motions: Mapping[str, SampledMotion],
-    pairs: Sequence[Pair] = (),
+    pairs: Sequence[StimulusPair] = (),
     *,
     post_to: str = "",
 ) -> None:
@@ -88,7 +88,7 @@ def _recognition(question: StudyQuestion, motion: int) -> Json:
     }
 
 
-def _comparison(pair: Pair, motions: Mapping[str, int]) -> Json:
+def _comparison(pair: StimulusPair, motions: Mapping[str, int]) -> Json:
     return {
         "id": f"comparison {pair.condition} {pair.stimulus}",
         "task": "comparison",

@@ -38,7 +38,7 @@ class SampledMotion:
 
 
 @dataclass(frozen=True, eq=False)
-class Pair:
+class StimulusPair:
     """One document in the manner of the study, and with one setting changed."""
 
     stimulus: str  # name of the document; a gesture's is its id
@@ -105,7 +105,7 @@ def plan_pairs(
     count: int,
     *,
     first: int = 0,
-) -> list[Pair]:
+) -> list[StimulusPair]:
     """Plans documents with one setting changed, until there are enough that somebody can tell apart.
 
     Args:
@@ -119,14 +119,14 @@ def plan_pairs(
     Raises:
         ConfigError: there is no such setting.
     """
-    other, pairs, tried = changed_setup(setup, condition), list[Pair](), [*motions.items()]
+    other, pairs, tried = changed_setup(setup, condition), list[StimulusPair](), [*motions.items()]
     start = first % max(len(tried), 1)
     for name, standard in (*tried[start:], *tried[:start]):
         if len(pairs) == count:
             break
         changed = plan_motions({name: documents[name]}, other).get(name)
         if changed is not None and standard.differs(changed):
-            pairs.append(Pair(name, condition, {"standard": standard, "changed": changed}))
+            pairs.append(StimulusPair(name, condition, {"standard": standard, "changed": changed}))
     return pairs
 
 

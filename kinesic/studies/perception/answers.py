@@ -97,7 +97,7 @@ class Comparison:
 
 
 @dataclass(frozen=True)
-class Choices:
+class FirstChoices:
     """How often the true label was the first choice (Table 4.5)."""
 
     shares: Mapping[tuple[str, str], float]  # (action, "with" or "without" wrinkles) -> 0..1; NaN without answers
@@ -135,14 +135,14 @@ def participants(answers: Sequence[Rating]) -> People:
     return People(len(ages), tuple(sorted(age for age in ages.values() if age is not None)))
 
 
-def first_choices(answers: Sequence[Rating]) -> Choices:
+def first_choices(answers: Sequence[Rating]) -> FirstChoices:
     """Counts the share of answers in which the true label got more than every other, with and without wrinkles."""
     groups = {
         (action, side): [a.first_choice for a in answers if a.action == action and a.conditions["wrinkles"] == side]
         for action in LABELS
         for side in ("with", "without")
     }
-    return Choices(
+    return FirstChoices(
         {key: fmean(group) if group else float("nan") for key, group in groups.items()},
         {key: len(group) for key, group in groups.items()},
     )

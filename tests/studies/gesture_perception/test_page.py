@@ -14,7 +14,7 @@ from kinesic.studies.gesture_perception.analysis import analyse_recognition
 from kinesic.studies.gesture_perception.answers import COLUMNS, read_gesture_answers
 from kinesic.studies.gesture_perception.design import Meaning, draw_questions
 from kinesic.studies.gesture_perception.page import COMPARISONS, RECOGNITIONS, write_gesture_page
-from kinesic.studies.gesture_perception.stimuli import Pair, SampledMotion
+from kinesic.studies.gesture_perception.stimuli import SampledMotion, StimulusPair
 
 from ...chromium import Page, binary, opened
 
@@ -40,7 +40,7 @@ def study(tmp_path_factory: pytest.TempPathFactory, robot: Robot) -> Path:
         for k, name in enumerate(names)
     }
     pairs = [
-        Pair(name, condition, {"standard": motions[name], "changed": SampledMotion(np.zeros((15, hinges)))})
+        StimulusPair(name, condition, {"standard": motions[name], "changed": SampledMotion(np.zeros((15, hinges)))})
         for condition in CONDITIONS
         for name in names[:8]
     ]
