@@ -244,7 +244,7 @@ def join_keys(times: Floats, keys: Keys, *, zero: float = 0.0) -> DesiredMotion:
 
 @dataclass(frozen=True)
 class _Ways:
-    """All that the curve of hinges with the same keys depends on, to remember it by."""
+    """Everything on which the curve of hinges with the same keys depends: the key under which it is remembered."""
 
     told: tuple[bytes, ...]  # (k,) times, (k, h) angles, (6, k, h) manner and (h,) hinges
     limits: Limits  # of all hinges
@@ -258,7 +258,7 @@ class _Ways:
 
 
 def _curve(ways: _Ways) -> QuinticSpline:
-    """Joins hinges, or remembers them: while a course changes, and is conditioned, most of them stay as they are."""
+    """Returns the curve through the keys of some hinges; short ones are remembered, as most stay when others change."""
     _, _, rows, hinges = ways.asked
     return _remember(ways) if len(rows) * len(hinges) <= MOST_CURVE_KEYS else _draw(ways)
 

@@ -15,7 +15,7 @@ from kinesic.sim.stepping.step_log import StepLog
 
 
 class Recorder:
-    """What was measured of a motion so far: its steps are looked at once, and what they leave is a row a command."""
+    """Measures a motion window by window: it reads the steps of each once, and keeps one row for each command."""
 
     def __init__(
         self, robot: Robot, distances: CapsuleDistances, places: HingePlaces, *, commands: int, latency: float

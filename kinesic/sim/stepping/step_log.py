@@ -11,7 +11,7 @@ from kinesic.body.arrays import Floats, Indices
 
 @dataclass(frozen=True, eq=False)
 class StepRecord:
-    """What a compiled loop did since its last record, or in all: m commands and s steps."""
+    """The m commands that a compiled loop sent since its last record, or in all, and the s steps that it made."""
 
     times: Floats  # (m,) [s] of the commands
     sent: Floats  # (m, n) [rad] goals of each command
@@ -25,7 +25,7 @@ class StepRecord:
 
 @dataclass(frozen=True, eq=False)
 class KeptSteps:
-    """What a log holds: s steps, and m commands."""
+    """The s steps and m commands that a log holds."""
 
     angles: Floats  # (s, q) [rad] of the joints after each step, as MuJoCo has them
     speeds: Floats  # (s, q) [rad/s] likewise
