@@ -34,7 +34,7 @@ HOLDING_RATE = 20  # [Hz] at which the torque of standing still is judged: gravi
 
 @dataclass(frozen=True, eq=False)
 class Reference:
-    """The motion of a plan at the times of its commands, computed once for all twins."""
+    """The planned motion at the times of its commands, which every twin that performs the plan is compared with."""
 
     plan: Plan
     times: Floats  # (m,) [s] of the commands
@@ -47,7 +47,7 @@ class Reference:
 
     @property
     def speeds(self) -> Floats:
-        """(m, n) [rad/s]; of a long motion looked up anew each time."""
+        """(m, n) [rad/s]; of a motion longer than a window they are computed anew each time."""
         return self._sample(1)
 
     @property
@@ -83,7 +83,7 @@ class Reference:
         return dict(zip(SIDES, (seal_own(each) for each in hands), strict=True))
 
     def _windows(self) -> Iterator[slice]:
-        """Yields commands that are looked at together, so that no more is held of what is made for a look."""
+        """Yields the rows of one window of commands after another; a window bounds what is held at a time."""
         return (slice(begin, begin + WINDOW) for begin in range(0, len(self.times), WINDOW))
 
     @cached_property
