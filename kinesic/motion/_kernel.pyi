@@ -24,12 +24,12 @@ def relax(
     lower: Floats,
     upper: Floats,
     easy: float,
-    enough: float,
+    target: float,
 ) -> tuple[Floats, float, Floats, Floats] | None: ...
 
 # -- key times (key_time_simplex.h): r rows over m keys
 
-def move_keys(shares: Floats, broken: Floats, late: Floats, early: Floats, most: Floats) -> Floats | None: ...
+def move_keys(shares: Floats, broken: Floats, late: Floats, early: Floats, penalties: Floats) -> Floats | None: ...
 
 # -- motions of n hinges through m keys, over k pieces (free_motion.h); a rest is a knot, the own key before, an angle
 

@@ -23,7 +23,7 @@ from kinesic.motion.keys import Bond, KeyPosture, Keys, Pair
 from kinesic.motion.plane_memory import PlaneMemory
 from kinesic.motion.segments import SplineSegment, pieces
 from kinesic.motion.spline_program import can_pass, find_free_motion, nearest_within_limits
-from kinesic.motion.trajectory import BLOCK, STEP, Trajectory
+from kinesic.motion.trajectory import SAMPLES_PER_WINDOW, STEP, Trajectory
 
 LEAD_IN = 0.6  # [s] by which the motion may begin before it is asked to
 
@@ -103,8 +103,8 @@ def condition(
 def _distance(motion: Trajectory, desired: Floats) -> Floats:
     """(n,) [rad] root mean square distance from a desired motion (k + 1, n) [rad] at the knots."""
     knots, sums = grid(len(desired) - 1, STEP).knots, np.zeros((1, desired.shape[1]))
-    for begin in range(0, len(desired), BLOCK):
-        rows = slice(begin, begin + BLOCK)
+    for begin in range(0, len(desired), SAMPLES_PER_WINDOW):
+        rows = slice(begin, begin + SAMPLES_PER_WINDOW)
         away = motion.sample(knots[rows])[0] - desired[rows]
         sums = np.concatenate([sums, away**2]).sum(axis=0, keepdims=True)  # row by row, as if it were one block
     return sealed(np.sqrt(sums[0] / len(desired)))

@@ -62,19 +62,19 @@ def guess_share(segment: SplineSegment, limits: Limits) -> float:
     return segment.grid.largest(smoothest(segment), limits, segment.hinge)
 
 
-def measure_shortage(segment: SplineSegment, limits: Limits, *, enough: float | None = None) -> Infeasibility | None:
+def measure_shortage(segment: SplineSegment, limits: Limits, *, target: float | None = None) -> Infeasibility | None:
     """Measures how much time a segment lacks; None when the program cannot be solved.
 
     Args:
         segment: whose keys are to be passed.
         limits: of all hinges.
-        enough: amount below which a bound on it does; None: it is asked for exactly.
+        target: amount below which a bound on it does; None: it is asked for exactly.
     """
-    found = _least(segment, limits, enough)
+    found = _least(segment, limits, target)
     if found is None:
         return None
     if found.bound:
-        amount = found.amount if enough is None else min(found.amount, enough)  # its logarithm may be an ulp more
+        amount = found.amount if target is None else min(found.amount, target)  # its logarithm may be an ulp more
         return Infeasibility(amount, np.zeros(len(segment.marks)), (None,) * len(found.binding), found.controls)
     slopes, programs = _slopes(segment, found), 1
     if found.amount > SPARE and (abs(slopes.sum()) > UNEVEN * np.abs(slopes).sum() or np.abs(slopes).max() < FLAT):
@@ -130,9 +130,9 @@ class _Least:
     bound: bool  # the amount is no more than that, which did
 
 
-def _least(segment: SplineSegment, limits: Limits, enough: float | None = None) -> _Least | None:
-    least = -np.inf if enough is None else float(np.expm1(2 * enough) / 2)
-    grid, found = segment.grid, relax_limits(segment, limits, easy=EASY, enough=least)
+def _least(segment: SplineSegment, limits: Limits, target: float | None = None) -> _Least | None:
+    lowest = -np.inf if target is None else float(np.expm1(2 * target) / 2)
+    grid, found = segment.grid, relax_limits(segment, limits, easy=EASY, target=lowest)
     if found is None:
         return None
     free = grid.free_rows
@@ -142,7 +142,7 @@ def _least(segment: SplineSegment, limits: Limits, enough: float | None = None) 
         float(np.log1p(2 * found.amount) / 2),
         found.ties / (1 + 2 * found.amount),
         _binding(gaps, free.kinds, found.pulls * free.powers, len(segment.places) + 1),
-        found.amount <= least,
+        found.amount <= lowest,
     )
 
 
@@ -178,5 +178,5 @@ def _binding(gaps: np.ndarray, kinds: np.ndarray, pulls: Floats, count: int) -> 
     """(m + 1,) the limit with the largest sum of multipliers in each gap."""
     sums = np.zeros((4, count))
     np.add.at(sums, (kinds, gaps), pulls)
-    enough = sums.max(axis=0) >= NOTABLE * sums.sum()
-    return tuple(QUANTITIES[k] if binds else None for k, binds in zip(sums.argmax(axis=0), enough, strict=True))
+    notable = sums.max(axis=0) >= NOTABLE * sums.sum()
+    return tuple(QUANTITIES[k] if binds else None for k, binds in zip(sums.argmax(axis=0), notable, strict=True))

@@ -123,7 +123,7 @@ def _find_in_python(times: Floats, keys: Keys, limits: Limits, desired: Floats) 
 
 def can_pass(segment: SplineSegment, desired: Floats, limits: Limits) -> bool:
     """Tells whether `nearest_within_limits` would find a motion, in a third of its time."""
-    found = relax_limits(segment, limits, desired=desired, easy=EASIER, enough=NO_MORE)
+    found = relax_limits(segment, limits, desired=desired, easy=EASIER, target=NO_MORE)
     return found is not None and found.amount <= NO_MORE
 
 
@@ -132,7 +132,7 @@ def relax_limits(
     limits: Limits,
     *,
     easy: float,
-    enough: float = -np.inf,
+    target: float = -np.inf,
     desired: Floats | None = None,
 ) -> Relaxation | None:
     """Finds the least relaxation of a segment's limits with which it can be passed.
@@ -141,7 +141,7 @@ def relax_limits(
         segment: of k pieces.
         limits: of all hinges.
         easy: relaxation, mostly below 0, that need not be lower.
-        enough: relaxation at which the search may end, with multipliers that tell nothing.
+        target: relaxation at which the search may end, with multipliers that tell nothing.
         desired: (k + 1,) [rad] at its knots, a motion near to which the hinge may swing.
 
     Returns:
@@ -152,7 +152,7 @@ def relax_limits(
         found = piqp.relax_limits(segment, limits, corridor, easy)
     else:
         stencils = segment.grid.stencils(limits, segment.hinge)
-        found = _kernel.relax(fixed.first, fixed.shares, fixed.values, stencils, *corridor, easy, enough)
+        found = _kernel.relax(fixed.first, fixed.shares, fixed.values, stencils, *corridor, easy, target)
     return None if found is None else Relaxation(*found)
 
 

@@ -22,7 +22,7 @@ STEP = 0.01  # [s] between knots
 EARLY = 1e-6  # steps by which a knot may be missed
 SCALES = sealed([STEP**order for order in range(3)])  # of a derivative
 FEWEST = 4  # control points of a motion: one piece
-BLOCK = 4096  # times that are sampled together where not all that is sampled is kept
+SAMPLES_PER_WINDOW = 4096  # times that are sampled together where not all that is sampled is kept
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +75,7 @@ class Trajectory:
     def angles(self, times: Floats) -> Floats:
         """(m, n) at (m,) times: the first part of `sample` alone."""
         found = np.empty((len(times), self.controls.shape[1]))
-        for rows in (slice(begin, begin + BLOCK) for begin in range(0, len(times), BLOCK)):
+        for rows in (slice(begin, begin + SAMPLES_PER_WINDOW) for begin in range(0, len(times), SAMPLES_PER_WINDOW)):
             found[rows] = self.sample(times[rows])[0]
         return found
 

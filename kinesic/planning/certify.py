@@ -20,7 +20,7 @@ FULL = 0.995  # of the duty, at the knots: in between it may be a little more
 EASE = 0.5  # of the duty, from which no jerk leads to a full one and back to it within two knots
 TIGHTER = 0.93  # on the row of a drive above its full duty, beside what it exceeds
 ATTEMPTS = 6
-BLOCK = 4096  # knots that are looked at together, however long the motion is
+KNOTS_PER_WINDOW = 4096  # knots that are looked at together, however long the motion is
 SAME = 1e-5  # [rad, rad/s, rad/s^2] knots that differ by less ask for the same torque
 
 
@@ -65,8 +65,11 @@ def certify(
 def duties(trajectory: Trajectory, setup: Setup) -> Floats:
     """Computes (n,) the largest duty of each drive at the knots of a motion; standing still counts once."""
     times = trajectory.start + np.arange(0.0, trajectory.duration, STEP)
-    blocks = (_duties_at(trajectory, times[k : k + BLOCK], setup)[0] for k in range(0, len(times), BLOCK))
-    return np.asarray(np.max([duty.max(axis=0) for duty in blocks], axis=0))
+    windows = (
+        _duties_at(trajectory, times[k : k + KNOTS_PER_WINDOW], setup)[0]
+        for k in range(0, len(times), KNOTS_PER_WINDOW)
+    )
+    return np.asarray(np.max([duty.max(axis=0) for duty in windows], axis=0))
 
 
 def overloaded_times(motion: Trajectory, changed: Trajectory, times: Floats, setup: Setup) -> Floats:

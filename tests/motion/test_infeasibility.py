@@ -67,14 +67,14 @@ def test_time_to_spare_is_not_counted_beyond_need():
     assert measure_shortage(way(300, 150.0), LIMITS).amount == pytest.approx(np.log1p(2 * EASY) / 2)
 
 
-@pytest.mark.parametrize("enough", [-0.05, -0.0005, 0.05])
-def test_a_search_that_ends_with_enough_tells_as_much_as_one_that_goes_on(enough):
+@pytest.mark.parametrize("target", [-0.05, -0.0005, 0.05])
+def test_a_search_that_ends_with_enough_tells_as_much_as_one_that_goes_on(target):
     ended = 0
     for pieces in range(30, 90, 3):
         found = measure_shortage(way(pieces, pieces / 2), LIMITS)
-        sooner = measure_shortage(way(pieces, pieces / 2), LIMITS, enough=enough)
-        assert (sooner.amount <= enough) == (found.amount <= enough)
-        if sooner.amount > enough:
+        sooner = measure_shortage(way(pieces, pieces / 2), LIMITS, target=target)
+        assert (sooner.amount <= target) == (found.amount <= target)
+        if sooner.amount > target:
             assert sooner.amount == found.amount
             np.testing.assert_array_equal(sooner.slopes, found.slopes)
         ended += sooner.amount > found.amount

@@ -72,7 +72,7 @@ def test_a_time_that_is_none_has_no_state():
 
 
 def test_angles_alone_are_those_of_a_sample(monkeypatch):
-    monkeypatch.setattr(trajectory, "BLOCK", 8)
+    monkeypatch.setattr(trajectory, "SAMPLES_PER_WINDOW", 8)
     times = np.linspace(-0.05, 0.35, 53)
     assert np.array_equal(MOTION.angles(times), MOTION.sample(times)[0])
 

@@ -11,7 +11,7 @@ from kinesic.motion.condition import Conditioned, condition
 from kinesic.motion.keys import Bond, KeyPosture
 from kinesic.motion.trajectory import STEP, Trajectory, stay
 from kinesic.planning import certify as certify_module
-from kinesic.planning.certify import ATTEMPTS, BLOCK, FULL, TIGHTER, certify, duties, overloaded_times
+from kinesic.planning.certify import ATTEMPTS, FULL, KNOTS_PER_WINDOW, TIGHTER, certify, duties, overloaded_times
 from kinesic.planning.setup import Setup
 
 Law = Callable[[Floats, Floats, Floats], Floats]  # (m, n) angles, speeds, accelerations -> (m, n) torques
@@ -191,7 +191,7 @@ def test_standing_still_counts_once(known: Setup):
 
 
 def test_a_long_motion_is_looked_at_to_its_end(known: Setup):
-    heights = np.zeros((2 * BLOCK, len(known.limits.lower)))
+    heights = np.zeros((2 * KNOTS_PER_WINDOW, len(known.limits.lower)))
     heights[-5] = 0.1
     setup = under(known, lambda angles, speeds, accelerations: angles * known.robot.drives.stall)
     assert duties(Trajectory(sealed(heights), 0.0), setup).max() > 0.06

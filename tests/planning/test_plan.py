@@ -135,9 +135,9 @@ def measured(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     pieces: list[int] = []
     measure = key_times.measure_shortage
 
-    def count(segment: SplineSegment, limits: Limits, *, enough: float | None = None) -> Infeasibility | None:
+    def count(segment: SplineSegment, limits: Limits, *, target: float | None = None) -> Infeasibility | None:
         pieces.append(segment.grid.pieces)
-        return measure(segment, limits, enough=enough)
+        return measure(segment, limits, target=target)
 
     monkeypatch.setattr(key_times, "measure_shortage", count)
     return pieces

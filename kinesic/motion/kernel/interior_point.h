@@ -18,7 +18,7 @@ constexpr int MOST = 60;  // iterations; feasible programs take 10 to 25
 constexpr double CLOSE = 1e-8;  // [rad], shares of limits: by which a solution may miss them
 constexpr double ROUNDED = 1e-7;  // by which multipliers may be out of balance, which rounding increases towards the end
 constexpr double SMALL = 1e-10;  // mean product t z at a solution
-constexpr double ENOUGH = 1e-7;  // the same where it gets no smaller
+constexpr double ACCEPTED = 1e-7;  // the same where it gets no smaller
 constexpr double LEAST = 1e-15;  // the same where it tells no more
 constexpr double SMALL_RELAXING = 1e-9;  // the same for a relaxation, known to so much times the inequalities
 constexpr double ACTIVE_RATIO = 1e-5;  // multiplier to slack of a limit that is met
@@ -53,10 +53,10 @@ class InteriorPoint {
         double mean = mean_product({0.0, 0.0});
         for (int k = 0; k < MOST; ++k) {
             residuals.measure(at, s, t, z);
-            if (p.relaxing && residuals.primal <= CLOSE && s <= p.enough) return true;
+            if (p.relaxing && residuals.primal <= CLOSE && s <= p.target) return true;
             if (residuals.primal <= CLOSE && residuals.dual <= ROUNDED * (1.0 + residuals.largest_tie_multiplier)) {
                 if (p.relaxing ? mean <= SMALL_RELAXING : mean <= SMALL && polish()) return true;
-                if (mean <= ENOUGH) best = {at, z, s};
+                if (mean <= ACCEPTED) best = {at, z, s};
             }
             if (mean <= LEAST || residuals.impossible) break;
             weigh();

@@ -98,12 +98,12 @@ nb::object nearest(const Places& first, const Numbers& shares, const Numbers& va
 
 // The least relaxation of all limits: control points, relaxation, multipliers of what is fixed and of rows of limits.
 nb::object relax(const Places& first, const Numbers& shares, const Numbers& values, const Numbers& stencils,
-                 const Numbers& lower, const Numbers& upper, double easy, double enough) {
+                 const Numbers& lower, const Numbers& upper, double easy, double target) {
     SplineProgram program;
     program.size = int(lower.size());
     program.relaxing = true;
     program.easy = easy;
-    program.enough = enough;
+    program.target = target;
     fix(program, first, shares, values);
     limit(program, stencils, lower, upper);
     InteriorPoint method(program);
@@ -115,11 +115,11 @@ nb::object relax(const Places& first, const Numbers& shares, const Numbers& valu
 
 // By how much key times (m,) are moved; None where the method finds nothing.
 nb::object move_keys(const Numbers& shares, const Numbers& broken, const Numbers& late, const Numbers& early,
-                     const Numbers& most) {
-    require(early.size() == late.size() && most.size() == broken.size() && shares.ndim() == 2);
+                     const Numbers& penalties) {
+    require(early.size() == late.size() && penalties.size() == broken.size() && shares.ndim() == 2);
     require(shares.shape(0) == broken.size() && shares.shape(1) == late.size());
     KeyTimeSimplex method(int(late.size()), int(broken.size()), shares.data(), broken.data(), late.data(), early.data(),
-                          most.data());
+                          penalties.data());
     return method.solve() ? array(method.moves()) : nb::none();
 }
 

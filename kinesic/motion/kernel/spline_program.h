@@ -35,7 +35,7 @@ struct SplineProgram {
     int size = 0;  // n control points
     bool relaxing = false;
     double easy = 0.0;
-    double enough = -HUGE_VAL;  // s at which the search may end
+    double target = -HUGE_VAL;  // s at which the search may end
     double stencils[KINDS][4] = {};
     std::vector<double> form;  // (3, n) H beside the diagonal: two, one, none; empty where relaxing
     std::vector<double> pull, lower, upper;  // (n,)

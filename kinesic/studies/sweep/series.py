@@ -25,7 +25,7 @@ STROKE = 6.0  # [s] block time at which the stroke is asked for: time for the sl
 COUNT = 5  # values over a range, ends included
 LATE = 0.010  # [s] from the asked time, beyond which a stroke is late
 ID = "swept"
-BLOCK = (
+ONE_GESTURE = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="sweep">'
     '<gesture id="{id}" lexeme="{lexeme}" stroke="{stroke}"/></bml>'
 )
@@ -264,7 +264,7 @@ def _check(gesture: str, setup: Setup) -> None:
 
 def _played(gesture: str, setup: Setup, where: str, value: float) -> Played:
     """Performs a gesture in the twin and measures it; `where` is for the message when it cannot be performed."""
-    performance = perform(BLOCK.format(id=ID, lexeme=gesture, stroke=STROKE), setup, source=gesture)
+    performance = perform(ONE_GESTURE.format(id=ID, lexeme=gesture, stroke=STROKE), setup, source=gesture)
     outcome = performance.plan.keyframes.outcomes[ID]
     if outcome.kind == "dropped":
         raise ConfigError(f"{gesture} cannot be performed at {where}: {outcome.why}")
