@@ -113,6 +113,7 @@ class _Rig:
     eyeballs: tuple[NDArray[np.intp], NDArray[np.intp]]  # vertices of the left and of the right
     lids: tuple[Lids, Lids]
     lips: Lips
+    rest: Floats  # (v, 3) [m] of a face that shows nothing: lips touch
 
 
 def intensities(units: Mapping[str, float]) -> Floats:
@@ -167,7 +168,7 @@ def deform(mesh: Mesh, units: Mapping[str, float]) -> Floats:
     """
     rig, told = _rig(mesh), intensities(units)
     if not told.any():
-        return mesh.positions.copy()
+        return rig.rest.copy()
     weights = _weights(rig, told)
     shut = [rig.shape[f"{BLINK}{side}"] for side in SIDES.values()]
     closing = weights[shut]
@@ -229,4 +230,6 @@ def _rig(mesh: Mesh) -> _Rig:
     is_left = mesh.positions[eyes, 1] > 0.0
     shape = {name: place for place, name in enumerate(mesh.shapes)}
     closing = (lids(mesh, "Left", 0), lids(mesh, "Right", 1))
-    return _Rig(shape_mixing(mesh.shapes), shape, (eyes[is_left], eyes[~is_left]), closing, lips(mesh))
+    parting, rest = lips(mesh), mesh.positions.copy()
+    parting.part(rest, 0.0)
+    return _Rig(shape_mixing(mesh.shapes), shape, (eyes[is_left], eyes[~is_left]), closing, parting, sealed(rest))

@@ -2,7 +2,8 @@
 
 Shapes move either lip without regard to the other: a smile lifts the lower one into the upper. Here the lowest point of
 the upper lip is compared with the highest of the lower one in columns from side to side. Where they overlap, both give
-way, the softer lower one more; what must be shut is drawn together likewise.
+way, the softer lower one more; what must be shut is drawn together likewise. In a column, points outside it count too,
+as being further from the other lip by as much as they are aside, so that none moves the lips by a step as it goes over.
 """
 
 from dataclasses import dataclass
@@ -20,29 +21,22 @@ ASIDE, FORWARD, AROUND = 0.40, 0.28, 0.42  # distances between the eyes: the cor
 NEAR = 0.22  # distances between the eyes from there, within which an edge of a lip is looked for
 MIDDLE = 0.2  # distances between the eyes from the middle, within which the lower lip's edge says how high the mouth is
 COLUMNS = 25
+STEEP = 6.0  # times its way to a column that a point outside it is taken to be further from the other lip
 SOFTER = 0.75  # share of what both give way that is the lower lip's
 TOUCHING = 0.0004  # [m] that closed lips overlap, so that no slit is left between them
 STICKY = 0.001  # [m] of a gap, over which lips hold on to each other ever less
 CORNERS = 0.002  # [m] and at the corners of the mouth, where a column is wider than what it must close
-SAMPLES = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [4, 1, 1], [1, 4, 1], [1, 1, 4], [1, 1, 0], [0, 1, 1], [1, 0, 1]])
-
-
-@dataclass(frozen=True, eq=False)
-class Lip:
-    """One lip."""
-
-    skin: NDArray[np.intp]  # (k,) that gives way
-    gives: Floats  # (k,) 0..1 how much of what the edge does
-    places: "scipy.sparse.csr_array"  # (n, v) points on its surface among the vertices
-    outward: float  # 1 where it grows upward from the other, -1 downward
 
 
 @dataclass(frozen=True, eq=False)
 class Lips:
     """Both lips, in columns from right to left."""
 
-    upper: Lip
-    lower: Lip
+    skin: NDArray[np.intp]  # (k,) that gives way
+    gives: Floats  # (k,) -1..1 how far it goes up when an overlap of 1 is parted
+    points: "scipy.sparse.csr_array"  # (n, v) points on the surface of the upper lip, then of the lower one
+    starts: NDArray[np.intp]  # (2,) first point of each
+    outward: Floats  # (n,) 1 on the upper lip, -1 on the lower one
     middles: Floats  # (c,) [m] to the left
     touching: Floats  # (c,) [m] that they overlap when they are closed
 
@@ -57,13 +51,33 @@ class Lips:
         opened = np.maximum(gap, 0.0)
         stuck = opened * np.exp(-opened / STICKY)
         change = -np.where(gap < 0.0, gap, seal * gap + (1.0 - seal) * stuck)
-        for lip, share in ((self.upper, 1.0 - SOFTER), (self.lower, SOFTER)):
-            amount = share * np.interp(positions[lip.skin, 1], self.middles, change, left=0.0, right=0.0)
-            positions[lip.skin, 2] += lip.outward * lip.gives * amount
+        positions[self.skin, 2] += self.gives * np.interp(positions[self.skin, 1], self.middles, change)
 
     def overlap(self, positions: Floats) -> Floats:
         """(c,) [m] how far the lower lip reaches over the end of the upper one; below 0 where they are apart."""
-        return _edge(self.lower, positions, self.middles) - _edge(self.upper, positions, self.middles)
+        aside, away = self.points @ positions[:, 1], self.outward * (self.points @ positions[:, 2])
+        return -np.asarray(self._ends(aside, away).sum(axis=0))
+
+    def _ends(self, aside: Floats, away: Floats) -> Floats:
+        """(2, c) [m] how far the end of each lip is away from the other.
+
+        Args:
+            aside: (n,) [m] to the left, of points.
+            away: (n,) [m] that they are away.
+        """
+        wide, count = self.middles[1] - self.middles[0], len(self.middles) + 2  # with what is outside, at either end
+        right, left = self.middles - 0.5 * wide, self.middles + 0.5 * wide
+        column = np.clip(((aside - right[0]) / wide + 1.0).astype(np.intp), 0, count - 1)
+        column[self.starts[1] :] += count
+        further = STEEP * aside
+        found = np.full((3, 2 * count), np.inf)
+        for least, each in zip(found, (away, away - further, away + further), strict=True):
+            np.minimum.at(least, column, each)
+        within, before, behind = found.reshape(3, 2, count)
+        first, last = (each.reduceat(further, self.starts)[:, None] for each in (np.minimum, np.maximum))
+        before = np.minimum.accumulate(before, axis=1)[:, :-2] + np.clip(STEEP * right, first, last)
+        behind = np.minimum.accumulate(behind[:, ::-1], axis=1)[:, -3::-1] - np.clip(STEEP * left, first, last)
+        return np.asarray(np.minimum(within[:, 1:-1], np.minimum(before, behind)))
 
 
 def lips(mesh: Mesh) -> Lips:
@@ -74,19 +88,19 @@ def lips(mesh: Mesh) -> Lips:
     skin = (mesh.parts == 0) & (forward > FORWARD) & (np.abs(left) < ASIDE)
     away = np.abs(up - up[skin & below & (np.abs(left) < MIDDLE)].max())
     skin &= away < AROUND
-    gives = np.clip(1.25 * (1.0 - away / AROUND), 0.0, 1.0) ** 2
+    gives = np.clip(1.25 * (1.0 - away / AROUND), 0.0, 1.0) ** 2 * np.where(below, -SOFTER, 1.0 - SOFTER)
     middles = np.linspace(-ASIDE, ASIDE, COLUMNS) * unit
-    upper, lower = (
-        Lip(
-            skin=np.flatnonzero(each),
-            gives=gives[each],
-            places=_points(mesh, each & (away < NEAR)),
-            outward=outward,
-        )
-        for each, outward in ((skin & ~below, 1.0), (skin & below, -1.0))
-    )
     aside = np.clip((np.abs(middles) / middles[-1] - 0.7) / 0.15, 0.0, 1.0)
-    return Lips(upper, lower, middles, TOUCHING + (CORNERS - TOUCHING) * aside)
+    upper, lower = (_points(mesh, skin & each & (away < NEAR)) for each in (~below, below))
+    return Lips(
+        skin=np.flatnonzero(skin),
+        gives=gives[skin],
+        points=scipy.sparse.vstack([upper, lower], format="csr"),
+        starts=np.array([0, upper.shape[0]]),
+        outward=np.repeat([1.0, -1.0], [upper.shape[0], lower.shape[0]]),
+        middles=middles,
+        touching=TOUCHING + (CORNERS - TOUCHING) * aside,
+    )
 
 
 def falls(mesh: Mesh) -> Floats:
@@ -96,23 +110,16 @@ def falls(mesh: Mesh) -> Floats:
 
 
 def _points(mesh: Mesh, lip: NDArray[np.bool_]) -> "scipy.sparse.csr_array":
-    """(n, v) places of points all over a lip."""
-    triangles = mesh.triangles[lip[mesh.triangles].all(axis=1)]
-    shares = SAMPLES / SAMPLES.sum(axis=1, keepdims=True)
-    count = len(triangles) * len(shares)
-    rows = np.repeat(np.arange(count), 3)
-    columns = np.repeat(triangles[:, None], len(shares), axis=1).ravel()
-    values = np.tile(shares.ravel(), len(triangles))
-    return scipy.sparse.csr_array((values, (rows, columns)), shape=(count, len(mesh.positions)))
-
-
-def _edge(lip: Lip, positions: Floats, middles: Floats) -> Floats:
-    """(c,) [m] height of the end of a lip that is nearer to the other, in each column."""
-    points = lip.places @ positions
-    wide = middles[1] - middles[0]
-    column = np.clip(np.rint((points[:, 1] - middles[0]) / wide).astype(np.intp), 0, len(middles) - 1)
-    found = np.full(len(middles), np.inf)
-    np.minimum.at(found, column, lip.outward * points[:, 2])
-    found = lip.outward * found
-    known = np.isfinite(found)
-    return np.asarray(np.interp(middles, middles[known], found[known]))
+    """(n, v) places of points all over a lip: corners and middles of edges, and three within each triangle."""
+    triangles = mesh.triangles[lip[mesh.triangles].all(axis=1)].astype(np.intp)
+    ends = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)) @ (len(lip), 1)
+    edges = np.stack(np.divmod(np.unique(ends), len(lip)), axis=1)
+    corners = np.unique(triangles)[:, None]
+    within = (np.roll(triangles, turn, axis=1) for turn in range(3))
+    places = (np.repeat(corners, 3, axis=1), edges[:, [0, 1, 1]], *within)
+    shares = ((1.0, 0.0, 0.0), (0.5, 0.5, 0.0), *3 * ((4 / 6, 1 / 6, 1 / 6),))
+    values = np.repeat(shares, [len(each) for each in places], axis=0).ravel()
+    count = len(values) // 3
+    return scipy.sparse.csr_array(
+        (values, np.concatenate(places).ravel(), np.arange(0, 3 * count + 1, 3)), shape=(count, len(lip))
+    )

@@ -35,6 +35,13 @@ def test_lips_at_rest_just_touch(mesh: Mesh, mouth: Lips):
     assert found.max() < 2.5
 
 
+@pytest.mark.parametrize("subdivided", [False, True])
+def test_who_is_told_next_to_nothing_looks_as_at_rest(mesh: Mesh, subdivided: bool):
+    head = mesh.subdivided() if subdivided else mesh
+    moved = np.linalg.norm(deform(head, {"12": 1e-6}) - deform(head, {}), axis=1)
+    assert moved.max() < 1e-6
+
+
 @pytest.mark.parametrize("jaw", [0.0, 0.4, 1.0])
 def test_pressed_lips_touch_and_do_not_pass_through_each_other(mesh: Mesh, mouth: Lips, jaw: float):
     found = overlap(mouth, deform(mesh, {"24": 1.0, "25": 1.0, "26": jaw}))
