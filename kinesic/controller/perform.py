@@ -211,7 +211,7 @@ def dry_runs(
     times = command_times(planned.duration)
     leading = FeedForward.of(robot, known.dynamics, believed, delay=delay, terms=feedforward)
     delay = float(leading.delay)
-    observers = partial(make_observer, known, believed, delay) if correction else None
+    observers = partial(_copy_observer, known, believed, delay) if correction else None
     lead, start = partial(leading.lead, trajectory), trajectory.at(0.0).angles
     duties = np.empty((len(times), len(start)))
 
@@ -264,3 +264,8 @@ def make_observer(known: Setup, believed: Factors, delay: float, bodies: int) ->
     design = partial(Observer.of, soften(known.robot, believed), known.dynamics, period=1 / RATE, delay=delay)
     part = calm_part(design(), believed.applied(known.robot), known.dynamics, delay)
     return replace(design(bodies=bodies), restoring=part)
+
+
+def _copy_observer(known: Setup, believed: Factors, delay: float, bodies: int) -> Observer:
+    """Copies what `make_observer` has made, with memory of its own: so threads may perform at once."""
+    return replace(make_observer(known, believed, delay, bodies))
