@@ -71,7 +71,7 @@ def friction_parts(model: mujoco.MjModel, data: mujoco.MjData, longest: float) -
     if not all((*before, *after)) or not _is_as_expected(model, longest) or not stages_make_a_step():
         return None
     mujoco.mj_fwdPosition(model, data)
-    if not data.nefc == data.nf == model.nv:
+    if not data.nefc == data.nf == model.nv or not _is_laid_out_as_expected(model, data):
         return None
     bounded = model.jnt_limited.astype(np.bool_)
     return FrictionParts(
@@ -98,8 +98,11 @@ def stages_make_a_step() -> bool:
     whole.ctrl[:] = staged.ctrl[:] = 1.0
     mujoco.mj_step(model, whole, 3)
     mujoco.mj_step(model, staged)
-    for name in (*BEFORE, *AFTER) * 2:
-        getattr(mujoco, name)(model, staged)
+    try:
+        for name in (*BEFORE, *AFTER) * 2:
+            getattr(mujoco, name)(model, staged)
+    except (AttributeError, TypeError):  # a version with another stage, or one that wants more than model and data
+        return False
     return np.array_equal(whole.qpos, staged.qpos) and np.array_equal(whole.qvel, staged.qvel)
 
 
@@ -113,3 +116,16 @@ def _is_as_expected(model: mujoco.MjModel, longest: float) -> bool:
         and (model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE).all()
         and (model.dof_solref[:, 0] >= 2 * longest).all()
     )
+
+
+def _is_laid_out_as_expected(model: mujoco.MjModel, data: mujoco.MjData) -> bool:
+    """Whether MuJoCo keeps L row by row as it keeps M, beside 1 / D, and all of the matrix of constraints."""
+    of_hinges = (model.nv,)
+    try:
+        return bool(
+            model.M_rowadr.shape == model.M_rownnz.shape == data.qLDiagInv.shape == data.efc_R.shape == of_hinges
+            and model.M_colind.shape == data.qLD.shape
+            and data.efc_AR.shape == (model.nv**2,)
+        )
+    except AttributeError:  # a version with other names
+        return False
