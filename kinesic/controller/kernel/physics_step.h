@@ -5,6 +5,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <optional>
 #include <vector>
 
@@ -13,7 +14,9 @@ namespace kinesic::controller {
 using Stage = void (*)(void* model, void* data);
 using Clock = double (*)();
 
-inline double stand_still() { return 0.0; }
+inline std::atomic<double> moment = 0.0;  // at which the clock stands
+
+inline double stand_still() { return moment.load(std::memory_order_relaxed); }
 
 // M = L^T D L of n hinges, as MuJoCo factors it anew in each step.
 struct FactoredInertia {
@@ -73,7 +76,10 @@ struct PhysicsStep {
 
     void advance() {
         const Clock ticking = clock ? *clock : nullptr;
-        if (ticking) *clock = stand_still;  // other threads may be about to call it
+        if (ticking) {
+            moment.store(ticking(), std::memory_order_relaxed);  // for other threads, which measure their own steps
+            *clock = stand_still;
+        }
         const bool free = friction && !friction->stops_act();
         if (free && friction->ready)
             friction->advance(model, data);
