@@ -109,7 +109,8 @@ def stages_make_a_step() -> bool:
 def _is_as_expected(model: mujoco.MjModel, longest: float) -> bool:
     """Whether MuJoCo needs just this matrix of constraints, and makes the same rows with every timestep."""
     return bool(
-        model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_CONTACT
+        mujoco.get_mjcb_control() is None  # somebody's own, which `mj_step` alone calls
+        and model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_CONTACT
         and model.opt.solver == mujoco.mjtSolver.mjSOL_PGS
         and model.opt.jacobian == mujoco.mjtJacobian.mjJAC_DENSE
         and model.opt.integrator == mujoco.mjtIntegrator.mjINT_IMPLICITFAST

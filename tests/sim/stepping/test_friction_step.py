@@ -67,6 +67,15 @@ def test_arrays_that_are_laid_out_otherwise_keep_steps_whole(simulation, monkeyp
     assert friction_parts(*given, STEP) is None
 
 
+def test_where_somebody_controls_what_mujoco_steps_steps_stay_whole(simulation):
+    mujoco.set_mjcb_control(lambda model, data: None)
+    try:
+        assert friction_parts(simulation.model, simulation.data, STEP) is None
+    finally:
+        mujoco.set_mjcb_control(None)
+    assert friction_parts(simulation.model, simulation.data, STEP) is not None
+
+
 def test_a_stage_that_the_library_does_not_have_keeps_steps_whole(simulation, monkeypatch):
     monkeypatch.setattr(friction_step, "AFTER", (*AFTER, "mj_stride"))
     assert friction_parts(simulation.model, simulation.data, STEP) is None
