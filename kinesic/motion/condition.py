@@ -86,14 +86,15 @@ def condition(
     keys = Keys.of(postures, limits, bonds)
     eased = limits.times(ease)
     search, finder = Search(keys, eased, lead_in, budget, memory), NearestFinder(keys, limits, make_desired)
-    with_ease = NearestFinder(keys, eased, make_desired) if ease < 1.0 else None
+    eased_finder = NearestFinder(keys, eased, make_desired) if ease < 1.0 else None
 
-    def attempt() -> tuple[Floats, Floats] | SplineSegment:
-        lost = with_ease.find_lost(search.times) if with_ease else None
-        return lost or finder.find(search.times)
+    def find() -> tuple[Floats, Floats] | SplineSegment:
+        """The motion at the times so far, once they have room for one within the eased limits; else what has none."""
+        lost = eased_finder.find_lost(search.times) if eased_finder else None
+        return finder.find(search.times) if lost is None else lost
 
-    while isinstance(found := attempt(), SplineSegment):
-        search.avoid(found)
+    while isinstance(found := find(), SplineSegment):
+        search.avoid(found)  # ends: after some tries for a segment its hinge rests at its keys, in the end ever longer
     search.remember()
     desired, controls = found
     motion = Trajectory(seal_own(controls), -float(search.times[0]))
@@ -123,7 +124,7 @@ class NearestFinder:
         """
         self._keys, self._limits, self._make_desired = keys, limits, make_desired
         self._known: dict[tuple[object, ...], Floats] = {}
-        self._passed: set[tuple[object, ...]] = set()  # segments that have a motion, which was not looked for
+        self._passed: set[tuple[object, ...]] = set()  # segments that have a motion, which nobody has computed
 
     def find(self, times: Floats) -> tuple[Floats, Floats] | SplineSegment:
         """The desired motion (k + 1, n) [rad] at the knots, and the nearest one's control points (k + 3, n) [rad].
@@ -139,19 +140,19 @@ class NearestFinder:
         return desired, controls
 
     def find_lost(self, times: Floats) -> SplineSegment | None:
-        """The first segment that has no motion within the limits, which is known sooner than all motions are."""
+        """Finds the first segment that has no motion within the limits, in less time than `find` takes."""
         _, _, beyond = self._without_limits(times)
         return next((segment for segment, own in beyond if not self._can_pass(segment, own)), None)
 
     def _without_limits(self, times: Floats) -> tuple[Floats, Floats, list[tuple[SplineSegment, Floats]]]:
-        """The desired motion, the nearest one without limits, and the segments that exceed these, with their wishes."""
+        """The desired motion, the nearest one without limits, and what of it exceeds them, with its desired angles."""
         desired = self._make_desired(times, self._keys).angles(grid(pieces(times, STEP), STEP).knots)
         controls, beyond = find_free_motion(times, self._keys, self._limits, desired)
         every = [segment for _, segment in sorted(beyond, key=lambda pair: -pair[0])]
         return desired, controls, [(segment, desired[segment.knots, segment.hinge]) for segment in every]
 
     def _within_limits(self, segment: SplineSegment, desired: Floats) -> Floats | None:
-        given = _determine(segment, desired)
+        given = _cache_key(segment, desired)
         if given not in self._known:
             found = nearest_within_limits(segment, desired, self._limits)
             if found is None:
@@ -160,12 +161,12 @@ class NearestFinder:
         return self._known[given]
 
     def _can_pass(self, segment: SplineSegment, desired: Floats) -> bool:
-        given = _determine(segment, desired)
+        given = _cache_key(segment, desired)
         if given not in self._passed and can_pass(segment, desired, self._limits):
             self._passed.add(given)
         return given in self._passed
 
 
-def _determine(segment: SplineSegment, desired: Floats) -> tuple[object, ...]:
-    """All that the motion of a segment depends on, beside the limits."""
+def _cache_key(segment: SplineSegment, desired: Floats) -> tuple[object, ...]:
+    """Makes a key of all that the motion of a segment depends on, beside the limits."""
     return segment.hinge, segment.marks, segment.grid.pieces, segment.places.tobytes(), desired.tobytes()

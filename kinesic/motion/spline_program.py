@@ -21,7 +21,7 @@ from kinesic.motion.trajectory import STEP
 KERNEL: Kernel = find_kernel("kinesic.motion._kernel")  # which implementation runs
 WITHIN = 1.0 + 1e-9  # share of a limit that counts as kept
 NO_MORE = 1e-6  # relaxation that counts as none, as precise as PIQP
-EASIER = -0.2  # relaxation below which none is looked for, where 0 is enough
+EASIER = -0.2  # relaxation that need not be lower, where 0 is enough: room in which the search ends early
 
 CLOSENESS = sealed(
     [np.array([1.0, 4.0, 1.0]) / 6, np.sqrt(SMOOTHNESS) * np.array([1.0, -2.0, 1.0]) / STEP**2]
@@ -142,7 +142,7 @@ def relax_limits(
         limits: of all hinges.
         easy: relaxation, mostly below 0, that need not be lower.
         target: relaxation at which the search may end, with multipliers that tell nothing.
-        desired: (k + 1,) [rad] at its knots, a motion near to which the hinge may swing.
+        desired: (k + 1,) [rad] at its knots, a motion as far as which the hinge may swing, beyond its keys.
 
     Returns:
         None when the program cannot be solved.

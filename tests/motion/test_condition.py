@@ -1,3 +1,4 @@
+import sys
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -98,6 +99,16 @@ def test_ease_makes_time_for_a_share_of_the_limits_and_the_motion_may_use_them_a
     assert easy.lost[0] < 0.5 * slow.lost[0]
     assert highest(easy) <= 1.0 + 1e-6
     np.testing.assert_array_equal(condition(keys, LIMITS, ease=1.0).planned, hard.planned)
+
+
+@pytest.mark.parametrize("finder", ["can_pass", "nearest_within_limits"])
+def test_the_search_ends_even_if_no_motion_at_the_limits_is_ever_found(monkeypatch, finder):
+    keys = (posture(0.0, (0, 0), "start"), posture(0.2, (1.5, 0.1), "stroke"), posture(0.4, (0, 0), "end"))
+    usual = condition(keys, LIMITS, ease=0.8)
+    monkeypatch.setattr(sys.modules[condition.__module__], finder, lambda *_: None)
+    slower = condition(keys, LIMITS, ease=0.8)
+    assert np.ptp(slower.planned) > 1.05 * np.ptp(usual.planned)
+    assert highest(slower) <= 1.0 + 1e-6
 
 
 def test_keys_are_passed_exactly_at_times_off_the_grid():

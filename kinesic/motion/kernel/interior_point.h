@@ -28,9 +28,9 @@ constexpr double POLISH = 1e-12;  // residuals of an exact optimum
 constexpr double STUCK = 0.99;  // of the residuals before, above which some of the limits contradict one another
 constexpr double SHORT = 0.999;  // of the way to the nearest bound
 constexpr double STALLED = 1e-7;  // step that leads nowhere
-constexpr double LIGHT = 0.01;  // weight of limits in a start, beside which the desired motion counts
-constexpr double ROOM = 0.1;  // least slack of such a start
-constexpr double LIFT_BELOW = 1e-3;  // slack below which it has none
+constexpr double LIGHT = 0.01;  // weight D of all limits in a start, so that it is near to the desired motion
+constexpr double ROOM = 0.1;  // least slack of such a start [rad], shares of limits
+constexpr double LIFT_BELOW = 1e-3;  // slack or multiplier of a start below which all of them are lifted
 constexpr double EASED = 0.1;  // by which the start of a relaxation is easier than it must be
 constexpr double AWAY = 0.01;  // [rad] slack of control points in such a start
 constexpr double DIRECTED = 1e-12;  // share of its right side that a step may leave; with 1e-9 one program in a thousand stalls
@@ -63,7 +63,7 @@ class InteriorPoint {
             assemble();
             find_direction(0.0, false, p.relaxing ? ROUGH : DIRECTED);
             const double share = mean_product(reach(1.0)) / mean;
-            find_direction(share * share * mean, true, DIRECTED);
+            find_direction(share * share * mean, true, DIRECTED);  // Mehrotra takes the cube, which centres less
             const Steps steps = reach(SHORT);
             mean = mean_product(steps);
             if (!(std::max(steps.primal, steps.dual) > STALLED && std::isfinite(mean))) break;
@@ -132,6 +132,7 @@ class InteriorPoint {
         for (int q = 0; q < inequality_count; ++q) z[q] = 1.0 / (sum * t[q]);
     }
 
+    // Adds the same to all values where some are hardly positive, so that none is below `least` then.
     static void lift(std::vector<double>& values, double least) {
         const double lowest = *std::min_element(values.begin(), values.end());
         if (lowest < LIFT_BELOW)
