@@ -113,7 +113,7 @@ class CompiledLoop:
         """
         self._twin, self._size = twin, len(parts.positions)
         self._physics = _kernel.make_physics(*(getattr(parts, name) for name in TwinParts.__dataclass_fields__))
-        if stages := twin.friction():
+        if stages := twin.friction_parts():
             _kernel.split_steps(self._physics, *(getattr(stages, name) for name in FrictionParts.__dataclass_fields__))
         self._correction = None if observer is None else _correction(observer)
         self._under_way = np.empty((0, len(parts.hinges)))  # (w, n) [rad] goals that are sent but not yet in force

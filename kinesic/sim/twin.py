@@ -17,7 +17,7 @@ from kinesic.sim.power import Supply
 from kinesic.sim.servo_factors import NOMINAL, Factors
 from kinesic.sim.stepping.addresses import TwinParts, function_address, timestep_address
 from kinesic.sim.stepping.driven_motion import HingePlaces
-from kinesic.sim.stepping.friction_step import FrictionParts, friction_parts
+from kinesic.sim.stepping.friction_step import FrictionParts, find_friction_parts
 from kinesic.sim.stepping.recorder import Recorder
 from kinesic.sim.stepping.simulation import Simulation, build_simulation
 from kinesic.sim.stepping.step_log import StepLog, StepRecord
@@ -52,7 +52,7 @@ class Twin:
             start: (n,) [rad] first posture; the robot's rest posture if not given.
             rounds: goals to ticks, as the servos' registers do.
             touches: itself where segments meet; a tenth faster without, and the same as long as they stay apart.
-            simulation: as if just built for all of this; its own if not given.
+            simulation: model and data in which it moves, as `build_simulation` makes them; its own if not given.
 
         Raises:
             ValueError: step is not positive.
@@ -164,9 +164,9 @@ class Twin:
             latency=self._latency,
         )
 
-    def friction(self) -> FrictionParts | None:
+    def friction_parts(self) -> FrictionParts | None:
         """Hands the stages of its steps to a compiled loop, before the first command; None: steps stay whole."""
-        return friction_parts(self._model, self._data, self._step)
+        return find_friction_parts(self._model, self._data, self._step)
 
     def take(self, record: StepRecord) -> None:
         """Takes what a compiled loop has done with its parts as if it had been written command by command."""

@@ -46,7 +46,7 @@ def swing(calm, free):
 
 def test_at_stops_and_away_from_them_steps_are_those_of_mujoco(free, swing, monkeypatch):
     fast = swing(free())
-    monkeypatch.setattr(Twin, "friction", lambda self: None)
+    monkeypatch.setattr(Twin, "friction_parts", lambda self: None)
     slow = swing(free())
     low, high = free().physics[0].jnt_range.T
     beyond = ((slow < low) | (slow > high)).any(axis=1)
@@ -56,8 +56,8 @@ def test_at_stops_and_away_from_them_steps_are_those_of_mujoco(free, swing, monk
 
 
 def test_where_only_friction_holds_hinges_only_stages_of_a_step_are_done(free, swing, monkeypatch):
-    found = Twin.friction
-    monkeypatch.setattr(Twin, "friction", lambda self: replace(found(self), after=found(self).after[:-1]))
+    found = Twin.friction_parts
+    monkeypatch.setattr(Twin, "friction_parts", lambda self: replace(found(self), after=found(self).after[:-1]))
     first, *later = swing(free())[1:60]
     assert all(np.array_equal(first, each) for each in later), "without their last stage nothing moves"
 
@@ -68,18 +68,18 @@ def test_where_only_friction_holds_hinges_only_stages_of_a_step_are_done(free, s
     ids=["touches", "play", "steps that soften the friction"],
 )
 def test_where_more_than_friction_counts_steps_stay_whole(free, held):
-    assert free().friction() is not None
-    assert free(**held).friction() is None
+    assert free().friction_parts() is not None
+    assert free(**held).friction_parts() is None
 
 
 def test_a_hinge_without_friction_keeps_steps_whole(free):
     twin = free()
     twin.physics[0].dof_frictionloss[3] = 0.0
-    assert twin.friction() is None
+    assert twin.friction_parts() is None
 
 
 def test_a_matrix_that_is_not_mujocos_keeps_steps_whole(free, swing, monkeypatch):
-    found = Twin.friction
+    found = Twin.friction_parts
     parts = []
 
     def misread(self):
@@ -87,9 +87,9 @@ def test_a_matrix_that_is_not_mujocos_keeps_steps_whole(free, swing, monkeypatch
         parts.append(replace(right, begins=right.begins + 1))
         return parts[-1]
 
-    monkeypatch.setattr(Twin, "friction", misread)
+    monkeypatch.setattr(Twin, "friction_parts", misread)
     misled = swing(free())
-    monkeypatch.setattr(Twin, "friction", lambda self: None)
+    monkeypatch.setattr(Twin, "friction_parts", lambda self: None)
     assert np.array_equal(misled, swing(free()))
     assert parts
 
@@ -98,10 +98,10 @@ def test_stages_that_no_longer_make_a_step_keep_steps_whole(free, monkeypatch):
     assert friction_step.stages_make_a_step()
     monkeypatch.setattr(friction_step, "AFTER", friction_step.AFTER[1:])
     friction_step.stages_make_a_step.cache_clear()
-    assert free().friction() is None
+    assert free().friction_parts() is None
     monkeypatch.undo()
     friction_step.stages_make_a_step.cache_clear()
-    assert free().friction() is not None
+    assert free().friction_parts() is not None
 
 
 def test_mujocos_clock_stands_in_the_loop_and_goes_on_after_it(free, swing):

@@ -71,8 +71,8 @@ std::vector<Stage> stages(const Places& addresses) {
     return found;
 }
 
-// Has a twin do stages of mj_step where friction alone acts on its (n,) hinges, unless MuJoCo's matrix is not what it would be
-// here. Arrays are MuJoCo's own, but for the stops.
+// Has a twin do stages of mj_step wherever friction alone constrains its (n,) hinges. Its steps stay whole if M^-1 + R is not
+// the matrix that MuJoCo has made for the first posture. Arrays are those of `FrictionParts`.
 void split_steps(TwinPhysics& twin, const Places& before, const Places& after, const Numbers& lower, const Numbers& upper,
                  const Places& begins, const Places& ends, const Places& columns, const Live& positions,
                  const Live& factor, const Live& inverse_d, const Live& softness, const Live& matrix) {

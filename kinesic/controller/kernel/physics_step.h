@@ -1,6 +1,8 @@
 // One step of MuJoCo: its own mj_step, or the same stages without those that make constraints and their matrix, which are a
-// sixth of it. Where only friction constrains the hinges, its rows stay as they are, and the Jacobian of all is the
-// identity, so that their matrix is M^-1 + R. MuJoCo is known by addresses alone: no version of its headers is built in.
+// sixth of it. MuJoCo is known by addresses alone: no version of its headers is built in.
+//
+// Constraints are coupled by J M^-1 J^T + R (MuJoCo's documentation, chapter Computation). Where only friction constrains
+// the hinges, its rows and their softness R stay as they are, and the Jacobian J is the identity.
 
 #pragma once
 
@@ -18,12 +20,14 @@ inline std::atomic<double> moment = 0.0;  // at which the clock stands
 
 inline double stand_still() { return moment.load(std::memory_order_relaxed); }
 
-// M = L^T D L of n hinges, as MuJoCo factors it anew in each step.
+// M = L^T D L of n hinges, as MuJoCo factors it anew in each step: a row of L has entries only for the hinges that carry its
+// own (Featherstone, Rigid Body Dynamics Algorithms, 2008, chapter 6.5).
 struct FactoredInertia {
-    const double *entries = nullptr, *inverse_d = nullptr;  // of L, row by row; (n,) of 1 / D
-    std::vector<int> begins, ends, columns;                 // (n,) of each row left of its diagonal; of each entry
+    const double *entries = nullptr, *inverse_d = nullptr;  // (c,) of L, row by row; (n,) 1 / D
+    std::vector<int> begins, ends, columns;  // (n,) where the entries of a row begin, and its diagonal; (c,) of the entries
 
-    // Writes M^-1 (n, n): left of the diagonal L M^-1 = D^-1 L^-T is zero, which gives each row from those above.
+    // Writes M^-1 (n, n). L M^-1 = D^-1 L^-T has nothing left of its diagonal, which is D^-1: up to the diagonal, this gives
+    // each row of M^-1 from the rows above it (as Takahashi, Fagan and Chin, Formation of a sparse bus impedance matrix, 1973).
     void invert(double* inverse) const {
         const size_t n = begins.size();
         for (size_t i = 0; i < n; ++i) {
@@ -55,7 +59,7 @@ struct FrictionStep {
         return false;
     }
 
-    // Writes what couples the rows.
+    // Writes M^-1 + R, which couples the rows.
     void couple() const {
         inertia.invert(matrix);
         for (size_t i = 0, n = lower.size(); i < n; ++i) matrix[i * n + i] += softness[i];
@@ -71,9 +75,10 @@ struct FrictionStep {
 struct PhysicsStep {
     Stage whole = nullptr;  // mj_step
     void *model = nullptr, *data = nullptr;
-    Clock* clock = nullptr;  // by which MuJoCo times its stages, a twentieth of them; null: there is none
+    Clock* clock = nullptr;  // by which MuJoCo times its stages, which takes a twentieth of a step; null: there is none
     std::optional<FrictionStep> friction;
 
+    // Does one step; MuJoCo's clock stands meanwhile.
     void advance() {
         const Clock ticking = clock ? *clock : nullptr;
         if (ticking) {

@@ -1,7 +1,10 @@
 """Finds the stages of a step of the physics whose constraints are the friction of hinges alone.
 
 The rows of friction are the same in any posture, and each is a hinge of its own: a compiled loop has MuJoCo make them
-once, and only replaces the matrix that couples them. Where a hinge is beyond its stop, MuJoCo makes all rows anew.
+once, and only replaces the matrix A + R that couples them. Where a hinge is beyond its stop, MuJoCo makes all anew.
+
+Source: MuJoCo's documentation, chapter Computation: A = J M^-1 J^T is the inverse inertia of constraints with the
+Jacobian J, which is the identity here; R makes them soft; M = L^T D L. Names of fields are those of `mjData`.
 """
 
 from dataclasses import dataclass
@@ -43,24 +46,24 @@ PENDULUM = """
 
 @dataclass(frozen=True, eq=False)
 class FrictionParts:
-    """What a compiled loop needs for such steps; from `positions` on, arrays are MuJoCo's own."""
+    """Stages of a step, stops, and what A + R is made of; from `positions` on, arrays are MuJoCo's own."""
 
     before: Indices  # (k,) addresses of the stages up to the factors of the inertia
     after: Indices  # (l,) addresses of those from then on
     lower: Floats  # (n,) [rad] between which no stop acts
     upper: Floats  # (n,) [rad] likewise
-    begins: Indices  # (n,) where the rows of qLD begin
-    ends: Indices  # (n,) where their diagonal is
-    columns: Indices  # (c,) of its entries
+    begins: Indices  # (n,) where each row of qLD begins, in its entries
+    ends: Indices  # (n,) where its diagonal is, which is its last
+    columns: Indices  # (c,) in which the entries stand
     positions: Floats  # (n,) [rad] qpos
-    factor: Floats  # (c,) qLD
-    inverse_d: Floats  # (n,) qLDiagInv
+    factor: Floats  # (c,) qLD, the entries of L, and D where its diagonal is
+    inverse_d: Floats  # (n,) qLDiagInv, 1 / D
     softness: Floats  # (n,) efc_R
-    matrix: Floats  # (n * n,) efc_AR
+    matrix: Floats  # (n * n,) efc_AR, A + R
 
 
-def friction_parts(model: mujoco.MjModel, data: mujoco.MjData, longest: float) -> FrictionParts | None:
-    """Finds the parts of a model that cannot touch anything, before its first step; None where its steps stay whole.
+def find_friction_parts(model: mujoco.MjModel, data: mujoco.MjData, longest: float) -> FrictionParts | None:
+    """Finds the stages and arrays of a model that touches nothing, before its first step; None: steps stay whole.
 
     Args:
         model: of which only the timestep changes from now on.
@@ -115,7 +118,7 @@ def _is_as_expected(model: mujoco.MjModel, longest: float) -> bool:
         and model.opt.jacobian == mujoco.mjtJacobian.mjJAC_DENSE
         and model.opt.integrator == mujoco.mjtIntegrator.mjINT_IMPLICITFAST
         and (model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE).all()
-        and (model.dof_solref[:, 0] >= 2 * longest).all()
+        and (model.dof_solref[:, 0] >= 2 * longest).all()  # shorter ones MuJoCo lengthens to two timesteps
     )
 
 

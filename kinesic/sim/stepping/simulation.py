@@ -29,7 +29,7 @@ class Simulation:
 
 
 def build_simulation(robot: Robot, factors: Factors, *, touches: bool) -> Simulation:
-    """Builds a robot whose servos and masses are so far from its description; where it touches itself, it is slower."""
+    """Builds the physics of a robot with some factors; where it need not touch itself, its steps take less time."""
     model = build_model(robot, servos=factors)
     if not touches:
         model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
@@ -41,7 +41,7 @@ def build_simulation(robot: Robot, factors: Factors, *, touches: bool) -> Simula
 
 @contextmanager
 def borrow_simulations(robot: Robot, twins: Sequence[Factors], *, touches: bool) -> Iterator[list[Simulation]]:
-    """Lends a simulation to each of some twins, as if it was just built, but for its timestep.
+    """Lends a simulation to each of some twins for a `with` block, as if it was just built, but for its timestep.
 
     Nobody may use them once the block is left; those of a block that an exception ends are not lent again.
     """
@@ -61,9 +61,9 @@ def _take(robot: Robot, factors: Factors, *, touches: bool) -> Simulation:
     return simulation
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=4)  # two masses of two robots; whoever varies more builds more
 def _shelf(robot: Robot, links: Factors, *, touches: bool) -> list[Simulation]:
-    """Those that nobody uses now, and that differ in nothing but their drives."""
+    """Keeps the simulations that nobody uses now, and that differ in nothing but their drives."""
     return []
 
 

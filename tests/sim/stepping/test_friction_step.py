@@ -7,7 +7,7 @@ import pytest
 from kinesic.body.robot import Robot
 from kinesic.sim.servo_factors import NOMINAL
 from kinesic.sim.stepping import friction_step
-from kinesic.sim.stepping.friction_step import AFTER, friction_parts, stages_make_a_step
+from kinesic.sim.stepping.friction_step import AFTER, find_friction_parts, stages_make_a_step
 from kinesic.sim.stepping.simulation import build_simulation
 from kinesic.sim.twin import STEP
 
@@ -42,7 +42,7 @@ def tried_anew():
 
 
 def test_of_a_robot_that_touches_nothing_all_parts_are_found(simulation):
-    parts = friction_parts(simulation.model, simulation.data, STEP)
+    parts = find_friction_parts(simulation.model, simulation.data, STEP)
     assert parts is not None
     assert len(parts.matrix) == len(parts.lower) ** 2
 
@@ -64,29 +64,29 @@ def test_arrays_that_are_laid_out_otherwise_keep_steps_whole(simulation, monkeyp
     monkeypatch.setattr(mujoco, "mj_fwdPosition", lambda *_: None)  # which takes nothing but its own
     changed = Changed(getattr(simulation, where), **{name: value})
     given = (changed, data) if where == "model" else (model, changed)
-    assert friction_parts(*given, STEP) is None
+    assert find_friction_parts(*given, STEP) is None
 
 
 def test_where_somebody_controls_what_mujoco_steps_steps_stay_whole(simulation):
     mujoco.set_mjcb_control(lambda model, data: None)
     try:
-        assert friction_parts(simulation.model, simulation.data, STEP) is None
+        assert find_friction_parts(simulation.model, simulation.data, STEP) is None
     finally:
         mujoco.set_mjcb_control(None)
-    assert friction_parts(simulation.model, simulation.data, STEP) is not None
+    assert find_friction_parts(simulation.model, simulation.data, STEP) is not None
 
 
 def test_a_stage_that_the_library_does_not_have_keeps_steps_whole(simulation, monkeypatch):
     monkeypatch.setattr(friction_step, "AFTER", (*AFTER, "mj_stride"))
-    assert friction_parts(simulation.model, simulation.data, STEP) is None
+    assert find_friction_parts(simulation.model, simulation.data, STEP) is None
 
 
 def test_a_stage_that_has_another_name_in_python_keeps_steps_whole(simulation, monkeypatch):
     monkeypatch.delattr(mujoco, "mj_implicit")
-    assert friction_parts(simulation.model, simulation.data, STEP) is None
+    assert find_friction_parts(simulation.model, simulation.data, STEP) is None
 
 
 def test_a_stage_that_wants_more_than_model_and_data_keeps_steps_whole(simulation, monkeypatch):
     implicit = mujoco.mj_implicit
     monkeypatch.setattr(mujoco, "mj_implicit", lambda model, data, skip: implicit(model, data))
-    assert friction_parts(simulation.model, simulation.data, STEP) is None
+    assert find_friction_parts(simulation.model, simulation.data, STEP) is None
