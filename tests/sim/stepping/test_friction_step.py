@@ -7,11 +7,14 @@ import pytest
 from kinesic.body.robot import Robot
 from kinesic.sim.servo_factors import NOMINAL
 from kinesic.sim.stepping import friction_step
+from kinesic.sim.stepping.addresses import function_address
 from kinesic.sim.stepping.friction_step import AFTER, find_friction_parts, stages_make_a_step
 from kinesic.sim.stepping.simulation import build_simulation
 from kinesic.sim.twin import STEP
 
 ROBOT = Robot.load()
+
+pytestmark = pytest.mark.skipif(function_address("mj_step") is None, reason="no library of MuJoCo is found")
 
 
 class Changed:
