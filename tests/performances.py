@@ -1,11 +1,13 @@
 """Facts, performances and motions that tests of several rooms share."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from kinesic.body.arrays import Floats, sealed
+from kinesic.body.command import Measurements, TickRows
 from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
 from kinesic.controller.perform import perform, set_up
@@ -62,3 +64,10 @@ def through() -> Callable[[Floats, Floats], Trajectory]:
         return condition(keys, generous(angles.shape[1])).trajectory
 
     return made
+
+
+def bearing(measured: Measurements, duties: Floats) -> Measurements:
+    """Measurements with other duties, of hinges that stand still: their torque is that share of the stall torque."""
+    drives = measured.drives
+    goals = TickRows(sealed(measured.angles + duties / drives.gain), sealed(np.ones(len(drives))))
+    return replace(measured, speeds=sealed(np.zeros_like(duties)), in_force=goals)

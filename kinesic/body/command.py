@@ -1,16 +1,20 @@
 """What a robot is told at each tick, who follows it, and what was measured meanwhile."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Protocol
 
+import numpy as np
 from msgspec import Struct
+from numpy.typing import NDArray
 
-from kinesic.body.arrays import Floats
+from kinesic.body.arrays import Floats, seal_own
 from kinesic.body.dynamics import Clearance
+from kinesic.body.servo import Drives
 
 RATE = 100  # [Hz] of commands
+TOGETHER = 4096  # commands whose duties are computed together
 NO_FACE: Mapping[str, float] = MappingProxyType({})
 
 
@@ -65,16 +69,66 @@ class Power:
 
 
 @dataclass(frozen=True, eq=False)
+class TickRows:
+    """Goals as servos hold them: whole ticks, in a quarter of the room that angles take."""
+
+    counts: NDArray[np.int16] | Floats  # (m, n) ticks; floats where somebody sent more than two bytes hold
+    tick: Floats  # (n,) [rad]; 1 for goals that nobody rounds
+
+    def angles(self, rows: slice = slice(None)) -> Floats:
+        """(k, n) [rad] of some rows."""
+        return seal_own(self.counts[rows] * self.tick)
+
+
+@dataclass(frozen=True, eq=False)
 class Measurements:
-    """The performed motion, sampled at the times of the commands."""
+    """The performed motion, sampled at the times of the commands.
+
+    What follows from the rest by the servos' law is computed each time that somebody asks: a long motion has room for
+    what is kept alone.
+    """
 
     times: Floats  # (m,) [s]
     angles: Floats  # (m, n) [rad]
     speeds: Floats  # (m, n) [rad/s]
-    torques: Floats  # (m, n) [Nm] of the drives
-    duties: Floats  # (m, n) demanded PWM duty, may exceed 1
-    goals: Floats  # (m, n) [rad] that each command sent, in ticks; what serves to fit servos
+    sent: TickRows  # goals of each command
+    in_force: TickRows  # goals that were in force just before each command
+    supplied: Floats  # (m,) share of its voltage that the supply had there
+    drives: Drives  # whose law it is
     hands: Mapping[str, Floats]  # "l", "r" -> (m, 3) [m] the wrist's centre in the world
     clearance: Clearance  # of the closest posture since the command before, see `sim.twin`
     latency: float  # [s] from a command's time until its goals reach the servos
     power: Power
+
+    @property
+    def goals(self) -> Floats:
+        """(m, n) [rad] that each command sent, in ticks; what serves to fit servos."""
+        return self.sent.angles()
+
+    @property
+    def duties(self) -> Floats:
+        """(m, n) demanded PWM duty, may exceed 1."""
+        return self._of_drives(0)
+
+    @property
+    def torques(self) -> Floats:
+        """(m, n) [Nm] of the drives."""
+        return self._of_drives(1)
+
+    def _of_drives(self, part: int) -> Floats:
+        found = np.empty(self.angles.shape)
+        for rows in self.windows():
+            found[rows] = self.drive_rows(rows)[part]
+        return seal_own(found)
+
+    def windows(self) -> Iterator[slice]:
+        """Yields commands whose duties are computed together."""
+        return (slice(begin, begin + TOGETHER) for begin in range(0, len(self.times), TOGETHER))
+
+    def drive_rows(self, rows: slice) -> tuple[Floats, Floats]:
+        """Duties and torques [Nm] of some commands, each (k, n)."""
+        speeds, drives = self.speeds[rows], self.drives
+        duties = drives.demanded(self.in_force.angles(rows) - self.angles[rows], speeds)
+        loads = drives.loads(np.clip(duties, -1.0, 1.0), speeds, self.supplied[rows])
+        loads *= drives.stall
+        return duties, loads

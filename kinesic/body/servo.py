@@ -118,6 +118,29 @@ class Drives(tuple[Drive, ...]):
     stall_current = _row(lambda drive: drive.servo.stall_a * drive.count)  # [A] of all servos of the drive
     idle_current = _row(lambda drive: drive.count * drive.servo.idle_a)  # [A] of all servos of the drive
 
+    def demanded(self, errors: Floats, speeds: Floats) -> Floats:
+        """Computes the duties (m, n) that servos demand, which may exceed 1.
+
+        Args:
+            errors: (m, n) [rad] goals minus angles.
+            speeds: (m, n) [rad/s].
+        """
+        duties = self.gain * errors  # in place from here on: there are 300 steps a second
+        duties -= self.rate_gain / self.stall * speeds
+        return duties
+
+    def loads(self, applied: Floats, speeds: Floats, supplied: Floats) -> Floats:
+        """Computes the shares (m, n) of their stall torque that servos give.
+
+        Args:
+            applied: (m, n) duties within -1..1.
+            speeds: (m, n) [rad/s].
+            supplied: (m,) or (1,) share of its voltage that the supply has.
+        """
+        loads: Floats = supplied[:, None] * applied
+        loads -= speeds / self.no_load
+        return loads
+
 
 def follow_lags(drives: Drives) -> Floats:
     """Computes (n,) [s] by which servos follow their goals late, and by which goals of a plan so lead its speed."""

@@ -25,7 +25,7 @@ LEAST_BALL = 0.005  # [m]
 LEAST_CONE = np.radians(0.5)  # [rad] the ball's like for head and torso
 SHARE = 0.05  # of the path
 SHORTEST = 1e-3  # [s] of a step that has a speed
-POSTURES_PER_WINDOW = 4096  # postures whose frames are looked at together
+POSTURES_PER_WINDOW = 1024  # postures whose frames are looked at together
 
 
 def part_paths(angles: Floats, robot: Robot, hands: Mapping[str, Floats] | None = None) -> Mapping[PartName, Floats]:

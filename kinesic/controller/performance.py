@@ -28,7 +28,8 @@ from kinesic.sim.servo_factors import NOMINAL, PESSIMISTIC, Factors
 MOVING = 0.05  # share of its speed limit above which a hinge counts as moving
 LEAST_WAY = 0.05  # [m] below which a hand only sways with the body
 EVERY = round(2 * LOOK * RATE)  # commands between two looks back at the clearance
-WINDOW = 4096  # commands that are looked at together
+LONG = 4096  # commands of a motion that is looked up anew each time, window by window
+COMMANDS_PER_WINDOW = 1024  # of it, that are looked at together: as many frames take 3 MB
 HOLDING_RATE = 20  # [Hz] at which the torque of standing still is judged: gravity changes slowly
 
 
@@ -40,9 +41,9 @@ class Reference:
     times: Floats  # (m,) [s] of the commands
     duties: Floats  # (m, n) that the motion needs
 
-    @cached_property
+    @property
     def angles(self) -> Floats:
-        """(m, n) [rad]."""
+        """(m, n) [rad]; of a long motion looked up anew each time, like what follows: it costs less than its room."""
         return self._sample(0)
 
     @property
@@ -56,12 +57,21 @@ class Reference:
         return self._sample(2)
 
     def _sample(self, order: int) -> Floats:
-        if len(self.times) <= WINDOW:
+        if len(self.times) <= LONG:
             return self._motion[order]
         found = np.empty(self.duties.shape)
-        for rows in self._windows():
-            found[rows] = self.plan.trajectory.sample(self.times[rows])[order]
+        for rows, motion in self._motions():
+            found[rows] = motion[order]
         return found
+
+    def _motions(self) -> Iterator[tuple[slice, tuple[Floats, Floats, Floats]]]:
+        """Yields commands with angles, speeds and accelerations there; no more is held of a motion than a window."""
+        if len(self.times) <= LONG:
+            yield slice(None), self._motion
+            return
+        for begin in range(0, len(self.times), COMMANDS_PER_WINDOW):
+            rows = slice(begin, begin + COMMANDS_PER_WINDOW)
+            yield rows, self.plan.trajectory.sample(self.times[rows])
 
     @cached_property
     def _motion(self) -> tuple[Floats, Floats, Floats]:
@@ -77,14 +87,10 @@ class Reference:
         """Side -> (m, 3) [m] the wrist's centre in the world."""
         robot, hands = self.plan.setup.robot, np.empty((len(SIDES), len(self.times), 3))
         wrists = [robot.arm(side).wrist for side in SIDES]
-        for rows in self._windows():
-            origins = motion_frames(robot.skeleton, self.angles[rows]).origins
+        for rows, (angles, _, _) in self._motions():
+            origins = motion_frames(robot.skeleton, angles).origins
             hands[:, rows] = origins[wrists].transpose(0, 2, 1)
         return dict(zip(SIDES, (seal_own(each) for each in hands), strict=True))
-
-    def _windows(self) -> Iterator[slice]:
-        """Yields the rows of one window of commands after another; a window bounds what is held at a time."""
-        return (slice(begin, begin + WINDOW) for begin in range(0, len(self.times), WINDOW))
 
     @cached_property
     def smoothness(self) -> Mapping[str, float | None]:
@@ -104,7 +110,10 @@ class Reference:
     @cached_property
     def paths(self) -> Mapping[PartName, Floats]:
         """Where hands (m, 3) [m], head and torso (m, 3) [rad] are."""
-        return part_paths(self.angles, self.plan.setup.robot, self.hands)
+        robot = self.plan.setup.robot
+        parts: tuple[PartName, ...] = ("head", "torso")
+        seen = [part_paths(angles, robot, self.hands) for _, (angles, _, _) in self._motions()]
+        return {**seen[0], **{part: np.concatenate([paths[part] for paths in seen]) for part in parts}}
 
     @cached_property
     def arrivals(self) -> Mapping[SyncTime, tuple[Arrival, ...]]:
@@ -114,8 +123,9 @@ class Reference:
     @cached_property
     def moving(self) -> Flags:
         """(m, n) where a hinge's speed is more than a small share of its limit."""
-        least, speeds = MOVING * self.plan.setup.limits.speed, self.speeds
-        moving: Flags = (speeds > least) | (speeds < -least)
+        least, moving = MOVING * self.plan.setup.limits.speed, np.empty(self.duties.shape, dtype=np.bool_)
+        for rows, (_, speeds, _) in self._motions():
+            moving[rows] = (speeds > least) | (speeds < -least)
         return moving
 
     @cached_property
@@ -123,9 +133,12 @@ class Reference:
         """Times (k,) [s] and share (k, n) of the stall torque that would hold the posture there."""
         known = self.plan.setup
         times = np.arange(0.0, self.plan.trajectory.duration + 1 / HOLDING_RATE, 1 / HOLDING_RATE)
-        angles = self.plan.trajectory.angles(times)
-        still = np.zeros_like(angles)
-        return times, np.abs(known.dynamics.torques(angles, still, still)) / known.robot.drives.stall
+        shares = np.empty((len(times), len(known.robot.drives)))
+        for rows in (slice(begin, begin + COMMANDS_PER_WINDOW) for begin in range(0, len(times), COMMANDS_PER_WINDOW)):
+            angles = self.plan.trajectory.angles(times[rows])
+            still = np.zeros_like(angles)
+            shares[rows] = np.abs(known.dynamics.torques(angles, still, still)) / known.robot.drives.stall
+        return times, shares
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,7 +179,8 @@ class Performance:
     @cached_property
     def rooms(self) -> Floats:
         """(k,) [m] clearance that the twin's errors of the last moments would have left, every 100 ms."""
-        return foresee(self.reference.angles, self.measured.angles, self.plan.setup.distances, every=EVERY)
+        planned = self.plan.trajectory.angles(self.reference.times[::EVERY])
+        return foresee(planned, self.measured.angles[::EVERY], self.plan.setup.distances, every=1)
 
     @property
     def performed(self) -> float:

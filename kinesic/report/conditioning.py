@@ -17,6 +17,7 @@ STROKE = ("strokeStart", "strokeEnd")
 PATH_RATE = 100  # [Hz]
 LOSS_TO_TELL = 0.05  # share of a stroke's speed or path
 DEVIATION_TO_TELL = 1.0  # [deg]
+POSTURES_PER_WINDOW = 1024  # postures that are looked at together
 MOST_DEVIATIONS = 3  # hinges that are named
 LEAST_SEEN = {"m": 0.01, "m/s": 0.05, "deg": 1.0, "deg/s": 5.0}  # below which nobody sees a stroke
 
@@ -123,7 +124,11 @@ class _DesiredPaths:
 def _desired_paths(plan: Plan) -> _DesiredPaths:
     motion = plan.desired
     times = np.arange(int(np.ceil(motion.duration * PATH_RATE)) + 1) / PATH_RATE
-    return _DesiredPaths(times - motion.zero, part_paths(motion.angles(times), plan.setup.robot))
+    windows = (times[begin : begin + POSTURES_PER_WINDOW] for begin in range(0, len(times), POSTURES_PER_WINDOW))
+    parts = [part_paths(motion.angles(some), plan.setup.robot) for some in windows]
+    return _DesiredPaths(
+        times - motion.zero, {part: np.concatenate([some[part] for some in parts]) for part in parts[0]}
+    )
 
 
 def _moved(sync: SyncTime, plan: Plan) -> Moved:

@@ -44,12 +44,9 @@ def effort(drives: Drives, errors: Floats, speeds: Floats, *, supplied: Floats =
         speeds: (s, n) [rad/s].
         supplied: (s,) or (1,) share of its voltage that the supply had.
     """
-    duties = drives.gain * errors  # in place from here on: there are 300 steps a second
-    duties -= drives.rate_gain / drives.stall * speeds
+    duties = drives.demanded(errors, speeds)
     applied = np.clip(duties, -1.0, 1.0)
-    loads = supplied[:, None] * applied
-    loads -= speeds / drives.no_load
-    return DriveEffort(duties, applied, loads, supplied)
+    return DriveEffort(duties, applied, drives.loads(applied, speeds, supplied), supplied)
 
 
 @dataclass(frozen=True, eq=False)

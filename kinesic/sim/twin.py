@@ -194,7 +194,9 @@ class Twin:
         """Makes a recorder with room for so many commands: see `record`."""
         motors = np.arange(len(self._data.qpos))[self._order]
         places = HingePlaces(motors, self._play)
-        return Recorder(self._robot, self._distances, places, commands=commands, latency=self._latency)
+        return Recorder(
+            self._robot, self._distances, places, commands=commands, latency=self._latency, ticks=self._ticks
+        )
 
     def record(self, recorder: Recorder) -> None:
         """Has a recorder measure what was done since the last time, and forgets it here.

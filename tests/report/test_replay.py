@@ -14,6 +14,7 @@ from kinesic.report import replay as module
 from kinesic.report.replay import replay_data
 from kinesic.report.scene import scene_data
 from kinesic.sim.shells.shell import shell_of
+from tests.performances import bearing
 
 
 def unpacked(text, kind, frames):
@@ -100,6 +101,6 @@ def test_a_long_motion_has_a_lower_rate(hurried: Performance, monkeypatch: pytes
 
 
 def test_duties_beyond_a_byte_stay_at_its_end(hurried: Performance) -> None:
-    measured = replace(hurried.measured, duties=np.full_like(hurried.measured.duties, 9.0))
+    measured = bearing(hurried.measured, np.full_like(hurried.measured.duties, 9.0))
     data = replay_data(replace(hurried, measured=measured))
     assert set(base64.b64decode(data["duties"])) == {255}

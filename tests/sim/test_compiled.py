@@ -104,6 +104,9 @@ def test_what_servos_did_is_the_same(factors, in_python):
     slow = in_python(lambda: driven_motion.measure_drives(*known))
     for name in ("postures", "angles", "speeds", "duties", "torques"):
         np.testing.assert_array_equal(getattr(fast, name), getattr(slow, name), err_msg=name)
+    seen, law = twin.measurements(), driven_motion.measure_drives(*known[:3], twin._robot.drives)
+    for name in ("duties", "torques"):
+        np.testing.assert_array_equal(getattr(seen, name), getattr(law, name), err_msg=name)
     for name in ("mean", "peak", "energy", "volts"):
         np.testing.assert_allclose(getattr(fast.power, name), getattr(slow.power, name), rtol=1e-14, err_msg=name)
     assert fast.power.warming.keys() == slow.power.warming.keys()

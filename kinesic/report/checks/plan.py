@@ -4,7 +4,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.body.dynamics import Clearance
-from kinesic.controller.performance import Performance
+from kinesic.controller.performance import COMMANDS_PER_WINDOW, Performance
 from kinesic.report.checks.check import Check, format_time
 
 TOLERANCE = 1.001  # on ratios to limits
@@ -21,7 +21,7 @@ def limit_checks(performance: Performance) -> list[Check]:
         where = f"{names[peak.hinge]} {format_time(peak.time)}"
         name = "limits.reserve" if quantity == "duty" else f"limits.{quantity}"
         found.append(Check.of(name, float(peak.ratios[peak.hinge]), 1.0, where, slack=slack))
-    duty, where = _highest(np.abs(performance.reference.duties), performance.measured.times, names)
+    duty, where = _highest(performance.reference.duties, performance.measured.times, names)
     found.append(Check.of("limits.duty", duty, DUTY, where, slack=slack))
     times, shares = performance.reference.holding
     share, where = _highest(shares, times, names)
@@ -40,9 +40,13 @@ def _margin(performance: Performance) -> Check:
 
 
 def _highest(values: Floats, times: Floats, names: tuple[str, ...]) -> tuple[float, str]:
-    """The largest of (m, n) values at (m,) times [s], and its hinge and time."""
-    row, hinge = np.unravel_index(int(values.argmax()), values.shape)
-    return float(values[row, hinge]), f"{names[hinge]} {format_time(times[row])}"
+    """The largest magnitude of (m, n) values at (m,) times [s], and its hinge and time; the first of equal ones."""
+    windows = range(0, len(values), COMMANDS_PER_WINDOW)  # of a long motion there is no room for all magnitudes
+    highest, begin = max(
+        (float(np.abs(values[begin : begin + COMMANDS_PER_WINDOW]).max()), -begin) for begin in windows
+    )
+    row, hinge = np.unravel_index(int(np.abs(values[-begin : COMMANDS_PER_WINDOW - begin]).argmax()), values.shape)
+    return highest, f"{names[hinge]} {format_time(times[row - begin])}"
 
 
 def distance_checks(performance: Performance) -> list[Check]:

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kinesic.body.arrays import Floats
+from kinesic.body.arrays import Flags, Floats
+from kinesic.body.command import Measurements
 from kinesic.controller.performance import Performance
 from kinesic.report.checks.check import Check, format_time
 
@@ -21,16 +22,26 @@ def servo_checks(performance: Performance) -> list[Check]:
     """Checks the time at full duty, and the torque that heats."""
     names = performance.plan.setup.robot.skeleton.names
     measured = performance.measured
-    over = (measured.duties > FULL_DUTY) | (measured.duties < -FULL_DUTY)
+    over, squares = _follow_drives(measured)
     saturated = over.sum(axis=0) * performance.period
     longest = int(saturated.argmax())
     where = f"{names[longest]} from {measured.times[over[:, longest].argmax()]:.2f} s" if over.any() else ""
-    loads = np.sqrt((measured.torques**2).mean(axis=0)) / performance.robot.drives.stall
+    loads = np.sqrt(squares / len(over)) / performance.robot.drives.stall
     heaviest = int(loads.argmax())
     return [
         Check.of("servo.saturation", float(saturated[longest]), SATURATION, where),
         Check.of("servo.load", float(loads[heaviest]), CONTINUOUS, names[heaviest]),
     ]
+
+
+def _follow_drives(measured: Measurements) -> tuple[Flags, Floats]:
+    """Where duties are full, (m, n), and the sum (n,) [Nm^2] of the squared torques, added up command by command."""
+    over, squares = np.empty(measured.angles.shape, dtype=np.bool_), np.zeros(measured.angles.shape[1])
+    for rows in measured.windows():
+        duties, torques = measured.drive_rows(rows)
+        over[rows] = (duties > FULL_DUTY) | (duties < -FULL_DUTY)
+        squares = np.concatenate([squares[None], torques**2]).sum(axis=0)
+    return over, squares
 
 
 def power_checks(performance: Performance) -> list[Check]:

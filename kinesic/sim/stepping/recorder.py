@@ -3,9 +3,10 @@
 from math import inf
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats, Indices, seal_own, sealed
-from kinesic.body.command import Measurements, Power
+from kinesic.body.command import Measurements, Power, TickRows
 from kinesic.body.dynamics import Clearance
 from kinesic.body.robot import SIDES, Robot
 from kinesic.sim.distances import CapsuleDistances
@@ -13,12 +14,21 @@ from kinesic.sim.power import Spent
 from kinesic.sim.stepping.driven_motion import DrivenMotion, HingePlaces, measure_drives
 from kinesic.sim.stepping.step_log import StepLog
 
+HELD = np.iinfo(np.int16).max  # ticks that two bytes hold
+
 
 class Recorder:
     """Measures a motion window by window: it reads the steps of each once, and keeps one row for each command."""
 
     def __init__(
-        self, robot: Robot, distances: CapsuleDistances, places: HingePlaces, *, commands: int, latency: float
+        self,
+        robot: Robot,
+        distances: CapsuleDistances,
+        places: HingePlaces,
+        *,
+        commands: int,
+        latency: float,
+        ticks: Floats | None,
     ) -> None:
         """Begins with nothing.
 
@@ -28,10 +38,12 @@ class Recorder:
             places: of its hinges.
             commands: how many there will be, m.
             latency: [s] from a command's time until its goals reach the servos.
+            ticks: (n,) [rad] to which its goals are rounded; None: they are not.
         """
         self._robot, self._distances, self._places, self._latency = robot, distances, places, latency
-        self._commands, self._done = commands, 0
+        self._commands, self._done, self._ticks = commands, 0, ticks
         self._rows: dict[str, Floats] = {}  # (m, ...) each
+        self._counts: dict[str, NDArray[np.int16] | Floats] = {}  # (m, n) ticks each
         self._pairs: list[tuple[str, str]] = []
         self._spent: Spent | None = None  # up to the last step
         self._energy, self._volts, self._warm = 0.0, inf, tuple[str, ...]()
@@ -50,11 +62,13 @@ class Recorder:
             count = self._done + len(log.times)
             raise ValueError(f"{count} commands were written, and the recorder has room for {self._commands}")
         robot = self._robot
-        done = measure_drives(log.kept(), self._places, robot.skeleton.names, robot.drives, self._spent)
-        self._add_clearance(done, np.array(log.counts, dtype=np.intp) - 1)
-        rows = {name: getattr(done, name) for name in ("angles", "speeds", "torques", "duties")}
-        self._add(times=sealed(log.times), goals=log.sent(), mean=done.power.mean, peak=done.power.peak, **rows)
-        self._add(**done.power.warming)
+        kept = log.kept()
+        done, at = measure_drives(kept, self._places, robot.skeleton.names, robot.drives, self._spent), kept.ends - 1
+        self._add_clearance(done, at)
+        self._add(times=sealed(log.times), angles=done.angles, speeds=done.speeds)
+        self._add(supplied=np.broadcast_to(kept.supplied, len(kept.spans))[at], **done.power.warming)
+        self._add(mean=done.power.mean, peak=done.power.peak)
+        self._add_goals(sent=log.sent(), in_force=kept.aims[kept.begins.searchsorted(at, side="right") - 1])
         self._energy, self._volts = done.power.energy, min(self._volts, done.power.volts)
         self._spent, self._warm = done.spent, tuple(done.power.warming)
         self._done += len(log.times)
@@ -85,6 +99,18 @@ class Recorder:
                 self._rows[name] = np.empty((self._commands, *rows.shape[1:]))
             self._rows[name][self._done : self._done + len(rows)] = rows
 
+    def _add_goals(self, **window: Floats) -> None:
+        """Adds goals for the commands of a window, in ticks; in two bytes each, as long as all fit."""
+        for name, goals in window.items():
+            ticks: NDArray[np.int16] | Floats = goals if self._ticks is None else np.rint(goals / self._ticks)
+            if self._ticks is not None and np.abs(ticks).max(initial=0.0) <= HELD:
+                ticks = ticks.astype(np.int16)
+            if name not in self._counts:
+                self._counts[name] = np.empty((self._commands, goals.shape[1]), ticks.dtype)
+            elif self._counts[name].dtype != ticks.dtype:
+                self._counts[name] = self._counts[name].astype(np.float64)
+            self._counts[name][self._done : self._done + len(goals)] = ticks
+
     def measurements(self) -> Measurements:
         """Hands over all that was measured, once every command has been; nothing more can be added.
 
@@ -94,8 +120,17 @@ class Recorder:
         if self._done < self._commands:
             raise ValueError(f"{self._done} of {self._commands} commands were measured: record the others first")
         rows = {name: seal_own(values) for name, values in self._rows.items()}
+        tick = sealed(np.ones(len(self._robot.drives)) if self._ticks is None else self._ticks)
+        for counts in self._counts.values():
+            counts.setflags(write=False)
         return Measurements(
-            **{name: rows[name] for name in ("times", "angles", "speeds", "torques", "duties", "goals")},
+            times=rows["times"],
+            angles=rows["angles"],
+            speeds=rows["speeds"],
+            sent=TickRows(self._counts["sent"], tick),
+            in_force=TickRows(self._counts["in_force"], tick),
+            supplied=rows["supplied"],
+            drives=self._robot.drives,
             hands={side: rows[side] for side in SIDES},
             clearance=Clearance(rows["distances"], self._pairs),
             latency=self._latency,

@@ -57,7 +57,7 @@ def test_a_dry_run_takes_little_more_than_what_it_measures(monkeypatch):
     monkeypatch.setattr(tracking_delay, "SPEEDS_PER_WINDOW", 4096)
     for module, name in (
         (closed_loop, "COMMANDS_PER_WINDOW"),
-        (performance, "WINDOW"),
+        (performance, "COMMANDS_PER_WINDOW"),
         (arrival, "POSTURES_PER_WINDOW"),
         (piecewise, "TIMES_PER_EVALUATION"),
     ):

@@ -15,6 +15,7 @@ from kinesic.controller.performance import Performance
 from kinesic.report.checks import Check, checks, grade
 from kinesic.report.report import report
 from kinesic.sim.servo_factors import PESSIMISTIC
+from tests.performances import bearing
 
 BML = """
 <bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">
@@ -168,11 +169,9 @@ def test_strokes_that_never_come_are_counted_and_named(done):
 
 def test_full_duty_and_torque_that_heats_are_warned(done):
     duties = np.zeros_like(done.measured.duties)
-    duties[50:60, 4] = 1.5
-    torques = np.zeros_like(duties)
-    torques[:, 9] = 0.31 * done.robot.drives[9].stall
+    duties[50:60, 4], duties[:, 9] = 1.5, 0.31
     names = done.plan.setup.robot.skeleton.names
-    verdicts = found(with_measured(done, duties=duties, torques=torques))
+    verdicts = found(replace(done, measured=bearing(done.measured, duties)))
     assert verdicts["servo.saturation"].status == "warn"
     assert verdicts["servo.saturation"].value == pytest.approx(0.1)
     assert verdicts["servo.saturation"].where == f"{names[4]} from 0.50 s"

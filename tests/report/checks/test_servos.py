@@ -8,6 +8,7 @@ import pytest
 from kinesic.controller.performance import Performance
 from kinesic.report.checks.servos import CONTINUOUS, draw_load, loads
 from kinesic.report.plots.spark import BINS, spark
+from tests.performances import bearing
 
 
 def test_the_most_strained_comes_first(hurried: Performance) -> None:
@@ -19,14 +20,15 @@ def test_the_most_strained_comes_first(hurried: Performance) -> None:
 
 def test_figures_are_those_of_the_samples(hurried: Performance) -> None:
     measured, robot = hurried.measured, hurried.plan.setup.robot
-    stall = robot.drives.stall
-    duties = np.zeros_like(measured.duties)
-    duties[10:15, 3], torques = -1.5, np.tile(0.6 * stall, (len(duties), 1))
-    first = loads(replace(hurried, measured=replace(measured, duties=duties, torques=torques)))[0]
+    duties = np.full_like(measured.duties, 0.6)
+    duties[:, 3] = 0.0
+    duties[10:15, 3] = -1.5
+    found = loads(replace(hurried, measured=bearing(measured, duties)))
+    first, by_name = found[0], {load.hinge: load for load in found}
     assert first.hinge != robot.skeleton.names[3], "torque strains longer than duty"
-    by_name = {load.hinge: load for load in loads(replace(hurried, measured=replace(measured, duties=duties)))}
     load = by_name[robot.skeleton.names[3]]
-    assert (load.duty, load.duty_at) == (1.5, measured.times[10])
+    assert load.duty == pytest.approx(1.5)
+    assert load.duty_at in measured.times[10:15]
     assert load.saturated == pytest.approx(0.05)
     assert (first.rms, first.strain) == (pytest.approx(0.6), pytest.approx(0.6 / CONTINUOUS))
 

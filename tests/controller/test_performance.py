@@ -1,0 +1,51 @@
+"""What a performance keeps, and what it computes when somebody asks."""
+
+from dataclasses import fields
+
+import numpy as np
+import pytest
+
+from kinesic.body.command import Command, TickRows
+from kinesic.body.robot import Robot
+from kinesic.controller.performance import Performance, Reference
+from kinesic.sim.twin import Twin
+
+
+def test_a_performance_keeps_what_cannot_be_computed(calm: Performance) -> None:
+    shape = calm.measured.angles.shape
+    kept = {field.name: getattr(calm.measured, field.name) for field in fields(calm.measured)}
+    goals = [rows.counts for rows in kept.values() if isinstance(rows, TickRows)]
+    assert [rows.dtype for rows in goals] == [np.int16] * 2
+    assert sum(rows.nbytes for rows in goals) == calm.measured.goals.nbytes / 2
+    assert [name for name, rows in kept.items() if getattr(rows, "shape", ()) == shape] == ["angles", "speeds"]
+    assert [name for name, rows in vars(calm.reference).items() if getattr(rows, "shape", ()) == shape] == ["duties"]
+
+
+def test_of_a_long_motion_the_planned_one_is_looked_up_by_windows(
+    calm: Performance, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = Reference(calm.plan, calm.reference.times, calm.reference.duties)
+    for name, commands in (("LONG", 64), ("COMMANDS_PER_WINDOW", 16)):
+        monkeypatch.setattr(f"kinesic.controller.performance.{name}", commands)
+    parts = Reference(calm.plan, calm.reference.times, calm.reference.duties)
+    for name in ("angles", "speeds", "accelerations", "moving"):
+        assert np.array_equal(getattr(parts, name), getattr(calm.reference, name)), name
+    assert np.array_equal(parts.holding[1], whole.holding[1])
+    assert [name for name, rows in vars(parts).items() if getattr(rows, "shape", ()) == parts.duties.shape] == [
+        "duties",
+        "moving",
+    ]
+
+
+@pytest.mark.parametrize("rounds", [True, False])
+def test_goals_that_two_bytes_do_not_hold_are_kept_as_they_are(rounds: bool) -> None:
+    robot = Robot.load()
+    twin, still, sent = Twin(robot, rounds=rounds), np.zeros(len(robot.drives)), [0.1, 1e3, 0.2]
+    recorder = twin.recorder(len(sent))
+    for k, goal in enumerate(sent):
+        twin.write(Command(0.01 * k, still, still, still, still + goal))
+        twin.record(recorder)
+    seen, tick = recorder.measurements(), robot.drives.tick
+    assert seen.sent.counts.dtype == np.float64
+    expected = np.outer(sent, np.ones(len(tick)))
+    np.testing.assert_array_equal(seen.goals, np.rint(expected / tick) * tick if rounds else expected)
