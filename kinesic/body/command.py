@@ -14,7 +14,7 @@ from kinesic.body.dynamics import Clearance
 from kinesic.body.servo import Drives
 
 RATE = 100  # [Hz] of commands
-TOGETHER = 4096  # commands whose duties are computed together
+COMMANDS_PER_WINDOW = 1024  # commands whose duties are computed together
 NO_FACE: Mapping[str, float] = MappingProxyType({})
 
 
@@ -123,7 +123,7 @@ class Measurements:
 
     def windows(self) -> Iterator[slice]:
         """Yields commands whose duties are computed together."""
-        return (slice(begin, begin + TOGETHER) for begin in range(0, len(self.times), TOGETHER))
+        return (slice(begin, begin + COMMANDS_PER_WINDOW) for begin in range(0, len(self.times), COMMANDS_PER_WINDOW))
 
     def drive_rows(self, rows: slice) -> tuple[Floats, Floats]:
         """Duties and torques [Nm] of some commands, each (k, n)."""

@@ -4,12 +4,12 @@ The reference is what a plan says at the times of its commands, whoever follows 
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from kinesic.body.arrays import Flags, Floats, seal_own
+from kinesic.body.arrays import Flags, Floats, Indices, seal_own
 from kinesic.body.command import RATE, Measurements
 from kinesic.body.robot import SIDES, PartName, Robot
 from kinesic.controller.arrival import Arrival, arrivals, lags, part_paths
@@ -51,6 +51,13 @@ class Reference:
         """(m, n) [rad/s]; of a motion longer than a window they are computed anew each time."""
         return self._sample(1)
 
+    def speeds_of(self, hinges: Indices) -> Floats:
+        """(m, k) [rad/s] of (k,) hinges; of a long motion none of the others is looked up."""
+        if len(self.times) <= LONG:
+            return self.speeds[:, hinges]
+        trajectory = self.plan.trajectory
+        return replace(trajectory, controls=trajectory.controls[:, hinges]).sample(self.times)[1]
+
     @property
     def accelerations(self) -> Floats:
         """(m, n) [rad/s^2]; likewise."""
@@ -60,11 +67,11 @@ class Reference:
         if len(self.times) <= LONG:
             return self._motion[order]
         found = np.empty(self.duties.shape)
-        for rows, motion in self._motions():
+        for rows, motion in self.motions():
             found[rows] = motion[order]
         return found
 
-    def _motions(self) -> Iterator[tuple[slice, tuple[Floats, Floats, Floats]]]:
+    def motions(self) -> Iterator[tuple[slice, tuple[Floats, Floats, Floats]]]:
         """Yields commands with angles, speeds and accelerations there; no more is held of a motion than a window."""
         if len(self.times) <= LONG:
             yield slice(None), self._motion
@@ -87,7 +94,7 @@ class Reference:
         """Side -> (m, 3) [m] the wrist's centre in the world."""
         robot, hands = self.plan.setup.robot, np.empty((len(SIDES), len(self.times), 3))
         wrists = [robot.arm(side).wrist for side in SIDES]
-        for rows, (angles, _, _) in self._motions():
+        for rows, (angles, _, _) in self.motions():
             origins = motion_frames(robot.skeleton, angles).origins
             hands[:, rows] = origins[wrists].transpose(0, 2, 1)
         return dict(zip(SIDES, (seal_own(each) for each in hands), strict=True))
@@ -112,7 +119,7 @@ class Reference:
         """Where hands (m, 3) [m], head and torso (m, 3) [rad] are."""
         robot = self.plan.setup.robot
         parts: tuple[PartName, ...] = ("head", "torso")
-        seen = [part_paths(angles, robot, self.hands) for _, (angles, _, _) in self._motions()]
+        seen = [part_paths(angles, robot, self.hands) for _, (angles, _, _) in self.motions()]
         return {**seen[0], **{part: np.concatenate([paths[part] for paths in seen]) for part in parts}}
 
     @cached_property
@@ -124,7 +131,7 @@ class Reference:
     def moving(self) -> Flags:
         """(m, n) where a hinge's speed is more than a small share of its limit."""
         least, moving = MOVING * self.plan.setup.limits.speed, np.empty(self.duties.shape, dtype=np.bool_)
-        for rows, (_, speeds, _) in self._motions():
+        for rows, (_, speeds, _) in self.motions():
             moving[rows] = (speeds > least) | (speeds < -least)
         return moving
 
@@ -228,10 +235,16 @@ class Performance:
     @cached_property
     def tracking(self) -> TrackingErrors:
         """How far the twin's moving hinges are from the plan."""
-        return measure_errors(self.reference.angles, self.measured.angles, self.reference.moving)
+        measured, moving = self.measured.angles, self.reference.moving
+        errors, done = np.empty(np.count_nonzero(moving)), 0
+        for rows, (angles, _, _) in self.reference.motions():
+            found = (measured[rows] - angles)[moving[rows]]
+            errors[done : done + len(found)] = found
+            done += len(found)
+        return measure_errors(errors, moving)
 
     @cached_property
     def lateness(self) -> Floats:
         """(n,) [s] by which the twin's hinges follow late, by cross-correlation; NaN for those that do not move."""
         moving: Flags = np.any(self.reference.moving, axis=0)
-        return tracking_delay(self.reference.speeds, self.measured.speeds, moving, period=self.period)
+        return tracking_delay(self.reference.speeds_of, self.measured.speeds, moving, period=self.period)

@@ -1,35 +1,36 @@
 """Measures how late each hinge follows, by cross-correlation of planned and performed speed."""
 
+from collections.abc import Callable
 from typing import cast
 
 import numpy as np
 import scipy
 
-from kinesic.body.arrays import Flags, Floats, sealed
+from kinesic.body.arrays import Flags, Floats, Indices, sealed
 
 LONGEST_DELAY = 0.3  # [s] longest lateness that is looked for
 SPEEDS_PER_WINDOW = 100_000  # speeds that are compared together
 
 
-def tracking_delay(planned: Floats, performed: Floats, moving: Flags, *, period: float) -> Floats:
+def tracking_delay(planned: Callable[[Indices], Floats], performed: Floats, moving: Flags, *, period: float) -> Floats:
     """Finds the delay at which the performed speed of each hinge is most like the planned one.
 
     Args:
-        planned: (m, n) [rad/s].
-        performed: (m, n) [rad/s] at the same times.
+        planned: gives (m, k) [rad/s] of (k,) hinges.
+        performed: (m, n) [rad/s] of all hinges at the same times.
         moving: (n,) which hinges move at all.
         period: [s] between samples; the delay is found between samples by a parabola.
 
     Returns:
         (n,) [s], positive when the hinge is late, NaN for one that does not move.
     """
-    late = np.full(planned.shape[1], np.nan)
+    late = np.full(performed.shape[1], np.nan)
     if not moving.any():
         return sealed(late)
     reach, hinges = round(LONGEST_DELAY / period), np.flatnonzero(moving)
-    few = max(1, SPEEDS_PER_WINDOW // len(planned))
+    few = max(1, SPEEDS_PER_WINDOW // len(performed))
     parts = [hinges[k : k + few] for k in range(0, len(hinges), few)]
-    likeness = np.concatenate([_compare(planned[:, some], performed[:, some], reach) for some in parts])
+    likeness = np.concatenate([_compare(planned(some), performed[:, some], reach) for some in parts])
     best = 1 + likeness[:, 1:-1].argmax(axis=1)
     late[hinges] = period * (best - reach - 1 + _summit(likeness, best))
     return sealed(late)

@@ -25,26 +25,24 @@ class TrackingErrors:
     most: int  # the hinge whose squares sum up to most
 
 
-def measure_errors(planned: Floats, measured: Floats, moving: Flags) -> TrackingErrors:
+def measure_errors(errors: Floats, moving: Flags) -> TrackingErrors:
     """Measures root mean square, 95th percentile and largest error.
 
     Args:
-        planned: (m, n) [rad].
-        measured: (m, n) [rad] at the same times.
-        moving: (m, n) what counts.
+        errors: (k,) [rad] of hinges while they move, sample after sample.
+        moving: (m, n) in which samples each of them moves: k times in all.
     """
     if not moving.any():
         return TrackingErrors(0.0, 0.0, 0.0, 0, 0, 0)
     if KERNEL == "compiled":
-        return TrackingErrors(*_kernel.tracking_errors(planned, measured, moving))
-    errors = np.where(moving, np.degrees(np.abs(measured - planned)), 0.0)
-    row, hinge = np.unravel_index(int(errors.argmax()), errors.shape)
-    counted = errors[moving]
+        return TrackingErrors(*_kernel.tracking_errors(errors, moving))
+    counted, (rows, hinges) = np.degrees(np.abs(errors)), np.nonzero(moving)
+    largest = int(counted.argmax())
     return TrackingErrors(
         rmse=float(np.sqrt(np.mean(counted**2))),
         p95=float(np.percentile(counted, 95)),
         max=float(counted.max()),
-        row=int(row),
-        hinge=int(hinge),
-        most=int((errors**2).sum(axis=0).argmax()),
+        row=int(rows[largest]),
+        hinge=int(hinges[largest]),
+        most=int(np.bincount(hinges, counted**2).argmax()),
     )

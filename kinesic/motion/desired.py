@@ -40,7 +40,7 @@ LEAST_OVERSHOOT = 0.02  # of a way; with less room OutQuart takes the place of O
 FINEST = 0.01  # of a way, steps of the overshoot
 ROUNDING = 1e-6  # of such a step
 CURVES_KEPT = 24  # curves of hinges with the same keys
-MOST_CURVE_KEYS = 4096  # keys of a curve that is remembered, of all its hinges: 1.5 MB, two minutes of gestures
+MOST_CURVE_KEYS = 1024  # keys of a curve that is remembered, of all its hinges: 0.4 MB, half a minute of gestures
 EASING_ROOM = (
     3.0  # times the limits that an eased way may take: what is beyond them is rounded off without leaving the path
 )

@@ -28,12 +28,13 @@ def replay_data(performance: Performance) -> dict[str, Json]:
         performance: what was planned and performed.
     """
     plan, measured = performance.plan, performance.measured
+    desired = plan.desired
     robot, end = plan.setup.robot, float(measured.times[-1])
     moments = np.linspace(0.0, end, min(int(np.ceil(end * REPLAY_RATE)) + 1, MOST_FRAMES))
     motions = {
         "twin": np.column_stack([np.interp(moments, measured.times, column) for column in measured.angles.T]),
         "plan": plan.trajectory.sample(moments)[0],
-        "asked": plan.desired.sample(moments - plan.trajectory.zero + plan.desired.zero)[0],
+        "asked": desired.sample(moments - plan.trajectory.zero + desired.zero)[0],
     }
     duties = np.column_stack([np.interp(moments, measured.times, np.abs(column)) for column in measured.duties.T])
     step = max(float(np.abs(angles).max()) for angles in motions.values()) / np.iinfo(np.int16).max or 1.0

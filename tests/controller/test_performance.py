@@ -18,7 +18,9 @@ def test_a_performance_keeps_what_cannot_be_computed(calm: Performance) -> None:
     assert [rows.dtype for rows in goals] == [np.int16] * 2
     assert sum(rows.nbytes for rows in goals) == calm.measured.goals.nbytes / 2
     assert [name for name, rows in kept.items() if getattr(rows, "shape", ()) == shape] == ["angles", "speeds"]
-    assert [name for name, rows in vars(calm.reference).items() if getattr(rows, "shape", ()) == shape] == ["duties"]
+    planned = Reference(calm.plan, calm.reference.times, calm.reference.duties)
+    assert np.ptp(planned.angles) > 0.0
+    assert [name for name, rows in vars(planned).items() if getattr(rows, "shape", ()) == shape] == ["duties"]
 
 
 def test_of_a_long_motion_the_planned_one_is_looked_up_by_windows(
@@ -30,6 +32,8 @@ def test_of_a_long_motion_the_planned_one_is_looked_up_by_windows(
     parts = Reference(calm.plan, calm.reference.times, calm.reference.duties)
     for name in ("angles", "speeds", "accelerations", "moving"):
         assert np.array_equal(getattr(parts, name), getattr(calm.reference, name)), name
+    some = np.array([0, 5, 20])
+    assert np.array_equal(parts.speeds_of(some), whole.speeds_of(some))
     assert np.array_equal(parts.holding[1], whole.holding[1])
     assert [name for name, rows in vars(parts).items() if getattr(rows, "shape", ()) == parts.duties.shape] == [
         "duties",

@@ -5,15 +5,14 @@ from kinesic.controller import tracking_errors
 from kinesic.controller.tracking_errors import TrackingErrors, measure_errors
 
 CHANCE = np.random.default_rng(4)
-PLANNED = CHANCE.normal(size=(200, 5))
-MEASURED = PLANNED + 0.02 * CHANCE.normal(size=PLANNED.shape)
-MOVING = CHANCE.random(PLANNED.shape) < 0.6
+ERRORS = 0.02 * CHANCE.normal(size=(200, 5))
+MOVING = CHANCE.random(ERRORS.shape) < 0.6
 
 
 def test_errors_count_where_a_hinge_moves_and_the_largest_has_a_place():
     measured, moving = np.zeros((4, 2)), np.array([[True, False], [True, True], [True, True], [False, False]])
     measured[2, 1], measured[0, 1], measured[1, 0] = np.radians(3.0), np.radians(50.0), -np.radians(1.0)
-    found = measure_errors(np.zeros((4, 2)), measured, moving)
+    found = measure_errors(measured[moving], moving)
     assert found.max == pytest.approx(3.0)
     assert (found.row, found.hinge, found.most) == (2, 1, 1)
     assert found.rmse == pytest.approx(np.sqrt((9.0 + 1.0) / 5))
@@ -22,7 +21,7 @@ def test_errors_count_where_a_hinge_moves_and_the_largest_has_a_place():
 
 def test_where_nothing_moves_there_is_no_error():
     nothing = np.zeros_like(MOVING)
-    assert measure_errors(PLANNED, MEASURED, nothing) == TrackingErrors(0.0, 0.0, 0.0, 0, 0, 0)
+    assert measure_errors(np.zeros(0), nothing) == TrackingErrors(0.0, 0.0, 0.0, 0, 0, 0)
 
 
 @pytest.mark.skipif(tracking_errors.KERNEL != "compiled", reason="no compiled kernel")
@@ -30,9 +29,17 @@ def test_where_nothing_moves_there_is_no_error():
 def test_the_kernel_measures_the_same(count, monkeypatch):
     moving = MOVING[:count].copy()
     moving[0, 0] = True
-    fast = measure_errors(PLANNED[:count], MEASURED[:count], moving)
+    fast = measure_errors(ERRORS[:count][moving], moving)
     monkeypatch.setattr(tracking_errors, "KERNEL", "numpy")
-    slow = measure_errors(PLANNED[:count], MEASURED[:count], moving)
+    slow = measure_errors(ERRORS[:count][moving], moving)
     for name in ("rmse", "p95", "max"):
         assert getattr(fast, name) == pytest.approx(getattr(slow, name), rel=1e-14)
     assert (fast.row, fast.hinge, fast.most) == (slow.row, slow.hinge, slow.most)
+
+
+@pytest.mark.skipif(tracking_errors.KERNEL != "compiled", reason="no compiled kernel")
+@pytest.mark.parametrize("count", [0, 1, -1])
+def test_errors_that_are_not_those_of_what_moves_are_refused(count):
+    errors = np.zeros(MOVING.sum() + count) if count else np.zeros(0)
+    with pytest.raises(ValueError, match="do not fit"):
+        measure_errors(errors, MOVING)

@@ -147,10 +147,10 @@ def _stroke(sync: SyncTime, side: str, performance: Performance) -> float:
     zero, times = planned.trajectory.zero, performance.measured.times
     own = {each.sync: each.planned for each in planned.syncs if each.behaviour == sync.behaviour}
     near = (times > zero + own["strokeStart"] - MARGIN) & (times < zero + own["strokeEnd"] + MARGIN)
-    planned_speed, performed_speed = (
+    wanted, performed = (
         _speed(hands[side], times)[near, None] for hands in (performance.reference.hands, performance.measured.hands)
     )
-    late = tracking_delay(planned_speed, performed_speed, np.array([True]), period=performance.period)
+    late = tracking_delay(lambda hinges: wanted[:, hinges], performed, np.array([True]), period=performance.period)
     return zero + sync.planned + float(late[0])
 
 

@@ -192,24 +192,24 @@ double percentile(std::vector<double>& values, double share) {
     return part < 0.5 ? here + (after - here) * part : after - (after - here) * (1.0 - part);
 }
 
-// Errors (m, n) of hinges that move [deg]: root mean square, 95th percentile, largest; its row and hinge, and the hinge whose
-// squares sum up to most.
-nb::tuple tracking_errors(const Numbers& planned, const Numbers& measured, const Marks& moving) {
+// Errors [deg] of hinges as long as they move, sample after sample: root mean square, 95th percentile, largest; its row and
+// hinge, and the hinge whose squares sum up to most.
+nb::tuple tracking_errors(const Numbers& found, const Marks& moving) {
     const size_t count = moving.size(), hinges = moving.shape(1);
-    require(count > 0 && planned.size() == count && measured.size() == count);
     std::vector<double> errors, squares(hinges, 0.0);
-    errors.reserve(count);
+    errors.reserve(found.size());
     double sum = 0.0, largest = -1.0;
     size_t place = 0;
     for (size_t k = 0; k < count; ++k) {
         if (!moving.data()[k]) continue;
-        const double error = std::abs(measured.data()[k] - planned.data()[k]) * DEGREES;
+        require(errors.size() < found.size());
+        const double error = std::abs(found.data()[errors.size()]) * DEGREES;
         errors.push_back(error);
         sum += error * error;
         squares[k % hinges] += error * error;
         if (error > largest) largest = error, place = k;
     }
-    require(!errors.empty());
+    require(!errors.empty() && errors.size() == found.size());
     const auto most = std::max_element(squares.begin(), squares.end()) - squares.begin();
     const double rmse = std::sqrt(sum / double(errors.size())), high = percentile(errors, 0.95);
     return nb::make_tuple(rmse, high, largest, place / hinges, place % hinges, most);

@@ -54,8 +54,8 @@ def _moving(curves: tuple[Floats, Floats, Floats]) -> Flags:
 
 def _curves(performance: Performance) -> tuple[Floats, Floats, Floats]:
     """Asked, planned and performed angles [deg], each (m, n), at the measured times."""
-    plan = performance.plan
-    asked = plan.desired.sample(performance.measured.times - plan.trajectory.zero + plan.desired.zero)[0]
+    plan, desired = performance.plan, performance.plan.desired
+    asked = desired.sample(performance.measured.times - plan.trajectory.zero + desired.zero)[0]
     return np.degrees(asked), np.degrees(performance.reference.angles), np.degrees(performance.measured.angles)
 
 

@@ -6,6 +6,7 @@ import pytest
 
 from kinesic.bench.growth import Cost, bench, by_length, document, draw, exponents
 from kinesic.bench.growth.robots import robots
+from kinesic.body import command
 from kinesic.controller import arrival, closed_loop, performance, tracking_delay
 from kinesic.controller.perform import dry_run, plan, set_up
 from kinesic.motion import piecewise
@@ -57,6 +58,8 @@ def test_a_dry_run_takes_little_more_than_what_it_measures(monkeypatch):
     monkeypatch.setattr(tracking_delay, "SPEEDS_PER_WINDOW", 4096)
     for module, name in (
         (closed_loop, "COMMANDS_PER_WINDOW"),
+        (command, "COMMANDS_PER_WINDOW"),
+        (performance, "LONG"),
         (performance, "COMMANDS_PER_WINDOW"),
         (arrival, "POSTURES_PER_WINDOW"),
         (piecewise, "TIMES_PER_EVALUATION"),
@@ -69,8 +72,8 @@ def test_a_dry_run_takes_little_more_than_what_it_measures(monkeypatch):
         peaks.append((taken, traced(lambda run=run: checks(run))[1]))
         rows.append(run.measured.angles.size)
     (performed, judged), count = np.diff(peaks[1:], axis=0)[0] / NUMBER, rows[2] - rows[1]
-    assert performed < 8 * count  # angles, speeds, torques, duties, goals and the plan's own duties are six
-    assert judged < 5 * count  # the plan's angles, the desired ones, and what is compared with them
+    assert performed < 5 * count  # angles, speeds, both goals as ticks, and the plan's duties are three and a half
+    assert judged < 1.6 * count  # what moves, its errors, and paths
 
 
 def traced(work):
