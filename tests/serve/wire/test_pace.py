@@ -20,6 +20,7 @@ def waits(monkeypatch):
         await release.wait()
 
     monkeypatch.setattr(pace, "sleep", sleep)
+    monkeypatch.setattr(quotas, "monotonic", lambda: 0.0)
     found.append(release)
     return found
 
