@@ -63,7 +63,7 @@ class MujocoDynamics:
     def _newton_euler(self, angles: Floats, speeds: Floats, accelerations: Floats) -> Floats:
         """Computes the torques (m, n) of the links alone by the recursive Newton-Euler method."""
         model, data = self._model, self._data
-        qpos, qvel, qacc = moving = data.qpos, data.qvel, data.qacc
+        moving = data.qpos, data.qvel, data.qacc
         motions = [np.ascontiguousarray(values[:, self._hinges]) for values in (angles, speeds, accelerations)]
         rigid = np.empty(angles.shape)
         *before, last = [address or 0 for address in map(function_address, STAGES)]
@@ -71,8 +71,9 @@ class MujocoDynamics:
             places = int(model._address), int(data._address)
             _kernel.inverse(before, last, *places, True, *moving, motions[0], motions[1], motions[2], rigid)
             return rigid[:, self._order]
+        data = mujoco.MjData(model)  # of this call alone: other threads may ask meanwhile
         for row, angle, speed, acceleration in zip(rigid, *motions, strict=True):
-            qpos[:], qvel[:], qacc[:] = angle, speed, acceleration
+            data.qpos[:], data.qvel[:], data.qacc[:] = angle, speed, acceleration
             mujoco.mj_kinematics(model, data)
             mujoco.mj_comPos(model, data)
             mujoco.mj_comVel(model, data)
@@ -86,20 +87,21 @@ class MujocoDynamics:
 
     def inertias(self, angles: Floats) -> Floats:
         """Computes the diagonal (m, n) [kg m^2] of the joint-space inertia, armature included, for (m, n) [rad]."""
-        model, data, qpos = self._model, self._data, self._data.qpos
+        model, data = self._model, self._data
         ordered, inertias = np.ascontiguousarray(angles[:, self._hinges]), np.empty(angles.shape)
-        matrix, diagonal = data.M, model.M_rowadr + model.M_rownnz - 1  # each row of its lower half ends there
+        diagonal = model.M_rowadr + model.M_rownnz - 1  # each row of the matrix's lower half ends there
         stages = [address or 0 for address in map(function_address, INERTIA_STAGES)]
         if KERNEL == "compiled" and all(stages):
             places = int(model._address), int(data._address)
-            _kernel.keep_left(stages, *places, qpos, matrix, diagonal.astype(np.int64), ordered, inertias)
+            _kernel.keep_left(stages, *places, data.qpos, data.M, diagonal.astype(np.int64), ordered, inertias)
             return inertias[:, self._order]
+        data = mujoco.MjData(model)  # as above
         for row, angle in zip(inertias, ordered, strict=True):
-            qpos[:] = angle
+            data.qpos[:] = angle
             mujoco.mj_kinematics(model, data)
             mujoco.mj_comPos(model, data)
             mujoco.mj_makeM(model, data)
-            row[:] = matrix[diagonal]
+            row[:] = data.M[diagonal]
         return inertias[:, self._order]
 
     @cached_property

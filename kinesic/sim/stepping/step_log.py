@@ -3,10 +3,13 @@
 from array import array
 from dataclasses import dataclass
 from functools import partial
+from typing import TypeAlias
 
 import numpy as np
 
 from kinesic.body.arrays import Floats, Indices
+
+Rows: TypeAlias = "array[float]"  # one after another
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,16 +51,21 @@ class StepLog:
             goals: (n,) [rad] in force, in joint order.
         """
         self._live = angles, speeds
-        self._angles, self._speeds = array("d", angles), array("d", speeds)
-        self.keep_angles = partial(self._angles.frombytes, angles.data.cast("B"))  # after each step of the physics
-        self.keep_speeds = partial(self._speeds.frombytes, speeds.data.cast("B"))  # likewise
-        self._steps = array("d", [0.0])  # [s] how long each step was
-        self._supplied = array("d", [1.0])  # share of its voltage that the supply had; of a stiff one, no more is kept
-        self.keep_supplied = self._supplied.append  # before each step of the physics
+        self._keep_in(array("d", angles), array("d", speeds), array("d", [0.0]), array("d", [1.0]))
         self._begins, self._aims = [0], [goals[None]]  # from which steps on which rows of goals are in force
         self.times: list[float] = []  # [s] of the commands
         self.counts: list[int] = []  # steps so far at each command
         self._sent: list[Floats] = []  # (k, n) [rad] goals of k commands each
+
+    def _keep_in(self, angles: Rows, speeds: Rows, spans: Rows, supplied: Rows) -> None:
+        """Keeps steps from now on in arrays that hold at least one."""
+        live_angles, live_speeds = self._live
+        self._angles, self._speeds = angles, speeds
+        self.keep_angles = partial(angles.frombytes, live_angles.data.cast("B"))  # after each step of the physics
+        self.keep_speeds = partial(speeds.frombytes, live_speeds.data.cast("B"))  # likewise
+        self._steps = spans  # [s] how long each step was
+        self._supplied = supplied  # share of its voltage that the supply had; of a stiff one, no more is kept
+        self.keep_supplied = supplied.append  # before each step of the physics
 
     def aim(self, goals: Floats) -> None:
         """Sets the goals (n,) [rad] in force from the next step on."""
@@ -95,7 +103,7 @@ class StepLog:
         return now
 
     def kept(self) -> KeptSteps:
-        """Shows all that was kept, without copying: nothing more can be kept while somebody holds it."""
+        """Shows all that was kept, without copying: until it is forgotten, nothing more can be kept beside it."""
         spans = np.frombuffer(self._steps)
         angles, speeds = (np.frombuffer(kept).reshape(len(spans), -1) for kept in (self._angles, self._speeds))
         aims, begins = np.concatenate(self._aims), np.array(self._begins, dtype=np.intp)
@@ -107,9 +115,8 @@ class StepLog:
         return np.concatenate(self._sent)
 
     def forget(self) -> None:
-        """Drops all but the last step."""
+        """Begins anew with the last step. Whoever was shown the others may hold them, as profilers of threads do."""
         count = len(self._live[0])
-        del self._angles[:-count], self._speeds[:-count], self._steps[:-1]
-        del self._supplied[:-1]
+        self._keep_in(self._angles[-count:], self._speeds[-count:], self._steps[-1:], self._supplied[-1:])
         self._begins, self._aims = [0], [self._aims[-1][-1:]]
         self.times, self.counts, self._sent = [], [], []
