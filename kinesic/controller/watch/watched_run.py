@@ -19,6 +19,7 @@ from kinesic.sim.twin import Twin
 
 PERIOD = 1 / RATE
 TICKS = round(LOOK * RATE)  # of commands between two looks
+FEWEST = 2  # commands: less than that is no motion, and has no speed
 SLOWING = 0.2  # [s] in which time comes to a stop
 
 
@@ -63,7 +64,7 @@ def perform_watched(plan: Plan, twin: Twin, feedforward: FeedForward, observer: 
     inputs = InputStream(observer) if observer else None
     belief = observer.begin() if observer else None
     strayed = np.zeros(len(setup.robot.skeleton.hinges))
-    while not watch.over:
+    while len(times) < FEWEST or not watch.over:
         now = Slowed(plan.trajectory, clock.time, clock.scale)
         angles, speeds, accelerations = (sealed(rows[0]) for rows in now.sample(np.zeros(1)))
         led = feedforward.lead(now, np.zeros(1))

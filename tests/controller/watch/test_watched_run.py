@@ -11,6 +11,8 @@ from kinesic.controller.watch.clearance import LONGEST_CREEP, RESERVE
 from kinesic.controller.watch.watched_run import PERIOD, SLOWING, Slowed, perform_watched
 from kinesic.hardware.protocol.registers import TICK
 from kinesic.planning.plan import Plan
+from kinesic.report.checks import checks
+from kinesic.report.report import report
 from kinesic.sim.servo_factors import NOMINAL, Factors
 from kinesic.sim.twin import Twin
 
@@ -60,6 +62,18 @@ def test_who_waits_in_vain_is_stopped(known, pleading):
     run = perform_watched(cautious, twin, FeedForward(known.robot, known.dynamics), None)
     assert len(run.times) * PERIOD == pytest.approx(LONGEST_CREEP, abs=0.1)
     assert run.times[-1] < SLOWING
+
+
+@pytest.mark.filterwarnings("error")
+def test_who_is_stopped_at_once_is_judged_like_others(known, pleading):
+    """Its robot asks for four times the clearance that the first posture has: little is to be reported, but some."""
+    start = pleading.trajectory.at(0.0).angles
+    least = float(known.distances.clearance(start[None]).distances[0]) / (RESERVE - 0.05)
+    cautious = replace(pleading, setup=replace(known, robot=replace(known.robot, least_clearance=least)))
+    stopped = dry_run(cautious)
+    assert len(stopped.reference.times) == 2
+    assert {check.name: check.status for check in checks(stopped)}["collision.performed"] == "fail"
+    assert report(stopped, source="x.bml")["grade"] == "fail"
 
 
 def test_a_slowed_motion_passes_the_same_places_at_its_pace(calm):
