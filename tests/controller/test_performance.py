@@ -53,3 +53,19 @@ def test_goals_that_two_bytes_do_not_hold_are_kept_as_they_are(rounds: bool) -> 
     assert seen.sent.counts.dtype == np.float64
     expected = np.outer(sent, np.ones(len(tick)))
     np.testing.assert_array_equal(seen.goals, np.rint(expected / tick) * tick if rounds else expected)
+
+
+@pytest.mark.parametrize("far", [1, 4])
+def test_goals_beyond_two_bytes_are_kept_once_whenever_they_come(far: int) -> None:
+    robot = Robot.load()
+    twin, still, sent = Twin(robot), np.zeros(len(robot.drives)), np.full(6, 0.1)
+    sent[far] = 1e3
+    recorder, rows = twin.recorder(len(sent)), []
+    for k, goal in enumerate(sent):
+        twin.write(Command(0.01 * k, still, still, still, still + goal))
+        twin.record(recorder)
+        rows.append(recorder._counts["sent"])
+    assert [row.dtype == np.float64 for row in rows] == [k >= far for k in range(len(sent))]
+    assert all(row is rows[far] for row in rows[far:]), "all rows are copied at every later window"
+    tick = robot.drives.tick
+    np.testing.assert_array_equal(recorder.measurements().goals, np.rint(np.outer(sent, 1 / tick)) * tick)

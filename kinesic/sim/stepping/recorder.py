@@ -14,7 +14,7 @@ from kinesic.sim.power import Spent
 from kinesic.sim.stepping.driven_motion import DrivenMotion, HingePlaces, measure_drives
 from kinesic.sim.stepping.step_log import StepLog
 
-HELD = np.iinfo(np.int16).max  # ticks that two bytes hold
+MOST_TICKS = np.iinfo(np.int16).max  # from zero, that two bytes hold
 
 
 class Recorder:
@@ -103,12 +103,12 @@ class Recorder:
         """Adds goals for the commands of a window, in ticks; in two bytes each, as long as all fit."""
         for name, goals in window.items():
             ticks: NDArray[np.int16] | Floats = goals if self._ticks is None else np.rint(goals / self._ticks)
-            if self._ticks is not None and np.abs(ticks).max(initial=0.0) <= HELD:
+            if self._ticks is not None and np.abs(ticks).max(initial=0.0) <= MOST_TICKS:
                 ticks = ticks.astype(np.int16)
             if name not in self._counts:
                 self._counts[name] = np.empty((self._commands, goals.shape[1]), ticks.dtype)
-            elif self._counts[name].dtype != ticks.dtype:
-                self._counts[name] = self._counts[name].astype(np.float64)
+            elif ticks.dtype == np.float64:
+                self._counts[name] = self._counts[name].astype(np.float64, copy=False)
             self._counts[name][self._done : self._done + len(goals)] = ticks
 
     def measurements(self) -> Measurements:
