@@ -23,8 +23,8 @@ class Limit:
     danger: float = inf  # a goal's value above this fails, with this as its limit
 
     def is_beyond(self, value: float, bound: float) -> bool:
-        """Whether a value is on the bad side of a bound."""
-        return value < bound if self.at_least else value > bound
+        """Says whether a value is on the bad side of a bound; what is no number is."""
+        return not (value >= bound if self.at_least else value <= bound)
 
 
 LIMITS = {

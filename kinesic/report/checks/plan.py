@@ -4,7 +4,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.body.dynamics import Clearance
-from kinesic.controller.performance import COMMANDS_PER_WINDOW, Performance
+from kinesic.controller.performance import Performance
 from kinesic.report.checks.check import Check, format_time
 
 TOLERANCE = 1.001  # on ratios to limits
@@ -40,13 +40,11 @@ def _margin(performance: Performance) -> Check:
 
 
 def _highest(values: Floats, times: Floats, names: tuple[str, ...]) -> tuple[float, str]:
-    """The largest magnitude of (m, n) values at (m,) times [s], and its hinge and time; the first of equal ones."""
-    windows = range(0, len(values), COMMANDS_PER_WINDOW)  # of a long motion there is no room for all magnitudes
-    highest, begin = max(
-        (float(np.abs(values[begin : begin + COMMANDS_PER_WINDOW]).max()), -begin) for begin in windows
-    )
-    row, hinge = np.unravel_index(int(np.abs(values[-begin : COMMANDS_PER_WINDOW - begin]).argmax()), values.shape)
-    return highest, f"{names[hinge]} {format_time(times[row - begin])}"
+    """Finds the largest magnitude of (m, n) values at (m,) times [s], with hinge and time; the first of equal ones."""
+    peaks = np.maximum(values.max(axis=1), -values.min(axis=1))  # a long motion has no room for all magnitudes
+    row = int(peaks.argmax())
+    hinge = int(np.abs(values[row]).argmax())
+    return float(peaks[row]), f"{names[hinge]} {format_time(times[row])}"
 
 
 def distance_checks(performance: Performance) -> list[Check]:

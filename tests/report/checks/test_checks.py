@@ -105,6 +105,14 @@ def test_a_duty_above_one_fails_where_it_is(done):
     assert check.where == f"{done.plan.setup.robot.skeleton.names[7]} at 1.20 s"
 
 
+def test_a_duty_that_is_no_number_is_not_passed_over(done):
+    duties = done.reference.duties.copy()
+    duties[130, 7] = np.nan
+    check = found(replace(done, reference=replace(done.reference, duties=duties)))["limits.duty"]
+    assert check.status == "fail"
+    assert check.where == f"{done.plan.setup.robot.skeleton.names[7]} at 1.30 s"
+
+
 @pytest.mark.parametrize(("share", "status", "limit"), [(0.39, "pass", 0.4), (0.5, "warn", 0.4), (0.81, "fail", 0.8)])
 def test_torque_to_stand_still(done, known, share, status, limit):
     class Loaded:
