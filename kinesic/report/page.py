@@ -16,7 +16,7 @@ from kinesic.report.conditioning import find_deviations, story
 from kinesic.report.content_policy import content_policy
 from kinesic.report.document_lines import document_lines
 from kinesic.report.plots.hands import hands
-from kinesic.report.plots.joints import joints, still_hinges
+from kinesic.report.plots.joints import HingeCurves, joints, still_hinges
 from kinesic.report.plots.margins import margins
 from kinesic.report.plots.score import BROAD, NARROW, score
 from kinesic.report.plots.spark import spark
@@ -79,7 +79,7 @@ def write_page(
         ValueError: a film or the sound is of another type.
     """
     chapters, strained, rows = story(performance), loads(performance), rows_of(data, "behaviours")
-    player = read_scripts(SCRIPTS)
+    player, curves = read_scripts(SCRIPTS), HingeCurves.of(performance)
     text = _template().render(
         data=data,
         verdict=verdict(data),
@@ -108,8 +108,8 @@ def write_page(
         voice=_embedded(recordings.voice, SOUND_TYPES),
         zero=performance.plan.trajectory.zero,
         scores=[drawn for layout in (BROAD, NARROW) if (drawn := score(performance, layout))],
-        joints=list(joints(performance)),
-        still=still_hinges(performance),
+        joints=list(joints(performance, curves)),
+        still=still_hinges(performance, curves),
         hands=hands(performance),
         margins=margins(performance),
     )

@@ -1,6 +1,7 @@
 """Every hinge that moves: asked against planned against performed, with its range and the sync points."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import zip_longest
 
 import numpy as np
@@ -25,11 +26,25 @@ MOST_LINES = 100  # for sync points of a panel
 LABEL = 0.62  # [in] of a sync point
 
 
-def joints(performance: Performance) -> Iterator[Markup]:
+@dataclass(frozen=True, eq=False)
+class HingeCurves:
+    """Angles [deg] of all hinges at the measured times, each (m, n): asked, planned and performed."""
+
+    curves: tuple[Floats, Floats, Floats]
+    moving: Flags  # (n,) whether the curves of a hinge leave one place, or one another
+
+    @classmethod
+    def of(cls, performance: Performance) -> "HingeCurves":
+        """Samples plan and performance, for all figures of a page: what was asked is drawn anew each time."""
+        plan, measured, desired = performance.plan, performance.measured, performance.plan.desired
+        asked = desired.sample(measured.times - plan.trajectory.zero + desired.zero)[0]
+        curves = np.degrees(asked), np.degrees(performance.reference.angles), np.degrees(measured.angles)
+        return cls(curves, np.asarray(np.ptp(np.concatenate(curves), axis=0) >= STILL_HINGE))
+
+
+def joints(performance: Performance, seen: HingeCurves) -> Iterator[Markup]:
     """Draws a figure for torso and neck, one for the arms, one for hinges outside any chain, if they move."""
-    robot = performance.plan.setup.robot
-    curves = _curves(performance)
-    moving = _moving(curves)
+    robot, moving = performance.plan.setup.robot, seen.moving
     columns = {name: robot.joints(name) for pair in PAIRS for name in pair}
     columns[OTHERS] = tuple(
         sorted(set(range(len(moving))) - {joint for column in columns.values() for joint in column})
@@ -38,36 +53,24 @@ def joints(performance: Performance) -> Iterator[Markup]:
         rows = zip_longest(columns[left], columns.get(right, ()))
         shown = [row for row in rows if any(joint is not None and moving[joint] for joint in row)]
         if shown:
-            yield _figure(performance, (left, right), shown, curves)
+            yield _figure(performance, (left, right), shown, seen)
 
 
-def still_hinges(performance: Performance) -> list[str]:
+def still_hinges(performance: Performance, seen: HingeCurves) -> list[str]:
     """Names the hinges that are not drawn."""
-    moving = _moving(_curves(performance))
-    return [name for name, moves in zip(performance.plan.setup.robot.skeleton.names, moving, strict=True) if not moves]
-
-
-def _moving(curves: tuple[Floats, Floats, Floats]) -> Flags:
-    """(n,) whether the curves of a hinge leave one place, or one another."""
-    return np.asarray(np.ptp(np.concatenate(curves), axis=0) >= STILL_HINGE)
-
-
-def _curves(performance: Performance) -> tuple[Floats, Floats, Floats]:
-    """Asked, planned and performed angles [deg], each (m, n), at the measured times."""
-    plan, desired = performance.plan, performance.plan.desired
-    asked = desired.sample(performance.measured.times - plan.trajectory.zero + desired.zero)[0]
-    return np.degrees(asked), np.degrees(performance.reference.angles), np.degrees(performance.measured.angles)
+    names = performance.plan.setup.robot.skeleton.names
+    return [name for name, moves in zip(names, seen.moving, strict=True) if not moves]
 
 
 def _figure(
     performance: Performance,
     names: tuple[str, str],
     rows: list[tuple[int | None, int | None]],
-    curves: tuple[Floats, Floats, Floats],
+    seen: HingeCurves,
 ) -> Markup:
     drawn = Figure(TOP + PANEL * len(rows) + BOTTOM)
     width = (WIDTH - LEFT - RIGHT - GAP) / 2
-    left, moving = LEFT, _moving(curves)
+    left, moving = LEFT, seen.moving
     for column, name in enumerate(names):
         shown = [(row, joint) for row, pair in enumerate(rows) if (joint := pair[column]) is not None and moving[joint]]
         syncs = _syncs(performance, name)
@@ -75,7 +78,7 @@ def _figure(
             bottom = BOTTOM + PANEL * (len(rows) - 1 - row)
             axes = drawn.axes(left, bottom, width, PANEL - HEAD, timed=True)
             axes.labelled = row == shown[-1][0]
-            _panel(axes, performance, joint, curves, syncs)
+            _panel(axes, performance, joint, seen.curves, syncs)
             if row == shown[0][0]:
                 drawn.write(left, bottom + PANEL + 0.2, NAMES.get(name, name))
                 _label(axes, performance, syncs, width)

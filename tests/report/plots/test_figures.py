@@ -2,16 +2,20 @@
 
 import re
 import xml.etree.ElementTree as ElementTree
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from kinesic.controller.performance import Performance
+from kinesic.motion.desired import join_keys
+from kinesic.report.page import write_page
 from kinesic.report.plots.fitting import POINTS, fit_text, spaced_indices, thin_line
 from kinesic.report.plots.hands import hands
-from kinesic.report.plots.joints import joints, still_hinges
+from kinesic.report.plots.joints import HingeCurves, joints, still_hinges
 from kinesic.report.plots.margins import margins
 from kinesic.report.plots.score import NARROW, score
+from kinesic.report.report import report
 
 
 def words_of(figure: str) -> set[str | None]:
@@ -21,7 +25,7 @@ def words_of(figure: str) -> set[str | None]:
 
 @pytest.fixture(scope="module")
 def moves(hurried: Performance) -> list[str]:
-    return list(joints(hurried))
+    return list(joints(hurried, HingeCurves.of(hurried)))
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +44,7 @@ def test_figures_are_well_formed_and_show_the_hinges_that_move(
     drawn = set().union(*(words_of(figure) for figure in moves))
     names = set(hurried.plan.setup.robot.skeleton.names)
     assert "skullbase_tilt" in drawn
-    assert drawn & names == names - set(still_hinges(hurried))
+    assert drawn & names == names - set(still_hinges(hurried, HingeCurves.of(hurried)))
     assert {"offer", "NOD", "Hello there,"} <= words_of(acts)
     assert len(words_of(ways)) > 3
 
@@ -80,3 +84,12 @@ def test_labels_fit() -> None:
     assert fit_text("a very long name of a behaviour", 1.0).endswith("\u2026")
     assert fit_text("long", 0.01) == ""
     assert spaced_indices([0.0, 0.1, 1.0, 1.4, 2.1], 1.0) == [0, 2, 4]
+
+
+def test_what_was_asked_is_drawn_once_for_the_curves_of_a_page_and_once_for_its_player(
+    hurried: Performance, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn, draw, data = [], join_keys, report(hurried, source="hurried.bml")
+    monkeypatch.setattr("kinesic.planning.plan.join_keys", lambda *keys: drawn.append(keys) or draw(*keys))
+    write_page(hurried, data, path=tmp_path / "report.html")
+    assert len(drawn) == 2
