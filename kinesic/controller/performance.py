@@ -227,9 +227,9 @@ class Performance:
         """When the twin's wrists are fastest in the strokes that are tied to words."""
         return measure_lags(self.plan, self.measured.times, self.measured.hands)
 
-    @cached_property
+    @property
     def errors(self) -> Floats:
-        """(m, n) [rad] measured minus planned, NaN where the hinge is not moving."""
+        """(m, n) [rad] measured minus planned, NaN where the hinge is not moving; computed anew each time."""
         return np.where(self.reference.moving, self.measured.angles - self.reference.angles, np.nan)
 
     @cached_property

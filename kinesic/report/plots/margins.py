@@ -70,7 +70,7 @@ def _shares(axes: Axes, performance: Performance) -> None:
 def _tracking(axes: Axes, performance: Performance) -> None:
     """Measured minus planned angle of the hinge that is furthest off; in grey also those that hardly move."""
     everything = np.degrees(np.abs(performance.measured.angles - performance.reference.angles))
-    counted = np.degrees(np.abs(np.nan_to_num(performance.errors)))
+    counted = np.where(performance.reference.moving, everything, 0.0)
     for errors, colour in ((everything, ThemeColour.ASKED), (counted, ThemeColour.PERFORMED)):
         axes.line(*thin_line(performance.measured.times, errors.max(axis=1)), colour)
     axes.limit_y(0.0)
