@@ -18,14 +18,14 @@ from kinesic.face.assets.mesh import Mesh
 JAW = "jawOpen"  # the shape that takes the lower lip along
 CORNER = 0.4  # share of the jaw's way that the corners of the mouth go: what goes further is the lower lip
 ASIDE, FORWARD, AROUND = 0.40, 0.28, 0.42  # distances between the eyes: the corners, the teeth, the skin that gives way
-NEAR = 0.22  # distances between the eyes from there, within which an edge of a lip is looked for
+EDGE = 0.22  # distances between the eyes above and below the mouth, within which the edge of a lip is looked for
 MIDDLE = 0.2  # distances between the eyes from the middle, within which the lower lip's edge says how high the mouth is
 COLUMNS = 25
-STEEP = 6.0  # times its way to a column that a point outside it is taken to be further from the other lip
+ASIDE_SLOPE = 6.0  # [m/m] by which a point outside a column counts as further from the other lip, for its way to there
 SOFTER = 0.75  # share of what both give way that is the lower lip's
 TOUCHING = 0.0004  # [m] that closed lips overlap, so that no slit is left between them
+TOUCHING_ASIDE = 0.002  # [m] likewise at the corners of the mouth, where a column is wider than what it must close
 STICKY = 0.001  # [m] of a gap, over which lips hold on to each other ever less
-CORNERS = 0.002  # [m] and at the corners of the mouth, where a column is wider than what it must close
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,12 +54,12 @@ class Lips:
         positions[self.skin, 2] += self.gives * np.interp(positions[self.skin, 1], self.middles, change)
 
     def overlap(self, positions: Floats) -> Floats:
-        """(c,) [m] how far the lower lip reaches over the end of the upper one; below 0 where they are apart."""
+        """Measures how far (c,) [m] the lower lip reaches over the end of the upper one; below 0 where apart."""
         aside, away = self.points @ positions[:, 1], self.outward * (self.points @ positions[:, 2])
         return -np.asarray(self._ends(aside, away).sum(axis=0))
 
     def _ends(self, aside: Floats, away: Floats) -> Floats:
-        """(2, c) [m] how far the end of each lip is away from the other.
+        """Measures how far (2, c) [m] the end of each lip is away from the other.
 
         Args:
             aside: (n,) [m] to the left, of points.
@@ -69,14 +69,15 @@ class Lips:
         right, left = self.middles - 0.5 * wide, self.middles + 0.5 * wide
         column = np.clip(((aside - right[0]) / wide + 1.0).astype(np.intp), 0, count - 1)
         column[self.starts[1] :] += count
-        further = STEEP * aside
+        further = ASIDE_SLOPE * aside
         found = np.full((3, 2 * count), np.inf)
         for least, each in zip(found, (away, away - further, away + further), strict=True):
             np.minimum.at(least, column, each)
         within, before, behind = found.reshape(3, 2, count)
+        # beside its outermost points a lip is as far away as these are
         first, last = (each.reduceat(further, self.starts)[:, None] for each in (np.minimum, np.maximum))
-        before = np.minimum.accumulate(before, axis=1)[:, :-2] + np.clip(STEEP * right, first, last)
-        behind = np.minimum.accumulate(behind[:, ::-1], axis=1)[:, -3::-1] - np.clip(STEEP * left, first, last)
+        before = np.minimum.accumulate(before, axis=1)[:, :-2] + np.clip(ASIDE_SLOPE * right, first, last)
+        behind = np.minimum.accumulate(behind[:, ::-1], axis=1)[:, -3::-1] - np.clip(ASIDE_SLOPE * left, first, last)
         return np.asarray(np.minimum(within[:, 1:-1], np.minimum(before, behind)))
 
 
@@ -91,7 +92,7 @@ def lips(mesh: Mesh) -> Lips:
     gives = np.clip(1.25 * (1.0 - away / AROUND), 0.0, 1.0) ** 2 * np.where(below, -SOFTER, 1.0 - SOFTER)
     middles = np.linspace(-ASIDE, ASIDE, COLUMNS) * unit
     aside = np.clip((np.abs(middles) / middles[-1] - 0.7) / 0.15, 0.0, 1.0)
-    upper, lower = (_points(mesh, skin & each & (away < NEAR)) for each in (~below, below))
+    upper, lower = (_points(mesh, skin & each & (away < EDGE)) for each in (~below, below))
     return Lips(
         skin=np.flatnonzero(skin),
         gives=gives[skin],
@@ -99,18 +100,18 @@ def lips(mesh: Mesh) -> Lips:
         starts=np.array([0, upper.shape[0]]),
         outward=np.repeat([1.0, -1.0], [upper.shape[0], lower.shape[0]]),
         middles=middles,
-        touching=TOUCHING + (CORNERS - TOUCHING) * aside,
+        touching=TOUCHING + (TOUCHING_ASIDE - TOUCHING) * aside,
     )
 
 
 def falls(mesh: Mesh) -> Floats:
-    """(v,) how far a dropping jaw takes each vertex along, against what it takes furthest."""
+    """Measures how far (v,) a dropping jaw takes each vertex along, as a share of what it takes furthest."""
     down = -mesh.deltas[:, [mesh.shapes.index(JAW)]].toarray().reshape(-1, 3)[:, 2]
     return np.asarray(down / down.max())
 
 
 def _points(mesh: Mesh, lip: NDArray[np.bool_]) -> "scipy.sparse.csr_array":
-    """(n, v) places of points all over a lip: corners and middles of edges, and three within each triangle."""
+    """Spreads points (n, v) all over a lip: corners and middles of edges, and three within each triangle."""
     triangles = mesh.triangles[lip[mesh.triangles].all(axis=1)].astype(np.intp)
     ends = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)) @ (len(lip), 1)
     edges = np.stack(np.divmod(np.unique(ends), len(lip)), axis=1)
