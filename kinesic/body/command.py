@@ -70,13 +70,13 @@ class Power:
 
 @dataclass(frozen=True, eq=False)
 class TickRows:
-    """Goals as servos hold them: whole ticks, in a quarter of the room that angles take."""
+    """Goals of many commands as servos hold them: whole ticks, in a quarter of the room that angles take."""
 
-    counts: NDArray[np.int16] | Floats  # (m, n) ticks; floats where somebody sent more than two bytes hold
+    counts: NDArray[np.int16] | Floats  # (m, n) ticks; floats where some goal is beyond two bytes, or not rounded
     tick: Floats  # (n,) [rad]; 1 for goals that nobody rounds
 
     def angles(self, rows: slice = slice(None)) -> Floats:
-        """(k, n) [rad] of some rows."""
+        """Computes the goals (k, n) [rad] of some rows."""
         return seal_own(self.counts[rows] * self.tick)
 
 
@@ -84,8 +84,8 @@ class TickRows:
 class Measurements:
     """The performed motion, sampled at the times of the commands.
 
-    What follows from the rest by the servos' law is computed each time that somebody asks: a long motion has room for
-    what is kept alone.
+    Goals, duties and torques follow from what is kept by the servos' law. They are computed each time that somebody
+    asks, as those of a long motion take much room.
     """
 
     times: Floats  # (m,) [s]
@@ -122,11 +122,11 @@ class Measurements:
         return seal_own(found)
 
     def windows(self) -> Iterator[slice]:
-        """Yields commands whose duties are computed together."""
+        """Yields the rows of commands whose duties are computed together, window by window."""
         return (slice(begin, begin + COMMANDS_PER_WINDOW) for begin in range(0, len(self.times), COMMANDS_PER_WINDOW))
 
     def drive_rows(self, rows: slice) -> tuple[Floats, Floats]:
-        """Duties and torques [Nm] of some commands, each (k, n)."""
+        """Computes duties and torques [Nm] of some commands, each (k, n)."""
         speeds, drives = self.speeds[rows], self.drives
         duties = drives.demanded(self.in_force.angles(rows) - self.angles[rows], speeds)
         loads = drives.loads(np.clip(duties, -1.0, 1.0), speeds, self.supplied[rows])

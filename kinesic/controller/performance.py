@@ -27,9 +27,9 @@ from kinesic.sim.servo_factors import NOMINAL, PESSIMISTIC, Factors
 
 MOVING = 0.05  # share of its speed limit above which a hinge counts as moving
 LEAST_WAY = 0.05  # [m] below which a hand only sways with the body
-EVERY = round(2 * LOOK * RATE)  # commands between two looks back at the clearance
-LONG = 4096  # commands of a motion that is looked up anew each time, window by window
-COMMANDS_PER_WINDOW = 1024  # of it, that are looked at together: as many frames take 3 MB
+COMMANDS_PER_LOOK = round(2 * LOOK * RATE)  # from one look back at the clearance to the next
+MOST_KEPT = 4096  # commands of a motion that is kept once it is sampled; a longer one is sampled anew, by windows
+COMMANDS_PER_WINDOW = 1024  # of a longer one, which are sampled together: frames of as many take 3 MB
 HOLDING_RATE = 20  # [Hz] at which the torque of standing still is judged: gravity changes slowly
 
 
@@ -43,17 +43,17 @@ class Reference:
 
     @property
     def angles(self) -> Floats:
-        """(m, n) [rad]; of a long motion looked up anew each time, like what follows: it costs less than its room."""
+        """(m, n) [rad]; a long motion is sampled anew each time that somebody asks, as it takes much room."""
         return self._sample(0)
 
     @property
     def speeds(self) -> Floats:
-        """(m, n) [rad/s]; of a motion longer than a window they are computed anew each time."""
+        """(m, n) [rad/s]; likewise."""
         return self._sample(1)
 
     def speeds_of(self, hinges: Indices) -> Floats:
-        """(m, k) [rad/s] of (k,) hinges; of a long motion none of the others is looked up."""
-        if len(self.times) <= LONG:
+        """Samples the speeds (m, k) [rad/s] of (k,) hinges; those of others are not computed for a long motion."""
+        if len(self.times) <= MOST_KEPT:
             return self.speeds[:, hinges]
         trajectory = self.plan.trajectory
         return replace(trajectory, controls=trajectory.controls[:, hinges]).sample(self.times)[1]
@@ -64,7 +64,7 @@ class Reference:
         return self._sample(2)
 
     def _sample(self, order: int) -> Floats:
-        if len(self.times) <= LONG:
+        if len(self.times) <= MOST_KEPT:
             return self._motion[order]
         found = np.empty(self.duties.shape)
         for rows, motion in self.motions():
@@ -72,8 +72,8 @@ class Reference:
         return found
 
     def motions(self) -> Iterator[tuple[slice, tuple[Floats, Floats, Floats]]]:
-        """Yields commands with angles, speeds and accelerations there; no more is held of a motion than a window."""
-        if len(self.times) <= LONG:
+        """Yields windows of commands with their angles, speeds and accelerations; a short motion is one window."""
+        if len(self.times) <= MOST_KEPT:
             yield slice(None), self._motion
             return
         for begin in range(0, len(self.times), COMMANDS_PER_WINDOW):
@@ -186,8 +186,8 @@ class Performance:
     @cached_property
     def rooms(self) -> Floats:
         """(k,) [m] clearance that the twin's errors of the last moments would have left, every 100 ms."""
-        planned = self.plan.trajectory.angles(self.reference.times[::EVERY])
-        return foresee(planned, self.measured.angles[::EVERY], self.plan.setup.distances, every=1)
+        planned = self.plan.trajectory.angles(self.reference.times[::COMMANDS_PER_LOOK])
+        return foresee(planned, self.measured.angles[::COMMANDS_PER_LOOK], self.plan.setup.distances, every=1)
 
     @property
     def performed(self) -> float:

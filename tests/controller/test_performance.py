@@ -27,7 +27,7 @@ def test_of_a_long_motion_the_planned_one_is_looked_up_by_windows(
     calm: Performance, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     whole = Reference(calm.plan, calm.reference.times, calm.reference.duties)
-    for name, commands in (("LONG", 64), ("COMMANDS_PER_WINDOW", 16)):
+    for name, commands in (("MOST_KEPT", 64), ("COMMANDS_PER_WINDOW", 16)):
         monkeypatch.setattr(f"kinesic.controller.performance.{name}", commands)
     parts = Reference(calm.plan, calm.reference.times, calm.reference.duties)
     for name in ("angles", "speeds", "accelerations", "moving"):

@@ -22,7 +22,7 @@ def servo_checks(performance: Performance) -> list[Check]:
     """Checks the time at full duty, and the torque that heats."""
     names = performance.plan.setup.robot.skeleton.names
     measured = performance.measured
-    over, squares = _follow_drives(measured)
+    over, squares = _sum_up_drives(measured)
     saturated = over.sum(axis=0) * performance.period
     longest = int(saturated.argmax())
     where = f"{names[longest]} from {measured.times[over[:, longest].argmax()]:.2f} s" if over.any() else ""
@@ -34,8 +34,8 @@ def servo_checks(performance: Performance) -> list[Check]:
     ]
 
 
-def _follow_drives(measured: Measurements) -> tuple[Flags, Floats]:
-    """Where duties are full, (m, n), and the sum (n,) [Nm^2] of the squared torques, added up command by command."""
+def _sum_up_drives(measured: Measurements) -> tuple[Flags, Floats]:
+    """Finds where duties are full, (m, n), and adds up the squared torques to (n,) [Nm^2], command by command."""
     over, squares = np.empty(measured.angles.shape, dtype=np.bool_), np.zeros(measured.angles.shape[1])
     for rows in measured.windows():
         duties, torques = measured.drive_rows(rows)

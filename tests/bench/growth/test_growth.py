@@ -59,7 +59,7 @@ def test_a_dry_run_takes_little_more_than_what_it_measures(monkeypatch):
     for module, name in (
         (closed_loop, "COMMANDS_PER_WINDOW"),
         (command, "COMMANDS_PER_WINDOW"),
-        (performance, "LONG"),
+        (performance, "MOST_KEPT"),
         (performance, "COMMANDS_PER_WINDOW"),
         (arrival, "POSTURES_PER_WINDOW"),
         (piecewise, "TIMES_PER_EVALUATION"),
