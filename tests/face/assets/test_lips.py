@@ -6,7 +6,7 @@ import pytest
 from kinesic.body.action_units import CHANNELS
 from kinesic.expressivity.face.visemes import viseme_of
 from kinesic.face.assets.action_units import deform
-from kinesic.face.assets.lips import Lips, lips
+from kinesic.face.assets.lips import ASIDE_SLOPE, Lips, lips
 from kinesic.face.assets.mesh import PARTS, VARIANTS, Mesh, load_head
 from kinesic.face.assets.paint import MOUTH
 
@@ -26,6 +26,20 @@ def mouth(mesh: Mesh) -> Lips:
 def overlap(mouth: Lips, positions: np.ndarray) -> np.ndarray:
     """Millimetres by which the lips overlap, from corner to corner."""
     return 1000.0 * mouth.overlap(positions)[OUTER:-OUTER]
+
+
+@pytest.mark.parametrize("wide", [0.3, 1.0, 1.6])
+def test_every_point_counts_in_every_column_as_further_by_its_way_to_there(mouth: Lips, wide: float):
+    """On lips that are narrower than all columns together, as wide, and wider."""
+    random, half = np.random.default_rng(5), 0.5 * (mouth.middles[1] - mouth.middles[0])
+    points = random.uniform(wide * mouth.middles[0], wide * mouth.middles[-1], len(mouth.outward))
+    away = random.uniform(-0.01, 0.01, len(points))
+    for end, upper in zip(mouth._ends(points, away), (True, False), strict=True):
+        some = points[(mouth.outward > 0.0) == upper]
+        columns = [np.clip(mouth.middles + side * half, some.min(), some.max())[:, None] for side in (-1, 1)]
+        aside = np.maximum(np.maximum(columns[0] - some, some - columns[1]), 0.0)
+        expected = (away[(mouth.outward > 0.0) == upper] + ASIDE_SLOPE * aside).min(axis=1)
+        np.testing.assert_allclose(end, expected, atol=1e-12)
 
 
 def test_lips_at_rest_just_touch(mesh: Mesh, mouth: Lips):
