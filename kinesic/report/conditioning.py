@@ -100,6 +100,8 @@ def _tell(reference: Reference) -> tuple[ChangedBehaviour, ...]:
         moved = _together(_moved(sync, plan) for sync in syncs if abs(sync.planned - sync.asked) > SHIFT_TO_WARN)
         parts = sorted(plan.keyframes.uses.get(name, frozenset()) & set(reference.paths))
         core = _core(syncs)
+        if core and plan.trajectory.zero + core[1].planned > reference.times[-1]:
+            parts = []  # somebody stopped it before: the plan lost nothing
         losses = tuple(loss for part in parts if core for loss in _losses(part, core, desired, reference))
         if moved or losses:
             found.append(ChangedBehaviour(name, moved, losses, stroke=core is not None))

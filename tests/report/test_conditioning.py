@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kinesic.controller.performance import Performance
+from kinesic.controller.performance import Performance, Reference
 from kinesic.planning.syncs import SHIFT_TO_WARN
 from kinesic.report.conditioning import LOSS_TO_TELL, find_deviations, story
 
@@ -30,6 +30,14 @@ def test_a_stroke_that_came_too_soon_is_told_with_its_limit_and_its_loss(hurried
 
 def test_nothing_moved_is_no_story(calm: Performance) -> None:
     assert story(calm) == ()
+
+
+@pytest.mark.parametrize("share", [0.05, 0.5, 1.0])
+def test_strokes_after_a_stop_are_no_loss_of_the_plan(calm: Performance, share: float) -> None:
+    strokes = [sync.planned + calm.plan.trajectory.zero for sync in calm.plan.syncs if sync.sync == "strokeEnd"]
+    count = int(calm.reference.times.searchsorted(share * max(strokes))) + 1
+    stopped = Reference(calm.plan, calm.reference.times[:count], calm.reference.duties[:count])
+    assert story(replace(calm, reference=stopped)) == ()
 
 
 def test_sync_points_that_moved_together_are_one_line(calm: Performance) -> None:
