@@ -34,7 +34,7 @@ def measure_errors(errors: Floats, moving: Flags) -> TrackingErrors:
     """
     if not moving.any():
         return TrackingErrors(0.0, 0.0, 0.0, 0, 0, 0)
-    if KERNEL == "compiled":
+    if KERNEL == "compiled" and not np.isnan(errors.sum()):  # it sorts, for which all must be numbers
         return TrackingErrors(*_kernel.tracking_errors(errors, moving))
     counted, (rows, hinges) = np.degrees(np.abs(errors)), np.nonzero(moving)
     largest = int(counted.argmax())

@@ -43,3 +43,14 @@ def test_errors_that_are_not_those_of_what_moves_are_refused(count):
     errors = np.zeros(MOVING.sum() + count) if count else np.zeros(0)
     with pytest.raises(ValueError, match="do not fit"):
         measure_errors(errors, MOVING)
+
+
+@pytest.mark.parametrize("kernel", sorted({tracking_errors.KERNEL, "numpy"}))
+@pytest.mark.parametrize("every", [1, 7])
+def test_an_error_that_is_no_number_is_the_largest(kernel, every, monkeypatch):
+    monkeypatch.setattr(tracking_errors, "KERNEL", kernel)
+    errors = ERRORS.copy()
+    errors[3::every] = np.nan
+    found = measure_errors(errors[MOVING], MOVING)
+    assert np.isnan([found.rmse, found.p95, found.max]).all()
+    assert (found.row, found.hinge) == (3, MOVING[3].argmax())
