@@ -23,10 +23,10 @@ from kinesic.tasks.engine import Engine, Processes
 
 NOD = '<head id="h" lexeme="NOD" start="0.1" end="{}"/>'
 BLOCK = f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{NOD}</bml>'
-SHARE = 60  # documents for each worker
+SHARE = 180  # documents for each worker
 ROUNDS = 3  # of one and of two workers, in turn; of more only one
 EMPTY = 400  # tasks without work
-TAIL = 2  # tasks for each worker that do not count: in the end some workers are idle
+TAIL = 20  # tasks for each worker that do not count: in the end some workers are idle
 EFFICIENT, PAIR = 0.9, 2  # goal with so many workers
 NO_DASK = "dask.distributed is not installed: pip install 'kinesic[cluster]'"
 READY = "import distributed.worker, kinesic.report.batch; from kinesic.controller.perform import set_up; set_up()"

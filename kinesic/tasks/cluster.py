@@ -1,4 +1,8 @@
-"""Does tasks on a cluster of dask.distributed: a scheduler that is there, or some workers on this machine."""
+"""Does tasks on a cluster of dask.distributed: a scheduler that is there, or some workers on this machine.
+
+Quick tasks are handed out in groups that take a tenth of a second. A group that fails, or whose worker dies, is done
+again task by task, so that no task stands for another's crash.
+"""
 
 import hashlib
 import logging
@@ -6,6 +10,7 @@ import pickle
 from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from itertools import islice
 from threading import Lock
 from time import monotonic
 from typing import TYPE_CHECKING, Generic, TypeVar
@@ -23,7 +28,9 @@ Result = TypeVar("Result")
 LOCAL = "local:"
 FORMS = "ADDRESS of a dask scheduler, such as tcp://10.0.0.2:8786, or local:N for N workers on this machine"
 SCHEDULER_TIMEOUT = 10  # [s] for a scheduler to answer, and for its first worker
-TASKS_AHEAD = 8  # tasks for each worker that the scheduler has: it never waits for us, and its memory stays small
+GROUPS_AHEAD = 8  # groups of tasks for each worker that the scheduler has: it never waits, and its memory stays small
+GROUP_TIME = 0.1  # [s] of work that is handed out as one group: dask takes 5 ms for each
+MOST_IN_GROUP = 32  # tasks
 ASK_AGAIN = 2.0  # [s] how many workers there are
 TRIES = 3  # of a task whose workers die; a scheduler gives one up after some deaths, and strangers kill workers, too
 
@@ -53,37 +60,41 @@ class Cluster:
 
         code, left, workers = pickle.dumps(prepare), iter(tasks), _Count(self._workers)
         begun: dict[str, _Begun[Task]] = {}
-        ready = as_completed()
+        ready, done, spent = as_completed(), 0, 0.0
         try:
-            for future in self._more(code, left, begun, workers.now()):
+            for future in self._more(code, left, begun, workers.now(), size=1):
                 ready.add(future)
             for future in ready:
-                done = begun.pop(future.key)
-                result: Result | WorkerCrash = _result(future)
+                group = begun.pop(future.key)
+                found: _Found[Result] | WorkerCrash = _result(future)
                 future.release()
-                if isinstance(result, WorkerCrash) and result.is_killed and done.tries < TRIES:
-                    ready.add(self._begin(code, done.task, begun, done.tries + 1))
+                if isinstance(found, WorkerCrash) and group.may_try_again(found):
+                    for task in group.tasks:  # one by one, as one of them may be to blame
+                        ready.add(self._begin(code, (task,), begun, group.tries + 1))
                     continue
-                for more in self._more(code, left, begun, workers.now()):
+                if not isinstance(found, WorkerCrash):
+                    done, spent = done + len(found.results), spent + found.seconds
+                size = _group_size(done, spent)
+                for more in self._more(code, left, begun, workers.now(), size=size):
                     ready.add(more)
-                yield done.task, result
+                yield from zip(group.tasks, [found] if isinstance(found, WorkerCrash) else found.results, strict=True)
         finally:
             self._client.cancel([one.future for one in begun.values()], force=True)
 
     def _more(
-        self, code: bytes, left: Iterator[Task], begun: "dict[str, _Begun[Task]]", workers: int
+        self, code: bytes, left: Iterator[Task], begun: "dict[str, _Begun[Task]]", workers: int, *, size: int
     ) -> "Iterator[Future]":
-        """Sends as many of the tasks that are left as the workers want."""
-        while len(begun) < TASKS_AHEAD * max(1, workers):
-            task = next(left, None)
-            if task is None:
+        """Sends as many of the tasks that are left as the workers want, in groups of a size."""
+        while len(begun) < GROUPS_AHEAD * max(1, workers):
+            tasks = tuple(islice(left, size))
+            if not tasks:
                 return
-            yield self._begin(code, task, begun, 1)
+            yield self._begin(code, tasks, begun, 1)
 
-    def _begin(self, code: bytes, task: Task, begun: "dict[str, _Begun[Task]]", tries: int) -> "Future":
-        key = f"kinesic-{hashlib.blake2b(code + pickle.dumps(task), digest_size=16).hexdigest()}-{tries}"
-        future = self._client.submit(_do, code, task, program_version(), key=key, pure=False)
-        begun[key] = _Begun(task, future, tries)
+    def _begin(self, code: bytes, tasks: tuple[Task, ...], begun: "dict[str, _Begun[Task]]", tries: int) -> "Future":
+        key = f"kinesic-{hashlib.blake2b(code + pickle.dumps(tasks), digest_size=16).hexdigest()}-{tries}"
+        future = self._client.submit(_do, code, tasks, program_version(), key=key, pure=False)
+        begun[key] = _Begun(tasks, future, tries)
         return future
 
     def _workers(self) -> int:
@@ -92,11 +103,28 @@ class Cluster:
 
 @dataclass(frozen=True)
 class _Begun(Generic[Task]):
-    """A task that workers have."""
+    """A group of tasks that workers have."""
 
-    task: Task
+    tasks: tuple[Task, ...]
     future: "Future"
     tries: int  # this one is counted
+
+    def may_try_again(self, crash: WorkerCrash) -> bool:
+        """Says whether its tasks may be tried again, each alone."""
+        return len(self.tasks) > 1 or (crash.is_killed and self.tries < TRIES)
+
+
+@dataclass(frozen=True)
+class _Found(Generic[Result]):
+    """What a worker found for a group."""
+
+    results: list[Result]
+    seconds: float  # [s] that it took
+
+
+def _group_size(done: int, spent: float) -> int:
+    """Counts the tasks that take as long as a group should, when some that are done have spent so long [s]."""
+    return max(1, min(MOST_IN_GROUP, int(GROUP_TIME * done / spent))) if spent > 0.0 else 1
 
 
 class _Count:
@@ -175,8 +203,8 @@ def _mismatch(worker: str, theirs: str, ours: str) -> str:
     return f"worker {worker} runs another kinesic, install this one there\n  there: {theirs}\n  here:  {ours}"
 
 
-def _result(future: "Future[Result]") -> Result | WorkerCrash:
-    """Fetches a result, or says why there is none.
+def _result(future: "Future[_Found[Result]]") -> _Found[Result] | WorkerCrash:
+    """Fetches the results of a group, or says why there are none.
 
     Raises:
         ConfigError: the worker, which came later than the others, runs another program.
@@ -184,8 +212,8 @@ def _result(future: "Future[Result]") -> Result | WorkerCrash:
     from distributed import KilledWorker  # noqa: PLC0415 - slow to import, and only clusters need it
 
     while (error := future.exception()) is None:
-        # The worker that has the result may die now: another one does the task again, and that may fail.
-        found: list[Result] = future.client.gather([future], errors="skip")
+        # The worker that has the results may die now: another one does the tasks again, and that may fail.
+        found: list[_Found[Result]] = future.client.gather([future], errors="skip")
         if found:
             return found[0]
     if isinstance(error, WrongProgramError):
@@ -203,8 +231,8 @@ _ONE_AT_A_TIME = Lock()  # a robot's model is for one thread
 _PREPARED: dict[bytes, Callable[[object], object]] = {}
 
 
-def _do(code: bytes, task: object, version: str) -> object:
-    """Does a task in a worker, which prepares for tasks of its kind when it gets the first of them."""
+def _do(code: bytes, tasks: tuple[object, ...], version: str) -> _Found[object]:
+    """Does a group of tasks in a worker, which prepares for tasks of their kind when it gets the first of them."""
     from distributed import get_worker  # noqa: PLC0415 - slow to import, and only clusters need it
 
     if program_version() != version:
@@ -213,4 +241,6 @@ def _do(code: bytes, task: object, version: str) -> object:
         if code not in _PREPARED:
             _PREPARED.clear()  # one robot at a time is enough memory
             _PREPARED[code] = pickle.loads(code)()
-        return _PREPARED[code](task)
+        began = monotonic()
+        results = [_PREPARED[code](task) for task in tasks]
+        return _Found(results, monotonic() - began)

@@ -55,6 +55,22 @@ def test_every_task_is_done_once_and_what_fails_is_named(two):
     assert "ZeroDivisionError: division by zero" in results["1 / 0"].reason
 
 
+def test_of_quick_tasks_that_are_handed_out_together_only_those_that_fail_are_named(two):
+    tasks = [f"{k} + 1" for k in range(300)]
+    tasks[150], tasks[220] = "1 / 0", "[][1]"
+    found = dict(two.run(tasks, EVALUATE))
+    failed = {task: result.reason for task, result in found.items() if isinstance(result, WorkerCrash)}
+    assert len(found) == 300
+    assert sorted(failed) == ["1 / 0", "[][1]"]
+    assert "IndexError" in failed["[][1]"]
+    assert all(found[f"{k} + 1"] == k + 1 for k in range(300) if k not in (150, 220))
+
+
+@pytest.mark.parametrize(("done", "spent", "size"), [(0, 0.0, 1), (10, 0.2, 5), (10, 5.0, 1), (100, 0.001, 32)])
+def test_groups_take_a_tenth_of_a_second(done, spent, size):
+    assert module._group_size(done, spent) == size
+
+
 def test_its_place_names_workers_and_dashboard(two):
     assert two.place.startswith("2 workers, dashboard http://127.0.0.1:")
 
