@@ -17,7 +17,6 @@ from kinesic.tasks.processes import WorkerCrash
 pytestmark = [
     pytest.mark.skipif(find_spec("distributed") is None, reason="the extra cluster is not installed"),
     pytest.mark.realtime,
-    pytest.mark.skipif(find_spec("distributed") is None, reason="the extra cluster is not installed"),
     pytest.mark.filterwarnings("ignore::ResourceWarning", "ignore::pytest.PytestUnraisableExceptionWarning"),
 ]
 EVALUATE = partial(partial, eval)  # tasks are Python expressions

@@ -85,8 +85,8 @@ class DriveLoad:
 def loads(performance: Performance) -> tuple[DriveLoad, ...]:
     """Measures the load of every drive, the most strained first."""
     measured, robot = performance.measured, performance.robot
-    duties = np.abs(measured.duties)
-    shares = np.abs(measured.torques) / robot.drives.stall
+    demanded, torques = measured.drive_rows(slice(None))
+    duties, shares = np.abs(demanded), np.abs(torques) / robot.drives.stall
     found = [
         DriveLoad(
             hinge=name,
