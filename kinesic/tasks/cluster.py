@@ -1,10 +1,9 @@
 """Does tasks on a cluster of dask.distributed: a scheduler that is there, or some workers on this machine.
 
 Quick tasks are handed out in groups that take a tenth of a second. A group that fails, or whose worker dies, is done
-again task by task, so that no task stands for another's crash.
+again task by task, so that a crash is told of the one task that causes it.
 """
 
-import hashlib
 import logging
 import pickle
 from collections.abc import Callable, Generator, Iterable, Iterator
@@ -28,8 +27,8 @@ Result = TypeVar("Result")
 LOCAL = "local:"
 FORMS = "ADDRESS of a dask scheduler, such as tcp://10.0.0.2:8786, or local:N for N workers on this machine"
 SCHEDULER_TIMEOUT = 10  # [s] for a scheduler to answer, and for its first worker
-GROUPS_AHEAD = 8  # groups of tasks for each worker that the scheduler has: it never waits, and its memory stays small
-GROUP_TIME = 0.1  # [s] of work that is handed out as one group: dask takes 5 ms for each
+GROUPS_AHEAD = 8  # groups for each worker that the scheduler has: workers hardly wait, and its memory stays small
+GROUP_TIME = 0.1  # [s] of work that is handed out as one group: dask takes 5 ms for each group
 MOST_IN_GROUP = 32  # tasks
 ASK_AGAIN = 2.0  # [s] how many workers there are
 TRIES = 3  # of a task whose workers die; a scheduler gives one up after some deaths, and strangers kill workers, too
@@ -92,9 +91,8 @@ class Cluster:
             yield self._begin(code, tasks, begun, 1)
 
     def _begin(self, code: bytes, tasks: tuple[Task, ...], begun: "dict[str, _Begun[Task]]", tries: int) -> "Future":
-        key = f"kinesic-{hashlib.blake2b(code + pickle.dumps(tasks), digest_size=16).hexdigest()}-{tries}"
-        future = self._client.submit(_do, code, tasks, program_version(), key=key, pure=False)
-        begun[key] = _Begun(tasks, future, tries)
+        future = self._client.submit(_do, code, tasks, program_version(), pure=False)  # with a key of its own
+        begun[future.key] = _Begun(tasks, future, tries)
         return future
 
     def _workers(self) -> int:

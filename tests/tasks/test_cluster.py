@@ -65,6 +65,11 @@ def test_of_quick_tasks_that_are_handed_out_together_only_those_that_fail_are_na
     assert all(found[f"{k} + 1"] == k + 1 for k in range(300) if k not in (150, 220))
 
 
+def test_equal_tasks_are_done_as_often_as_they_are_asked_for(two):
+    found = list(two.run(["2 + 2"] * 100, EVALUATE))
+    assert found == [("2 + 2", 4)] * 100
+
+
 @pytest.mark.parametrize(("done", "spent", "size"), [(0, 0.0, 1), (10, 0.2, 5), (10, 5.0, 1), (100, 0.001, 32)])
 def test_groups_take_a_tenth_of_a_second(done, spent, size):
     assert module._group_size(done, spent) == size
