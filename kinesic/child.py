@@ -2,6 +2,7 @@
 
 import multiprocessing
 import os
+import sys
 from collections.abc import Callable
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import ForkServerContext, SpawnContext
@@ -21,13 +22,19 @@ ORPHANED = 1  # the exit code of a child whose parent has gone
 Arguments = TypeVarTuple("Arguments")
 
 
+def has_private_forkserver() -> bool:
+    """Return True if only this user can reach the server of forks."""
+    # Python 3.11.0 lets all users connect to it, and have it run code (CVE-2022-42919).
+    return "forkserver" in multiprocessing.get_all_start_methods() and sys.version_info[:3] >= (3, 11, 1)
+
+
 def child_context(*preload: str) -> ForkServerContext | SpawnContext:
     """Chooses how processes begin: as forks of a clean one where the system can, never of one with threads.
 
     Args:
         preload: modules that forks begin with, imported once; those that the first caller names hold for all.
     """
-    if "forkserver" not in multiprocessing.get_all_start_methods():
+    if not has_private_forkserver():
         return multiprocessing.get_context("spawn")
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(["__main__", *preload, *SLOW])

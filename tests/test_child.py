@@ -1,5 +1,6 @@
 """Child processes: begun, watched and ended."""
 
+import multiprocessing
 import os
 import signal
 import subprocess
@@ -50,6 +51,14 @@ def test_what_a_terminal_signals_is_for_whoever_began_a_child_alone():
     child = Child(CONTEXT, tell_group, theirs)
     assert ours.recv() not in (os.getpgrp(), 0)
     assert child.wait() == 0
+
+
+@pytest.mark.parametrize(("version", "method"), [((3, 11, 0), "spawn"), ((3, 11, 1), "forkserver")])
+def test_no_fork_begins_where_other_users_reach_the_server_of_forks(monkeypatch, version: tuple[int, ...], method: str):
+    if "forkserver" not in multiprocessing.get_all_start_methods():
+        pytest.skip("children are no forks here")
+    monkeypatch.setattr(sys, "version_info", version)
+    assert child_context().get_start_method() == method
 
 
 @pytest.mark.skipif(CONTEXT.get_start_method() != "forkserver", reason="children are no forks here")

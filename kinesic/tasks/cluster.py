@@ -7,7 +7,7 @@ again task by task, so that a crash is told of the one task that causes it.
 import logging
 import pickle
 from collections.abc import Callable, Generator, Iterable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import islice
 from threading import Lock
@@ -15,6 +15,7 @@ from time import monotonic
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 from kinesic.body.config import ConfigError
+from kinesic.tasks.dask_access import Certificates, open_client
 from kinesic.tasks.processes import WorkerCrash
 from kinesic.tasks.program import program_version
 
@@ -24,8 +25,6 @@ if TYPE_CHECKING:
 Task = TypeVar("Task")
 Result = TypeVar("Result")
 
-LOCAL = "local:"
-FORMS = "ADDRESS of a dask scheduler, such as tcp://10.0.0.2:8786, or local:N for N workers on this machine"
 SCHEDULER_TIMEOUT = 10  # [s] for a scheduler to answer, and for its first worker
 GROUPS_AHEAD = 8  # groups for each worker that the scheduler has: workers hardly wait, and its memory stays small
 GROUP_TIME = 0.1  # [s] of work that is handed out as one group: dask takes 5 ms for each group
@@ -48,8 +47,9 @@ class Cluster:
 
     @property
     def place(self) -> str:
-        """How many workers there are, and where the dashboard is."""
-        return f"{self._workers()} workers, dashboard {self._client.dashboard_link}"
+        """Number of workers, and the dashboard of a scheduler that has one."""
+        link = self._client.cluster is None and self._client.dashboard_link  # local workers have none: HTTP has no TLS
+        return f"{self._workers()} workers{f', dashboard {link}' if link else ''}"
 
     def run(
         self, tasks: Iterable[Task], prepare: Callable[[], Callable[[Task], Result]], *, preload: str = ""
@@ -139,47 +139,25 @@ class _Count:
 
 
 @contextmanager
-def cluster(address: str) -> Iterator[Cluster]:
-    """Opens a cluster, and closes what was begun for it.
+def cluster(address: str, *, certificates: Certificates | None = None, insecure: bool = False) -> Iterator[Cluster]:
+    """Open a cluster, and close all that it began.
 
     Args:
         address: of a scheduler, or local:N.
+        certificates: for a scheduler elsewhere; None: those that dask's configuration names.
+        insecure: whether a scheduler without TLS is accepted.
 
     Raises:
-        ConfigError: dask is not installed, nobody answers, or a worker runs another program.
+        ConfigError: dask is not installed, nobody answers, the connection would not be authenticated, or a worker runs
+            another program.
     """
     try:
-        import dask  # noqa: PLC0415 - an extra
-        import distributed  # noqa: PLC0415 - an extra
+        import distributed  # noqa: F401, PLC0415 - an extra
     except ModuleNotFoundError as error:
         raise ConfigError(f"--cluster needs {error.name}: pip install 'kinesic[cluster]'") from None
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what it says of workers that die is said by results
-    with ExitStack() as stack:
-        where: object = address
-        if address.startswith(LOCAL):
-            from kinesic.tasks.quick_start import quick_start  # noqa: PLC0415 - needs the extra
-
-            stack.enter_context(dask.config.set(quick_start()))
-            where = stack.enter_context(
-                distributed.LocalCluster(
-                    n_workers=_count(address),
-                    threads_per_worker=1,
-                    dashboard_address="127.0.0.1:0",
-                    silence_logs=logging.CRITICAL,
-                )
-            )
-        try:
-            client = stack.enter_context(distributed.Client(where, timeout=SCHEDULER_TIMEOUT))
-        except (OSError, ValueError) as error:
-            raise ConfigError(f"--cluster {address}: no scheduler answers ({error}); it takes {FORMS}") from None
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # results tell of workers that die
+    with open_client(address, timeout=SCHEDULER_TIMEOUT, certificates=certificates, insecure=insecure) as client:
         yield Cluster(client)
-
-
-def _count(address: str) -> int:
-    text = address.removeprefix(LOCAL)
-    if not text.isdecimal() or int(text) < 1:
-        raise ConfigError(f"--cluster {address}: {text or 'nothing'} is no number of workers; it takes {FORMS}")
-    return int(text)
 
 
 def _check_workers(client: "Client") -> None:

@@ -3,19 +3,17 @@
 Others import for a second or two of CPU, and on a busy machine they are killed again before they have done anything.
 """
 
-from multiprocessing import get_all_start_methods
-
 import dask
 from distributed.utils import get_mp_context
 
-from kinesic.child import child_context
+from kinesic.child import child_context, has_private_forkserver
 
 IMPORTED = "kinesic.report.batch"  # what most tasks import
 
 
 def quick_start() -> dict[str, str]:
     """Prepares this process, and gives the settings of dask under which its nannies begin workers by forks."""
-    if "forkserver" not in get_all_start_methods():
+    if not has_private_forkserver():
         return {}
     method = {"distributed.worker.multiprocessing-method": "forkserver"}
     with dask.config.set(method):

@@ -29,7 +29,7 @@ def engine_of(name: str, pythons: Sequence[str], folder: Path) -> Iterator[Engin
         if pythons:
             name = stack.enter_context(dask_scheduler(folder))
             stack.enter_context(dask_workers(name, folder, pythons))
-        yield stack.enter_context(cluster(name))
+        yield stack.enter_context(cluster(name, insecure=not name.startswith("local:")))  # on this machine, for a test
 
 
 def main() -> int:

@@ -8,24 +8,36 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from time import monotonic, sleep
 
+from kinesic.tasks.dask_access import Certificates
+
 QUICK = ("--preload-nanny", "kinesic.tasks.quick_start")  # as the guide says
 READY = "Registered to"  # what a worker writes when it is
 PATIENCE = 120.0  # [s] until a program is there
 
 
+def _tls(certificates: Certificates | None) -> tuple[str | Path, ...]:
+    if certificates is None:
+        return ()
+    files = (certificates.ca, certificates.cert, certificates.key)
+    return ("--protocol", "tls", "--tls-ca-file", files[0], "--tls-cert", files[1], "--tls-key", files[2])
+
+
 @contextmanager
-def dask_scheduler(folder: Path) -> Iterator[str]:
-    """Begins a scheduler, and gives its address."""
+def dask_scheduler(folder: Path, certificates: Certificates | None = None) -> Iterator[str]:
+    """Begin a scheduler, and give its address."""
     file = folder / "scheduler.json"
     options = ("--host", "127.0.0.1", "--port", "0", "--dashboard-address", "127.0.0.1:0", "--scheduler-file", file)
+    options += _tls(certificates)
     with _program(sys.executable, "scheduler", *options, log=folder / "scheduler.log") as program:
         _wait_for("}", file, program, folder / "scheduler.log")
         yield json.loads(file.read_text())["address"]
 
 
 @contextmanager
-def dask_workers(address: str, folder: Path, pythons: Sequence[str] = (sys.executable,)) -> Iterator[None]:
-    """Begins a worker of a scheduler for each interpreter, which need not be of the same environment.
+def dask_workers(
+    address: str, folder: Path, pythons: Sequence[str] = (sys.executable,), *, certificates: Certificates | None = None
+) -> Iterator[None]:
+    """Begin a worker of a scheduler for each interpreter, which need not be of the same environment.
 
     A nanny of dask begins a worker anew that dies.
     """
@@ -34,6 +46,7 @@ def dask_workers(address: str, folder: Path, pythons: Sequence[str] = (sys.execu
         programs = []
         for number, (python, log) in enumerate(zip(pythons, logs, strict=True)):
             options = ("--nthreads", "1", "--no-dashboard", "--local-directory", folder / str(number), *QUICK)
+            options += _tls(certificates)
             programs.append(stack.enter_context(_program(python, "worker", address, *options, log=log)))
         for program, log in zip(programs, logs, strict=True):
             _wait_for(READY, log, program, log)

@@ -36,13 +36,15 @@ def address(tmp_path_factory):
 
 
 def test_the_place_of_workers_and_of_their_dashboard_is_told(address, capsys):
-    with Workers(None, address).engine():
+    with Workers(None, address, insecure=True).engine():
         pass
-    assert capsys.readouterr().err.startswith("cluster: 1 workers, dashboard http://127.0.0.1:")
+    warning, place = capsys.readouterr().err.splitlines()
+    assert warning.startswith("warn: --insecure: whoever reaches a port of this cluster can run code")
+    assert place.startswith("cluster: 1 workers, dashboard http://127.0.0.1:")
 
 
 def test_a_worker_that_is_killed_is_begun_anew_as_a_fork_and_nothing_is_lost(address):
-    with cluster(address) as engine:
+    with cluster(address, insecure=True) as engine:
         results, killed = {}, 0
         for task, (pid, _, square) in engine.run([SQUARE.format(k) for k in range(30)], EVALUATE):
             assert task not in results
@@ -57,7 +59,10 @@ def test_a_worker_that_is_killed_is_begun_anew_as_a_fork_and_nothing_is_lost(add
 
 def test_workers_of_another_program_are_refused(address, monkeypatch):
     monkeypatch.setattr(module, "program_version", lambda: "sources of tomorrow")
-    with pytest.raises(ConfigError, match=r"runs another kinesic.*\n.*there: sources [0-9a-f]{12}"), cluster(address):
+    with (
+        pytest.raises(ConfigError, match=r"runs another kinesic.*\n.*there: sources [0-9a-f]{12}"),
+        cluster(address, insecure=True),
+    ):
         pass
 
 
@@ -66,7 +71,7 @@ def test_a_scheduler_without_workers_says_how_to_begin_some(tmp_path, monkeypatc
     with (
         dask_scheduler(tmp_path) as lonely,
         pytest.raises(ConfigError, match=f"no workers.*dask worker {lonely}"),
-        cluster(lonely),
+        cluster(lonely, insecure=True),
     ):
         pass
 
@@ -80,7 +85,7 @@ def succeed_once(note: Path) -> int:
 
 
 def test_a_result_that_dies_with_its_worker_is_made_anew_or_is_named(address, tmp_path):
-    with cluster(address) as engine:
+    with cluster(address, insecure=True) as engine:
         future = engine._client.submit(succeed_once, tmp_path / "note", pure=False)
         pid = next(iter(engine._client.run(os.getpid).values()))
         while not future.done():

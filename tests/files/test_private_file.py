@@ -1,0 +1,54 @@
+import os
+from pathlib import Path
+
+import pytest
+
+from kinesic.body.config import ConfigError
+from kinesic.files.private_file import MAX_SECRET_BYTES, check_private, read_secret
+
+
+@pytest.fixture
+def secret(tmp_path: Path) -> Path:
+    path = tmp_path / "token"
+    path.touch(0o600)
+    path.write_text(" open sesame \nsecond line\n")
+    return path
+
+
+def test_the_first_line_is_the_secret(secret: Path):
+    assert read_secret(secret, "--token-file") == "open sesame"
+
+
+def test_a_pipe_of_a_shell_is_read():
+    read, write = os.pipe()
+    os.write(write, b"open sesame\n")
+    os.close(write)
+    assert read_secret(Path(f"/dev/fd/{read}"), "--token-file") == "open sesame"
+    os.close(read)
+
+
+@pytest.mark.parametrize("mode", [0o640, 0o604, 0o644, 0o660])
+def test_a_file_that_others_can_read_is_refused(secret: Path, mode: int):
+    secret.chmod(mode)
+    match = rf"--token-file .*token: other users can read it \(mode {mode:o}\); chmod 600"
+    with pytest.raises(ConfigError, match=match):
+        read_secret(secret, "--token-file")
+    with pytest.raises(ConfigError, match=match):
+        check_private(secret, "--token-file")
+
+
+@pytest.mark.parametrize("content", [b"", b"\n", b"  \nx", b"x" * (MAX_SECRET_BYTES + 1)])
+def test_a_first_line_that_is_empty_or_endless_is_refused(secret: Path, content: bytes):
+    secret.write_bytes(content)
+    with pytest.raises(ConfigError, match=r"its first line must hold 1 to 4096 bytes"):
+        read_secret(secret, "--token-file")
+
+
+def test_other_bytes_than_text_and_missing_files_are_refused(secret: Path, tmp_path: Path):
+    secret.write_bytes(b"\xff\n")
+    with pytest.raises(ConfigError, match="not text in UTF-8"):
+        read_secret(secret, "--token-file")
+    with pytest.raises(ConfigError, match="No such file"):
+        read_secret(tmp_path / "none", "--token-file")
+    with pytest.raises(ConfigError, match="No such file"):
+        check_private(tmp_path / "none", "--tls-key")
