@@ -13,6 +13,7 @@ from kinesic.bml.block import BmlError
 from kinesic.body.choices import Terms
 from kinesic.body.config import names_of
 from kinesic.cli.ending_signals import STOPPED, STOPPED_LINE, ended_on_the_spot
+from kinesic.cli.token import token_option
 from kinesic.client import PORT
 from kinesic.controller.options import CHOICES, Offer, PlanningOptions, offers
 from kinesic.importing import import_at_once
@@ -29,7 +30,7 @@ SIDE = 512  # pixels of any other
 
 STYLE_HELP = f"Manner, unless documents say otherwise: {', '.join(names_of('style'))}, or a TOML file."
 LISTEN_HELP = "Address for TCP and WebSocket; 'none' for standard input alone. Port 0: any that is free."
-TOKEN_HELP = "That clients must show; needed where others than this machine can connect. Also KINESIC_TOKEN."
+TOKEN_HELP = "That clients must show; needed where others can connect. Better --token-file or KINESIC_TOKEN."
 ORIGIN_HELP = "Whose pages may connect beside the server's own, such as http://localhost:5173; repeat it."
 TEXT_HELP = "Says messages that are neither XML nor JSON, with gestures that fit their words."
 FORCE_HELP = "Replaces a folder that kinesic has made."
@@ -110,7 +111,7 @@ class Door:
         str,
         click.option("--listen", default=f"127.0.0.1:{PORT}", show_default=True, metavar="HOST:PORT", help=LISTEN_HELP),
     ]
-    token: Annotated[str | None, click.option("--token", envvar="KINESIC_TOKEN", help=TOKEN_HELP)]
+    token: Annotated[str | None, token_option(TOKEN_HELP)]
     origins: Annotated[
         tuple[str, ...],
         click.option("--allow-origin", "origins", multiple=True, metavar="ORIGIN", help=ORIGIN_HELP),

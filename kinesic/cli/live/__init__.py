@@ -6,12 +6,13 @@ from pathlib import Path
 import click
 
 from kinesic.cli.options import done_by, door, performers, planning, servo_options
+from kinesic.cli.token import token_option
 from kinesic.serve.wire.quotas import USUAL, Quotas
 
 RULE_HELP = (
     f"A limit for clients: {', '.join(f'{each.name}={getattr(USUAL, each.name):g}' for each in fields(Quotas))}."
 )
-CONNECT_HELP = "The page of a robot that `kinesic serve` drives already, there or here; --token is that server's."
+CONNECT_HELP = "The page of a robot that `kinesic serve` drives already, there or here; the token is that server's."
 FOLDER_HELP = "Where documents are opened and saved (default: that of FILE, or this one)."
 
 
@@ -53,7 +54,7 @@ def studio_verb() -> None:
 @planning
 @performers("Who performs; servos only if they are named here.")
 @click.option("--connect", metavar="HOST:PORT", help="A server that performs already, instead of one of its own.")
-@click.option("--token", envvar="KINESIC_TOKEN", help="That the server asks for, and clients by --http must show.")
+@token_option("That the server asks for, and clients by --http must show. Better --token-file or KINESIC_TOKEN.")
 @click.option("--http", metavar="HOST:PORT", help="Serves clients by HTTP at this address, not by standard input.")
 @done_by("live.mcp:serve_tools")
 def mcp_verb() -> None:

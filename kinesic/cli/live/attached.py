@@ -50,11 +50,11 @@ def ask_robot(server: Address, token: str | None) -> str:
             while (message := robot.receive(ANSWER_TIMEOUT)) is not None:
                 told = json.loads(message) if message.startswith("{") else {}
                 if told.get("told") == "refused":
-                    raise ConfigError(f"--connect {server}: {told.get('why')}; give --token")
+                    raise ConfigError(f"--connect {server}: {told.get('why')}; give --token-file")
                 if "robot" in told:
                     return str(told["robot"])
     except PermissionError as error:
-        raise ConfigError(f"--connect {server}: {error}; give --token, or set KINESIC_TOKEN") from None
+        raise ConfigError(f"--connect {server}: {error}; give --token-file, or set KINESIC_TOKEN") from None
     except OSError as error:
         why = error.strerror or error
         raise ConfigError(f"--connect {server}: {why}; is `kinesic serve` running there, at that port?") from None

@@ -1,5 +1,6 @@
 """`kinesic mcp`: tools for a language model, before a server that performs."""
 
+import os
 import re
 import subprocess
 import sys
@@ -31,9 +32,9 @@ def serve_tools(
         raise ConfigError(f"kinesic mcp needs {error.name}: pip install 'kinesic[mcp]'") from None
     address = None if http is None else read_address(http, token)
     known = planning.set_up()
-    with _server(connect, planning, performers) as place:
+    with _server(connect, planning, performers, token) as place:
         try:
-            robot = RobotLine(place.host, place.port, token=token if connect else None)
+            robot = RobotLine(place.host, place.port, token=token)
         except OSError as error:
             raise ConfigError(f"--connect {place}: {error}; start kinesic serve there") from None
         with closing(robot):
@@ -47,8 +48,8 @@ def serve_tools(
 
 
 @contextmanager
-def _server(connect: str | None, planning: Planning, performers: Performers) -> Iterator[Address]:
-    """The address of a server that performs: one that is there, or one of our own with the same options."""
+def _server(connect: str | None, planning: Planning, performers: Performers, token: str | None) -> Iterator[Address]:
+    """Yield the address of a running server, or of a new one with the same options and token."""
     if connect is not None:
         host, _, port = connect.rpartition(":")
         if not host or not port.isdecimal():
@@ -57,8 +58,9 @@ def _server(connect: str | None, planning: Planning, performers: Performers) -> 
         return
     own = [sys.executable, "-m", "kinesic", "serve", "--listen", "127.0.0.1:0", *_arguments(planning, performers)]
     # Its standard input closes with this process, whatever becomes of it: then the server folds the arms and ends.
+    environment = {**os.environ, "KINESIC_TOKEN": token or ""}  # arguments are for everybody to see
     with subprocess.Popen(
-        own, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+        own, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env=environment
     ) as it:
         assert it.stdin is not None  # both are pipes
         assert it.stderr is not None

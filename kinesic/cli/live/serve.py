@@ -126,7 +126,7 @@ def read_address(text: str, token: str | None) -> Address | None:
     if not host or not port.isdecimal() or int(port) > 65_535:
         raise ConfigError(f"--listen {text}: give HOST:PORT, such as 127.0.0.1:{PORT}, or none")
     if not token and not _is_here(host):
-        raise ConfigError(f"--listen {text}: others can connect there; give --token, or set KINESIC_TOKEN")
+        raise ConfigError(f"--listen {text}: others can connect there; give --token-file, or set KINESIC_TOKEN")
     return Address(host, int(port))
 
 

@@ -37,7 +37,7 @@ def test_addresses(text, token, address):
 @pytest.mark.parametrize("text", ["0.0.0.0:80", "[::]:80", "robot.local:80", "192.168.0.2:80"])
 @pytest.mark.parametrize("token", [None, ""])
 def test_others_need_a_token(text, token):
-    with pytest.raises(ConfigError, match="give --token, or set KINESIC_TOKEN"):
+    with pytest.raises(ConfigError, match="give --token-file, or set KINESIC_TOKEN"):
         read_address(text, token)
 
 

@@ -1,0 +1,77 @@
+"""The token of a server as an option: from a file, from the environment, or hidden where the command line has it."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import click
+from click.core import ParameterSource
+
+from kinesic.files.private_file import read_secret
+
+TOKEN_KEY = "kinesic.token"  # of the context, where --token-file leaves its content for --token
+FILE_HELP = "FILE whose first line is the token; no other user may be able to read it."
+SHOWN_WARNING = (
+    "warn: --token: other users may have seen it in the list of processes; give --token-file FILE, or set KINESIC_TOKEN"
+)
+ARGUMENT_START_FIELD = 47  # of /proc/self/stat, counted from 0: address of the first argument
+ARGUMENT_END_FIELD = 48  # as above: address after the last argument
+
+Verb = Callable[..., int]
+
+
+def token_option(help_text: str) -> Callable[[Verb], Verb]:
+    """Add --token and --token-file, which a verb gets as one value `token`.
+
+    Args:
+        help_text: of --token.
+    """
+
+    def decorate(verb: Verb) -> Verb:
+        from_file = click.option(
+            "--token-file",
+            type=click.Path(path_type=Path),
+            metavar="FILE",
+            is_eager=True,
+            expose_value=False,
+            callback=_read_token,
+            help=FILE_HELP,
+        )
+        return click.option("--token", envvar="KINESIC_TOKEN", callback=_choose_token, help=help_text)(from_file(verb))
+
+    return decorate
+
+
+def hide_token() -> None:
+    """Overwrite the value of --token in the list of processes, where the system allows that."""
+    try:
+        fields = Path("/proc/self/stat").read_text(encoding="ascii").rpartition(")")[2].split()
+        start, end = (int(fields[number - 2]) for number in (ARGUMENT_START_FIELD, ARGUMENT_END_FIELD))
+        with open("/proc/self/mem", "r+b", buffering=0) as memory:
+            memory.seek(start)
+            arguments = memory.read(end - start)
+            memory.seek(start)
+            memory.write(_without_token(arguments))
+    except (OSError, IndexError, ValueError):
+        return  # no Linux, or a hardened one: the warning tells
+
+
+def _without_token(arguments: bytes) -> bytes:
+    """Return the arguments, each of which ends with NUL, in the same length with another token."""
+    return re.sub(rb"(?<=\0--token[\0=])[^\0]+", lambda found: b"x" * len(found[0]), arguments)
+
+
+def _read_token(context: click.Context, _option: click.Parameter, path: Path | None) -> None:
+    if path is not None:
+        context.meta[TOKEN_KEY] = read_secret(path, "--token-file")
+
+
+def _choose_token(context: click.Context, option: click.Parameter, token: str | None) -> str | None:
+    from_file: str | None = context.meta.get(TOKEN_KEY)
+    if context.get_parameter_source(option.name or "") is not ParameterSource.COMMANDLINE:
+        return from_file or token or None
+    hide_token()
+    if from_file is not None:
+        raise click.UsageError("--token and --token-file: give one of them")
+    click.echo(SHOWN_WARNING, err=True)
+    return token or None
