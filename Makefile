@@ -5,9 +5,13 @@
 PYTHON ?= python3
 BIN := .venv/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
-TESTED := --constraint requirements.lock
-SOURCES := pyproject.toml requirements.lock $(wildcard setup.py kinesic/*/kernel/*.cpp kinesic/*/kernel/*.h)
+# Installs the tested files of a list, each by its hash, and writes to a log why it cannot.
+TESTED = $(INSTALL) --require-hashes --requirement $(1) >$(2) 2>&1
+# Ends everything where a file is there but differs from the tested one: somebody may have exchanged it.
+UNCHANGED = { ! grep -q "DO NOT MATCH THE HASHES" $(1) || { cat $(1) >&2; exit 1; }; }
+SOURCES := pyproject.toml $(wildcard requirements*.lock setup.py kinesic/*/kernel/*.cpp kinesic/*/kernel/*.h)
 EXTRAS := speech face
+KEPT ?=
 SMALL := --film-size 854x480 --film-rate 15
 OPENGL := libegl1 libgl1-mesa-dri libopengl0 libgl1
 SCREENS := xvfb chromium
@@ -53,32 +57,40 @@ studio:
 bench: .venv/.stamp-demo
 	@$(BIN)/kinesic bench all
 
-# The core must install, in the versions that were tested or, where these are not to be had, in newer ones; an extra that
-# the machine does not allow is a warning. The second install finds the project in place and adds only what the extra needs.
+# The core must install, in the files that were tested or, where these are not to be had, in newer ones; an extra that
+# the machine does not allow is a warning. Tools that build the kernels are in the list, so that they are checked, too.
 .venv/.stamp-demo: $(SOURCES)
 	@echo "setting up .venv ..."
 	@test -x $(BIN)/pip || $(PYTHON) -m venv --clear .venv
-	@$(INSTALL) $(TESTED) --editable . 2>.venv/tested.log || { \
+	@{ $(call TESTED,requirements.lock,.venv/tested.log) && \
+		$(INSTALL) --no-deps --no-build-isolation --editable . 2>>.venv/tested.log; } || { $(call UNCHANGED,.venv/tested.log); \
 		echo "warn: not with the tested versions (why: .venv/tested.log); others are taken"; $(INSTALL) --editable .; }
 	@for extra in $(EXTRAS); do \
-		$(INSTALL) $(TESTED) "kinesic[$$extra]" >.venv/$$extra.log 2>&1 || \
-		echo "warn: extra $$extra is not installed, kinesic runs without it (why: .venv/$$extra.log)"; \
+		$(call TESTED,requirements-$$extra.lock,.venv/$$extra.log) || { $(call UNCHANGED,.venv/$$extra.log); \
+		echo "warn: extra $$extra is not installed, kinesic runs without it (why: .venv/$$extra.log)"; }; \
 	done
 	@touch $@
 
 .venv/.stamp-test: .venv/.stamp-demo
-	@$(INSTALL) $(TESTED) "kinesic[dev]" 2>.venv/dev.log || $(INSTALL) "kinesic[dev]"
+	@$(call TESTED,requirements-dev.lock,.venv/dev.log) || { $(call UNCHANGED,.venv/dev.log); \
+		echo "warn: not with the tested versions (why: .venv/dev.log); others are taken"; $(INSTALL) "kinesic[dev]"; }
 	@touch $@
 
 # The newest versions that the oldest Python takes, so that all take them; `make test` then says whether they are good.
-# Without hashes: pip would ask for those of the project itself, which is installed in place.
+# One list for the core and what builds it, and one for each extra that make installs, in the same versions.
+RESOLVE := .venv/lock/bin/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-annotate \
+	--no-header --no-emit-index-url
+BUILD_TOOLS := import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"], sep="\n")
 lock:
-	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11) and "make lock PYTHON=python3.11: the oldest")'
 	@$(PYTHON) -m venv --clear .venv/lock
-	@.venv/lock/bin/python -m pip install --quiet --editable ".[dev,all]"
-	@grep '^#' requirements.lock >.venv/lock/pins
-	@.venv/lock/bin/python -m pip freeze --exclude-editable >>.venv/lock/pins
-	@mv .venv/lock/pins requirements.lock
+	@.venv/lock/bin/python -m pip install --quiet uv==0.13.9
+	@.venv/lock/bin/python -c '$(BUILD_TOOLS)' >.venv/lock/build.in
+	@$(RESOLVE) $(KEPT) pyproject.toml $(foreach extra,$(EXTRAS) dev,--extra $(extra)) .venv/lock/build.in >.venv/lock/all
+	@$(RESOLVE) --constraint .venv/lock/all pyproject.toml .venv/lock/build.in >.venv/lock/requirements.lock
+	@for extra in $(EXTRAS) dev; do \
+		$(RESOLVE) --constraint .venv/lock/all pyproject.toml --extra $$extra >.venv/lock/requirements-$$extra.lock || exit 1; \
+	done
+	@mv .venv/lock/requirements*.lock .
 	@rm -rf .venv/lock
 
 # OpenGL for films and for the face; everything else works without it.
