@@ -1,0 +1,36 @@
+"""Compiled kernels: faults in memory end the process instead of running somebody's code."""
+
+import struct
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+KERNELS = sorted((ROOT / "kinesic").glob("*/_kernel*.so"))
+DYNAMIC_SEGMENT, STACK_SEGMENT, RELRO_SEGMENT = 2, 0x6474E551, 0x6474E552
+EXECUTABLE = 1  # flag of a segment
+FLAGS_1_ENTRY, NOW = 0x6FFFFFFB, 1  # entry of the dynamic segment, and its flag: all addresses are bound at once
+
+
+def segments(image: bytes) -> dict[int, tuple[int, bytes]]:
+    """Return flags and content of each kind of segment of a 64-bit ELF file in little-endian order."""
+    offset, size, count = struct.unpack_from("<Q", image, 32)[0], *struct.unpack_from("<HH", image, 54)
+    found = {}
+    for number in range(count):
+        kind, flags, start, _, _, length = struct.unpack_from("<IIQQQQ", image, offset + number * size)
+        found[kind] = (flags, image[start : start + length])
+    return found
+
+
+@pytest.mark.parametrize("kernel", KERNELS, ids=lambda path: path.parent.name)
+def test_a_kernel_is_hardened(kernel: Path):
+    if kernel.stat().st_mtime < (ROOT / "setup.py").stat().st_mtime:
+        pytest.skip("built before setup.py was changed; make builds it anew")
+    image = kernel.read_bytes()
+    if not image.startswith(b"\x7fELF\x02\x01"):
+        pytest.skip("no ELF file of 64 bits")
+    found = segments(image)
+    entries = dict(struct.iter_unpack("<QQ", found[DYNAMIC_SEGMENT][1]))
+    assert RELRO_SEGMENT in found
+    assert entries.get(FLAGS_1_ENTRY, 0) & NOW
+    assert not found[STACK_SEGMENT][0] & EXECUTABLE
