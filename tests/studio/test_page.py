@@ -1,6 +1,7 @@
 """The page in a browser, against the real server: text, timeline, stage, stop."""
 
 import json
+from pathlib import Path
 from time import monotonic, sleep
 
 import pytest
@@ -99,23 +100,46 @@ def test_the_voice_is_seen_and_heard_from_where_it_is_played_and_goes_before_the
     studio.page.click("#voice")
 
 
-def test_a_performance_is_exported_to_the_browser(studio: Studio, tmp_path):
-    studio.write(WORDS)
+def exported(studio: Studio, folder: Path, name: str) -> Path:
+    """The file that the browser keeps when the document on the page is exported as CSV."""
+    folder.mkdir()
     studio.page.call(
         "Browser.setDownloadBehavior",
         behavior="allow",
-        downloadPath=str(tmp_path),
+        downloadPath=str(folder),
         browserContextId=studio.page.context,
     )
     menu = "document.querySelector('#export')"
     studio.page.value(f"{menu}.value = 'csv', {menu}.dispatchEvent(new Event('change'))")
-    end, file = monotonic() + PATIENCE, tmp_path / "doc.csv"
+    end, file = monotonic() + PATIENCE, folder / name
     while not file.exists():
-        assert monotonic() < end, "nothing was downloaded"
+        assert monotonic() < end, f"not downloaded: {name}, but {list(folder.iterdir())}"
         sleep(0.05)
-    rows = file.read_text().splitlines()
+    return file
+
+
+def test_a_performance_is_exported_to_the_browser(studio: Studio, tmp_path: Path):
+    studio.write(WORDS)
+    rows = exported(studio, tmp_path / "downloads", "doc.csv").read_text().splitlines()
     assert rows[0].startswith("time_s,")
     assert float(rows[-1].split(",")[0]) == pytest.approx(studio.state("draft")["duration"], abs=0.5), "it ends at rest"
+
+
+def test_a_strangers_document_writes_nowhere_but_to_the_browsers_downloads(studio: Studio, tmp_path: Path):
+    """Its id is the path of a file of ours, with and without a link that leads there."""
+    letter = tmp_path / "mine" / "dear.csv"
+    letter.parent.mkdir()
+    letter.write_text("dear")
+    (tmp_path / "mine" / "link.csv").symlink_to(letter)
+    before = sorted(studio.folder.iterdir())
+    for name in ("dear", "link"):
+        studio.write(WORDS.replace('id="doc"', f'id="{letter.with_name(name)}"'))
+        plain = str(letter.with_name(name)).strip("/").replace("/", "_")[:64].rstrip("_-")
+        file = exported(studio, tmp_path / f"downloads-{name}", f"{plain}.csv")
+        assert file.read_text().startswith("time_s,")
+        assert letter.read_text() == "dear"
+        assert sorted(path.name for path in letter.parent.iterdir()) == ["dear.csv", "link.csv"]
+    assert sorted(studio.folder.iterdir()) == before
 
 
 def test_a_manner_is_set_of_the_chosen_behaviour(studio: Studio):

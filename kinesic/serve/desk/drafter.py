@@ -1,5 +1,6 @@
 """What the process that drafts answers: what documents and gestures would become, and whether gestures may be kept."""
 
+import os
 import traceback
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -8,7 +9,7 @@ from kinesic.bml.block import BmlError, Bounds
 from kinesic.body.config import ConfigError
 from kinesic.planning.setup import Setup
 from kinesic.serve.desk.draft import Json, draft, place_error, plan_draft
-from kinesic.serve.desk.export import NO_WRITERS, Writers, export
+from kinesic.serve.desk.export import NO_WRITERS, Writers, export, export_name
 from kinesic.serve.desk.gesture import draft_gesture, gesture_text
 from kinesic.serve.desk.gesture_file import find_fault
 from kinesic.serve.desk.helper import Unanswered
@@ -35,7 +36,7 @@ TELLS: Mapping[type[ClientQuestion], str] = {PlanQuestion: "plan", ExportQuestio
 
 
 def answer_draft(question: DraftQuestion, setup: Setup, rules: Quotas, *, writers: Writers = NO_WRITERS) -> str:
-    """Answers a question; a defect that shows in planning costs its answer alone."""
+    """Answer a question, with an error if planning or writing files fails."""
     try:
         if isinstance(question, FileQuestion):
             return find_fault(question.text, question.present, setup)
@@ -43,7 +44,11 @@ def answer_draft(question: DraftQuestion, setup: Setup, rules: Quotas, *, writer
     except DEFECTS as error:
         traceback.print_exception(error)
         why = f"planning failed ({type(error).__name__}); please report the document"
-        return why if isinstance(question, FileQuestion) else _written(question, _failure(why))
+    except OSError as error:
+        traceback.print_exception(error)
+        why = f"the server cannot write its temporary files ({os.strerror(error.errno or 0)}); "
+        why += "free disk space there, or set TMPDIR to a folder that it may write, and ask again"
+    return why if isinstance(question, FileQuestion) else _written(question, _failure(why))
 
 
 def unanswered_draft(question: ClientQuestion, why: Unanswered, rules: Quotas) -> str:
@@ -66,7 +71,7 @@ def _draft(question: ClientQuestion, setup: Setup, rules: Quotas, writers: Write
         case ExportQuestion(bml, format_, changes):
             try:
                 planned = plan_draft(bml, changes, setup, bounds=bounds, longest=rules.duration)
-                return {"name": f"{planned.timeline.block.id}.{format_}", "data": export(planned, format_, writers)}
+                return {"name": export_name(planned, format_), "data": export(planned, format_, writers)}
             except (BmlError, ConfigError) as error:
                 return {"error": place_error(str(error))}
         case GestureQuestion(str(toml), None, changes):

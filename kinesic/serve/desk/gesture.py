@@ -13,7 +13,7 @@ import numpy as np
 
 from kinesic.bml.block import BmlError
 from kinesic.bml.parse import parse
-from kinesic.body.config import CONFIGS, ConfigError
+from kinesic.body.config import CONFIGS, ConfigError, names_of
 from kinesic.body.robot import SIDE_NAMES
 from kinesic.expressivity.hands.appearance import StrokeAppearance, distinct, look, nearest
 from kinesic.expressivity.lexicon.form import GestureForm
@@ -39,9 +39,9 @@ def gesture_text(lexeme: str, lexicon: Lexicon) -> str:
         ConfigError: no file there has such a gesture.
     """
     form = lexicon.forms_by_id.get(lexeme)
-    path = CONFIGS / "gestures" / f"{form.category if form is not None else lexeme}.toml"
-    if form is None or not path.is_file():
+    if form is None or form.category not in names_of("gesture"):  # never a path: gestuaries name any category
         raise ConfigError(f"{lexeme}: there is no such gesture of our own; `kinesic gestures list` lists them")
+    path = CONFIGS / "gestures" / f"{form.category}.toml"
     for part in re.split(r"^(?=\[)", path.read_text(encoding="utf-8"), flags=re.MULTILINE):
         if part.startswith("[[gesture]]") and f'\nid = "{lexeme}"\n' in part:
             return f'category = "{form.category}"\n\n{part.rstrip()}\n'

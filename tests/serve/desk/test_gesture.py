@@ -3,6 +3,7 @@
 import pytest
 
 from kinesic.body.config import ConfigError
+from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.serve.desk.gesture import draft_gesture, gesture_text
 
 
@@ -54,3 +55,19 @@ def test_a_file_that_is_wrong_is_refused_with_its_line(upper22_setup, old, new, 
     assert found["error"]["line"] == line
     assert why in found["error"]["text"]
     assert "/tmp" not in found["error"]["text"]
+
+
+GESTUARY = """<gestuary><gesture category="{}" id="mine"><phase><hand side="LEFT" openness="1"><uniformPosition>
+<horizontalLocation value="0.3"/><verticalLocation value="0.2"/><frontalLocation value="0.5"/></uniformPosition>
+<handShape value="FORM_OPEN"/></hand></phase></gesture></gestuary>"""
+
+
+def test_the_category_in_a_strangers_gestuary_is_no_path(tmp_path):
+    (tmp_path / "secret.toml").write_text('[[gesture]]\nid = "mine"\nsecret = 7\n')
+    file = tmp_path / "gestuary.xml"
+    for category in (f"{tmp_path}/secret", "../robots/upper22", "x" * 300):
+        file.write_text(GESTUARY.format(category))
+        lexicon = Lexicon.load(file)
+        assert lexicon.forms_by_id["mine"].category == category
+        with pytest.raises(ConfigError, match="mine: there is no such gesture of our own"):
+            gesture_text("mine", lexicon)

@@ -1,0 +1,34 @@
+"""File names made of foreign text: short, plain ASCII, and no name that an operating system reserves."""
+
+import re
+
+MAX_STEM_LENGTH = 64  # characters, before the ending
+PORT_DIGITS = "0123456789\N{SUPERSCRIPT ONE}\N{SUPERSCRIPT TWO}\N{SUPERSCRIPT THREE}"
+DEVICE_NAMES = frozenset(
+    {
+        *("con", "prn", "aux", "nul", "conin$", "conout$", "clock$"),
+        *(f"{port}{digit}" for port in ("com", "lpt") for digit in PORT_DIGITS),
+    }
+)
+"""Names of Windows devices, reserved with every ending."""
+
+_NOT_PLAIN = re.compile(r"[^A-Za-z0-9_-]+")
+
+
+def is_device_name(name: str) -> bool:
+    """Return whether Windows opens a device instead of a file with this name."""
+    return name.partition(".")[0].rstrip(" ").lower() in DEVICE_NAMES
+
+
+def plain_stem(text: str, *, fallback: str) -> str:
+    """Return a file name without ending that resembles a text and is safe everywhere.
+
+    Args:
+        text: foreign, such as the id of a block.
+        fallback: the name where no letter or digit of the text is plain ASCII.
+
+    Returns:
+        1 to 64 letters, digits, hyphens and underscores, the first of them a letter or digit.
+    """
+    stem = _NOT_PLAIN.sub("_", text[: 4 * MAX_STEM_LENGTH]).lstrip("_-")[:MAX_STEM_LENGTH].rstrip("_-") or fallback
+    return f"{stem}_" if is_device_name(stem) else stem
