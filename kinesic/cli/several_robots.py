@@ -54,7 +54,7 @@ def perform_with_several(
     if is_scene(output.out):
         raise ConfigError(f"{output.out}: a scene has one robot: name one, or give --out FOLDER")
     folder = output.out or default_folder(document_name(file))
-    places = [folder / Path(robot).stem for robot in robots]
+    places = [folder / _folder_name(robot) for robot in robots]
     for place in places:
         check_folder(place, force=output.force)
     beside = folder / FILM
@@ -75,12 +75,18 @@ def perform_with_several(
 def _check(robots: Sequence[str], performers: Performers, output: Output) -> None:
     for robot in robots:
         locate("robot", robot)
-    if len({Path(robot).stem for robot in robots}) < len(robots):
+    if len({_folder_name(robot) for robot in robots}) < len(robots):
         raise ConfigError(f"--robot {','.join(robots)}: each robot may be named once")
     if performers.sinks != {"twin"}:
         raise ConfigError("several robots perform in the twin alone: name one robot for --on servos or face")
     if output.as_json:
         raise ConfigError("--json tells of one robot: name one, or read report.json of each")
+
+
+def _folder_name(robot: str) -> str:
+    """Return the name of the folder for a robot, which is never `..`, as the stem of `...toml` is."""
+    stem = Path(robot).stem
+    return stem if stem.strip(".") else "robot"
 
 
 class _Beside:

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from kinesic.body.config import ConfigError
+from kinesic.files.plain_name import cut_name
 
 FOLDER = os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW
 
@@ -56,7 +57,7 @@ def check_above(place: Path, path: Path) -> None:
 def name_beside(name: str) -> str:
     """Makes up a hidden name that nobody has, with the same ending, since endings name formats."""
     stem, ending = os.path.splitext(name)
-    return f".{stem[:100]}-{secrets.token_hex(6)}{ending}"
+    return f".{cut_name(stem, limit=100)}-{secrets.token_hex(6)}{cut_name(ending, limit=100)}"
 
 
 @contextmanager

@@ -15,6 +15,11 @@ DEVICE_NAMES = frozenset(
 _NOT_PLAIN = re.compile(r"[^A-Za-z0-9_-]+")
 
 
+def cut_name(name: str, *, limit: int) -> str:
+    """Return the longest beginning of a name with at most `limit` bytes in UTF-8."""
+    return name.encode("utf-8", "ignore")[:limit].decode("utf-8", "ignore")
+
+
 def is_device_name(name: str) -> bool:
     """Return whether Windows opens a device instead of a file with this name."""
     return name.partition(".")[0].rstrip(" ").lower() in DEVICE_NAMES

@@ -13,6 +13,7 @@ from kinesic.bml.reading.document import begins_as_bml
 from kinesic.controller.perform import performances
 from kinesic.controller.performance import Performance
 from kinesic.files.output_file import write_text
+from kinesic.files.plain_name import cut_name
 from kinesic.planning.setup import Setup
 from kinesic.report.checks import Check, checks
 from kinesic.report.report import Json, report
@@ -135,7 +136,7 @@ class DocumentTask:
     @property
     def name(self) -> str:
         """Of its report: two documents of one name in two folders have two."""
-        return f"{Path(self.file).stem}-{self.key[:8]}"
+        return f"{cut_name(Path(self.file).stem, limit=200)}-{self.key[:8]}"
 
 
 def _crashed(task: DocumentTask, crash: WorkerCrash, folder: Path | None) -> DocumentVerdict:

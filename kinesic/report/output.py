@@ -14,6 +14,7 @@ from kinesic.controller.soundtrack import sound, write_wav
 from kinesic.files.film_settings import USUAL, FilmSettings
 from kinesic.files.output_file import new_file, write_text
 from kinesic.files.output_folder import new_folder
+from kinesic.files.plain_name import cut_name
 from kinesic.planning.face_track import asks_face, commands_with_face
 from kinesic.planning.plan import Plan
 from kinesic.report.figure_film import FigureFilm
@@ -36,7 +37,7 @@ NOT_YET = "not drawn yet, or stopped; this page is written anew when it is"
 
 def default_folder(source: str) -> Path:
     """Names the folder of what is made of a source now: `out/NAME-TIME`."""
-    return Path("out") / f"{Path(source).stem[:100] or 'stdin'}-{datetime.now():%Y%m%d-%H%M%S}"
+    return Path("out") / f"{cut_name(Path(source).stem, limit=100) or 'stdin'}-{datetime.now():%Y%m%d-%H%M%S}"
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -94,7 +94,8 @@ def open_store(folder: Path) -> Iterator[Store]:
         if not paths:
             raise ConfigError(f"{folder}: no results; `kinesic validate DOCUMENTS --out {folder}` makes some")
         for path in paths:
-            connection.execute(f"CREATE VIEW \"{path.stem}\" AS SELECT * FROM read_parquet('{_quoted(path)}')")
+            view = path.stem.replace('"', '""')
+            connection.execute(f"CREATE VIEW \"{view}\" AS SELECT * FROM read_parquet('{_quoted(path)}')")
         yield Store(connection, tuple(path.stem for path in paths))
 
 

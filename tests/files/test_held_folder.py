@@ -61,3 +61,14 @@ def test_a_name_beside_is_hidden_its_own_and_ends_alike():
 def test_failures_of_the_file_system_are_named_as_the_user_named_the_path():
     with pytest.raises(ConfigError, match=r"^out/mine: No space left on device$"), name_failures(Path("out/mine")):
         raise OSError(28, "No space left on device", "/elsewhere/.mine-12")
+
+
+LONG_NAMES = ("a" * 251 + ".bml", "\N{GRINNING FACE}" * 62 + ".bml", "a." + "b" * 253, "\udc80.bml")
+
+
+@pytest.mark.parametrize("name", LONG_NAMES, ids=range(len(LONG_NAMES)))
+def test_a_name_beside_a_long_one_is_a_possible_name(tmp_path: Path, name: str):
+    beside = name_beside(name)
+    (tmp_path / beside).write_text("x")
+    assert len(beside.encode()) <= 255
+    assert beside.startswith(".")

@@ -1,9 +1,11 @@
 import os
+from pathlib import Path
 
 import pytest
 
-from kinesic.report.batch import DocumentVerdict, documents
+from kinesic.report.batch import DocumentTask, DocumentVerdict, documents
 from kinesic.report.checks import Check
+from kinesic.report.output import default_folder
 from kinesic.tasks.journal import Journal
 
 CHECK = Check("limits.speed", "pass", 0.5, 1.0, "ratio", "l_elbow_flexion at 1.00 s")
@@ -67,3 +69,19 @@ def test_files_below_a_folder_are_known_by_what_they_hold(tmp_path):
     os.mkfifo(tmp_path / "i.pipe")
     assert [path.name for path in documents((tmp_path,))] == ["a.bml", "b.xml", "c.mary", "d", "e.txt"]
     assert documents((tmp_path / "f.html",)) == [tmp_path / "f.html"]
+
+
+def test_a_report_of_a_document_with_a_long_name_has_a_possible_name(tmp_path):
+    for name in ("a" * 251 + ".bml", "\N{GRINNING FACE}" * 62 + ".bml", "...bml"):
+        (tmp_path / name).write_text("<bml/>")
+        report = DocumentTask.of(tmp_path / name, "").name
+        assert "/" not in report
+        (tmp_path / f"{report}.crash.txt").write_text("")
+
+
+def test_a_folder_made_of_a_long_name_is_a_possible_one(tmp_path):
+    for name in ("a" * 251 + ".bml", "\N{GRINNING FACE}" * 62 + ".bml", "...bml"):
+        folder = default_folder(f"/somewhere/{name}")
+        assert folder.parent == Path("out")
+        assert folder.name not in (".", "..")
+        (tmp_path / folder).mkdir(parents=True)

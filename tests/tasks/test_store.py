@@ -94,3 +94,14 @@ def test_figures_and_designs_are_tables(tmp_path):
     (tmp_path / "designs.json").write_text(json.dumps({"rounds": [], "designs": [design]}))
     assert ask(tmp_path, "SELECT name FROM figures WHERE ok").rows == (("a.c",),)
     assert ask(tmp_path, "SELECT * FROM designs").columns == ("design", "state", "price")
+
+
+def test_the_name_of_a_table_that_somebody_sent_is_no_query(folder, tmp_path, monkeypatch):
+    ask(folder, "SELECT 1")
+    monkeypatch.chdir(tmp_path)
+    (folder / 'x" AS SELECT 1; COPY documents TO "stolen.csv"; --.parquet').write_bytes(
+        (folder / "documents.parquet").read_bytes()
+    )
+    with open_store(folder) as store:
+        assert any(name.startswith('x" AS') for name in store.tables)
+    assert [path.name for path in tmp_path.iterdir()] == [folder.name]

@@ -21,8 +21,9 @@ from kinesic.cli.plain_words import printable
 from kinesic.cli.progress import show_stages
 from kinesic.cli.terminal import console, quote_text
 from kinesic.cli.validate import fingerprint_inputs
-from kinesic.files.output_file import write_text
+from kinesic.files.output_file import new_file, write_text
 from kinesic.files.output_folder import check_folder, is_made, new_folder
+from kinesic.files.plain_name import plain_stem
 from kinesic.report.batch import documents
 from kinesic.report.report import Json
 from kinesic.studies.designs.pareto import GOALS, unbeaten, values_of
@@ -97,15 +98,17 @@ def _write(
     found: SearchResult, best: Sequence[Trial], robot: str, path: Path, file: RobotFile, folder: Path
 ) -> list[Path]:
     """Writes what is not beaten as robots that extend the one that was varied, and all figures."""
-    extends = robot if robot in names_of("robot") else path.name
-    if extends != robot:
-        copyfile(path, folder / path.name)
+    is_own = robot in names_of("robot")
+    extends = robot if is_own else path.name
+    if not is_own:
+        with new_file(folder / path.name, force=True) as fresh:
+            copyfile(path, fresh)
     written: list[Path] = []
     for number, trial in enumerate((trial for trial in best if trial.design != AS_IT_IS), 1):
         name = f"{file.robot.name}_{number}"
         heading = [f"{file.robot.name} but for {_words(trial)}, found by `kinesic robots search`."]
         text = write_design(file, trial.design, name=name, extends=extends, heading=heading)
-        written.append(folder / f"{name}.toml")
+        written.append(folder / f"{plain_stem(file.robot.name, fallback='design')}_{number}.toml")
         write_text(written[-1], text, force=True)
     write_text(
         folder / DESIGNS, json.dumps(_data(found, best), indent=1), force=True

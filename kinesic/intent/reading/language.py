@@ -100,10 +100,10 @@ def load_language(tag: str = ENGLISH) -> Language:
     Raises:
         ConfigError: there are no rules for it, or they are wrong.
     """
-    path = FOLDER / f"{tag.lower().partition('-')[0]}.toml"
-    if not path.exists():
-        known = sorted(each.stem for each in FOLDER.glob("??.toml"))
+    known, base = sorted(each.stem for each in FOLDER.glob("??.toml")), tag.lower().partition("-")[0]
+    if base not in known:  # never a path
         raise ConfigError(f"no rules for the language {tag!r}; there are {', '.join(known)}")
+    path = FOLDER / f"{base}.toml"
     return _language(read_toml(path, _Table), path)
 
 

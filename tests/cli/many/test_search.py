@@ -26,6 +26,17 @@ def test_a_search_prints_and_writes_what_no_other_design_beats(kinesic, tmp_path
     assert "holds a finished search" in again.err
 
 
+@pytest.mark.realtime
+def test_the_name_of_a_strangers_robot_is_no_path(kinesic, tmp_path):
+    (tmp_path / "mine_1.toml").write_text("dear")
+    (tmp_path / "nod.bml").write_text(NOD)
+    (tmp_path / "robot.toml").write_text('[robot]\nname = "../mine"\nextends = "upper22"\n')
+    ended = kinesic("robots", "search", "robot.toml", "nod.bml", *VARY[:2], "--out", "found", "--jobs", "1")
+    assert ended.code == 0, ended.err
+    assert (tmp_path / "mine_1.toml").read_text() == "dear"
+    assert sorted(path.name for path in (tmp_path / "found").glob("*.toml")) == ["mine_1.toml", "robot.toml"]
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

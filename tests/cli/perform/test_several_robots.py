@@ -77,3 +77,12 @@ def test_the_film_of_all_is_never_written_through_a_link(kinesic_in, tmp_path):
     assert ended.code == 2
     assert "links are never followed" in ended.err
     assert (tmp_path / "mine.webp").read_bytes() == b"mine"
+
+
+def test_the_folder_of_a_robot_is_inside_that_of_all(kinesic_in, tmp_path):
+    (tmp_path / "nod.bml").write_bytes(NOD)
+    (tmp_path / "...toml").write_text('[robot]\nname = "mine"\nextends = "upper22"\n')
+    ended = kinesic_in(tmp_path, "perform", "nod.bml", "--robot", "...toml,upper22", "--out", "a/b", "--no-film")
+    assert ended.code == 0, ended.err
+    assert sorted(path.name for path in (tmp_path / "a" / "b").iterdir()) == ["robot", "upper22"]
+    assert [path.name for path in (tmp_path / "a").iterdir()] == ["b"]

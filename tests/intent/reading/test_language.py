@@ -52,3 +52,10 @@ def test_a_language_without_rules_is_refused_and_a_region_is_not():
     with pytest.raises(ConfigError, match="no rules for the language 'xx'; there are de, en, es, fr, ja"):
         load_language("xx")
     assert load_language("de-AT").tag == "de"
+
+
+def test_the_name_of_a_language_is_no_path(tmp_path):
+    (tmp_path / "own.toml").write_text("")
+    for tag in (f"{tmp_path}/own", "../robots/upper22", "behaviours", "x" * 300, "a\0"):
+        with pytest.raises(ConfigError, match="no rules for the language"):
+            load_language(tag)
