@@ -91,7 +91,7 @@ def import_robot(file: Path, out: Path | None, force: bool) -> int:
         stage("mapping its hinges")
         found = import_humanoid(file)
     text = robot_text(found.file, heading=_heading(found, file.name), remarks=found.remarks)
-    write_text(target, text, force=force)
+    write_text(target, text, force=force, durable=True)
     console().print(_mapping(found))
     click.echo(f"robot: {target}")
     _write_looks(found, target, force=force)

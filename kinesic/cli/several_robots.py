@@ -84,7 +84,7 @@ def _check(robots: Sequence[str], performers: Performers, output: Output) -> Non
 
 
 def _folder_name(robot: str) -> str:
-    """Return the name of the folder for a robot, which is never `..`, as the stem of `...toml` is."""
+    """Return the folder name for a robot, never `.` or `..`."""
     stem = Path(robot).stem
     return stem if stem.strip(".") else "robot"
 

@@ -6,13 +6,13 @@ meanwhile leads nowhere.
 
 import os
 import pwd
-import shutil
 import stat
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 from kinesic.body.config import ConfigError
+from kinesic.files.draft import PUBLIC_MODE, hold_draft, is_same, mark_as_abandoned, remove_folder
 from kinesic.files.held_folder import check_above, find_place, hold_folder, name_beside, name_failures
 
 MARKER = ".kinesic"
@@ -51,26 +51,23 @@ def new_folder(folder: Path, *, force: bool = False) -> Iterator[Path]:
     check_folder(folder, force=force)
     place = find_place(folder)
     with name_failures(folder), _folders_above(place), ExitStack() as held:
-        parent, name = held.enter_context(hold_folder(place.parent)), name_beside(place.name)
-        os.mkdir(name, dir_fd=parent)
-        fresh = held.enter_context(hold_folder(name, inside=parent))
+        parent = held.enter_context(hold_folder(place.parent))
+        draft = held.enter_context(hold_draft(place.name, parent=parent, mode=PUBLIC_MODE))
+        _mark(draft.folder)
+        with _naming(folder, place.parent / draft.name):
+            yield place.parent / draft.name
+        earlier = held.enter_context(_hold_replaceable(place.name, folder, parent=parent, force=force))
+        aside = _put_aside(place.name, earlier, folder, parent=parent) if earlier is not None else None
         try:
-            _mark(fresh)
-            with _naming(folder, place.parent / name):
-                yield place.parent / name
-            earlier = held.enter_context(_hold_replaceable(place.name, folder, parent=parent, force=force))
-            aside = _put_aside(place.name, earlier, folder, parent=parent) if earlier is not None else None
-            try:
-                os.rename(name, place.name, src_dir_fd=parent, dst_dir_fd=parent)  # fails unless it is free or empty
-            except BaseException:
-                if aside is not None:
-                    _put_back(aside, place.name, folder, parent=parent)
-                raise
+            draft.finish()
+            os.rename(draft.name, place.name, src_dir_fd=parent, dst_dir_fd=parent)  # fails unless it is free or empty
         except BaseException:
-            _remove(name, fresh, parent=parent)
+            if aside is not None:
+                _put_back(aside, place.name, folder, parent=parent)
             raise
         if aside is not None and earlier is not None:
-            _remove(aside, earlier, parent=parent)
+            mark_as_abandoned(earlier)
+            remove_folder(aside, earlier, parent=parent)
 
 
 def is_made(folder: Path) -> bool:
@@ -111,7 +108,7 @@ def _put_aside(name: str, held: int, folder: Path, *, parent: int) -> str:
     """
     aside = name_beside(name)
     os.rename(name, aside, src_dir_fd=parent, dst_dir_fd=parent)
-    if not _is_same(aside, held, parent=parent):
+    if not is_same(aside, held, parent=parent):
         _put_back(aside, name, folder, parent=parent)
         raise ConfigError(f"{folder} was exchanged meanwhile; nothing is replaced")
     return aside
@@ -185,24 +182,3 @@ def _is_marked(folder: int) -> bool:
         return False
     with open(descriptor, "rb") as file:
         return stat.S_ISREG(os.fstat(descriptor).st_mode) and file.read(len(MARK) + 1) == MARK
-
-
-def _is_same(name: str, held: int, *, parent: int) -> bool:
-    """Says whether a name in an open folder is that of another one that is held open."""
-    try:
-        return os.path.samestat(os.fstat(held), os.stat(name, dir_fd=parent, follow_symlinks=False))
-    except FileNotFoundError:
-        return False
-
-
-def _remove(name: str, held: int, *, parent: int) -> None:
-    """Empties and removes a folder while it has this name; links in it go, not what they point to."""
-    if not _is_same(name, held, parent=parent):
-        return
-    with suppress(OSError):  # what resists stays, under the hidden name
-        for entry in os.listdir(held):
-            if stat.S_ISDIR(os.stat(entry, dir_fd=held, follow_symlinks=False).st_mode):
-                shutil.rmtree(entry, dir_fd=held)
-            else:
-                os.unlink(entry, dir_fd=held)
-        os.rmdir(name, dir_fd=parent)

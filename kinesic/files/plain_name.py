@@ -1,4 +1,4 @@
-"""File names made of foreign text: short, plain ASCII, and no name that an operating system reserves."""
+"""File names made of foreign text, safe on every operating system."""
 
 import re
 
@@ -16,17 +16,17 @@ _NOT_PLAIN = re.compile(r"[^A-Za-z0-9_-]+")
 
 
 def cut_name(name: str, *, limit: int) -> str:
-    """Return the longest beginning of a name with at most `limit` bytes in UTF-8."""
+    """Return the longest prefix with at most `limit` bytes in UTF-8."""
     return name.encode("utf-8", "ignore")[:limit].decode("utf-8", "ignore")
 
 
 def is_device_name(name: str) -> bool:
-    """Return whether Windows opens a device instead of a file with this name."""
+    """Return whether Windows reserves a file name for a device."""
     return name.partition(".")[0].rstrip(" ").lower() in DEVICE_NAMES
 
 
 def plain_stem(text: str, *, fallback: str) -> str:
-    """Return a file name without ending that resembles a text and is safe everywhere.
+    """Return a safe file name, without ending, that resembles a text.
 
     Args:
         text: foreign, such as the id of a block.

@@ -156,3 +156,54 @@ def test_what_is_added_to_is_made_as_any_file(tmp_path: Path):
     open_to_add(tmp_path / "log").close()
     (tmp_path / "any").touch()
     assert (tmp_path / "log").stat().st_mode == (tmp_path / "any").stat().st_mode
+
+
+@pytest.mark.parametrize("mode", [0o600, 0o640, 0o755, 0o666])
+def test_a_file_that_is_replaced_keeps_its_permissions(tmp_path: Path, mode: int):
+    path = tmp_path / "mine"
+    path.write_text("before")
+    path.chmod(mode)
+    write_text(path, "after", force=True)
+    assert path.read_text() == "after"
+    assert path.stat().st_mode & 0o7777 == mode
+
+
+def test_a_private_file_is_never_readable_to_others_not_even_as_it_is_written(tmp_path: Path):
+    path = tmp_path / "mine"
+    path.write_text("before")
+    path.chmod(0o600)
+    with new_file(path, force=True) as fresh:
+        fresh.write_text("secret")
+        assert fresh.parent.stat().st_mode & 0o077 == 0
+
+
+@pytest.mark.parametrize("mode", [0o444, 0o400, 0o000])
+def test_a_read_only_file_is_not_replaced_even_if_forced(tmp_path: Path, mode: int):
+    path = tmp_path / "mine"
+    path.write_text("before")
+    path.chmod(mode)
+    for write_over in (check_file, lambda path, *, force: write_text(path, "x", force=force)):
+        with pytest.raises(ConfigError, match="mine is read-only and is not replaced; chmod u"):
+            write_over(path, force=True)
+    assert path.stat().st_mode & 0o7777 == mode
+    path.chmod(0o600)
+    assert path.read_text() == "before"
+    assert os.listdir(tmp_path) == ["mine"]
+
+
+def test_a_durable_file_and_its_folder_are_on_the_disk_when_it_is_there(tmp_path: Path, monkeypatch):
+    synced, sync = [], os.fsync
+
+    def record(descriptor: int) -> None:
+        synced.append((os.fstat(descriptor).st_ino, sorted(os.listdir(tmp_path))))
+        sync(descriptor)
+
+    monkeypatch.setattr(os, "fsync", record)
+    write_text(tmp_path / "mine", "x", durable=True)
+    file, folder = synced
+    assert file[0] == (tmp_path / "mine").stat().st_ino
+    assert "mine" not in file[1], "the file is on the disk before it has its name"
+    assert folder[0] == tmp_path.stat().st_ino
+    assert "mine" in folder[1]
+    write_text(tmp_path / "other", "x")
+    assert len(synced) == 2, "thousands of reports do not wait for the disk"

@@ -17,7 +17,7 @@ from kinesic.cli.options import Door, Performers, Planning
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.face.show.window import has_display
 from kinesic.planning.setup import Setup
-from kinesic.serve.desk.documents import NAME
+from kinesic.serve.desk.documents import is_document_name
 from kinesic.serve.server import Address
 from kinesic.studio.page import page_files
 
@@ -87,8 +87,8 @@ def _attach(file: Path | None, planning: Planning, door: Door, connect: str, ope
 
 
 def _check_document(file: Path, folder: Path) -> None:
-    if NAME.fullmatch(file.name) is None:
-        raise ConfigError(f"{file}: give NAME.bml, of letters, digits, - and _")
+    if not is_document_name(file.name):
+        raise ConfigError(f"{file}: give NAME.bml, of letters, digits, - and _, and no device of Windows such as con")
     if file.parent.resolve() != folder.resolve():
         raise ConfigError(f"{file} is not in the folder {folder}, outside of which nothing is read")
     if not file.is_file():

@@ -81,7 +81,7 @@ def _prepare_place(path: Path) -> None:
 def _written(found: Calibration, robot: Robot) -> Path:
     """Writes the calibration, in place of an earlier one."""
     path = calibration_path(robot.path)
-    write_text(path, calibration_text(found, robot), force=True)
+    write_text(path, calibration_text(found, robot), force=True, durable=True)
     return path
 
 

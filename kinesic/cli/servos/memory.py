@@ -53,7 +53,7 @@ class ServoMemory:
         path = self.path or (None if folder is None else folder / FILE)
         if path is None or lesson.why:
             return None
-        write_text(path, f"# {lesson}\n{lesson.believed.text()}", force=True)
+        write_text(path, f"# {lesson}\n{lesson.believed.text()}", force=True, durable=True)
         return path
 
 

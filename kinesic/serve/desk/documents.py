@@ -9,6 +9,7 @@ from pathlib import Path
 
 from kinesic.body.config import ConfigError
 from kinesic.files.output_file import write_text
+from kinesic.files.plain_name import is_device_name
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}\.(bml|toml)")
 GESTURE_SUFFIX = ".toml"  # of a file of gestures
@@ -17,6 +18,11 @@ MOST_NAMES = 1000  # that are listed
 MOST_LOOKED_AT = 5000  # entries of a folder of which documents are listed
 MOST_SUGGESTED = 20  # names in an error
 ORDINARY = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK  # a pipe without a writer keeps nobody waiting
+
+
+def is_document_name(name: str) -> bool:
+    """Return whether this is a valid document name on every operating system."""
+    return NAME.fullmatch(name) is not None and not is_device_name(name)
 
 
 @dataclass(frozen=True)
@@ -40,7 +46,7 @@ class DocumentFolder:
             return Listing((), is_whole=True)
         with os.scandir(self._folder) as entries:
             seen = tuple(islice(entries, MOST_LOOKED_AT + 1))
-        found = sorted(entry.name for entry in seen if NAME.fullmatch(entry.name) and _is_ordinary(entry))
+        found = sorted(entry.name for entry in seen if is_document_name(entry.name) and _is_ordinary(entry))
         return Listing(tuple(found[:MOST_NAMES]), is_whole=len(found) <= MOST_NAMES and len(seen) <= MOST_LOOKED_AT)
 
     def read(self, name: str) -> str:
@@ -68,18 +74,21 @@ class DocumentFolder:
         return raw.decode("utf-8", "replace")
 
     def save(self, name: str, text: str) -> None:
-        """Writes a document, byte for byte; one of this name is replaced.
+        """Write a document durably, byte for byte, replacing an earlier one.
 
         Raises:
             ConfigError: it is no name of a document, or it cannot be written.
         """
-        write_text(self._path(name), text, force=True)
+        write_text(self._path(name), text, force=True, durable=True)
 
     def _path(self, name: str) -> Path:
         if self._folder is None:
             raise ConfigError("this server keeps no documents: start it with --folder FOLDER")
-        if NAME.fullmatch(name) is None:
-            raise ConfigError(f"{name!r} is no name of a document: letters, digits, - and _, then .bml or .toml")
+        if not is_document_name(name):
+            device = " (Windows reserves this one for a device)" if is_device_name(name) else ""
+            raise ConfigError(
+                f"{name!r} is no name of a document: letters, digits, - and _, then .bml or .toml{device}"
+            )
         return self._folder / name
 
 

@@ -18,7 +18,24 @@ def test_what_is_saved_is_read_again(tmp_path):
 
 @pytest.mark.parametrize(
     "name",
-    ["../a.bml", "/etc/a.bml", "a/b.bml", "a", ".bml", ".a.bml", "a.bml\n", "a.py", "a.bml.sh", "ä.bml", "a\0.bml"],
+    [
+        "con.bml",
+        "NUL.bml",
+        "Aux.toml",
+        "com1.bml",
+        "LPT9.toml",
+        "../a.bml",
+        "/etc/a.bml",
+        "a/b.bml",
+        "a",
+        ".bml",
+        ".a.bml",
+        "a.bml\n",
+        "a.py",
+        "a.bml.sh",
+        "ä.bml",
+        "a\0.bml",
+    ],
 )
 def test_other_names_are_refused(tmp_path, name):
     folder = DocumentFolder(tmp_path)
@@ -63,3 +80,33 @@ def test_lists_and_documents_have_bounds(tmp_path):
     (tmp_path / "d0000.bml").write_text("x" * (MOST_BYTES + 1))
     with pytest.raises(ConfigError, match="more than 1000000 bytes"):
         folder.read("d0000.bml")
+
+
+def test_a_private_document_stays_private_and_a_read_only_one_as_it_is(tmp_path):
+    folder = DocumentFolder(tmp_path)
+    for name, mode in (("private.bml", 0o600), ("kept.bml", 0o444)):
+        (tmp_path / name).write_text("before")
+        (tmp_path / name).chmod(mode)
+    folder.save("private.bml", "after")
+    assert (tmp_path / "private.bml").stat().st_mode & 0o777 == 0o600
+    with pytest.raises(ConfigError, match="read-only"):
+        folder.save("kept.bml", "after")
+    assert (tmp_path / "kept.bml").read_text() == "before"
+
+
+def test_a_document_is_on_the_disk_when_it_is_saved(tmp_path, monkeypatch):
+    synced, sync = [], os.fsync
+
+    def record(descriptor):
+        synced.append(os.fstat(descriptor).st_ino)
+        sync(descriptor)
+
+    monkeypatch.setattr(os, "fsync", record)
+    DocumentFolder(tmp_path).save("a.bml", "x")
+    assert synced == [(tmp_path / "a.bml").stat().st_ino, tmp_path.stat().st_ino]
+
+
+def test_a_document_named_like_a_device_is_not_listed(tmp_path):
+    for name in ("con.bml", "console.bml", "NUL.toml"):
+        (tmp_path / name).touch()
+    assert DocumentFolder(tmp_path).list().names == ("console.bml",)

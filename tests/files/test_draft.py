@@ -1,0 +1,154 @@
+"""Drafts: removed when their process was killed, and only then."""
+
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from kinesic.files.draft import DRAFT_FILE, DRAFT_TEXT, hold_draft, remove_abandoned
+from kinesic.files.held_folder import hold_folder
+from kinesic.files.output_folder import MARK, MARKER
+
+NOBODY_UID = 65_534  # another user
+WRITER_PROGRAM = """
+import sys, time
+from pathlib import Path
+from kinesic.files.output_file import new_file
+from kinesic.files.output_folder import new_folder
+place = Path(sys.argv[1])
+with new_folder(place / "rep") as folder, new_file(place / "song.wav") as file:
+    (folder / "deep").mkdir()
+    (folder / "deep" / "half").write_text("half")
+    file.write_text("half")
+    print("ready", flush=True)
+    sys.stdin.readline()
+"""
+NEXT_RUN_PROGRAM = """
+import sys
+from pathlib import Path
+from kinesic.files.output_file import write_text
+write_text(Path(sys.argv[1]) / "next", "next", force=True)
+"""
+
+
+@contextmanager
+def writer(place: Path) -> Iterator[subprocess.Popen]:
+    """A process that writes a folder and a file, until a line comes or it is killed."""
+    words = [sys.executable, "-c", WRITER_PROGRAM, str(place)]
+    with subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "ready\n"
+        yield process
+        process.kill()
+
+
+def run_next(place: Path) -> None:
+    subprocess.run([sys.executable, "-c", NEXT_RUN_PROGRAM, str(place)], check=True)
+
+
+def test_the_next_run_removes_what_a_killed_one_left(tmp_path: Path):
+    with writer(tmp_path) as process:
+        assert len(list(tmp_path.glob(".*"))) == 2
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+    assert len(list(tmp_path.glob(".*"))) == 2
+    run_next(tmp_path)
+    assert os.listdir(tmp_path) == ["next"]
+
+
+def test_a_run_leaves_the_drafts_of_others_that_still_write(tmp_path: Path):
+    with writer(tmp_path) as process:
+        run_next(tmp_path)
+        assert len(list(tmp_path.glob(".*"))) == 2
+        process.communicate("\n")
+        assert process.returncode == 0
+    assert sorted(os.listdir(tmp_path)) == ["next", "rep", "song.wav"]
+    assert (tmp_path / "rep" / "deep" / "half").read_text() == "half"
+    assert sorted(os.listdir(tmp_path / "rep")) == [MARKER, "deep"]
+
+
+@pytest.fixture
+def abandoned(tmp_path: Path) -> Path:
+    """What is left of a killed run."""
+    folder = tmp_path / "out" / ".rep-0123456789ab"
+    folder.mkdir(parents=True)
+    (folder / MARKER).write_bytes(MARK)
+    (folder / DRAFT_FILE).write_bytes(DRAFT_TEXT)
+    return folder
+
+
+def sweep(folder: Path) -> list[str]:
+    """What a sweep leaves of a folder."""
+    with hold_folder(folder) as held:
+        remove_abandoned(held)
+    return sorted(os.listdir(folder))
+
+
+def test_links_in_an_abandoned_draft_are_not_followed(abandoned: Path, tmp_path: Path):
+    mine = tmp_path / "mine"
+    mine.mkdir()
+    (mine / "letter").write_text("dear")
+    (abandoned / "folder").symlink_to(mine)
+    (abandoned / "file").symlink_to(mine / "letter")
+    assert sweep(abandoned.parent) == []
+    assert (mine / "letter").read_text() == "dear"
+
+
+def test_a_link_with_the_name_of_a_draft_is_left_alone(abandoned: Path, tmp_path: Path):
+    abandoned.rename(tmp_path / "mine")
+    abandoned.symlink_to(tmp_path / "mine")
+    assert sweep(abandoned.parent) == [abandoned.name]
+    assert (tmp_path / "mine" / DRAFT_FILE).exists()
+
+
+@pytest.mark.parametrize("name", ["rep", ".rep", ".rep-0123", ".rep-0123456789AB", "rep-0123456789ab"])
+def test_a_folder_with_another_name_is_left_alone(abandoned: Path, name: str):
+    abandoned.rename(abandoned.with_name(name))
+    assert sweep(abandoned.parent) == [name]
+
+
+@pytest.mark.parametrize("text", [None, b"", b"mine", DRAFT_TEXT[:-1], DRAFT_TEXT + b"x", "link", "pipe", "folder"])
+def test_a_folder_without_the_very_draft_file_is_left_alone(abandoned: Path, tmp_path: Path, text: bytes | str | None):
+    file = abandoned / DRAFT_FILE
+    file.unlink()
+    match text:
+        case "link":
+            (tmp_path / "elsewhere").write_bytes(DRAFT_TEXT)
+            file.symlink_to(tmp_path / "elsewhere")
+        case "pipe":
+            os.mkfifo(file)
+        case "folder":
+            file.mkdir()
+        case bytes():
+            file.write_bytes(text)
+        case _:
+            pass
+    assert sweep(abandoned.parent) == [abandoned.name]
+    assert (abandoned / MARKER).exists()
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root can give files away")
+@pytest.mark.parametrize("given", [".", DRAFT_FILE])
+def test_a_draft_of_another_user_is_left_alone(abandoned: Path, given: str):
+    os.chown(abandoned / given, NOBODY_UID, NOBODY_UID)
+    assert sweep(abandoned.parent) == [abandoned.name]
+
+
+def test_a_draft_that_was_made_final_is_left_alone(tmp_path: Path):
+    """Its earlier folder may stand aside under a hidden name when the process is killed."""
+    with hold_folder(tmp_path) as parent, hold_draft("rep", parent=parent) as draft:
+        draft.finish()
+        assert sweep(tmp_path) == [draft.name]
+
+
+def test_a_draft_is_private_and_goes_with_its_writer(tmp_path: Path):
+    with hold_folder(tmp_path) as parent:
+        with hold_draft("rep", parent=parent) as draft:
+            assert (tmp_path / draft.name).stat().st_mode & 0o777 == 0o700
+            assert sweep(tmp_path) == [draft.name], "it is locked"
+        assert os.listdir(tmp_path) == []
