@@ -18,7 +18,8 @@ from kinesic.files.held_folder import hold_folder, name_beside
 DRAFT_FILE = ".kinesic-draft"
 DRAFT_TEXT = b"kinesic writes this folder, or was killed as it did; then the next run removes the folder.\n"
 DRAFT_NAME = re.compile(r"\..*-[0-9a-f]{12}(\..*)?", re.DOTALL)  # as `name_beside` makes them
-PRIVATE_MODE, PUBLIC_MODE = 0o700, 0o777  # before the umask
+PRIVATE_MODE = 0o700
+PUBLIC_MODE = 0o777  # before the umask
 LOCK_FLAGS = os.O_RDWR | os.O_NOFOLLOW | os.O_NONBLOCK
 
 _swept_folders: set[tuple[int, int]] = set()  # device and inode, once per process: listing large folders takes time
@@ -64,7 +65,7 @@ def hold_draft(name: str, *, parent: int, mode: int = PRIVATE_MODE) -> Iterator[
 
 
 def mark_as_abandoned(folder: int) -> None:
-    """Let a later process remove an open folder, should this process be killed before it has."""
+    """Mark an open folder so that a later process removes it."""
     with suppress(FileExistsError):
         descriptor = os.open(DRAFT_FILE, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600, dir_fd=folder)
         with open(descriptor, "wb") as file:
@@ -83,7 +84,7 @@ def remove_abandoned(parent: int) -> None:
 
 
 def remove_folder(name: str, held: int, *, parent: int) -> None:
-    """Empty and remove an open folder while it has this name; links in it go, their targets stay."""
+    """Remove an open folder with its contents, without following links."""
     if not is_same(name, held, parent=parent):
         return
     with suppress(OSError):  # what resists stays, under the hidden name
@@ -96,7 +97,7 @@ def remove_folder(name: str, held: int, *, parent: int) -> None:
 
 
 def is_same(name: str, held: int, *, parent: int) -> bool:
-    """Return whether a name in an open folder is that of another open folder."""
+    """Return whether a name in a folder refers to an open folder."""
     try:
         return os.path.samestat(os.fstat(held), os.stat(name, dir_fd=parent, follow_symlinks=False))
     except FileNotFoundError:
@@ -104,7 +105,7 @@ def is_same(name: str, held: int, *, parent: int) -> bool:
 
 
 def _lock(lock: int, folder: int) -> None:
-    """Lock the file of a draft; without locks on this file system, let no process take the draft for abandoned."""
+    """Lock the draft file, or delete it where the file system has no locks."""
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError:
@@ -114,7 +115,7 @@ def _lock(lock: int, folder: int) -> None:
 
 
 def _remove_if_abandoned(name: str, folder: int, *, parent: int) -> None:
-    """Remove an open folder if it is the draft of a killed process.
+    """Remove an open folder if its process was killed.
 
     Raises:
         OSError: it is none, or a process locks it.

@@ -6,7 +6,7 @@ import click
 import numpy as np
 
 from kinesic.hardware.protocol.wire import BusError
-from kinesic.hardware.supervisor.address import find_supervisors
+from kinesic.hardware.supervisor.address import find_faults, find_supervisors
 from kinesic.hardware.supervisor.channel import Channel
 from kinesic.hardware.supervisor.state_machine import Stage
 
@@ -23,11 +23,15 @@ def stop_robots() -> int:
     Raises:
         BusError: no supervisor of this user runs, or one does not stop.
     """
-    channels = find_supervisors()
-    for channel in channels:
+    channels: list[Channel] = []
+    for channel in find_supervisors():
         channel.stop("hold")
+        channels.append(channel)
     if not channels:
-        raise BusError(f"no program of yours drives servos from here; if a robot moves all the same, {POWER_OFF}")
+        faults = "".join(f"; {fault}" for fault in find_faults())
+        raise BusError(
+            f"no program of yours drives servos from here{faults}; if a robot moves all the same, {POWER_OFF}"
+        )
     began, waiting = time.monotonic(), list(channels)
     while waiting and time.monotonic() - began < STANDSTILL_TIMEOUT:
         waiting = [channel for channel in waiting if not _stands(channel)]

@@ -48,10 +48,15 @@ def supervise(order: SupervisorOrder, planner: Callable[[], bool], ended: Callab
     def opens(bus: str) -> Wire:
         return SerialWire(order.ports[bus], manifest.bauds[bus])
 
-    supervisor = Supervisor(manifest, Surroundings(opens, channel, planner, journal), settings, watchdog=watchdog)
+    published: list[Path] = []
+
+    def announce() -> None:
+        published.extend(publish(order.ports.values(), order.memory, joints))
+
+    around = Surroundings(opens, channel, planner, journal, announce)
+    supervisor = Supervisor(manifest, around, settings, watchdog=watchdog)
     supervisor.open()
     refused = supervisor.done
-    found = () if refused else publish(order.ports.values(), order.memory, joints)
     gc.collect()
     gc.freeze()
     due = supervisor.now()
@@ -65,7 +70,7 @@ def supervise(order: SupervisorOrder, planner: Callable[[], bool], ended: Callab
             supervisor.late += 1
             due += behind
         supervisor.sleep(due)
-    for path in found:
+    for path in published:
         path.unlink(missing_ok=True)
     journal.close()
     return EXIT_REFUSED if refused else EXIT_GOOD

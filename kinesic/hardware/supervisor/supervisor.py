@@ -49,6 +49,9 @@ class Surroundings:
     channel: Channel  # to the planner
     planner: Callable[[], bool]  # whether it lives
     journal: EventLog
+    announce: Callable[[], None] = lambda: (
+        None
+    )  # once the ports are held, before anything is configured; raises BusError
 
 
 class Supervisor:
@@ -152,8 +155,6 @@ class Supervisor:
         self._steering.follow_limp(limp, self._monitor.present)
         return self._steering.ticks()
 
-    # what is known
-
     @property
     def _watchdog(self) -> int:
         """BUS_WATCHDOG of servos with torque."""
@@ -200,8 +201,6 @@ class Supervisor:
         if "failed" in failures:
             self._steering.give_up(monitor.stuck, monitor.present)
         return (*events, *failures, "tick")
-
-    # what follows
 
     def _advance(self, event: Event) -> None:
         """Lets the state machine see an event, and begins what it asks for."""
@@ -254,6 +253,7 @@ class Supervisor:
     def _check(self) -> None:
         axes, self._tables = take_over(self.manifest, self._around.opens, period=WIRE_SHARE * self._settings.period)
         self._axes, self._monitor = axes, CommunicationMonitor(self.manifest, self._tables)
+        self._around.announce()
         for _ in range(LOOKS):
             self._look(axes, None, self._settings.period)
             if self._monitor.answering:

@@ -8,12 +8,15 @@ import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from time import monotonic
 
 import numpy as np
 import pytest
 
+from kinesic.cli.servos import stop
+from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor import address
-from kinesic.hardware.supervisor.address import ALIVE, find_supervisor, find_supervisors, publish
+from kinesic.hardware.supervisor.address import ALIVE, find_faults, find_supervisor, find_supervisors, publish
 from kinesic.hardware.supervisor.channel import Channel, Status, map_memory, memory_file, memory_size
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="needs /proc, as kinesic says")
@@ -47,10 +50,13 @@ def beat(clock: float) -> Status:
 
 @pytest.fixture
 def held(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Held]:
-    folder = tmp_path / "shm"
-    folder.mkdir()
-    monkeypatch.setattr(address, "FOLDER", folder)
+    for name in ("RUNTIME_ROOT", "SHARED_MEMORY"):
+        (tmp_path / name).mkdir()
+        monkeypatch.setattr(address, name, tmp_path / name)
+    monkeypatch.setattr(address, "_home", lambda _user: tmp_path / "home")
+    monkeypatch.setattr(address, "search_processes", lambda: ())  # of other tests
     monkeypatch.setattr(address, "monotonic", lambda: NOW)
+    folder = tmp_path / "SHARED_MEMORY" / f"kinesic-{os.geteuid()}"
     octets = memory_size(JOINTS)
     memory = memory_file(octets)
     channel = Channel(map_memory(memory, octets), JOINTS)
@@ -66,6 +72,7 @@ def test_who_was_published_is_found_and_hears(held: Held):
     found.set("confirm", 1)
     assert held.channel.word("confirm") == 1
     assert not list(held.folder.glob("*.*")), "no draft stays"
+    assert stat.S_IMODE(held.folder.stat().st_mode) == 0o700
 
 
 def test_all_supervisors_are_found_once_each_without_their_ports(held: Held):
@@ -121,10 +128,81 @@ def test_the_next_supervisor_takes_the_place_of_one_that_died(held: Held):
     assert held.found()
 
 
-def test_where_nothing_can_be_written_nobody_is_published(held: Held, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(address, "FOLDER", held.folder / "missing")
-    assert publish([held.port], held.memory, JOINTS) == ()
+def test_where_nothing_can_be_written_the_robot_is_refused(held: Held, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(address, "SHARED_MEMORY", held.folder / "missing")
+    with pytest.raises(BusError, match=r"`kinesic servos stop` could not find this robot \(there is no folder for it"):
+        publish([held.port], held.memory, JOINTS)
     assert not held.found()
+
+
+def squat(path: Path, kind: str) -> None:
+    """Takes the name of a folder, as another user can where everybody may write."""
+    match kind:
+        case "file":
+            path.write_text("1 2 3")
+        case "link":
+            (path.parent / "theirs").mkdir(exist_ok=True)
+            path.symlink_to("theirs")
+        case "open":
+            path.mkdir()
+            path.chmod(0o777)
+        case _:
+            path.mkdir(mode=0o755)
+            os.chown(path, NOBODY, NOBODY)
+
+
+KINDS = ["file", "link", "open", *(["foreign"] if os.geteuid() == 0 else [])]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_who_takes_the_name_of_the_folder_first_disables_no_stop(held: Held, kind: str):
+    squat(held.folder, kind)
+    home = held.port.parent / "home"
+    home.mkdir()
+    (file,) = publish([held.port], held.memory, JOINTS)
+    assert file.is_relative_to(home)
+    assert held.found()
+    assert len(list(find_supervisors())) == 1
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_where_every_name_is_taken_the_robot_is_refused_and_a_stop_says_why(held: Held, kind: str):
+    squat(held.folder, kind)
+    with pytest.raises(BusError, match=rf"could not find this robot \({held.folder}: "):
+        publish([held.port], held.memory, JOINTS)
+    assert not held.found()
+    (fault,) = find_faults()
+    assert fault.startswith(f"{held.folder}: ")
+    if kind == "foreign":
+        assert fault.endswith(f"it belongs to another user (uid {NOBODY})")
+    with pytest.raises(BusError, match=rf"no program of yours drives servos from here; {held.folder}: "):
+        stop.stop_robots()
+
+
+def test_the_folder_of_the_session_comes_first_and_all_are_looked_at(held: Held, monkeypatch: pytest.MonkeyPatch):
+    """Another shell may have another environment, and a session may begin or end meanwhile."""
+    session = held.port.parent / "RUNTIME_ROOT" / str(os.geteuid())
+    session.mkdir()
+    (file,) = publish([held.port], held.memory, JOINTS)
+    assert file.is_relative_to(session)
+    monkeypatch.setenv("XDG_RUNTIME_DIR", "/nonexistent")
+    monkeypatch.delenv("HOME", raising=False)
+    assert held.found()
+    file.unlink()
+    assert not held.found()
+    (file.parent).rmdir()
+    session.rmdir()
+    publish([held.port], held.memory, JOINTS)
+    session.mkdir()
+    assert held.found(), "a session that began later hides nothing"
+
+
+def test_a_process_is_found_though_its_address_was_lost(held: Held, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.undo()
+    found = set(address.search_processes())
+    assert (os.getpid(), held.memory, JOINTS) in found
+    held.channel.write_status(beat(monotonic()))
+    assert JOINTS in {len(channel.status().angles) for channel in find_supervisors()}
 
 
 @pytest.mark.parametrize(("since", "alive"), [(-1.0, True), (0.5, True), (ALIVE, False), (5.0, False)])
@@ -160,7 +238,7 @@ def test_an_address_that_is_none_finds_nobody(held: Held, text: str):
 
 def test_an_address_behind_a_link_is_not_followed(held: Held):
     publish([held.port], held.memory, JOINTS)
-    elsewhere = held.folder.with_name("elsewhere")
+    elsewhere = held.folder.with_name("elsewhere")  # in the same file system
     held.file.rename(elsewhere)
     link = Path(publish([held.port], held.memory, JOINTS)[0])
     link.unlink()
