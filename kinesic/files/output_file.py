@@ -14,7 +14,7 @@ from kinesic.files.held_folder import check_above, find_place, hold_folder, name
 NEW = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW
 ANY_WRITE = stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH
 PERMISSION_BITS = stat.S_IRWXU | stat.S_IRWXG | stat.S_IRWXO
-MORE = os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_NOFOLLOW
+MORE = os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_NOFOLLOW | os.O_NONBLOCK  # a pipe may have no reader
 
 
 def check_file(path: Path, *, force: bool = False) -> None:
@@ -78,10 +78,10 @@ def write_text(path: Path, text: str, *, force: bool = False, durable: bool = Fa
 
 
 def open_to_add(path: Path) -> BinaryIO:
-    """Opens a file to add to it, and makes it where there is none; unbuffered, and never through a link.
+    """Open a file to add to it, unbuffered, making it where it is missing.
 
     Raises:
-        OSError: it cannot be written, or is a link.
+        OSError: it cannot be written, or is a link, or a pipe that no process reads.
     """
     return open(path, "ab", buffering=0, opener=lambda name, _: os.open(name, MORE, 0o666))
 

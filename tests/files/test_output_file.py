@@ -141,6 +141,13 @@ def test_adding_goes_on_where_the_file_ended_and_never_through_a_link(tmp_path: 
         open_to_add(tmp_path / "link")
 
 
+def test_a_pipe_that_nobody_reads_keeps_nobody_waiting(tmp_path: Path):
+    """A stranger's folder may hold one under the name of a journal."""
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(OSError, match="No such device"):
+        open_to_add(tmp_path / "pipe")
+
+
 def test_nothing_is_replaced_unless_that_is_asked_for(tmp_path: Path):
     path = tmp_path / "mine"
     path.write_text("dear")
