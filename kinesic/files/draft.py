@@ -41,7 +41,7 @@ class Draft:
 
 @contextmanager
 def hold_draft(name: str, *, parent: int, mode: int = PRIVATE_MODE) -> Iterator[Draft]:
-    """Make a draft beside a name, and remove it at the end unless it was renamed.
+    """Make a draft folder, and remove it at the end unless renamed.
 
     Args:
         name: of the file or folder that the draft becomes.
@@ -105,7 +105,7 @@ def is_same(name: str, held: int, *, parent: int) -> bool:
 
 
 def _lock(lock: int, folder: int) -> None:
-    """Lock the draft file, or delete it where the file system has no locks."""
+    """Lock the draft file, or delete it if the file system lacks locks."""
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError:

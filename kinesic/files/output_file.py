@@ -78,7 +78,7 @@ def write_text(path: Path, text: str, *, force: bool = False, durable: bool = Fa
 
 
 def open_to_add(path: Path) -> BinaryIO:
-    """Open a file to add to it, unbuffered, making it where it is missing.
+    """Open a file for appending, unbuffered, creating it if missing.
 
     Raises:
         OSError: it cannot be written, or is a link, or a pipe that no process reads.

@@ -1,4 +1,4 @@
-"""Folders that only one user may write, in places where every user may make one."""
+"""Folders that no other user may write, in shared places."""
 
 import errno
 import os
@@ -14,7 +14,7 @@ OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 
 @contextmanager
 def hold_private_folder(path: Path, *, make: bool = False) -> Iterator[int]:
-    """Hold a folder open that no other user may write, and yield its descriptor.
+    """Yield the descriptor of a folder that no other user may write.
 
     Args:
         path: of the folder; its last name must be no link.

@@ -195,7 +195,7 @@ class Intruder:
         if what == 0:
             return answer_draft(GestureQuestion(GESTURE.format(*quoted)), self._setup, USUAL)
         if what == 1:
-            return answer_draft(GestureQuestion(lexeme=self.name()), self._setup, USUAL)
+            return answer_draft(GestureQuestion(lexeme=self.name().replace("\udcff", "?")), self._setup, USUAL)
         if what == 2:
             return "\n".join(read_folder(self._grounds.given).faults)
         file = self._grounds.temporary / "stranger.toml"
