@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from kinesic.hardware.protocol.registers import Register
+from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
+from kinesic.hardware.supervisor.supervisor import Supervisor, Surroundings
 
 Make = Callable  # of a desk, see conftest
 PERIOD = 0.01
@@ -26,6 +28,22 @@ def test_opening_checks_and_configures_and_energises_nothing(desk: Make):
     assert made.true(Register.MIN_POSITION_LIMIT).tolist() == lower.tolist()
     assert made.true(Register.MAX_POSITION_LIMIT).tolist() == upper.tolist()
     assert sum(line.startswith("configured") for line in made.kinds()) == 10
+
+
+def test_a_robot_that_no_stop_would_find_is_refused_before_anything_is_configured(desk: Make):
+    made = desk()
+
+    def fail() -> None:
+        raise BusError("no stop would find this robot")
+
+    around = Surroundings(made.wires.__getitem__, made.channel, lambda: True, made.journal_file, announce=fail)
+    made.supervisor = Supervisor(made.manifest, around, made.settings, watchdog=made.settings.watchdog)
+    made.open()
+    assert made.supervisor.done
+    assert made.stage is Stage.CLOSED
+    assert not made.true(TORQUE).any()
+    assert not any(line.startswith("configured") for line in made.kinds())
+    assert [note.text for note in made.channel.notes() if note.kind == "refused"] == ["no stop would find this robot"]
 
 
 def test_what_is_set_already_is_not_written_again(desk: Make):

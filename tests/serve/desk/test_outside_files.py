@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from kinesic import Performer
+from kinesic.files.draft import DRAFT_NAME
 
 from .intruder import SECRET, WEIGHTS, Grounds, Intruder
 
@@ -29,8 +30,7 @@ def attack(root: Path, monkeypatch: pytest.MonkeyPatch, setup, *, count: int, se
     assert sorted(os.listdir("/")) == roots
     assert sorted({*os.listdir(grounds.temporary)} - {"stranger.toml"}) == planted
     assert sorted(os.listdir(root)) == ["given", "outside", "temporary"]
-    hidden = [name for name in os.listdir(grounds.given) if name.startswith(".")]
-    assert hidden == [], "no draft stays"
+    assert not list(filter(DRAFT_NAME.fullmatch, os.listdir(grounds.given))), "no draft stays"
     for path in grounds.given.rglob("*"):
         assert path.is_symlink() or not path.is_file() or SECRET not in path.read_text(errors="replace"), path
     assert set(intruder.granted) == set(WEIGHTS), (intruder.granted, "some requests of every kind are granted")
