@@ -10,7 +10,7 @@ import re
 import shutil
 import stat
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 
 from kinesic.files.held_folder import hold_folder, name_beside
@@ -54,19 +54,17 @@ def hold_draft(name: str, *, parent: int, mode: int = PRIVATE_MODE) -> Iterator[
         remove_abandoned(parent)
     hidden = name_beside(name)
     os.mkdir(hidden, mode, dir_fd=parent)
-    with hold_folder(hidden, inside=parent) as folder:
+    with hold_folder(hidden, inside=parent) as folder, ExitStack() as ending:
+        ending.callback(remove_folder, hidden, folder, parent=parent)
         lock = os.open(DRAFT_FILE, LOCK_FLAGS | os.O_CREAT | os.O_EXCL, 0o600, dir_fd=folder)
-        try:
-            _lock(lock, folder)
-            yield Draft(hidden, folder, parent)
-        finally:
-            remove_folder(hidden, folder, parent=parent)
-            os.close(lock)
+        ending.callback(os.close, lock)
+        _lock(lock, folder)
+        yield Draft(hidden, folder, parent)
 
 
 def mark_as_abandoned(folder: int) -> None:
     """Mark an open folder so that a later process removes it."""
-    with suppress(FileExistsError):
+    with suppress(OSError):  # a full disk costs no result that is in its place already
         descriptor = os.open(DRAFT_FILE, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600, dir_fd=folder)
         with open(descriptor, "wb") as file:
             file.write(DRAFT_TEXT)

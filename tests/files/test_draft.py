@@ -152,3 +152,18 @@ def test_a_draft_is_private_and_goes_with_its_writer(tmp_path: Path):
             assert (tmp_path / draft.name).stat().st_mode & 0o777 == 0o700
             assert sweep(tmp_path) == [draft.name], "it is locked"
         assert os.listdir(tmp_path) == []
+
+
+def test_a_draft_that_cannot_be_begun_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    usual = os.open
+
+    def fail(path: str, *arguments: int, **more: int) -> int:
+        if path == DRAFT_FILE:
+            raise OSError(28, "No space left on device")
+        return usual(path, *arguments, **more)
+
+    with hold_folder(tmp_path) as parent:
+        monkeypatch.setattr(os, "open", fail)
+        with pytest.raises(OSError, match="No space left"), hold_draft("rep", parent=parent):
+            pass
+    assert os.listdir(tmp_path) == []
