@@ -9,7 +9,7 @@ INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 TESTED = $(INSTALL) --require-hashes --requirement $(1) >$(2) 2>&1
 # Ends everything where a file is there but differs from the tested one: somebody may have exchanged it.
 UNCHANGED = { ! grep -q "DO NOT MATCH THE HASHES" $(1) || { cat $(1) >&2; exit 1; }; }
-SOURCES := pyproject.toml $(wildcard requirements*.lock setup.py kinesic/*/kernel/*.cpp kinesic/*/kernel/*.h)
+SOURCES := pyproject.toml $(wildcard requirements*.lock setup.py kinesic/nanobind.cpp kinesic/*/kernel/*.cpp kinesic/*/kernel/*.h)
 EXTRAS := speech face
 KEPT ?=
 SMALL := --film-size 854x480 --film-rate 15

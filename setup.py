@@ -24,9 +24,13 @@ def kernel(room: str) -> Extension:
     sources = Path("kinesic", room, "kernel")
     return Extension(
         f"kinesic.{room}._kernel",
-        sources=[*sorted(str(path) for path in sources.glob("*.cpp")), str(NANOBIND / "src" / "nb_combined.cpp")],
+        sources=[*sorted(str(path) for path in sources.glob("*.cpp")), "kinesic/nanobind.cpp"],
         depends=sorted(str(path) for path in sources.glob("*.h")),
-        include_dirs=[numpy.get_include(), nanobind.include_dir(), str(NANOBIND / "ext" / "robin_map" / "include")],
+        include_dirs=[
+            numpy.get_include(),
+            nanobind.include_dir(),
+            *(str(NANOBIND / part) for part in ("src", "ext/robin_map/include")),
+        ],
         extra_compile_args=[
             "-std=c++17",
             "-O3",
