@@ -1,87 +1,116 @@
-"""Performs the documents of a model: tried first, so that the answer says what a model can mend."""
+"""Performs the documents of a model: planned first, so that the answer names what a model can mend."""
 
-import json
-import re
-from threading import Lock
+from asyncio import get_running_loop
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 
-from kinesic.mcp.robot_line import RobotAnswer, RobotLine
+from kinesic.bml.parse import UNNAMED
+from kinesic.mcp.call_queue import CallQueue
+from kinesic.mcp.document_line import RobotAnswer
+from kinesic.mcp.errors import RefusedError
+from kinesic.mcp.robot_line import RobotLine
 from kinesic.mcp.teaching import Json
+from kinesic.realizer.request import block_id
 from kinesic.serve.wire.protocol import END, control
 
-MOST_NOTICES = 12
-# The id of the first <bml>, with any prefix and in either kind of quotes.
-_BML_ID = re.compile(r"<(?:\w+:)?bml\b[^<>]*?\sid\s*=\s*([\"'])(.+?)\1")
-
-
-class RefusedError(ValueError):
-    """A document is not performed; says why, and what would have worked."""
+MAX_NOTICES = 12
+STOPPED = "an emergency stop came, and discarded this call: nothing of it moves; resume first, then send it again"
+HELD = "an emergency stop holds: resume first, then send it again"
 
 
 class Performing:
     """Performs one document after the other."""
 
     def __init__(self, robot: RobotLine) -> None:
-        """Performs by a connection."""
-        self._robot = robot
-        self._planning = Lock()  # of two documents that are planned at once the server answers the later one alone
+        """Perform by the connections to a robot."""
+        self._robot, self._calls = robot, CallQueue()
+        self._writer = ThreadPoolExecutor(1, thread_name_prefix="writer")
 
-    def perform(self, document: str) -> RobotAnswer:
-        """Plans a document, and has it performed where it can be.
+    async def perform(self, write: Callable[[], str]) -> RobotAnswer:
+        """Plan a document, and have it performed if it can be, after all calls that came before.
+
+        Args:
+            write: writes the document, in a thread of its own.
 
         Returns:
-            Its block, how long it lasts, and what is not as asked.
+            Its block, its duration, and the behaviours that are not performed as requested.
 
         Raises:
-            RefusedError: it is no document, or wrong; nothing moves.
+            RefusedError: it is wrong, too many calls wait, or a stop came; nothing moves.
             RobotError: nobody answers.
         """
-        block = _block_id(document)
-        with self._planning:
-            return self._perform(document, block)
+        return await self._calls.run(partial(self._perform_in_turn, write))
 
-    def _perform(self, document: str, block: str) -> RobotAnswer:
-        planned = self._robot.ask("plan", bml=document)
-        if "duration" not in planned and "error" not in planned:
-            raise RefusedError(str(planned.get("why", "another document came in between; send it again")))
-        error = planned.get("error")
-        if isinstance(error, dict):
-            raise RefusedError(f"line {error['line']}, column {error['column']}: {error['text']}")
-        if why := self._robot.perform(document, block):
-            raise RefusedError(why)
+    def discard(self) -> None:
+        """Refuse all calls that wait: no plan that was made before an emergency stop moves the robot after it."""
+        self._calls.discard(STOPPED)
+
+    async def _perform_in_turn(self, write: Callable[[], str]) -> RobotAnswer:
+        stops = await self._count_stops()
+        async with self._calls.turn():
+            document, written_id = await get_running_loop().run_in_executor(self._writer, _checked, write)
+            planned = await self._robot.documents.ask("plan", bml=document)
+            block = _planned_block(planned)
+            if await self._count_stops() != stops:  # by anybody: a person, another client
+                raise RefusedError(STOPPED)
+            if why := await self._robot.documents.perform(document, block, written_id):
+                raise RefusedError(why)
         return {"block": block, "seconds": planned["duration"], "not_as_asked": _not_as_asked(planned)}
 
+    async def _count_stops(self) -> Json:
+        """Count the emergency stops so far.
 
-def _block_id(document: str) -> str:
-    """Finds the id of a document's block.
+        Raises:
+            RefusedError: one holds.
+        """
+        status = await self._robot.status()
+        if status["state"] == "stopped":
+            raise RefusedError(HELD)
+        return status.get("stops")
+
+
+def _checked(write: Callable[[], str]) -> tuple[str, str]:
+    """Write a document; return it with the id that the server gives in a refusal before it reads the document.
 
     Raises:
-        RefusedError: it has none, or is a control message.
+        RefusedError: it is a control message, or no text.
     """
-    if END.decode() in document:
+    try:
+        document = write()
+        message = document.encode()
+    except (UnicodeEncodeError, RecursionError) as error:
+        raise RefusedError(f"the document cannot be sent as UTF-8: {error}") from None
+    if END in message:
         raise RefusedError("the document has a NUL character, which no text has: take it out")
     try:
-        if control(document.encode()) is not None:
-            raise RefusedError("this is a message to the server, no document: write BML")
+        request = control(message)
     except ValueError as error:
         raise RefusedError(f"neither BML nor a document in JSON: {error}") from None
-    text = document.lstrip()
-    if not text.startswith(("{", "[")):
-        found = _BML_ID.search(text)
-        if found is None:
-            raise RefusedError('no <bml id="...">: give the block an id of its own')
-        return found[2]
-    try:
-        block = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise RefusedError(f"no JSON: {error}") from None
-    name = block.get("id") if isinstance(block, dict) else None
-    if not isinstance(name, str) or not name:
-        raise RefusedError('the object needs an "id" of its own, such as "b1", and "behaviours"')
-    return name
+    if request is not None:
+        raise RefusedError("this is a message to the server, no document: write BML")
+    return document, block_id(message)
+
+
+def _planned_block(planned: RobotAnswer) -> str:
+    """Read the id of the block from the answer to a plan.
+
+    Raises:
+        RefusedError: the document is wrong, or its block has no id.
+    """
+    match planned:
+        case {"error": {"line": line, "column": column, "text": text}}:
+            raise RefusedError(f"line {line}, column {column}: {text}")
+        case {"duration": _, "block": str(block)} if block != UNNAMED:
+            return block
+        case {"duration": _}:
+            why = f'the block needs an id of its own, other than "{UNNAMED}"'
+            raise RefusedError(f'{why}: "id": "b1" in JSON, or <bml id="b1">')
+    raise RefusedError(str(planned.get("why", "another document came in between; send it again")))
 
 
 def _not_as_asked(planned: RobotAnswer) -> Json:
     notices = planned["notices"]
     assert isinstance(notices, list)  # as docs/serve.md says
-    told: list[Json] = [f"{each['id']}: {each['text']}" for each in notices[:MOST_NOTICES]]
-    return told if len(notices) <= MOST_NOTICES else [*told, f"and {len(notices) - MOST_NOTICES} more"]
+    told: list[Json] = [f"{each['id']}: {each['text']}" for each in notices[:MAX_NOTICES]]
+    return told if len(notices) <= MAX_NOTICES else [*told, f"and {len(notices) - MAX_NOTICES} more"]

@@ -1,9 +1,9 @@
 """The tools, resources and prompt that a language model gets over the Model Context Protocol."""
 
 import json
-from asyncio import to_thread
-from collections.abc import Callable
+from collections.abc import Awaitable
 from dataclasses import asdict, replace
+from functools import partial
 from secrets import token_hex
 from typing import Annotated, Literal
 from xml.sax.saxutils import quoteattr
@@ -17,8 +17,10 @@ from kinesic.bml.reading.namespaces import BML_1_0
 from kinesic.body.config import names_of
 from kinesic.controller.documents import write_bml
 from kinesic.expressivity.style.style import Style
-from kinesic.mcp.performing import Performing, RefusedError
-from kinesic.mcp.robot_line import RobotAnswer, RobotError, RobotLine
+from kinesic.mcp.document_line import RobotAnswer
+from kinesic.mcp.errors import RefusedError, RobotError
+from kinesic.mcp.performing import Performing
+from kinesic.mcp.robot_line import RobotLine
 from kinesic.mcp.teaching import BML_SCHEMA, TEACHING
 from kinesic.mcp.vocabulary import all_names, search_gestures, usual_gestures
 from kinesic.planning.setup import Setup
@@ -46,6 +48,8 @@ def make_server(robot: RobotLine, known: Setup, *, resumes: bool) -> MCPServer:
     """
     server = MCPServer("kinesic", instructions=TEACHING, version=__version__, log_level="WARNING")
     performing = Performing(robot)
+    search_gestures(known.lexicon, "")  # the first search and the first text take long, and would hold up a stop
+    _spoken("Hello.", "", known)
 
     @server.tool(annotations=READS)
     async def list_gestures(query: Query = "", category: Name = "") -> str:
@@ -54,35 +58,32 @@ def make_server(robot: RobotLine, known: Setup, *, resumes: bool) -> MCPServer:
 
     @server.tool(annotations=MOVES)
     async def perform(document: Document | dict[str, object]) -> str:
-        """Performs a document: BML as a JSON object (resource kinesic://schema), or as XML. It begins at once."""
-        text = document if isinstance(document, str) else json.dumps(document)
-        return await _moved(performing.perform, text)
+        """Performs a document after pending calls: BML as a JSON object (resource kinesic://schema), or as XML."""
+        return await _answered(performing.perform(partial(_as_text, document)))
 
     @server.tool(annotations=MOVES)
     async def say(text: Text, style: Name = "") -> str:
         """Says a text with gestures that fit its words, after what is performed now; *stress* stresses a word."""
-        return await _moved(performing.perform, await to_thread(_spoken, text, style, known))
+        return await _answered(performing.perform(partial(_spoken, text, style, known)))
 
     @server.tool(annotations=MOVES)
     async def look(at: Direction) -> str:
         """Turns the gaze to the audience, or away from it in a direction, until it is turned again."""
         away = "" if at == "AUDIENCE" else f' offsetDirection="{at}" offsetAngle="25"'
         gaze = f'<gazeShift id="gaze" target="AUDIENCE" start="0"{away}/>'
-        return await _moved(performing.perform, _block(gaze))
+        return await _answered(performing.perform(partial(_block, gaze)))
 
     @server.tool(annotations=READS)
     async def status() -> str:
         """Says whether the robot rests, plays or is stopped, and the last feedback."""
-        try:
-            return json.dumps(await to_thread(robot.status))
-        except RobotError as error:
-            raise ToolError(str(error)) from None
+        return await _answered(robot.status())
 
     @server.tool(annotations=ToolAnnotations(read_only_hint=False, idempotent_hint=True))
     async def stop() -> str:
         """Stops every motion at once. Use it whenever somebody asks for it, or something seems wrong."""
+        performing.discard()
         try:
-            await to_thread(robot.stop)
+            await robot.stop()
         except RobotError as error:
             raise ToolError(str(error)) from None
         return "stopped" if resumes else "stopped; only a person at the robot can go on"
@@ -93,7 +94,7 @@ def make_server(robot: RobotLine, known: Setup, *, resumes: bool) -> MCPServer:
         async def resume() -> str:
             """Goes on after a stop: the robot returns to rest, and documents are taken again."""
             try:
-                await to_thread(robot.tell, "resume")
+                await robot.resume()
             except RobotError as error:
                 raise ToolError(str(error)) from None
             return "resumed"
@@ -119,22 +120,26 @@ def make_server(robot: RobotLine, known: Setup, *, resumes: bool) -> MCPServer:
     return server
 
 
-async def _moved(perform: Callable[[str], RobotAnswer], document: str) -> str:
-    """Performs in a thread, so that a stop waits for nothing, and says what is performed."""
+async def _answered(answer: Awaitable[RobotAnswer]) -> str:
+    """Write the robot's answer as JSON."""
     try:
-        return json.dumps(await to_thread(perform, document))
+        return json.dumps(await answer)
     except (RefusedError, RobotError) as error:
         raise ToolError(str(error)) from None
+
+
+def _as_text(document: str | dict[str, object]) -> str:
+    return document if isinstance(document, str) else json.dumps(document, ensure_ascii=False)
 
 
 def _spoken(text: str, style: str, known: Setup) -> str:
     """Writes a block that says a text.
 
     Raises:
-        ToolError: there is no such style.
+        RefusedError: there is no such style.
     """
     if style and style not in names_of("style"):  # never a path: a model reads no files
-        raise ToolError(f"no style {style!r}; there are {', '.join(names_of('style'))}")
+        raise RefusedError(f"no style {style!r}; there are {', '.join(names_of('style'))}")
     chosen = replace(known, style=Style.load(style)) if style else known
     written = write_bml(text, chosen)
     manner = f" kinesic:style={quoteattr(style)}" if style else ""

@@ -138,6 +138,7 @@ class Session:
         return {
             "robot": self.loop.robot,
             "state": self._state,
+            "stops": self.loop.stops,
             "idles": self.loop.idles and self._state != "stopped",
             "servos": None if self.loop.servos is None else self.loop.servos.state,
             "time": round(self.clock.now(), 3),

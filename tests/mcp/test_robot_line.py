@@ -1,50 +1,96 @@
-"""The connection of the tools, before a server that answers late, of something else, or not at all."""
+"""The connections of the tools, before a server that answers late, of something else, or not at all."""
 
+import asyncio
 import json
 import socket
-from collections.abc import Callable, Iterator
+from collections.abc import Awaitable, Callable, Iterator
 from contextlib import closing, contextmanager
+from dataclasses import dataclass, field
 from threading import Event, Thread
 from time import monotonic, sleep
 
 import pytest
 
-from kinesic.mcp import robot_line
-from kinesic.mcp.robot_line import RobotError, RobotLine
+from kinesic.mcp import document_line, robot_line
+from kinesic.mcp.errors import RefusedError, RobotError
+from kinesic.mcp.robot_line import RobotLine
 
 WARNING = '<warningFeedback xmlns="x" id="{}" type="IMPOSSIBLE_TO_SCHEDULE">{}</warningFeedback>'
 PREDICTED = '<predictionFeedback xmlns="x"><bml id="{}" globalStart="1" globalEnd="2" /></predictionFeedback>'
 PROGRESS = '<blockProgress xmlns="x" id="{}:{}" globalTime="1" />'
+PINGED = '{"told": "pong", "id": ""}'
 Say = Callable[[str], None]
 
 
-@contextmanager
-def line(answer: Callable[[str, Say], None]) -> Iterator[RobotLine]:
-    """A connection to a server that answers each message as it is told to; it ends where that raises."""
-    listener = socket.create_server(("127.0.0.1", 0))
+@dataclass
+class FakeServer:
+    """A server that answers each message as it is told to; a connection ends where that raises EOFError."""
 
-    def serve(connection: socket.socket) -> None:
+    answer: Callable[[str, Say], None]
+    received: list[str] = field(default_factory=list)  # messages of all connections, in their order
+    stops: int = 0
+    silent_stops: int = 0  # which are not answered
+
+    def serve(self, connection: socket.socket) -> None:
         with connection:
             rest = b""
             while data := connection.recv(65_536):
                 *whole, rest = (rest + data).split(b"\0")
                 for message in whole:
-                    if b"stop_line" in message:
-                        connection.sendall(b'{"told": "stop_line"}\0')
-                        continue
                     try:
-                        answer(message.decode(), lambda text: connection.sendall(text.encode() + b"\0"))
+                        self._take(message.decode(), lambda text: connection.sendall(text.encode() + b"\0"))
                     except EOFError:
                         return
 
+    def _take(self, message: str, say: Say) -> None:
+        self.received.append(message)
+        match message:
+            case '{"do": "ping"}':
+                say(PINGED)
+            case '{"do": "stop_line"}':
+                say('{"told": "stop_line"}')
+            case '{"do": "stop"}' if self.stops < self.silent_stops:
+                self.stops += 1
+                raise EOFError
+            case '{"do": "stop"}':
+                self.stops += 1
+                say('{"told": "stopped"}')
+            case '{"do": "status"}':
+                say('{"told": "status", "state": "resting", "stops": 3}')
+            case _:
+                self.answer(message, say)
+
+
+@contextmanager
+def line(answer: Callable[[str, Say], None], *, silent_stops: int = 0) -> Iterator[tuple[RobotLine, FakeServer]]:
+    """Connections to such a server."""
+    listener, server = socket.create_server(("127.0.0.1", 0)), FakeServer(answer, silent_stops=silent_stops)
+
     def accept() -> None:
-        for _ in range(2):
-            Thread(target=serve, args=(listener.accept()[0],), daemon=True).start()
+        while True:
+            try:
+                connection = listener.accept()[0]
+            except OSError:
+                return
+            Thread(target=server.serve, args=(connection,), daemon=True).start()
 
     with closing(listener):
         Thread(target=accept, daemon=True).start()
         with closing(RobotLine("127.0.0.1", listener.getsockname()[1])) as robot:
-            yield robot
+            yield robot, server
+
+
+def run(act: Callable[[], Awaitable[None]]) -> None:
+    asyncio.run(asyncio.wait_for(act(), 30))
+
+
+def ignore(_message: str, _say: Say) -> None:
+    """Answer nothing."""
+
+
+def test_each_connection_says_something_at_once_so_that_the_server_keeps_it():
+    with line(ignore) as (_, server):
+        assert sorted(server.received) == ['{"do": "ping"}', '{"do": "ping"}', '{"do": "stop_line"}']
 
 
 def test_whoever_waits_is_told_at_once_that_the_server_has_ended():
@@ -52,32 +98,43 @@ def test_whoever_waits_is_told_at_once_that_the_server_has_ended():
         sleep(0.1)
         raise EOFError
 
-    with line(end) as robot:
-        begun = monotonic()
-        with pytest.raises(RobotError, match="is gone"):
-            robot.ask("plan", bml="")
-        with pytest.raises(RobotError, match="is gone"):
-            robot.perform("<bml/>", "b")
-        with pytest.raises(RobotError, match="is gone"):
-            robot.status()
-        assert monotonic() - begun < robot_line.LONGEST_WAIT / 3
+    with line(end) as (robot, _):
+
+        async def act() -> None:
+            begun = monotonic()
+            with pytest.raises(RobotError, match=r"is gone.*start it again"):
+                await robot.documents.ask("plan", bml="")
+            with pytest.raises(RobotError, match="is gone"):
+                await robot.documents.perform("<bml/>", "b")
+            with pytest.raises(RobotError, match="is gone"):
+                await robot.resume()
+            assert monotonic() - begun < document_line.MAX_WAIT / 3
+
+        run(act)
 
 
 def test_an_answer_that_comes_too_late_is_none_to_the_next_question(monkeypatch):
-    monkeypatch.setattr(robot_line, "LONGEST_WAIT", 0.3)
-    asked, late = list[int](), Event()
+    monkeypatch.setattr(document_line, "MAX_WAIT", 0.3)
+    asked = list[int]()
 
     def answer(message: str, say: Say) -> None:
+        if message == "<bml/>":
+            return
         asked.append(json.loads(message)["id"])
         if len(asked) == 2:
-            for number, state in zip(asked, ("old", "new"), strict=True):
-                say(json.dumps({"told": "status", "id": number, "state": state}))
-            late.set()
+            for number, block in zip(asked, ("old", "new"), strict=True):
+                say(json.dumps({"told": "plan", "id": number, "block": block}))
 
-    with line(answer) as robot:
-        with pytest.raises(RobotError, match=r"not answered in 0\.3 s"):
-            robot.status()
-        assert robot.status()["state"] == "new"
+    with line(answer) as (robot, _):
+
+        async def act() -> None:
+            with pytest.raises(RobotError, match=r"not answered in 0\.3 s; ask for status"):
+                await robot.documents.ask("plan", bml="")
+            assert (await robot.documents.ask("plan", bml=""))["block"] == "new"
+            with pytest.raises(RobotError, match="not answered"):
+                await robot.documents.perform("<bml/>", "b")
+
+        run(act)
 
 
 def test_a_block_whose_id_was_used_before_is_not_answered_by_what_is_told_of_the_old_one():
@@ -94,33 +151,203 @@ def test_a_block_whose_id_was_used_before_is_not_answered_by_what_is_told_of_the
         else:
             say(WARNING.format("b", "rule depth: too deep"))
 
-    with line(answer) as robot:
-        assert robot.perform("first", "b") == ""
-        assert "not over yet" in robot.perform("second", "b")
-        assert sent == ["first"]
-        assert robot.perform("end", "end") == ""
-        assert robot.perform("third", "b") == "rule depth: too deep"
-        assert robot.perform("fourth", "b") == "rule depth: too deep"
+    with line(answer) as (robot, _):
+
+        async def act() -> None:
+            perform = robot.documents.perform
+            assert await perform("first", "b") == ""
+            assert "not over yet" in await perform("second", "b")
+            assert sent == ["first"]
+            assert await perform("end", "end") == ""
+            assert await perform("third", "b") == "rule depth: too deep"
+            assert await perform("fourth", "b") == "rule depth: too deep"
+            assert robot.documents.feedback[0] == PREDICTED.format("b")
+
+        run(act)
 
 
 @pytest.mark.parametrize("text", ["revoked before it began: x", "a block of this id plays already", "not performed, x"])
-def test_a_block_that_never_ends_because_it_never_began_leaves_its_id_free(text):
+def test_a_block_that_never_ends_because_it_never_began_leaves_its_id_free(text: str):
     def answer(document: str, say: Say) -> None:
         say(PREDICTED.format(document))
         if document == "b":
             say(WARNING.format("b", text))
 
-    with line(answer) as robot:
-        assert robot.perform("b", "b") == ""
-        assert robot.perform("other", "other") == ""
-        assert robot.perform("b", "b") == ""
+    with line(answer) as (robot, _):
+
+        async def act() -> None:
+            assert await robot.documents.perform("b", "b") == ""
+            assert await robot.documents.perform("other", "other") == ""
+            assert await robot.documents.perform("b", "b") == ""
+
+        run(act)
 
 
 @pytest.mark.parametrize("name", ["a:b", "a:", "x &amp; y"])
-def test_ids_with_colons_and_escapes_are_known_again(name):
+def test_ids_with_colons_and_escapes_are_known_again(name: str):
     def answer(_document: str, say: Say) -> None:
         say(WARNING.format(f"{name}:g1", "left out: no hand"))
         say(PROGRESS.format(name, "start"))
 
-    with line(answer) as robot:
-        assert robot.perform("x", name.replace("&amp;", "&")) == ""
+    with line(answer) as (robot, _):
+
+        async def act() -> None:
+            assert await robot.documents.perform("x", name.replace("&amp;", "&")) == ""
+
+        run(act)
+
+
+@pytest.mark.parametrize("name", ["b", "message", "commented"])
+def test_refusal_by_any_id_that_the_server_may_have_read_is_taken(name: str):
+    def answer(_document: str, say: Say) -> None:
+        say(WARNING.format("other", "rule depth: another block"))
+        say("no XML")
+        say(WARNING.format(name, "rule stopped: resume first"))
+
+    with line(answer) as (robot, _):
+
+        async def act() -> None:
+            assert await robot.documents.perform("x", "b", "commented") == "rule stopped: resume first"
+
+        run(act)
+
+
+def test_refusal_without_a_reason_is_a_refusal():
+    def answer(_document: str, say: Say) -> None:
+        say('<warningFeedback xmlns="x" id="b" type="PARSING_FAILURE"/>')
+
+    with line(answer) as (robot, _):
+
+        async def act() -> None:
+            assert "without a reason" in await robot.documents.perform("x", "b")
+
+        run(act)
+
+
+def test_refused_question_fails_at_once():
+    def answer(_question: str, say: Say) -> None:
+        say(WARNING.format("b", "rule depth: another message"))
+        say(WARNING.format("message", "rule rate: at most 50 messages a second"))
+
+    with line(answer) as (robot, _):
+
+        async def act() -> None:
+            begun = monotonic()
+            with pytest.raises(RobotError, match="rule rate"):
+                await robot.documents.ask("plan", bml="x")
+            assert monotonic() - begun < document_line.MAX_WAIT / 3
+
+        run(act)
+
+
+def test_message_that_the_server_would_not_take_is_not_sent():
+    with line(ignore) as (robot, server):
+
+        async def act() -> None:
+            with pytest.raises(
+                RefusedError, match=r"takes 10000\d\d bytes, at most 1000000 are taken: send it in parts"
+            ):
+                await robot.documents.ask("plan", bml="ü" * 500_000)
+            with pytest.raises(RefusedError, match="1000002 bytes"):
+                await robot.documents.perform("ü" * 500_001, "b")
+
+        run(act)
+        assert not [message for message in server.received if "ü" in message]
+
+
+def test_longest_message_is_sent():
+    def answer(document: str, say: Say) -> None:
+        say(WARNING.format("b", f"rule length: {len(document.encode())}"))
+
+    with line(answer) as (robot, _):
+
+        async def act() -> None:
+            assert await robot.documents.perform("ü" * 500_000, "b") == "rule length: 1000000"
+
+        run(act)
+
+
+def test_status_and_stop_are_answered_while_a_document_waits():
+    waiting = Event()
+
+    def answer(_document: str, _say: Say) -> None:
+        waiting.set()
+
+    with line(answer) as (robot, server):
+
+        async def act() -> None:
+            document = asyncio.create_task(robot.documents.perform("x", "b"))
+            while not waiting.is_set():
+                await asyncio.sleep(0.01)
+            assert await robot.status() == {"told": "status", "state": "resting", "stops": 3, "feedback": []}
+            await robot.stop()
+            assert not document.done()
+            document.cancel()
+            assert server.stops == 1
+
+        run(act)
+
+
+def test_document_of_a_caller_that_has_left_is_not_sent():
+    def answer(_document: str, say: Say) -> None:
+        sleep(0.2)
+        say(PREDICTED.format("b"))
+
+    with line(answer) as (robot, server):
+
+        async def act() -> None:
+            busy = asyncio.create_task(robot.documents.send(lambda: sleep(0.2) or "slow"))
+            await asyncio.sleep(0.05)
+            document = asyncio.create_task(robot.documents.perform("late", "late"))
+            await asyncio.sleep(0.05)
+            document.cancel()
+            await robot.resume()
+            await busy
+            while '{"do": "resume"}' not in server.received:
+                await asyncio.sleep(0.01)
+
+        run(act)
+        assert [each for each in server.received if "ping" not in each and "line" not in each] == [
+            "slow",
+            '{"do": "resume"}',
+        ]
+
+
+def test_stop_line_that_has_ended_is_opened_again():
+    with line(ignore, silent_stops=1) as (robot, server):
+        run(robot.stop)
+        assert server.stops == 2
+        assert server.received.count('{"do": "stop_line"}') == 2
+
+
+def test_stop_that_is_not_confirmed_names_the_switch():
+    with line(ignore, silent_stops=2) as (robot, _):
+
+        async def act() -> None:
+            with pytest.raises(RobotError, match="use the switch that cuts the power"):
+                await robot.stop()
+            await robot.stop()
+
+        run(act)
+
+
+@pytest.mark.parametrize("answer", ['<warningFeedback id="message">rule rate</warningFeedback>', ""])
+def test_status_that_does_not_come_is_reported(monkeypatch, answer: str):
+    monkeypatch.setattr(robot_line, "STATUS_TIMEOUT", 0.1)
+    with line(ignore) as (robot, server):
+        monkeypatch.setattr(
+            server, "_take", lambda message, say: say(answer or PINGED) if "ping" in message or answer else None
+        )
+
+        async def act() -> None:
+            with pytest.raises(RobotError, match="the server is gone"):
+                await robot.status()
+
+        run(act)
+
+
+def test_nobody_who_listens_is_an_error_and_leaves_nothing_open():
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        port = listener.getsockname()[1]
+    with pytest.raises(OSError, match="refused"):
+        RobotLine("127.0.0.1", port)

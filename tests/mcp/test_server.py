@@ -14,6 +14,7 @@ import pytest
 
 from kinesic.controller.perform import set_up
 from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.mcp.document_line import MAX_WAIT
 from kinesic.mcp.robot_line import RobotLine
 from kinesic.mcp.teaching import BML_SCHEMA, TEACHING
 from kinesic.serve.wire.quotas import Quotas
@@ -86,8 +87,13 @@ def test_a_model_finds_gestures_performs_says_looks_and_asks(server: Running):
         ("perform", {"document": '{"do": "stop_line"}'}, "no document"),
         ("perform", {"document": '<bml id="x"/>\0{"do": "resume"}'}, "NUL"),
         ("perform", {"document": {"behaviours": []}}, '"id"'),
-        ("perform", {"document": "[" * 5000}, "JSON"),
-        ("perform", {"document": "hello"}, "<bml id="),
+        ("perform", {"document": "[" * 5000}, "line 1"),
+        ("perform", {"document": "hello"}, "line 1, column 1"),
+        ("perform", {"document": '<bml id="x">\n <gesture id="g"></bml>'}, "line 2, column"),
+        ("perform", {"document": '<act><bml id="x"/>\n<bml id="y"/></act>'}, "line 2, column 1: a second <bml>"),
+        ("perform", {"document": '<gesture id="g" lexeme="beat"/>'}, "<bml id="),
+        ("perform", {"document": "<bml><gesture id='g' lexeme='beat'/></bml>"}, "<bml id="),
+        ("perform", {"document": "ü" * 600_000}, "bytes"),
         ("perform", {"document": 7}, ""),
         ("perform", {}, ""),
         ("say", {"text": "hi", "style": "../../etc/passwd"}, "no style"),
@@ -108,6 +114,31 @@ def test_what_is_wrong_is_answered_and_moves_nothing(server: Running, tool: str,
         answer = str(error)
     assert answer != "nothing is wrong"
     assert told in answer
+
+
+@pytest.mark.parametrize(
+    ("document", "block"),
+    [
+        ('<!-- <bml id="old"> --><bml id="commented"><head id="h" lexeme="NOD"/></bml>', "commented"),
+        ("<bml id='a&amp;b'><head id='h' lexeme='NOD'/></bml>", "a&b"),
+        ('<?xml version="1.0"?><act><bml id="inner"><head id="h" lexeme="NOD"/></bml></act>', "inner"),
+        (
+            '<b:bml xmlns:b="http://www.bml-initiative.org/bml/bml-1.0" id="p"><b:head id="h" lexeme="NOD"/></b:bml>',
+            "p",
+        ),
+        ('<BML ID="capitals" id="small"><head id="h" lexeme="NOD"/></BML>', "small"),
+        ('<bml xml:id="not" id="this"><head id="h" lexeme="NOD"/></bml>', "this"),
+    ],
+)
+def test_block_is_awaited_under_the_id_that_the_parser_reads(server: Running, document: str, block: str):
+    async def act(client):
+        return await client.call_tool("perform", {"document": document})
+
+    begun = monotonic()
+    result = within(server, act)
+    assert not result.is_error, text(result)
+    assert json.loads(text(result))["block"] == block
+    assert monotonic() - begun < MAX_WAIT
 
 
 def test_documents_that_come_at_once_are_all_performed(server: Running):

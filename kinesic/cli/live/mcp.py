@@ -14,9 +14,11 @@ from kinesic.body.config import ConfigError
 from kinesic.cli.live.serve import read_address
 from kinesic.cli.options import Performers, Planning
 from kinesic.controller.options import offers
+from kinesic.serve.priority import urgent
 from kinesic.serve.server import Address
 
 ENDING = 15.0  # [s] in which a server of our own folds the arms and ends
+SWITCH_INTERVAL = 0.0001  # [s] after which a thread that writes a document yields to one that stops
 LISTENS = re.compile(r"listening at (\S+):(\d+)")
 
 
@@ -32,12 +34,13 @@ def serve_tools(
         raise ConfigError(f"kinesic mcp needs {error.name}: pip install 'kinesic[mcp]'") from None
     address = None if http is None else read_address(http, token)
     known = planning.set_up()
+    sys.setswitchinterval(SWITCH_INTERVAL)
     with _server(connect, planning, performers, token) as place:
         try:
             robot = RobotLine(place.host, place.port, token=token)
         except OSError as error:
             raise ConfigError(f"--connect {place}: {error}; start kinesic serve there") from None
-        with closing(robot):
+        with closing(robot), urgent():
             server = make_server(robot, known, resumes="servos" not in performers.sinks and connect is None)
             if address is None:
                 server.run("stdio")

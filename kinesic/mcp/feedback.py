@@ -1,0 +1,60 @@
+"""BML feedback as the tools read it: which block a message is about, and whether the block is refused or over."""
+
+from dataclasses import dataclass
+from xml.etree import ElementTree
+
+_REFUSALS = ("rule ", "not performed")  # first words of a warning about a block that does not begin
+# First words of a warning after which a block sends no end, although it was predicted.
+_ENDINGS = (*_REFUSALS, "revoked", "a block of this id", "it is for ")
+_CROWDED = "blocks play and wait already"
+_END = ":end"
+
+
+@dataclass(frozen=True)
+class Feedback:
+    """One message of BML feedback."""
+
+    kind: str  # name of its element
+    subject: str  # id of the block or behaviour; of progress also `:` and the sync point
+    text: str
+    type: str = ""  # of a warning
+
+    @property
+    def is_refusal(self) -> bool:
+        """Whether this refuses a block that is not predicted yet; later it may be a mere note."""
+        is_warning = self.kind == "warningFeedback"
+        return is_warning and (self.type == "PARSING_FAILURE" or self.text.startswith(_REFUSALS))
+
+    @property
+    def ended_block(self) -> str:
+        """Block that sends no further feedback after this; empty if it goes on."""
+        if self.kind == "blockProgress" and self.subject.endswith(_END):
+            return self.subject.removesuffix(_END)
+        is_over = self.text.startswith(_ENDINGS) or _CROWDED in self.text
+        return self.subject if self.kind == "warningFeedback" and is_over else ""
+
+    def begins(self, block: str) -> bool:
+        """Whether the block is expected to begin, or has begun."""
+        if self.kind == "predictionFeedback":
+            return self.subject == block
+        return self.kind == "blockProgress" and self.subject.rpartition(":")[0] == block
+
+
+def read_feedback(message: str) -> Feedback | None:
+    """Read a message of the server.
+
+    Returns:
+        The feedback; None for a message that is not XML.
+    """
+    try:
+        root = ElementTree.fromstring(message)
+    except ElementTree.ParseError:
+        return None
+    kind, subject = _local(root.tag), root.get("id", "")
+    if kind == "predictionFeedback":  # its own element has no id
+        subject = next((part.get("id", "") for part in root if _local(part.tag) == "bml"), "")
+    return Feedback(kind, subject, root.text or "", root.get("type", ""))
+
+
+def _local(tag: str) -> str:
+    return tag.rpartition("}")[2]

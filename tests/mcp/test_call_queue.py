@@ -1,0 +1,207 @@
+"""Calls that move the robot: their order, their number, and what becomes of them at a stop or without a client."""
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from time import monotonic
+
+import pytest
+
+from kinesic.mcp.call_queue import MAX_CALLS, MIN_CALL_INTERVAL, REFUSAL_DELAY, CallQueue, request_end
+from kinesic.mcp.errors import RefusedError
+from kinesic.serve.wire.quotas import USUAL
+
+
+class Calls:
+    """Calls that take their turn, and end when they are allowed to."""
+
+    def __init__(self, queue: CallQueue) -> None:
+        self.queue, self.began, self.ended = queue, [], []
+        self.may_end = asyncio.Event()
+
+    def start(self, name: str) -> asyncio.Task[str]:
+        return asyncio.create_task(self.queue.run(lambda: self._act(name)))
+
+    async def _act(self, name: str) -> str:
+        async with self.queue.turn():
+            self.began.append(name)
+            await self.may_end.wait()
+            self.ended.append(name)
+        return name
+
+
+def during(act: Callable[[Calls], Awaitable[None]], **settings: float) -> None:
+    async def run() -> None:
+        await act(Calls(CallQueue(**{"interval": 0.0, "refusal_delay": 0.0, **settings})))
+
+    asyncio.run(asyncio.wait_for(run(), 20))
+
+
+async def settle() -> None:
+    for _ in range(20):
+        await asyncio.sleep(0)
+
+
+async def is_refused(call: asyncio.Task[str], reason: str) -> None:
+    with pytest.raises(RefusedError, match=reason):
+        await call
+
+
+def test_calls_are_carried_out_one_by_one_in_their_order():
+    async def act(calls: Calls) -> None:
+        tasks = [calls.start(name) for name in "abc"]
+        await settle()
+        assert calls.began == ["a"]
+        calls.may_end.set()
+        assert await asyncio.gather(*tasks) == ["a", "b", "c"]
+        assert calls.ended == ["a", "b", "c"]
+
+    during(act)
+
+
+def test_full_queue_refuses_at_once_and_names_count_and_remedy():
+    async def act(calls: Calls) -> None:
+        tasks = [calls.start(str(k)) for k in range(3)]
+        await settle()
+        await is_refused(calls.start("more"), r"^3 calls .* are pending.*wait for their answers.*or call stop")
+        calls.may_end.set()
+        await asyncio.gather(*tasks)
+        assert await calls.start("later") == "later"
+
+    during(act, max_calls=3)
+
+
+def test_sixty_four_calls_are_taken_and_the_server_accepts_their_rate():
+    assert MAX_CALLS == 64
+    assert USUAL.rate > 2 / MIN_CALL_INTERVAL
+    assert 0.0 < REFUSAL_DELAY < 1.0
+
+
+def test_cancelled_call_leaves_the_queue():
+    async def act(calls: Calls) -> None:
+        first, second = calls.start("a"), calls.start("b")
+        await settle()
+        second.cancel()
+        await settle()
+        third = calls.start("c")  # which takes the place of the second
+        first.cancel()
+        await settle()
+        assert calls.began == ["a", "c"]
+        calls.may_end.set()
+        assert await third == "c"
+        for each in (first, second):
+            with pytest.raises(asyncio.CancelledError):
+                await each
+
+    during(act, max_calls=2)
+
+
+def test_discarded_calls_never_begin_and_the_present_one_ends():
+    async def act(calls: Calls) -> None:
+        tasks = [calls.start(name) for name in "abc"]
+        await settle()
+        calls.queue.discard("stopped")
+        calls.may_end.set()
+        for each in tasks:
+            await is_refused(each, "^stopped$")
+        assert (calls.began, calls.ended) == (["a"], [])
+        assert await calls.start("d") == "d"
+
+    during(act)
+
+
+def test_discarded_calls_are_answered_later_but_give_up_their_turn_and_place_at_once():
+    async def act(calls: Calls) -> None:
+        tasks = [calls.start(name) for name in "ab"]
+        await settle()
+        begun = monotonic()
+        calls.queue.discard("stopped")
+        calls.may_end.set()
+        assert await calls.start("c") == "c"
+        assert calls.ended == ["c"]
+        for each in tasks:
+            await is_refused(each, "^stopped$")
+        assert monotonic() - begun < 5.0
+
+    during(act, max_calls=2, refusal_delay=10.0)
+
+
+def test_call_that_has_not_reached_its_turn_is_answered_after_the_delay():
+    async def act(calls: Calls) -> None:
+        async def endless() -> str:
+            await asyncio.Event().wait()
+            return ""
+
+        call = asyncio.create_task(calls.queue.run(endless))
+        await settle()
+        begun = monotonic()
+        calls.queue.discard("stopped")
+        await is_refused(call, "stopped")
+        assert monotonic() - begun >= 0.05
+
+    during(act, refusal_delay=0.05)
+
+
+def test_first_reason_is_kept():
+    async def act(calls: Calls) -> None:
+        tasks = [calls.start(name) for name in "ab"]
+        await settle()
+        calls.queue.discard("first")
+        calls.queue.discard("second")
+        for each in tasks:
+            await is_refused(each, "^first$")
+
+    during(act)
+
+
+def test_call_whose_client_has_left_is_given_up():
+    async def act(calls: Calls) -> None:
+        first = calls.start("a")
+        end = asyncio.get_running_loop().create_future()
+        request_end.set(end)
+        second = calls.start("b")
+        await settle()
+        end.set_result(None)
+        await is_refused(second, "client is gone")
+        calls.may_end.set()
+        assert await first == "a"
+        assert calls.began == ["a"]
+
+    during(act)
+
+
+def test_request_that_ends_after_its_answer_changes_nothing():
+    async def act(calls: Calls) -> None:
+        end = asyncio.get_running_loop().create_future()
+        request_end.set(end)
+        calls.may_end.set()
+        assert await calls.start("a") == "a"
+        request_end.set(None)
+        end.set_result(None)
+        await settle()
+        assert await calls.start("b") == "b"
+
+    during(act)
+
+
+def test_calls_begin_at_least_an_interval_apart():
+    async def act(calls: Calls) -> None:
+        calls.may_end.set()
+        begun = monotonic()
+        await asyncio.gather(*(calls.start(name) for name in "abc"))
+        assert monotonic() - begun >= 0.1
+
+    during(act, interval=0.05)
+
+
+def test_failed_call_passes_its_turn_on():
+    async def act(calls: Calls) -> None:
+        async def fail() -> str:
+            async with calls.queue.turn():
+                raise RefusedError("no BML")
+
+        calls.may_end.set()
+        with pytest.raises(RefusedError, match="no BML"):
+            await calls.queue.run(fail)
+        assert await calls.start("a") == "a"
+
+    during(act)

@@ -1,0 +1,129 @@
+"""Connections with a thread of their own: requests are shared, never lost, and a broken connection is replaced."""
+
+import asyncio
+from collections.abc import Callable
+from threading import Event
+from time import monotonic
+
+import pytest
+
+from kinesic.mcp.direct_line import DirectLine
+
+
+class Wire:
+    """A connection that counts, and fails as often as it is told to."""
+
+    def __init__(self, number: int) -> None:
+        self.number, self.closed = number, False
+
+    def close(self) -> None:
+        self.closed = True
+
+
+class Server:
+    """Connections that were opened, and requests that were made."""
+
+    def __init__(self, *, failures: int = 0, interval: float = 0.0) -> None:
+        self.wires: list[Wire] = []
+        self.times: list[float] = []
+        self.failures, self.may_answer = failures, Event()
+        self.may_answer.set()
+        self.line = DirectLine(self.connect, self.request, name="test", interval=interval)
+
+    def connect(self) -> Wire:
+        self.wires.append(Wire(len(self.wires)))
+        return self.wires[-1]
+
+    def request(self, wire: Wire) -> int:
+        self.times.append(monotonic())
+        assert self.may_answer.wait(20)
+        if self.failures:
+            self.failures -= 1
+            raise ConnectionError(f"wire {wire.number} is broken")
+        return wire.number
+
+
+def becomes(condition: Callable[[], bool]) -> bool:
+    end = monotonic() + 20
+    while not condition() and monotonic() < end:
+        pass
+    return condition()
+
+
+def test_callers_that_wait_share_the_next_request():
+    server = Server()
+
+    async def run() -> None:
+        server.may_answer.clear()
+        first = asyncio.create_task(server.line.request())
+        await asyncio.sleep(0)
+        assert becomes(lambda: len(server.times) == 1)
+        others = [asyncio.create_task(server.line.request()) for _ in range(50)]
+        await asyncio.sleep(0)
+        server.may_answer.set()
+        assert await asyncio.gather(first, *others) == [0] * 51
+        assert len(server.times) == 2  # none of those who came later is answered by the first one
+        assert await server.line.request() == 0
+        assert len(server.times) == 3
+
+    asyncio.run(run())
+
+
+def test_request_of_a_caller_that_leaves_is_made_all_the_same():
+    server = Server()
+
+    async def run() -> None:
+        server.may_answer.clear()
+        first = asyncio.create_task(server.line.request())
+        await asyncio.sleep(0)
+        assert becomes(lambda: len(server.times) == 1)
+        second = asyncio.create_task(server.line.request())
+        await asyncio.sleep(0)
+        second.cancel()
+        server.may_answer.set()
+        await first
+        assert becomes(lambda: len(server.times) == 2)
+
+    asyncio.run(run())
+
+
+def test_broken_connection_is_closed_and_replaced_once_for_each_request():
+    server = Server(failures=1)
+    assert asyncio.run(server.line.request()) == 1
+    assert [wire.closed for wire in server.wires] == [True, False]
+    assert asyncio.run(server.line.request()) == 1
+    server.failures = 2
+    with pytest.raises(ConnectionError, match="wire 2"):
+        asyncio.run(server.line.request())
+    assert [wire.closed for wire in server.wires] == [True, True, True]
+    assert asyncio.run(server.line.request()) == 3
+
+
+def test_requests_begin_at_least_an_interval_apart():
+    server = Server(interval=0.05)
+    for _ in range(3):
+        asyncio.run(server.line.request())
+    first, second, third = server.times
+    assert second - first >= 0.049
+    assert third - second >= 0.049
+
+
+def test_closing_closes_the_connection():
+    server = Server()
+    server.line.close()
+    assert server.wires[0].closed
+    with pytest.raises(RuntimeError):
+        asyncio.run(server.line.request())
+    broken = Server(failures=2)
+    with pytest.raises(ConnectionError):
+        asyncio.run(broken.line.request())
+    broken.line.close()
+    assert all(wire.closed for wire in broken.wires)
+
+
+def test_first_connection_that_fails_is_reported():
+    def connect() -> Wire:
+        raise ConnectionRefusedError("nobody is there")
+
+    with pytest.raises(ConnectionRefusedError, match="nobody"):
+        DirectLine(connect, lambda wire: wire.number, name="test")
