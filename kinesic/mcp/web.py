@@ -9,8 +9,10 @@ from starlette.requests import Request
 from starlette.responses import PlainTextResponse, Response
 from starlette.types import ASGIApp, Receive, Scope, Send
 
+from kinesic.mcp.sessions import MAX_SESSIONS, SessionLimit
+
 MOST_BYTES = 1_000_000  # of a request
-SESSIONS = 16  # at once
+MAX_OPEN_SESSIONS = 2 * MAX_SESSIONS  # while those beyond `MAX_SESSIONS` have pending calls
 
 
 def serve_web(server: MCPServer, host: str, port: int, *, token: str | None) -> None:
@@ -34,8 +36,10 @@ def web_app(server: MCPServer, host: str, port: int, *, token: str | None) -> AS
     security = TransportSecuritySettings(
         enable_dns_rebinding_protection=True, allowed_hosts=names, allowed_origins=[f"http://{name}" for name in names]
     )
-    app = server.streamable_http_app(
-        transport_security=security, host=host, max_request_body_size=MOST_BYTES, max_sessions=SESSIONS
+    app = SessionLimit(
+        server.streamable_http_app(
+            transport_security=security, host=host, max_request_body_size=MOST_BYTES, max_sessions=MAX_OPEN_SESSIONS
+        )
     )
     return app if token is None else _Guarded(app, token)
 

@@ -1,0 +1,125 @@
+"""Sessions over HTTP: a new one takes the place of the one that has been idle longest."""
+
+from asyncio import get_running_loop
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+from starlette.datastructures import Headers
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from kinesic.mcp.call_queue import request_end
+
+SESSION_HEADER = "mcp-session-id"
+MAX_SESSIONS = 16  # that are kept while none has a pending call
+
+
+@dataclass(eq=False)
+class _Session:
+    """How a session is used at the moment."""
+
+    pending_calls: int = 0
+    streams: int = 0  # on which its client listens
+
+    @contextmanager
+    def used(self, method: str) -> Iterator[None]:
+        """Count a request while it is answered."""
+        is_stream = method == "GET"
+        self.streams += is_stream
+        self.pending_calls += not is_stream
+        try:
+            yield
+        finally:
+            self.streams -= is_stream
+            self.pending_calls -= not is_stream
+
+
+class SessionLimit:
+    """Ends idle sessions as soon as a new one has opened: first those on whose stream no client listens.
+
+    A session with a pending call is never ended. Its client opens another one when it is answered by 404.
+    """
+
+    def __init__(self, app: ASGIApp, *, max_sessions: int = MAX_SESSIONS) -> None:
+        """Begin without sessions.
+
+        Args:
+            app: opens and serves sessions, and ends one by a DELETE request.
+            max_sessions: that are kept while none has a pending call.
+        """
+        self._app, self._max_sessions = app, max_sessions
+        self._sessions: dict[str, _Session] = {}  # the one that was used longest ago first
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve one request."""
+        if scope["type"] != "http":
+            await self._app(scope, receive, send)
+            return
+        with _announced_end():
+            name = Headers(scope=scope).get(SESSION_HEADER, "")
+            session = self._sessions.get(name)
+            if session is None:
+                await self._open(scope, receive, send)
+                return
+            with session.used(scope["method"]):
+                await self._app(scope, receive, self._watched(scope["method"], name, send))
+            if name in self._sessions:
+                self._sessions[name] = self._sessions.pop(name)  # to the end
+
+    async def _open(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve a request without a session, which may open one."""
+        opened = _Session()
+
+        async def note_session(message: Message) -> None:
+            if message["type"] == "http.response.start" and message["status"] == 200:
+                name = Headers(raw=message["headers"]).get(SESSION_HEADER, "")
+                if name:
+                    self._sessions[name] = opened
+                    await self._end_idle(scope, opened)
+            await send(message)
+
+        with opened.used(scope["method"]):
+            await self._app(scope, receive, note_session)
+
+    def _watched(self, method: str, name: str, send: Send) -> Send:
+        """Forget a session that the application has ended, by itself or because its client asked for it."""
+        ended = (200, 404) if method == "DELETE" else (404,)
+
+        async def note_end(message: Message) -> None:
+            if message["type"] == "http.response.start" and message["status"] in ended:
+                self._sessions.pop(name, None)
+            await send(message)
+
+        return note_end
+
+    async def _end_idle(self, scope: Scope, opened: _Session) -> None:
+        idle = [name for name, each in self._sessions.items() if each is not opened and not each.pending_calls]
+        idle.sort(key=lambda name: self._sessions[name].streams > 0)
+        for name in idle[: max(0, len(self._sessions) - self._max_sessions)]:
+            del self._sessions[name]
+            await _delete(self._app, scope, name)
+
+
+@contextmanager
+def _announced_end() -> Iterator[None]:
+    """Tell the calls that a request brings when it has ended, so that none waits for a client that has left."""
+    end = get_running_loop().create_future()
+    token = request_end.set(end)
+    try:
+        yield
+    finally:
+        request_end.reset(token)
+        end.set_result(None)
+
+
+async def _delete(app: ASGIApp, scope: Scope, name: str) -> None:
+    """End a session in the name of its client."""
+    headers = [*((key, value) for key, value in scope["headers"] if key == b"host"), (b"mcp-session-id", name.encode())]
+
+    async def receive() -> Message:
+        return {"type": "http.request", "body": b"", "more_body": False}
+
+    async def send(_message: Message) -> None:
+        """Drop the answer, for which nobody waits."""
+
+    await app({**scope, "method": "DELETE", "headers": headers}, receive, send)
