@@ -1,4 +1,4 @@
-"""The calls that move the robot: one after the other, in bounded number, and discarded by an emergency stop."""
+"""Bounded queue of the calls that move the robot."""
 
 from asyncio import CancelledError, Future, Lock, Task, create_task, current_task, get_running_loop, sleep
 from collections.abc import AsyncIterator, Callable, Coroutine
@@ -12,7 +12,7 @@ from kinesic.mcp.errors import RefusedError
 MAX_CALLS = 64  # that wait or are carried out at once
 MIN_CALL_INTERVAL = 0.1  # [s] between two beginnings: each call sends two messages, and the server takes 50 a second
 REFUSAL_DELAY = 0.1  # [s] after which discarded calls are answered: the answer to the stop goes before
-CLIENT_GONE = "the client is gone"
+CLIENT_GONE = "the client is gone"  # answer that nobody reads
 
 T = TypeVar("T")
 
@@ -40,7 +40,9 @@ class CallQueue:
         self._earliest = 0.0  # [s] of the monotonic clock, at which the next call may begin
 
     async def run(self, act: Callable[[], Coroutine[None, None, T]]) -> T:
-        """Carry out a call, which is given up when its client cancels it, leaves, or an emergency stop comes.
+        """Carry out a call after all earlier ones.
+
+        It is given up when its client cancels it or leaves, and when an emergency stop comes.
 
         Args:
             act: does the work, within `turn` as far as it is to be alone.
@@ -70,7 +72,7 @@ class CallQueue:
 
     @asynccontextmanager
     async def turn(self) -> AsyncIterator[None]:
-        """Wait until all earlier calls are over, and hold up later ones meanwhile.
+        """Wait for all earlier calls, and hold up later ones.
 
         Raises:
             RefusedError: the call was given up meanwhile.
@@ -87,7 +89,7 @@ class CallQueue:
                 self._present = None
 
     def discard(self, why: str) -> None:
-        """Give up all calls, so that none of them moves the robot from now on.
+        """Give up all calls, so that none of them moves the robot.
 
         Args:
             why: answer to each of them.

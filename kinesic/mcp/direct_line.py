@@ -1,4 +1,4 @@
-"""A connection for one kind of request, with a thread of its own, so that no other call can occupy either."""
+"""Reserve a connection and a thread for one kind of request."""
 
 from asyncio import shield, wrap_future
 from collections.abc import Callable
@@ -22,9 +22,10 @@ T = TypeVar("T")
 
 
 class DirectLine(Generic[C, T]):
-    """Make one request after the other; callers that wait for the thread share the next one.
+    """Make one request after the other, each for all callers that wait.
 
-    So no number of callers makes requests pile up. A connection that fails is replaced once for each request.
+    So requests never pile up, however many callers there are. A connection that fails is replaced once for each
+    request.
     """
 
     def __init__(
@@ -49,7 +50,9 @@ class DirectLine(Generic[C, T]):
         self._earliest = 0.0  # [s] of the monotonic clock, at which it may begin
 
     async def request(self) -> T:
-        """Make a request that begins after this call, and wait for it; it is made even if the caller leaves.
+        """Wait for a request that begins after this call.
+
+        It is made even if the caller leaves.
 
         Raises:
             OSError: two attempts failed.

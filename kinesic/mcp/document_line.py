@@ -1,4 +1,4 @@
-"""The connection for documents and plans: a thread of its own sends, another one reads what the server tells."""
+"""Connection for documents and plans, with a sending and a reading thread."""
 
 import json
 from asyncio import get_running_loop, timeout, wrap_future
@@ -26,7 +26,7 @@ T = TypeVar("T")
 
 @dataclass(eq=False)
 class _Verdict:
-    """What a document that was sent waits for: a reason why its block is refused, or an empty text."""
+    """Pending verdict: the reason of a refusal, or an empty text."""
 
     block: str
     names: frozenset[str]  # ids by which the server may refuse it
@@ -74,7 +74,7 @@ class DocumentLine:
             del self._answers[number]
 
     async def perform(self, document: str, block: str, *names: str) -> str:
-        """Send a document, and wait until its block is expected to begin or refused.
+        """Send a document, and wait until its block is predicted or refused.
 
         Args:
             document: BML in any notation.
@@ -95,7 +95,7 @@ class DocumentLine:
             return await _in_time(verdict.future)
 
     async def send(self, write: Callable[[], str]) -> None:
-        """Send a message after all earlier ones; it is not sent any more once the caller has left.
+        """Send a message after all earlier ones, unless the caller leaves.
 
         Args:
             write: writes the message, in the thread that sends.
@@ -107,7 +107,7 @@ class DocumentLine:
         await get_running_loop().run_in_executor(self._sender, self._send, write)
 
     def close(self) -> None:
-        """Close the connection; blocks that were sent are performed all the same."""
+        """Close the connection, and leave blocks that were sent to the server."""
         self._sender.shutdown(wait=False, cancel_futures=True)
         self._client.close()
 
@@ -133,7 +133,7 @@ class DocumentLine:
             raise _gone(error) from None
 
     def _read(self) -> None:
-        """Hand messages to those who wait for them, until the connection ends."""
+        """Hand messages to the waiting calls until the connection ends."""
         while True:
             try:
                 message = self._client.receive()
@@ -163,7 +163,7 @@ class DocumentLine:
             self._judge(feedback)
 
     def _judge(self, feedback: Feedback) -> None:
-        """Tell the call that waits what the feedback means for its block."""
+        """Hand the verdict of a feedback to the waiting call."""
         if feedback.kind == "predictionFeedback":
             self._playing.add(feedback.subject)
         self._playing.discard(feedback.ended_block)

@@ -1,9 +1,9 @@
-"""Why a call of a tool fails: it is refused, or the robot does not answer."""
+"""Errors of tool calls."""
 
 
 class RefusedError(ValueError):
-    """A call is not carried out and nothing moves; the text names the reason and the remedy."""
+    """Refusal of a call, with reason and remedy, before anything moves."""
 
 
 class RobotError(RuntimeError):
-    """The server is gone or did not answer in time; the text says which of both, and the remedy."""
+    """Failure of the server to answer, with the remedy."""

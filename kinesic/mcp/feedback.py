@@ -1,4 +1,4 @@
-"""BML feedback as the tools read it: which block a message is about, and whether the block is refused or over."""
+"""Read BML feedback: its block, and whether that is refused or over."""
 
 from dataclasses import dataclass
 from xml.etree import ElementTree
@@ -21,13 +21,13 @@ class Feedback:
 
     @property
     def is_refusal(self) -> bool:
-        """Whether this refuses a block that is not predicted yet; later it may be a mere note."""
+        """Whether this refuses a block without a prediction; later it may be a note."""
         is_warning = self.kind == "warningFeedback"
         return is_warning and (self.type == "PARSING_FAILURE" or self.text.startswith(_REFUSALS))
 
     @property
     def ended_block(self) -> str:
-        """Block that sends no further feedback after this; empty if it goes on."""
+        """Block of which this is the last feedback; empty if none."""
         if self.kind == "blockProgress" and self.subject.endswith(_END):
             return self.subject.removesuffix(_END)
         is_over = self.text.startswith(_ENDINGS) or _CROWDED in self.text

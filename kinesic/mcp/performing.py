@@ -1,4 +1,7 @@
-"""Performs the documents of a model: planned first, so that the answer names what a model can mend."""
+"""Plan the documents of a model, and perform those that can be.
+
+Planning first lets the answer name what a model can mend.
+"""
 
 from asyncio import get_running_loop
 from collections.abc import Callable
@@ -15,8 +18,8 @@ from kinesic.realizer.request import block_id
 from kinesic.serve.wire.protocol import END, control
 
 MAX_NOTICES = 12
-STOPPED = "an emergency stop came, and discarded this call: nothing of it moves; resume first, then send it again"
-HELD = "an emergency stop holds: resume first, then send it again"
+CALL_DISCARDED = "an emergency stop came and discarded this call: nothing of it moves; resume, then send it again"
+STOP_HOLDS = "an emergency stop holds: resume, then send it again"
 
 
 class Performing:
@@ -28,7 +31,7 @@ class Performing:
         self._writer = ThreadPoolExecutor(1, thread_name_prefix="writer")
 
     async def perform(self, write: Callable[[], str]) -> RobotAnswer:
-        """Plan a document, and have it performed if it can be, after all calls that came before.
+        """Plan a document and have it performed, after all earlier calls.
 
         Args:
             write: writes the document, in a thread of its own.
@@ -43,8 +46,8 @@ class Performing:
         return await self._calls.run(partial(self._perform_in_turn, write))
 
     def discard(self) -> None:
-        """Refuse all calls that wait: no plan that was made before an emergency stop moves the robot after it."""
-        self._calls.discard(STOPPED)
+        """Refuse all pending calls, so that no plan outlives an emergency stop."""
+        self._calls.discard(CALL_DISCARDED)
 
     async def _perform_in_turn(self, write: Callable[[], str]) -> RobotAnswer:
         stops = await self._count_stops()
@@ -53,25 +56,28 @@ class Performing:
             planned = await self._robot.documents.ask("plan", bml=document)
             block = _planned_block(planned)
             if await self._count_stops() != stops:  # by anybody: a person, another client
-                raise RefusedError(STOPPED)
+                raise RefusedError(CALL_DISCARDED)
             if why := await self._robot.documents.perform(document, block, written_id):
                 raise RefusedError(why)
         return {"block": block, "seconds": planned["duration"], "not_as_asked": _not_as_asked(planned)}
 
     async def _count_stops(self) -> Json:
-        """Count the emergency stops so far.
+        """Count all emergency stops since the server began.
 
         Raises:
             RefusedError: one holds.
         """
         status = await self._robot.status()
         if status["state"] == "stopped":
-            raise RefusedError(HELD)
+            raise RefusedError(STOP_HOLDS)
         return status.get("stops")
 
 
 def _checked(write: Callable[[], str]) -> tuple[str, str]:
-    """Write a document; return it with the id that the server gives in a refusal before it reads the document.
+    """Write a document, and look up the id that early refusals give it.
+
+    Returns:
+        The document, and the id by which the server refuses it before it is read.
 
     Raises:
         RefusedError: it is a control message, or no text.

@@ -1,4 +1,4 @@
-"""The connections of tools to the server that performs: for documents, for the status, and for stops alone."""
+"""Connections of the tools to the server that performs."""
 
 import json
 from contextlib import ExitStack
@@ -16,7 +16,10 @@ MIN_STATUS_INTERVAL = 0.025  # [s] between two questions: the server takes 50 a 
 
 
 class RobotLine:
-    """Three connections with threads of their own, so that neither a stop nor the status waits for a document."""
+    """Separate connections for documents, status and stops.
+
+    Each has threads of its own, so that neither a stop nor the status waits for a document.
+    """
 
     def __init__(self, host: str, port: int, *, token: str | None = None) -> None:
         """Connect.
@@ -38,7 +41,7 @@ class RobotLine:
             self._opened = opened.pop_all()
 
     async def stop(self) -> None:
-        """Stop the robot in the least time, whatever else waits for an answer.
+        """Stop the robot in the least time.
 
         Raises:
             RobotError: the server does not confirm that it has stopped.
@@ -60,7 +63,7 @@ class RobotLine:
             raise RobotError(f"the server is gone ({error}): start it again") from None
 
     async def resume(self) -> None:
-        """Let the robot go on after a stop: after all documents that were sent before.
+        """Resume after a stop, behind all documents that were sent before.
 
         Raises:
             RobotError: the server is gone.
@@ -68,12 +71,14 @@ class RobotLine:
         await self.documents.send(lambda: json.dumps({"do": "resume"}))
 
     def close(self) -> None:
-        """Close the connections; blocks that were sent are performed all the same."""
+        """Close the connections, and leave blocks that were sent to the server."""
         self._opened.close()
 
 
 def _connect(host: str, port: int, token: str | None) -> Client:
-    """Connect, and say something: the server closes a connection on which nothing comes at first.
+    """Connect, and send a first message.
+
+    The server closes a connection on which nothing comes for 10 s.
 
     Raises:
         OSError: nobody is there, or nobody answers.

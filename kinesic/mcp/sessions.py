@@ -1,4 +1,4 @@
-"""Sessions over HTTP: a new one takes the place of the one that has been idle longest."""
+"""Bounded number of HTTP sessions; a new one replaces the longest idle."""
 
 from asyncio import get_running_loop
 from collections.abc import Iterator
@@ -16,7 +16,7 @@ MAX_SESSIONS = 16  # that are kept while none has a pending call
 
 @dataclass(eq=False)
 class _Session:
-    """How a session is used at the moment."""
+    """Pending calls and open streams of a session."""
 
     pending_calls: int = 0
     streams: int = 0  # on which its client listens
@@ -35,9 +35,10 @@ class _Session:
 
 
 class SessionLimit:
-    """Ends idle sessions as soon as a new one has opened: first those on whose stream no client listens.
+    """End idle sessions as soon as a new one has opened.
 
-    A session with a pending call is never ended. Its client opens another one when it is answered by 404.
+    Those go first on whose stream no client listens. A session with a pending call is never ended. The client of an
+    ended one opens another when it is answered by 404.
     """
 
     def __init__(self, app: ASGIApp, *, max_sessions: int = MAX_SESSIONS) -> None:
@@ -82,7 +83,7 @@ class SessionLimit:
             await self._app(scope, receive, note_session)
 
     def _watched(self, method: str, name: str, send: Send) -> Send:
-        """Forget a session that the application has ended, by itself or because its client asked for it."""
+        """Forget a session that the application has ended."""
         ended = (200, 404) if method == "DELETE" else (404,)
 
         async def note_end(message: Message) -> None:
@@ -102,7 +103,7 @@ class SessionLimit:
 
 @contextmanager
 def _announced_end() -> Iterator[None]:
-    """Tell the calls that a request brings when it has ended, so that none waits for a client that has left."""
+    """Report the end of a request to the calls that it brings."""
     end = get_running_loop().create_future()
     token = request_end.set(end)
     try:
@@ -120,6 +121,6 @@ async def _delete(app: ASGIApp, scope: Scope, name: str) -> None:
         return {"type": "http.request", "body": b"", "more_body": False}
 
     async def send(_message: Message) -> None:
-        """Drop the answer, for which nobody waits."""
+        """Drop the answer."""
 
     await app({**scope, "method": "DELETE", "headers": headers}, receive, send)

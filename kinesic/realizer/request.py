@@ -6,6 +6,7 @@ Other blocks, to which it may refer, are given as plain data.
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from html import unescape
 
 import msgspec
 
@@ -36,7 +37,11 @@ from kinesic.planning.speech import synthesise_block
 
 LEAD = 0.15  # [s] from the request to the beginning of a block that refers to others: time to plan it
 ID_SEARCH = 65_536  # [bytes] of a document in which its id is looked for
-_ID = re.compile(rb"""<(?:\w+:)?bml\b[^<>]*?\sid\s*=\s*["']([^"']+)["']""")
+# Comments and CDATA, which end with the text at the latest, so that each byte is looked at once; or the id of a <bml>.
+_ID = re.compile(
+    rb"""<!--(?:.*?-->|.*)|<!\[CDATA\[(?:.*?\]\]>|.*)|<(?:\w+:)?bml\b[^<>]*?\sid\s*=\s*(?:"([^"]+)"|'([^']+)')""",
+    re.DOTALL,
+)
 
 
 class _Named(msgspec.Struct):
@@ -201,5 +206,6 @@ def block_id(text: str | bytes) -> str:
             return _named.decode(data).id
         except (msgspec.DecodeError, UnicodeDecodeError):
             return UNNAMED
-    found = _ID.search(data, 0, ID_SEARCH)
-    return found[1].decode(errors="replace") if found else UNNAMED
+    ids = (found[1] or found[2] for found in _ID.finditer(data, 0, ID_SEARCH))
+    written = next(filter(None, ids), None)
+    return UNNAMED if written is None else unescape(written.decode(errors="replace")).strip() or UNNAMED

@@ -127,7 +127,7 @@ def test_only_so_many_notices_are_told():
 def test_nothing_is_planned_while_a_stop_holds():
     robot = FakeRobot()
     robot.state = "stopped"
-    assert refused(robot, "<bml/>") == "an emergency stop holds: resume first, then send it again"
+    assert refused(robot, "<bml/>") == "an emergency stop holds: resume, then send it again"
     assert robot.documents.planned == []
 
 
@@ -175,7 +175,7 @@ def test_discarded_call_is_told_that_a_stop_came():
         while not robot.documents.planned:
             await asyncio.sleep(0)
         performing.discard()
-        with pytest.raises(RefusedError, match=r"an emergency stop came.*nothing of it moves.*resume first"):
+        with pytest.raises(RefusedError, match=r"an emergency stop came.*nothing of it moves.*resume, then"):
             await call
         assert robot.documents.performed == []
 

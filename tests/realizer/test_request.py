@@ -131,4 +131,8 @@ def test_the_id_of_a_hostile_document_is_found_or_given_up_at_once():
     assert block_id('\n{"behaviours": [{"id": "g"}], "id": "b1"}') == "b1"
     assert block_id(b'{"id": 7}') == block_id('{"behaviours": []}') == block_id(b'{"id": "\xff"}') == UNNAMED
     assert block_id("<bml " * 10 + ' id="late">') == "late"
+    assert block_id('<!-- <bml id="old"> --><bml id="new"/>') == "new"
+    assert block_id('<a><![CDATA[<bml id="old">]]></a><bml id=\' it&apos;s &#65;&amp;"B" \'/>') == 'it\'s A&"B"'
+    assert block_id('<bml id="it\'s"/>') == "it's"
+    assert block_id('<!-- <bml id="old">') == block_id('<bml id=" "/>') == UNNAMED
     assert block_id(b"<a/>" * 100_000 + b'<bml id="far">') == UNNAMED

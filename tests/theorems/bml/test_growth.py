@@ -52,3 +52,4 @@ def test_how_a_block_meets_others(inside: str) -> None:
 @pytest.mark.parametrize("piece", ["<bml ", "<bml id", " id=", "<", "<a"])
 def test_its_id(piece: str) -> None:
     assert growth(block_id, lambda size: f"<bml {size * piece}", most=MOST) < STRAIGHT
+    assert growth(block_id, lambda size: size * piece, most=MOST) < STRAIGHT
