@@ -4,7 +4,7 @@ import asyncio
 import json
 import socket
 from collections.abc import Awaitable, Callable, Iterator
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass, field
 from threading import Event, Thread
 from time import monotonic, sleep
@@ -32,7 +32,7 @@ class FakeServer:
     silent_stops: int = 0  # which are not answered
 
     def serve(self, connection: socket.socket) -> None:
-        with connection:
+        with connection, suppress(OSError):  # the client may leave at any time
             rest = b""
             while data := connection.recv(65_536):
                 *whole, rest = (rest + data).split(b"\0")
