@@ -35,12 +35,13 @@ def serve_tools(
     address = None if http is None else read_address(http, token)
     known = planning.set_up()
     sys.setswitchinterval(SWITCH_INTERVAL)
-    with _server(connect, planning, performers, token) as place:
+    # All threads are urgent: whichever holds the interpreter would hold up a stop while other work of the machine runs.
+    with _server(connect, planning, performers, token) as place, urgent():
         try:
             robot = RobotLine(place.host, place.port, token=token)
         except OSError as error:
             raise ConfigError(f"--connect {place}: {error}; start kinesic serve there") from None
-        with closing(robot), urgent():
+        with closing(robot):
             server = make_server(robot, known, resumes="servos" not in performers.sinks and connect is None)
             if address is None:
                 server.run("stdio")
