@@ -3,9 +3,9 @@
 import json
 from asyncio import get_running_loop, timeout, wrap_future
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from concurrent.futures import Future, InvalidStateError, ThreadPoolExecutor
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from dataclasses import dataclass, field
 from threading import Thread
 from typing import TypeVar
@@ -46,7 +46,7 @@ class DocumentLine:
         self._sender = ThreadPoolExecutor(1, thread_name_prefix="documents")
         self._count = 0  # questions so far
         self._answers: dict[int, Future[RobotAnswer]] = {}  # by the number of the question
-        self._verdict: _Verdict | None = None
+        self._verdict: _Verdict | None = None  # of the last document
         self._playing = set[str]()  # blocks of this connection whose end has not come
         self._gone: RobotError | None = None  # once the server has closed the connection
         self._feedback = deque[str](maxlen=MAX_KEPT_FEEDBACK)
@@ -90,9 +90,9 @@ class DocumentLine:
         """
         if block in self._playing:  # feedback about one could not be told from feedback about the other
             return f"the block {block} is not over yet: give each block an id of its own"
-        with self._expecting(_Verdict(block, frozenset((block, NOBODY, *names)))) as verdict:
-            await self.send(lambda: document)
-            return await _in_time(verdict.future)
+        self._verdict = verdict = _Verdict(block, frozenset((block, NOBODY, *names)))
+        await self.send(lambda: document)
+        return await _in_time(verdict.future)
 
     async def send(self, write: Callable[[], str]) -> None:
         """Send a message after all earlier ones, unless the caller leaves.
@@ -110,14 +110,6 @@ class DocumentLine:
         """Close the connection, and leave blocks that were sent to the server."""
         self._sender.shutdown(wait=False, cancel_futures=True)
         self._client.close()
-
-    @contextmanager
-    def _expecting(self, verdict: _Verdict) -> Iterator[_Verdict]:
-        self._verdict = verdict
-        try:
-            yield verdict
-        finally:
-            self._verdict = None
 
     def _send(self, write: Callable[[], str]) -> None:
         message = write().encode()

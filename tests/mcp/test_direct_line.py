@@ -36,7 +36,7 @@ class Server:
 
     def request(self, wire: Wire) -> int:
         self.times.append(monotonic())
-        assert self.may_answer.wait(20)
+        assert self.may_answer.wait(12)
         if self.failures:
             self.failures -= 1
             raise ConnectionError(f"wire {wire.number} is broken")
@@ -127,3 +127,20 @@ def test_first_connection_that_fails_is_reported():
 
     with pytest.raises(ConnectionRefusedError, match="nobody"):
         DirectLine(connect, lambda wire: wire.number, name="test")
+
+
+def test_closing_does_not_wait_for_a_request():
+    server = Server()
+
+    async def run() -> None:
+        server.may_answer.clear()
+        request = asyncio.create_task(server.line.request())
+        await asyncio.sleep(0)
+        assert becomes(lambda: len(server.times) == 1)
+        begun = monotonic()
+        server.line.close()
+        assert monotonic() - begun < 10
+        server.may_answer.set()
+        await request
+
+    asyncio.run(run())
