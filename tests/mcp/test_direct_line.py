@@ -59,7 +59,8 @@ def test_callers_that_wait_share_the_next_request():
         await asyncio.sleep(0)
         assert becomes(lambda: len(server.times) == 1)
         others = [asyncio.create_task(server.line.request()) for _ in range(50)]
-        await asyncio.sleep(0)
+        await asyncio.sleep(0.05)
+        assert len(server.times) == 1  # one request at a time
         server.may_answer.set()
         assert await asyncio.gather(first, *others) == [0] * 51
         assert len(server.times) == 2  # none of those who came later is answered by the first one

@@ -187,3 +187,15 @@ def test_whatever_is_no_request_is_handed_on():
 
     asyncio.run(SessionLimit(app)({"type": "lifespan"}, None, None))
     assert handed == ["lifespan"]
+
+
+def test_session_that_the_application_has_ended_takes_no_place():
+    async def act(web: Web) -> None:
+        web.app.sessions.remove("s2")
+        assert await web.ask(session="s2") == 404
+        await web.ask()
+        assert web.app.sessions == ["s1", "s3"]
+        await web.ask()
+        assert list(web.limit._sessions) == web.app.sessions == ["s3", "s4"]
+
+    with_sessions(2, act, opened=2)
