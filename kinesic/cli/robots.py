@@ -8,20 +8,16 @@ from rich.table import Table
 
 from kinesic.body.config import CONFIGS
 from kinesic.body.robot import Robot
-from kinesic.body.robot_schema import robot_text
 from kinesic.cli.progress import show_stages
 from kinesic.cli.terminal import console, quote_text
 from kinesic.files.output_file import check_file, new_file, write_text
 from kinesic.hardware.protocol.servo_map import load_robot
-from kinesic.planning.workspace import workspace
-from kinesic.sim.importer.convert import REVIEW_BELOW, Mapped, import_humanoid
-from kinesic.sim.importer.shell import own_shell
-from kinesic.sim.robot_check import check_robot
-from kinesic.sim.shells.shell import SUFFIX, is_stale, shell_of, write_shell
+from kinesic.sim.importer.apart.imported import ImportedRobot, import_apart
+from kinesic.sim.shells.shell import SUFFIX, is_stale, shell_of
 
 WARN_TORQUE = 0.4  # of stall
 FAIL_TORQUE = 0.8
-MESHES_SHOWN = 5  # meshes that are not drawn
+MAX_NOTES_SHOWN = 5  # parts of a foreign robot that are left out
 
 
 def list_robots() -> int:
@@ -57,6 +53,9 @@ def _tell_shell(robot: Robot) -> str:
 
 def assess_robot(robot: str) -> int:
     """Prints static torque ratios, workspace and clearance of a robot."""
+    from kinesic.planning.workspace import workspace  # noqa: PLC0415 - slow to import, and imports need neither
+    from kinesic.sim.robot_check import check_robot  # noqa: PLC0415
+
     body = load_robot(robot)
     with show_stages() as stage:
         stage("searching the worst postures")
@@ -83,57 +82,33 @@ def assess_robot(robot: str) -> int:
 
 
 def import_robot(file: Path, out: Path | None, force: bool) -> int:
-    """Maps the hinges of a humanoid's MJCF or URDF, and writes a robot's TOML to edit."""
+    """Map the hinges of a humanoid's MJCF or URDF, and write a robot's TOML."""
     target = out or Path(f"{file.stem}.toml")
-    for path in (target, target.with_suffix(SUFFIX)):
+    shell = target.with_suffix(SUFFIX)
+    for path in (target, shell):
         check_file(path, force=force)
     with show_stages() as stage:
         stage("mapping its hinges")
-        found = import_humanoid(file)
-    text = robot_text(found.file, heading=_heading(found, file.name), remarks=found.remarks)
-    write_text(target, text, force=force, durable=True)
+        found = import_apart(file)
+    write_text(target, found.text, force=force, durable=True)
     console().print(_mapping(found))
     click.echo(f"robot: {target}")
-    _write_looks(found, target, force=force)
-    if found.doubtful:
-        click.echo(f"kinesic: review {target} before it moves: {_doubt(found)}", err=True)
-    return 1 if found.doubtful else 0
-
-
-def _write_looks(found: Mapped, target: Path, *, force: bool) -> None:
-    """Writes the robot's own meshes beside its TOML, where there are any, and says which are missing."""
-    shell, path = own_shell(found, Robot.load(target, calibrated=False)), target.with_suffix(SUFFIX)
-    if shell is not None:
-        with new_file(path, force=force) as fresh:
-            write_shell(shell, fresh)
-        click.echo(f"shell: {path}")
-    for why in found.figure.tree.left_out[:MESHES_SHOWN]:
+    if found.shell:
+        with new_file(shell, force=force) as fresh:
+            fresh.write_bytes(found.shell)
+        click.echo(f"shell: {shell}")
+    for why in found.left_out[:MAX_NOTES_SHOWN]:
         click.echo(f"left out: {quote_text(why)}")
-    if (more := len(found.figure.tree.left_out) - MESHES_SHOWN) > 0:
+    if (more := len(found.left_out) - MAX_NOTES_SHOWN) > 0:
         click.echo(f"left out: {more} more")
+    if found.doubt:
+        click.echo(f"kinesic: review {target} before it moves: {found.doubt}", err=True)
+    return 1 if found.doubt else 0
 
 
-def _mapping(found: Mapped) -> Table:
-    """Tabulates which hinge of the file became which."""
+def _mapping(found: ImportedRobot) -> Table:
+    """Tabulate which hinge of the file became which."""
     table = Table("hinge", "of the file", "range deg", "rest deg", box=None)
-    for hinge in found.hinges:
-        low, high = np.degrees([hinge.lower, hinge.upper])
-        rest = found.file.rest.get(hinge.name, 0.0) + 0.0  # no -0
-        ranges = f"{low:.0f}..{high:.0f}{' assumed' if hinge.assumed else ''}"
-        table.add_row(hinge.name, quote_text(found.figure.tree.joints[hinge.joint].name), ranges, f"{rest:.0f}")
+    for name, joint, *degrees in found.mapping:
+        table.add_row(name, quote_text(joint), *degrees)
     return table
-
-
-def _heading(found: Mapped, name: str) -> list[str]:
-    doubt = [f"REVIEW before it moves: {_doubt(found)}.", ""] if found.doubtful else []
-    return [
-        *doubt,
-        f"Mapped from {name} by `kinesic robots import`; confidence {found.confidence:.2f} of 1. Edit freely.",
-        "x forward, y left, z up; m, kg, deg, Nm. Zero pose: arms hanging, elbows straight. Beside each hinge: how the",
-        "file's joint follows from its angle; at: where its axis passes its segment. Beside each servo: where its",
-        "figures come from. Capsules are the file's own primitive shapes, or bones with a human's girth.",
-    ]
-
-
-def _doubt(found: Mapped) -> str:
-    return f"confidence {found.confidence:.2f} is below {REVIEW_BELOW:g}, so shoulder, elbow or sides may be wrong"

@@ -14,12 +14,13 @@ from kinesic.body.config import ConfigError
 from kinesic.body.skeleton import Capsule
 from kinesic.sim.importer.looks import Looks, load_looks
 from kinesic.sim.importer.model_tree import BASE, Follow, Joint, ModelPart, Tree
-from kinesic.sim.importer.screening import BODIES, GEOMS, screen_model
+from kinesic.sim.importer.reading.robot_files import RobotFiles, read_robot_files
 
 MESHES = (mujoco.mjtGeom.mjGEOM_MESH, mujoco.mjtGeom.mjGEOM_HFIELD, mujoco.mjtGeom.mjGEOM_SDF)
 NOT_NEEDED = ("keys", "sensors", "tendons", "equalities", "pairs", "excludes", "skins", "flexes", "meshes", "hfields")
 LOOKS = ("materials", "textures", "cameras", "lights", "numerics", "texts", "tuples")
-ENDINGS = (".xml", ".urdf")
+MAX_BODIES = 2000
+MAX_GEOMS = 20_000
 GHOST_MASS = 1e-3  # [kg] of a body of which nothing is known
 GHOST_INERTIA = 1e-6  # [kg m^2]
 FLAT = 1e-9  # of a coupling, coefficients of its curve that are none
@@ -34,14 +35,12 @@ class UrdfJoint:
     follows: Follow | None
 
 
-def urdf_joints(path: Path) -> dict[str, UrdfJoint]:
-    """Reads a URDF's joints by name; empty for an MJCF.
+def urdf_joints(root: ElementTree.Element) -> dict[str, UrdfJoint]:
+    """Return a URDF's joints by name; empty for an MJCF.
 
     Raises:
-        xml.etree.ElementTree.ParseError: the file is no XML.
-        ValueError: a speed is no number.
+        ValueError: a velocity is not a number.
     """
-    root = ElementTree.parse(path).getroot()
     if root.tag != "robot":
         return {}
     found = {}
@@ -71,22 +70,24 @@ def load_model(path: Path) -> Tree:
     Raises:
         ConfigError: the file is missing, MuJoCo cannot read it, or it reads or makes more than a robot may.
     """
-    if not path.is_file():
-        raise ConfigError(f"{path}: no such file")
     try:
-        screen_model(path)
-        urdf = urdf_joints(path)
+        files = read_robot_files(path)
+        urdf = urdf_joints(files.root)
         mujoco.set_mju_user_warning(_unheard)  # by default they go to a file in the present folder
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of bodies without weight: they get some
-            spec = _read_spec(path)
+            spec = _read_spec(files.root, files)
             equal = _equalities(spec)
             model = _without_meshes(spec, path)
-            looks = load_looks(path, _read_spec, lambda spec: _without_meshes(spec, path))
+            looks = load_looks(files, _read_spec, lambda spec: _without_meshes(spec, path))
     except ConfigError:
         raise
-    except (ValueError, OSError, ExpatError, ElementTree.ParseError) as error:
+    except FileNotFoundError:
+        raise ConfigError(f"{path}: no such file") from None
+    except (ValueError, OSError, ExpatError) as error:
         raise ConfigError(f"{path}: neither MJCF nor URDF that can be read: {' '.join(str(error).split())}") from None
+    except mujoco.FatalError as error:
+        raise ConfigError(f"{path}: MuJoCo makes no model of it: {' '.join(str(error).split())}") from None
     finally:
         mujoco.set_mju_user_warning(None)
     data = mujoco.MjData(model)
@@ -100,12 +101,9 @@ def _unheard(_: str) -> None:
     """Drops a warning of MuJoCo about a URDF: the importer checks the same itself."""
 
 
-def _read_spec(path: Path) -> mujoco.MjSpec:
-    """Reads a file whatever its name ends in: MuJoCo itself knows only some endings, in small letters."""
-    if path.suffix in ENDINGS:
-        return mujoco.MjSpec.from_file(str(path))
-    named = path.with_suffix(".xml")
-    return mujoco.MjSpec.from_file(str(named), {named.name: path.read_bytes()})
+def _read_spec(root: ElementTree.Element, files: RobotFiles) -> mujoco.MjSpec:
+    """Describe a robot to MuJoCo, which gets text and bytes and opens no file."""
+    return mujoco.MjSpec.from_string(ElementTree.tostring(root, encoding="unicode"), include=dict(files.models))
 
 
 @dataclass(frozen=True)
@@ -147,9 +145,9 @@ def _from_zero(follows: dict[str, Follow], model: mujoco.MjModel) -> dict[str, F
 
 
 def _without_meshes(spec: mujoco.MjSpec, path: Path) -> mujoco.MjModel:
-    if len(spec.bodies) > BODIES or len(spec.geoms) > GEOMS:
+    if len(spec.bodies) > MAX_BODIES or len(spec.geoms) > MAX_GEOMS:
         raise ConfigError(
-            f"{path}: {len(spec.bodies)} bodies and {len(spec.geoms)} shapes; at most {BODIES} and {GEOMS}"
+            f"{path}: {len(spec.bodies)} bodies and {len(spec.geoms)} shapes; at most {MAX_BODIES} and {MAX_GEOMS}"
         )
     spec.memory, spec.nuserdata, spec.nkey = -1, 0, 0  # nothing is simulated
     for geom in list(spec.geoms):
@@ -163,6 +161,7 @@ def _without_meshes(spec: mujoco.MjSpec, path: Path) -> mujoco.MjModel:
     for body in spec.bodies[1:]:
         if not body.explicitinertial and not len(body.geoms):
             body.mass, body.inertia, body.explicitinertial = GHOST_MASS, [GHOST_INERTIA] * 3, True
+    spec.compiler.LRopt.mode = mujoco.mjtLRMode.mjLRMODE_NONE  # muscles are not simulated either
     spec.compiler.boundmass = GHOST_MASS
     spec.compiler.boundinertia = GHOST_INERTIA
     spec.compiler.balanceinertia = True

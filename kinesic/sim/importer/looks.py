@@ -4,6 +4,7 @@ Only files inside the robot's folder are read, and of what is not read the impor
 """
 
 from collections.abc import Callable, Mapping
+from copy import deepcopy
 from dataclasses import dataclass, field
 from pathlib import Path
 from xml.etree import ElementTree
@@ -13,8 +14,10 @@ import numpy as np
 
 from kinesic.body.arrays import sealed
 from kinesic.body.config import ConfigError
-from kinesic.sim.importer.mesh_file import Triangles, read_mesh, simplify
+from kinesic.sim.importer.mesh_file import FORMATS, Triangles, read_mesh, simplify
 from kinesic.sim.importer.model_tree import Surface
+from kinesic.sim.importer.reading.model_text import MeshReference
+from kinesic.sim.importer.reading.robot_files import RobotFiles
 
 MOST_FILES = 300
 MOST_BYTES = 200_000_000  # of all mesh files together
@@ -32,24 +35,26 @@ class Looks:
 
 
 def load_looks(
-    path: Path, read: Callable[[Path], mujoco.MjSpec], compiled: Callable[[mujoco.MjSpec], mujoco.MjModel]
+    files: RobotFiles,
+    describe: Callable[[ElementTree.Element, RobotFiles], mujoco.MjSpec],
+    compiled: Callable[[mujoco.MjSpec], mujoco.MjModel],
 ) -> Looks:
-    """Reads the meshes of a robot; nothing where it has none.
+    """Read the meshes of a robot; nothing where it has none.
 
     Args:
-        path: of its file, which was screened.
-        read: reads a file as a description.
+        files: of the robot.
+        describe: makes a description of a robot's XML.
         compiled: makes a model of a description, without its meshes.
     """
-    spec = _with_looks(path, read)
+    spec = describe(_with_looks(files), files)
     named = {mesh.name: mesh for mesh in spec.meshes}
     shown = [geom for geom in spec.geoms if geom.type == mujoco.mjtGeom.mjGEOM_MESH and geom.meshname in named]
     unsolid = [geom for geom in shown if not geom.contype and not geom.conaffinity]
-    reader = _Reader(path, spec.meshdir)
+    reader = _Reader(files.path)
     wanted: list[tuple[str, Triangles, bool]] = []
     for k, geom in enumerate(unsolid or shown):
         mesh = named[geom.meshname]
-        triangles = reader.read(mesh.file)
+        triangles = reader.read(files.meshes[mesh.file])
         if triangles is not None:
             wanted.append((f"look_{k}", _scaled(triangles, mesh), _is_dark(spec, geom)))
             _make_point(geom, f"look_{k}")
@@ -68,55 +73,57 @@ def _make_point(geom: mujoco.MjsGeom, name: str) -> None:
     geom.mass, geom.contype, geom.conaffinity = 0.0, 0, 0
 
 
-def _with_looks(path: Path, read: Callable[[Path], mujoco.MjSpec]) -> mujoco.MjSpec:
-    """The description with what is only seen, which MuJoCo drops of a URDF unless it is told not to."""
-    root = ElementTree.parse(path).getroot()
-    if root.tag != "robot":
-        return read(path)
+def _with_looks(files: RobotFiles) -> ElementTree.Element:
+    """Return the robot's XML with visuals, which MuJoCo drops of a URDF unless told not to."""
+    if not files.is_urdf:
+        return files.root
+    root = deepcopy(files.root)
     extension = root.find("mujoco")
     extension = ElementTree.SubElement(root, "mujoco") if extension is None else extension
     compiler = extension.find("compiler")
     compiler = ElementTree.SubElement(extension, "compiler") if compiler is None else compiler
     compiler.set("discardvisual", "false")
-    compiler.set("strippath", "false")
-    return mujoco.MjSpec.from_string(ElementTree.tostring(root, encoding="unicode"))
+    return root
 
 
 class _Reader:
-    """Reads files of one robot, each once."""
+    """Read files of one robot, each once."""
 
-    def __init__(self, path: Path, below: str) -> None:
+    def __init__(self, path: Path) -> None:
         self.left_out: list[str] = []
-        self._folder, self._below, self._bytes = path.parent.resolve(), below, 0
-        self._known: dict[str, Triangles | None] = {}
+        self._folder, self._bytes = path.parent.resolve(), 0
+        self._known: dict[MeshReference, Triangles | None] = {}
 
-    def read(self, name: str) -> Triangles | None:
-        if name not in self._known:
+    def read(self, mesh: MeshReference) -> Triangles | None:
+        if mesh not in self._known:
             try:
-                self._known[name] = self._read(name)
-            except (ConfigError, OSError) as error:
-                self._known[name] = None
+                self._known[mesh] = self._read(mesh)
+            except (ConfigError, OSError, RuntimeError) as error:  # the last of links that form a circle
+                self._known[mesh] = None
                 self.left_out.append(str(error))
-        return self._known[name]
+        return self._known[mesh]
 
-    def _read(self, name: str) -> Triangles:
+    def _read(self, mesh: MeshReference) -> Triangles:
+        if not mesh.file:
+            raise ConfigError(f"mesh {mesh.name}: without a file; only {' and '.join(FORMATS)} files are drawn")
         if len(self._known) >= MOST_FILES:
-            raise ConfigError(f"{name}: more than {MOST_FILES} mesh files")
-        path = self._find(name)
+            raise ConfigError(f"{mesh.file}: more than {MOST_FILES} mesh files")
+        path = self._find(mesh)
         self._bytes += path.stat().st_size
         if self._bytes > MOST_BYTES:
-            raise ConfigError(f"{name}: more than {MOST_BYTES // 1_000_000} MB of meshes")
-        return simplify(read_mesh(path), MOST_TRIANGLES)
+            raise ConfigError(f"{mesh.file}: more than {MOST_BYTES // 1_000_000} MB of meshes")
+        return simplify(read_mesh(path, folder=self._folder), MOST_TRIANGLES)
 
-    def _find(self, name: str) -> Path:
-        """The file in the robot's folder whose path ends as the name does, the longest end first."""
-        parts = Path(name.rsplit("://", maxsplit=1)[-1]).parts
+    def _find(self, mesh: MeshReference) -> Path:
+        """Find the file in the robot's folder whose path ends as the reference does, the longest end first."""
+        parts = Path(mesh.file.replace("\\", "/").rsplit("://", maxsplit=1)[-1]).parts
         for k in range(len(parts)):
-            for start in (self._folder / self._below, self._folder):
+            for start in (self._folder / mesh.below, self._folder):
                 place = start.joinpath(*parts[k:]).resolve()
                 if place.is_relative_to(self._folder) and place.is_file():
                     return place
-        raise ConfigError(f"{name}: not in the folder {self._folder.name}; copy it there, or the robot's file above it")
+        folder = self._folder.name
+        raise ConfigError(f"{mesh.file}: not in the folder {folder}; copy it there, or the robot's file above it")
 
 
 def _scaled(triangles: Triangles, mesh: mujoco.MjsMesh) -> Triangles:

@@ -7,6 +7,7 @@ import numpy as np
 
 from kinesic.body.arrays import Flags, Floats, Indices, sealed
 from kinesic.body.config import ConfigError
+from kinesic.files.input_file import read_inside
 
 LARGEST_MESH = 20_000_000  # [bytes] of one file
 FORMATS = (".stl", ".obj")
@@ -24,22 +25,24 @@ class Triangles:
     corners: Indices  # (t, 3)
 
 
-def read_mesh(path: Path) -> Triangles:
-    """Reads a mesh file.
+def read_mesh(path: Path, *, folder: Path) -> Triangles:
+    """Read a mesh file.
+
+    Args:
+        path: of the file.
+        folder: in which it must lie, or below.
 
     Raises:
-        ConfigError: it is too large, of another format, or broken.
+        ConfigError: the file is outside, too large, of another format, or broken.
+        OSError: the file cannot be read.
     """
     kind = path.suffix.lower()
     if kind not in FORMATS:
         raise ConfigError(f"{path.name}: only {' and '.join(FORMATS)} are read; convert it to one of them")
-    with path.open("rb") as file:
-        data = file.read(LARGEST_MESH + 1)
-    if len(data) > LARGEST_MESH:
-        raise ConfigError(f"{path.name}: more than {LARGEST_MESH // 1_000_000} MB; simplify it")
+    data = read_inside(folder, path, max_size=LARGEST_MESH)
     try:
         found = _stl(data) if kind == ".stl" else _obj(data.decode("utf-8", errors="replace"))
-    except (ValueError, IndexError) as error:
+    except (ValueError, IndexError, OverflowError) as error:
         raise ConfigError(f"{path.name}: no {kind[1:].upper()} that can be read: {error}") from None
     if not len(found.corners) or not np.isfinite(found.vertices).all():
         raise ConfigError(f"{path.name}: it has no triangles, or numbers that are not finite")

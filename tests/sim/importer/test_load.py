@@ -4,6 +4,7 @@ import pytest
 from kinesic.body.config import ConfigError
 from kinesic.sim.importer.load import load_model, urdf_joints
 from kinesic.sim.importer.model_tree import BASE, Follow
+from kinesic.sim.importer.reading.robot_files import read_robot_files
 
 
 def named(tree, name):
@@ -90,11 +91,11 @@ def test_a_missing_file_is_named(tmp_path):
 
 
 def test_speeds_and_mimics_that_mujoco_drops(hanging_path):
-    joints = urdf_joints(hanging_path)
+    joints = urdf_joints(read_robot_files(hanging_path).root)
     assert joints["left_elbow_joint"].speed == 3.5
     assert joints["left_mimic_joint"].follows == Follow("left_grip", 1.0, 0.0)
     assert joints["left_grip_joint"].follows is None
 
 
 def test_an_mjcf_has_none(tee_path):
-    assert urdf_joints(tee_path) == {}
+    assert urdf_joints(read_robot_files(tee_path).root) == {}

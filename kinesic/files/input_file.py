@@ -1,0 +1,80 @@
+"""Read files that others made: regular ones, up to a size, in one folder.
+
+A check of a path and a later `open` may see two different files. Here a file is opened first and examined afterwards.
+"""
+
+import os
+import stat
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import BinaryIO
+
+from kinesic.body.config import ConfigError
+from kinesic.files.held_folder import hold_folder
+
+READ_FLAGS = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)  # a pipe must not block
+
+
+@contextmanager
+def open_regular(path: Path) -> Iterator[BinaryIO]:
+    """Open a regular file for reading; never wait for a pipe or a device.
+
+    Raises:
+        ConfigError: the path leads to a folder, a pipe or a device.
+        OSError: the file cannot be opened.
+    """
+    with os.fdopen(os.open(path, READ_FLAGS), "rb") as file:
+        _check_regular(file, str(path))
+        yield file
+
+
+def read_inside(folder: Path, path: Path, *, max_size: int) -> bytes:
+    """Read a regular file that lies in a folder or below.
+
+    Links are followed once, and every part of the path that they lead to is then opened as itself: a link that is
+    exchanged meanwhile is refused.
+
+    Args:
+        folder: in which the file must lie.
+        path: of the file.
+        max_size: largest size in bytes.
+
+    Raises:
+        ConfigError: the file is outside the folder, larger, or not regular.
+        OSError: the file cannot be opened.
+    """
+    try:
+        place, home = path.resolve(), folder.resolve()
+    except RuntimeError as error:  # links that form a circle
+        raise ConfigError(f"{path.name}: {error}") from None
+    if not place.is_relative_to(home):
+        raise ConfigError(f"{path.name} is outside of the folder {home.name}; copy that file into it")
+    with _open_beneath(home, place) as file:
+        _check_regular(file, path.name)
+        size = os.fstat(file.fileno()).st_size
+        data = b"" if size > max_size else file.read(max_size + 1)
+    if size > max_size or len(data) > max_size:
+        raise ConfigError(f"{path.name} has {max(size, len(data))} bytes; at most {max_size} are read")
+    return data
+
+
+@contextmanager
+def _open_beneath(home: Path, place: Path) -> Iterator[BinaryIO]:
+    """Open a file by the names below a folder, none of which may be a link."""
+    if os.open not in os.supports_dir_fd:
+        with place.open("rb") as file:
+            yield file
+        return
+    *above, name = place.relative_to(home).parts or (".",)
+    with ExitStack() as folders:
+        inside = folders.enter_context(hold_folder(home))
+        for part in above:
+            inside = folders.enter_context(hold_folder(part, inside=inside))
+        with os.fdopen(os.open(name, READ_FLAGS | os.O_NOFOLLOW, dir_fd=inside), "rb") as file:
+            yield file
+
+
+def _check_regular(file: BinaryIO, name: str) -> None:
+    if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+        raise ConfigError(f"{name} is no ordinary file, but a folder, a pipe or a device; name a file")

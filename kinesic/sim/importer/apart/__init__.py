@@ -1,0 +1,1 @@
+"""Imports foreign robots in a process of their own."""

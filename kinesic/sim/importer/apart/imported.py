@@ -1,0 +1,99 @@
+"""Import a foreign robot without trusting its file: another process reads it, bounded, and answers with plain data."""
+
+import os
+import signal
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import msgspec
+
+from kinesic.body.config import ConfigError
+
+PROGRAM = "kinesic.sim.importer.apart.import_process"
+THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """How much one import may take; the largest robots that were tried take a tenth."""
+
+    duration: float = 300.0  # [s]
+    cpu_time: int = 120  # [s]
+    memory: int = 2_000_000_000  # [bytes] of data
+
+
+USUAL_BOUNDS = Bounds()
+
+
+class ImportedRobot(msgspec.Struct, frozen=True, tag=True):
+    """A foreign robot as files to write, and what to tell about it."""
+
+    text: str  # of its TOML
+    mapping: tuple[tuple[str, str, str, str], ...]  # hinge, joint of the file, range [deg], rest [deg]
+    shell: bytes  # of its .npz, empty where it has no meshes
+    left_out: tuple[str, ...]
+    doubt: str  # why a person must review it, empty where nothing speaks against it
+
+
+class Refusal(msgspec.Struct, frozen=True, tag=True):
+    """Why a file is no robot that can be imported."""
+
+    reason: str
+
+
+Answer = ImportedRobot | Refusal
+
+
+def import_apart(path: Path, *, bounds: Bounds = USUAL_BOUNDS) -> ImportedRobot:
+    """Import an MJCF or URDF humanoid in a process of its own.
+
+    Its duration is bounded everywhere, its memory and processor time where the system can bound them: on Linux. The
+    answer is data, and nothing of it is executed.
+
+    Args:
+        path: of the file.
+        bounds: of the other process.
+
+    Raises:
+        ConfigError: the file cannot be read, is no robot, or its import ended early or takes too much.
+    """
+    place = path.absolute()
+    folders = os.pathsep.join(folder or os.getcwd() for folder in sys.path)
+    environment = os.environ | dict.fromkeys(THREADS, "1") | {"PYTHONPATH": folders}
+    with TemporaryDirectory() as empty:
+        try:
+            ended = subprocess.run(
+                [sys.executable, "-P", "-m", PROGRAM, str(place), str(bounds.memory), str(bounds.cpu_time)],
+                stdin=subprocess.DEVNULL,
+                capture_output=True,
+                timeout=bounds.duration,
+                cwd=empty,
+                env=environment,
+                start_new_session=True,  # Ctrl-C is for this process, which ends the other
+                check=False,
+            )
+        except subprocess.TimeoutExpired:
+            why = f"its import takes longer than {bounds.duration:g} s; simplify its meshes"
+            raise ConfigError(f"{path}: {why}") from None
+    if ended.returncode:
+        raise ConfigError(f"{path}: its import ended with {_cause(ended.returncode, ended.stderr)}")
+    try:
+        answer: Answer = msgspec.msgpack.decode(ended.stdout, type=Answer)
+    except msgspec.DecodeError as error:
+        raise ConfigError(f"{path}: its import answers nothing that can be read: {error}") from None
+    if isinstance(answer, Refusal):
+        raise ConfigError(answer.reason.replace(str(place), str(path)))
+    return answer
+
+
+def _cause(code: int, errors: bytes) -> str:
+    """Return why the process ended, in one line."""
+    if code == -getattr(signal, "SIGXCPU", 0):
+        return "signal SIGXCPU: it takes more processor time than any robot needs; simplify its meshes"
+    if code < 0:
+        return f"signal {-code}: it takes too much memory, or MuJoCo fails; simplify the file"
+    lines = errors.decode(errors="replace").strip().splitlines()
+    return f"an error of kinesic's, please report it with the file: {lines[-1] if lines else f'exit code {code}'}"

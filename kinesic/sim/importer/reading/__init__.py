@@ -1,0 +1,1 @@
+"""Reads the files of foreign robots and bounds what they make."""

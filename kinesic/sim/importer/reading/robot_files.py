@@ -1,0 +1,118 @@
+"""Read a foreign robot's MJCF or URDF, once, into XML that refers to no file.
+
+MuJoCo opens files by rules of its own. It therefore gets text alone: includes are expanded here, attached models are
+handed over as bytes, and meshes have tokens in place of their files.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from itertools import count
+from pathlib import Path, PureWindowsPath
+from xml.etree.ElementTree import Element, tostring
+
+from kinesic.body.config import ConfigError
+from kinesic.files.input_file import open_regular, read_inside
+from kinesic.sim.importer.reading.model_text import Attached, MeshReference, ModelText
+
+MAX_MODEL_SIZE = 20_000_000  # [bytes] of all XML together
+MAX_FILES = 50
+
+
+@dataclass(frozen=True, eq=False)
+class RobotFiles:
+    """A robot's XML, screened, with everything that it refers to."""
+
+    path: Path
+    root: Element
+    models: Mapping[str, bytes]  # XML of attached models, by the names that the robot's XML has for them
+    meshes: Mapping[str, MeshReference]  # by token
+
+    @property
+    def is_urdf(self) -> bool:
+        """Whether it is a URDF."""
+        return self.root.tag == "robot"
+
+
+def read_robot_files(path: Path) -> RobotFiles:
+    """Read a robot's file and what it includes; leave meshes alone.
+
+    Raises:
+        ConfigError: a file is outside the robot's folder or missing, or they make more than any robot needs.
+        xml.parsers.expat.ExpatError: a file is not well-formed.
+        OSError: a file cannot be read.
+    """
+    reader = _Reader(path)
+    with open_regular(path) as file:
+        data = file.read(MAX_MODEL_SIZE + 1)
+    reader.count_file(path, len(data))
+    root, _ = reader.parse(path, data)
+    return RobotFiles(path, root, reader.models, reader.meshes)
+
+
+@dataclass(eq=False)
+class _Reader:
+    """The files of one robot, each read once."""
+
+    path: Path
+    models: dict[str, bytes] = field(default_factory=dict)
+    meshes: dict[str, MeshReference] = field(default_factory=dict)
+    _tokens: Iterator[int] = field(default_factory=count)
+    _sizes: dict[Path, int] = field(default_factory=dict)  # [bytes] of files that were read
+    _attached: dict[Path, Attached] = field(default_factory=dict)
+    _open: list[Path] = field(default_factory=list)  # models that are being parsed
+
+    def count_file(self, file: Path, size: int) -> None:
+        self._sizes[file] = size
+        if sum(self._sizes.values()) > MAX_MODEL_SIZE:
+            most = MAX_MODEL_SIZE // 1_000_000
+            raise ConfigError(f"{self.path}: more than {most} MB of XML; a robot's is below 1 MB")
+        if len(self._sizes) > MAX_FILES:
+            raise ConfigError(f"{self.path}: consists of more than {MAX_FILES} files")
+
+    def read(self, name: str, starts: tuple[Path, ...], named_at: str) -> tuple[Path, bytes]:
+        """Read a file that another one names, from the first of several folders that has it."""
+        place = self._locate(name, starts, named_at)
+        try:
+            data = read_inside(self.path.parent, place, max_size=MAX_MODEL_SIZE)
+        except ConfigError as error:
+            raise ConfigError(f"{named_at}: reads {name}: {error}") from None
+        self.count_file(place, len(data))
+        return place, data
+
+    def attach(self, name: str, starts: tuple[Path, ...], named_at: str) -> Attached:
+        """Parse a model that another one attaches, once."""
+        place, data = self.read(name, starts, named_at)
+        if place not in self._attached:
+            if place in self._open:
+                raise ConfigError(f"{named_at}: attaches {name}, which holds this element")
+            root, elements = self.parse(place, data)
+            token = f"model-{len(self.models)}.xml"
+            self.models[token] = tostring(root)
+            self._attached[place] = Attached(token, elements)
+        return self._attached[place]
+
+    def parse(self, path: Path, data: bytes) -> tuple[Element, int]:
+        """Parse a model; return its root, and how many elements it makes."""
+        self._open.append(path)
+        text = ModelText(path, self.read, self.attach, self._tokens)
+        text.parse(path, data)
+        self._open.pop()
+        self.meshes.update(text.meshes())
+        return text.root(), text.count
+
+    def _locate(self, name: str, starts: tuple[Path, ...], named_at: str) -> Path:
+        """Find the file of a reference; backslashes separate folders, as MuJoCo reads them."""
+        spelled, home = name.replace("\\", "/"), self.path.parent.resolve()
+        is_foreign = "://" in spelled or spelled.startswith("/") or bool(PureWindowsPath(spelled).drive)
+        try:
+            places = [] if is_foreign else [(start / spelled).resolve() for start in starts]
+        except RuntimeError:  # links that form a circle
+            places = []
+        inside = [place for place in places if place.is_relative_to(home)]
+        found = next((place for place in inside if place.exists()), None)
+        if found is not None:
+            return found
+        if is_foreign or len(inside) < len(places):
+            what = f"reads {name}, outside of the robot's folder"
+            raise ConfigError(f"{named_at}: {what}; copy that file into {self.path.parent}, and name it from there")
+        raise ConfigError(f"{named_at}: reads {name}, which is not there; copy that file into {self.path.parent}")

@@ -1,0 +1,97 @@
+"""Files of others: only regular ones, up to a size, and only those inside the folder."""
+
+import os
+import threading
+from pathlib import Path
+
+import pytest
+
+from kinesic.body.config import ConfigError
+from kinesic.files.input_file import open_regular, read_inside
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A folder with a file, and a secret next to it."""
+    (tmp_path / "secret").write_text("secret")
+    (tmp_path / "home" / "below").mkdir(parents=True)
+    (tmp_path / "home" / "below" / "file").write_text("file")
+    return tmp_path / "home"
+
+
+def test_a_file_in_the_folder_is_read_directly_and_through_links_inside(folder: Path):
+    (folder / "link").symlink_to("below/file")
+    (folder / "way").symlink_to("below")
+    for name in ("below/file", "link", "way/file", "below/../below/file"):
+        assert read_inside(folder, folder / name, max_size=4) == b"file"
+
+
+@pytest.mark.parametrize("name", ["../secret", "out", "away/secret", "below/../../secret"])
+def test_a_file_outside_the_folder_is_refused(folder: Path, name: str):
+    (folder / "out").symlink_to("../secret")
+    (folder / "away").symlink_to("..")
+    with pytest.raises(ConfigError, match="outside of the folder home"):
+        read_inside(folder, folder / name, max_size=100)
+
+
+def test_a_circle_of_links_is_refused(folder: Path):
+    (folder / "a").symlink_to("b")
+    (folder / "b").symlink_to("a")
+    with pytest.raises(ConfigError, match="loop"):
+        read_inside(folder, folder / "a", max_size=100)
+
+
+@pytest.mark.parametrize("kind", ["pipe", "folder"])
+def test_pipes_and_folders_are_refused_at_once(folder: Path, kind: str):
+    os.mkfifo(folder / "pipe")
+    (folder / "folder").mkdir()
+    with pytest.raises((ConfigError, IsADirectoryError), match=r"no ordinary file|Is a directory"):
+        read_inside(folder, folder / kind, max_size=100)
+    with pytest.raises((ConfigError, IsADirectoryError)), open_regular(folder / kind):
+        pass
+
+
+def test_a_device_is_refused():
+    with pytest.raises(ConfigError, match="zero is no ordinary file"), open_regular(Path("/dev/zero")):
+        pass
+
+
+def test_a_large_file_is_refused_before_it_is_read(folder: Path):
+    with (folder / "sparse").open("wb") as file:
+        file.truncate(10**12)
+    with pytest.raises(ConfigError, match=r"sparse has 1000000000000 bytes; at most 100"):
+        read_inside(folder, folder / "sparse", max_size=100)
+
+
+def test_links_exchanged_during_reads_never_lead_outside(folder: Path):
+    """One thread exchanges a file for a link to the secret, and a folder for a link to the folder above."""
+    inside, done = folder / "below", threading.Event()
+    (folder / "spare").mkdir()
+    (folder / "spare" / "secret").write_text("file")
+    read = set()
+
+    def exchange() -> None:
+        while not done.is_set():
+            os.symlink("../../secret", inside / "new")
+            os.replace(inside / "new", inside / "file")
+            (inside / "new").write_text("file")
+            os.replace(inside / "new", inside / "file")
+            os.rename(folder / "spare", folder / "kept")
+            os.symlink("..", folder / "spare")
+            os.unlink(folder / "spare")
+            os.rename(folder / "kept", folder / "spare")
+
+    exchanger = threading.Thread(target=exchange)
+    exchanger.start()
+    try:
+        for _ in range(2000):
+            for name in ("below/file", "spare/secret"):
+                try:
+                    read.add(read_inside(folder, folder / name, max_size=100))
+                except (ConfigError, OSError):
+                    continue
+    finally:
+        done.set()
+        exchanger.join()
+    assert b"file" in read
+    assert b"secret" not in read

@@ -1,0 +1,105 @@
+"""Imports in a process of their own: the same robots, and one line where the process ends early."""
+
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from kinesic.body.config import ConfigError
+from kinesic.sim.importer.apart.imported import Bounds, import_apart
+from kinesic.sim.importer.convert import import_humanoid
+
+LINUX_ONLY = pytest.mark.skipif(sys.platform != "linux", reason="memory and processor time are bounded on Linux")
+
+
+def refused(path: Path, bounds: Bounds | None = None) -> str:
+    with pytest.raises(ConfigError) as caught:
+        import_apart(path, bounds=bounds or Bounds())
+    said = str(caught.value)
+    assert "\n" not in said
+    assert said.startswith(str(path))
+    return said
+
+
+@pytest.fixture
+def large_mesh(puppets, tmp_path: Path) -> Path:
+    """A robot with a mesh of nearly the largest size."""
+    rows = [f"v {k % 97} {k % 89} {k % 83}\n" for k in range(600_000)]
+    (tmp_path / "large.obj").write_text("".join(rows) + "f 1 2 3\n" * 600_000)
+    text = (
+        puppets.puppet()
+        .replace("<asset>", '<asset><mesh name="large" file="large.obj"/>')
+        .replace('mesh="none"', 'mesh="large"')
+    )
+    path = tmp_path / "large.xml"
+    path.write_text(text)
+    return path
+
+
+def test_a_robot_is_imported_as_in_this_process(hanging_path: Path):
+    found, here = import_apart(hanging_path), import_humanoid(hanging_path)
+    assert [row[0] for row in found.mapping] == [hinge.name for hinge in here.hinges]
+    assert found.left_out == here.figure.tree.left_out
+    assert f"confidence {here.confidence:.2f} of 1" in found.text
+    assert not found.shell
+
+
+def test_a_refusal_names_the_file_as_it_was_given(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(tmp_path)
+    Path("broken.xml").write_text("<mujoco><worldbody>")
+    assert refused(Path("broken.xml")).startswith("broken.xml: neither MJCF nor URDF")
+    assert refused(Path("nowhere.xml")) == "nowhere.xml: no such file"
+
+
+def test_a_pipe_in_place_of_a_file_is_refused_at_once(tmp_path: Path):
+    os.mkfifo(tmp_path / "pipe.xml")
+    assert "no ordinary file" in refused(tmp_path / "pipe.xml")
+
+
+@LINUX_ONLY
+def test_an_import_that_takes_much_memory_is_refused(large_mesh: Path):
+    assert "memory" in refused(large_mesh, Bounds(memory=250_000_000))
+
+
+@LINUX_ONLY
+def test_an_import_that_takes_long_is_refused(large_mesh: Path):
+    assert "processor time" in refused(large_mesh, Bounds(cpu_time=1))
+
+
+def test_an_import_that_waits_is_given_up(hanging_path: Path):
+    began = time.monotonic()
+    assert "takes longer than 0.05 s" in refused(hanging_path, Bounds(duration=0.05))
+    assert time.monotonic() - began < 30.0
+
+
+@pytest.mark.parametrize(
+    ("does", "says"),
+    [
+        ("kill -SEGV $$", "signal 11"),
+        ("echo Trace; echo KeyError: x >&2; exit 1", "KeyError: x"),
+        ("echo a", "answers"),
+    ],
+)
+def test_a_process_that_fails_is_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, hanging_path: Path, does: str, says: str
+):
+    program = tmp_path / "python"
+    program.write_text(f"#!/bin/sh\n{does}\n")
+    program.chmod(0o755)
+    monkeypatch.setattr(sys, "executable", str(program))
+    assert says in refused(hanging_path)
+
+
+def test_an_import_reads_no_module_from_the_present_folder(tmp_path: Path, hanging_path: Path):
+    (tmp_path / "mujoco.py").write_text("raise SystemExit(7)")
+    code = (
+        "import sys, pathlib; from kinesic.sim.importer.apart.imported import import_apart; "
+        "import_apart(pathlib.Path(sys.argv[1]))"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-P", "-c", code, hanging_path], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert ended.returncode == 0, ended.stderr

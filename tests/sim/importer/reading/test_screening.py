@@ -1,0 +1,276 @@
+"""Files of strangers: what reads outside their folder, or grows without end, is refused in one line."""
+
+import os
+import resource
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from kinesic.body.config import ConfigError
+from kinesic.sim.importer import load
+from kinesic.sim.importer.load import load_model
+from kinesic.sim.importer.reading import robot_files
+
+PART = '<mujoco><worldbody><body name="part"><joint/><geom size="0.1"/></body></worldbody></mujoco>'
+
+
+@pytest.fixture
+def robot(tmp_path: Path) -> Path:
+    """A folder for a robot, with a secret beside it."""
+    (tmp_path / "secret.xml").write_text(PART)
+    (tmp_path / "robot" / "parts").mkdir(parents=True)
+    (tmp_path / "robot" / "parts" / "arm.xml").write_text(PART)
+    return tmp_path / "robot" / "robot.xml"
+
+
+def mjcf(inside: str = "", world: str = "") -> str:
+    body = '<body name="b"><joint name="j"/><geom size="0.1"/></body>'
+    return f"<mujoco>{inside}<worldbody>{body}{world}</worldbody></mujoco>"
+
+
+def refused(robot: Path, text: str) -> str:
+    robot.write_text(text)
+    with pytest.raises(ConfigError) as caught:
+        load_model(robot)
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+def test_parts_in_the_robots_own_folder_are_read(robot: Path):
+    robot.write_text(mjcf('<include file="parts/arm.xml"/>'))
+    assert len(load_model(robot).joints) == 2
+
+
+@pytest.mark.parametrize(
+    "name", ["../secret.xml", "parts/../../secret.xml", "{outside}", "linked.xml", "away/secret.xml"]
+)
+@pytest.mark.parametrize("element", ['<include file="{}"/>', '<asset><model name="m" file="{}"/></asset>'])
+def test_nothing_outside_of_the_robots_folder_is_read(robot: Path, name: str, element: str):
+    (robot.parent / "linked.xml").symlink_to("../secret.xml")
+    (robot.parent / "away").symlink_to("..")
+    name = name.format(outside=robot.parent.parent / "secret.xml")
+    assert "outside of the robot's folder" in refused(robot, mjcf(element.format(name)))
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "..\\secret.xml",
+        "parts\\..\\..\\secret.xml",
+        "parts/..\\../secret.xml",
+        "{outside}",
+        "file://{outside}",
+        "C:\\secret.xml",
+        "C:secret.xml",
+        "\\\\server\\secret.xml",
+        "package://robot/secret.xml",
+    ],
+)
+@pytest.mark.parametrize("element", ['<include file="{}"/>', '<asset><model name="m" file="{}"/></asset>'])
+def test_backslashes_drives_and_addresses_do_not_leave_the_folder(robot: Path, name: str, element: str):
+    name = name.format(outside=robot.parent.parent / "secret.xml")
+    (robot.parent / name.rpartition("/")[2]).write_text(PART)  # a file of this very name, which no system but one has
+    said = refused(robot, mjcf(element.format(name)))
+    assert f"robot.xml:1: reads {name}, outside of the robot's folder" in said
+    assert f"copy that file into {robot.parent}" in said
+
+
+def test_an_attached_model_includes_nothing_from_outside(robot: Path):
+    (robot.parent / "hand.xml").write_text('<mujoco><include file="..\\secret.xml"/></mujoco>')
+    said = refused(robot, mjcf('<asset><model name="m" file="hand.xml"/></asset>'))
+    assert r"hand.xml:1: reads ..\secret.xml, outside" in said
+
+
+def test_backslashes_separate_folders_inside_the_robots_own(robot: Path):
+    robot.write_text(mjcf('<include file="parts\\arm.xml"/>'))
+    assert len(load_model(robot).joints) == 2
+
+
+def test_an_attached_model_is_read_once_and_attached_twice(robot: Path):
+    (robot.parent / "parts" / "more.xml").write_text("<mujoco><worldbody/></mujoco>")
+    text = PART.replace("<mujoco>", '<mujoco><include file="more.xml"/>')
+    (robot.parent / "parts" / "hand.xml").write_text(text)
+    attach = '<attach model="m" body="part" prefix="{}_"/>'
+    asset = '<asset><model name="m" file="parts\\hand.xml"/></asset>'
+    robot.write_text(mjcf(asset, attach.format("left") + attach.format("right")))
+    assert len(load_model(robot).joints) == 3
+
+
+def test_mujoco_opens_no_file_by_itself(robot: Path, monkeypatch: pytest.MonkeyPatch):
+    """Files in the present folder that have the names of tokens are not read in place of the robot's own."""
+    monkeypatch.chdir(robot.parent)
+    (robot.parent / "model-0.xml").write_text("<nonsense/>")
+    (robot.parent / "mesh-0.stl").write_bytes(bytes(1000))
+    asset = '<asset><model name="m" file="parts/arm.xml"/><mesh name="x" file="nowhere.stl"/></asset>'
+    robot.write_text(mjcf(asset, '<attach model="m" body="part" prefix="a_"/><geom type="mesh" mesh="x"/>'))
+    tree = load_model(robot)
+    assert len(tree.joints) == 2
+    assert tree.left_out == ("nowhere.stl: not in the folder robot; copy it there, or the robot's file above it",)
+
+
+def test_a_missing_part_says_where_it_should_be(robot: Path):
+    said = refused(robot, mjcf('<include file="parts/leg.xml"/>'))
+    assert f"robot.xml:1: reads parts/leg.xml, which is not there; copy that file into {robot.parent}" in said
+
+
+def test_a_model_that_attaches_itself_is_refused(robot: Path):
+    loop = '<mujoco><asset><model name="m" file="{}.xml"/></asset></mujoco>'
+    (robot.parent / "a.xml").write_text(loop.format("b"))
+    (robot.parent / "b.xml").write_text(loop.format("a"))
+    assert "attaches a.xml, which holds this element" in refused(robot, loop.format("a"))
+
+
+@pytest.mark.parametrize("part", ["pipe.xml", "parts", "sparse.xml"])
+def test_an_included_pipe_folder_or_huge_file_is_refused_at_once(robot: Path, part: str):
+    os.mkfifo(robot.parent / "pipe.xml")
+    with (robot.parent / "sparse.xml").open("wb") as file:
+        file.truncate(10**11)
+    said = refused(robot, mjcf(f'<include file="{part}"/>'))
+    assert "no ordinary file" in said or "Is a directory" in said or "at most 20000000" in said
+
+
+def test_a_macro_file_is_refused_with_the_command_that_expands_it(robot: Path):
+    text = '<robot name="r" xmlns:xacro="http://ros.org/xacro"><xacro:include filename="/etc/hostname"/></robot>'
+    assert "expand the file first: xacro FILE > robot.urdf" in refused(robot, text)
+
+
+@pytest.fixture
+def small_memory() -> Iterator[None]:
+    """Lets this process allocate no more than half a gigabyte meanwhile."""
+    usual = resource.getrlimit(resource.RLIMIT_DATA)
+    pages = int(Path("/proc/self/statm").read_text().split()[5])  # of data
+    resource.setrlimit(resource.RLIMIT_DATA, (pages * resource.getpagesize() + 500_000_000, usual[1]))
+    yield
+    resource.setrlimit(resource.RLIMIT_DATA, usual)
+
+
+MUSCLE = '<actuator><muscle joint="j"/></actuator>'
+
+
+@pytest.mark.parametrize(
+    "inside",
+    [
+        '<asset><hfield name="h" nrow="100000" ncol="100000" size="1 1 1 1"/></asset>',
+        '<size nuser_body="100000000" nuser_geom="100000000"/>',
+        '<size nuserdata="2000000000" nkey="100000000" memory="900G" njmax="2000000000" nconmax="2000000000"/>',
+        '<asset><mesh name="m" builtin="supersphere" params="5000 1 1"/></asset>',
+        '<asset><texture name="t" type="2d" builtin="flat" width="60000" height="60000"/></asset>',
+        '<custom><numeric name="n" size="2000000000"/></custom>',
+        '<sensor><user name="s" dim="2000000000"/></sensor>',
+        '<actuator><motor joint="j" nsample="1000000000" delay="1"/></actuator>',
+        '<compiler><lengthrange mode="all" timestep="1e-9" inttotal="1e9"/></compiler>' + MUSCLE,
+    ],
+    ids=["hfield", "user", "memory", "supersphere", "texture", "numeric", "sensor", "samples", "muscle"],
+)
+@pytest.mark.usefixtures("small_memory")
+def test_sizes_that_a_few_bytes_declare_take_no_memory(robot: Path, inside: str):
+    began = time.process_time()
+    robot.write_text(mjcf(inside))
+    assert [joint.name for joint in load_model(robot).joints] == ["j"]
+    assert time.process_time() - began < 5.0
+
+
+@pytest.mark.usefixtures("small_memory")
+def test_user_values_of_one_body_take_no_memory_in_the_others(robot: Path):
+    bodies = (
+        f'<body user="{"1 " * 3000}"/>' + '<body user="1"><inertial mass="1" pos="0 0 0" diaginertia="1 1 1"/></body>'
+    )
+    robot.write_text(mjcf(world=bodies * 900))
+    assert len(load_model(robot).joints) == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (mjcf('<actuator><general joint="j" dyntype="user" actdim="1000000000"/></actuator>'), "actdim"),
+        (mjcf(f'<default><default class="{"a" * 201}"/></default>'), "class of <default> has 201 characters"),
+        (mjcf(world=f'<geom size="1" rgba="{"1 " * 9000}"/>'), "rgba of <geom> has 18000 characters"),
+        (
+            mjcf(world='<replicate count="1e9"><geom size="1"/></replicate>'),
+            'count="1e9" of <replicate> must be a whole',
+        ),
+        (
+            mjcf(world='<replicate count="200">' + '<geom size="1"/>' * 600 + "</replicate>"),
+            "more than 100000 elements",
+        ),
+        (mjcf('<include file="parts/arm.xml"><a/></include>'), "<include> holds elements"),
+        (mjcf("<include/>"), "<include> names no file"),
+        (mjcf('<include file="parts/arm.xml"/><include file="./parts/arm.xml"/>'), "is included once"),
+    ],
+)
+def test_values_beyond_those_of_any_robot_are_refused(robot: Path, text: str, says: str):
+    assert says in refused(robot, text)
+
+
+def test_models_that_attach_models_do_not_multiply_without_end(robot: Path):
+    attach = "".join(f'<attach model="m" body="b" prefix="p{k}"/>' for k in range(10))
+    for k in range(40):
+        model = f'<asset><model name="m" file="{k + 1}.xml"/></asset>'
+        (robot.parent / f"{k}.xml").write_text(
+            f'<mujoco>{model}<worldbody><body name="b">{attach}</body></worldbody></mujoco>'
+        )
+    (robot.parent / "40.xml").write_text('<mujoco><worldbody><body name="b"/></worldbody></mujoco>')
+    assert "attached models included" in refused(robot, (robot.parent / "0.xml").read_text())
+
+
+def test_what_an_included_file_includes_is_screened_too(robot: Path):
+    (robot.parent / "parts" / "one.xml").write_text('<mujoco><include file="two.xml"/></mujoco>')
+    (robot.parent / "parts" / "two.xml").write_text('<mujoco><include file="../../secret.xml"/></mujoco>')
+    assert "two.xml:1: reads ../../secret.xml" in refused(robot, mjcf('<include file="parts/one.xml"/>'))
+
+
+def test_a_file_that_includes_itself_is_read_once(robot: Path):
+    (robot.parent / "loop.xml").write_text('<mujoco><include file="loop.xml"/></mujoco>')
+    refused(robot, mjcf('<include file="loop.xml"/>'))  # by MuJoCo
+
+
+BOMB = '<!DOCTYPE mujoco [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;">]><mujoco model="&b;"><worldbody/></mujoco>'
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (BOMB, "declares a document type"),
+        ('<!DOCTYPE r SYSTEM "file:///etc/passwd"><robot name="r"/>', "declares a document type"),
+        (mjcf(world='<replicate count="1000000000"><geom size="0.1"/></replicate>'), "makes 1000000000 copies"),
+        (
+            mjcf(world='<replicate count="99"><replicate count="99"><geom size="1"/></replicate></replicate>'),
+            "9801 copies",
+        ),
+        (mjcf(world='<flexcomp name="f" type="grid" count="1000 1000 1000" dim="3"/>'), "holds a <flexcomp>"),
+        (mjcf(world="<body>" * 10_000 + "</body>" * 10_000), "more than 200 deep"),
+        (mjcf(world='<geom size="0.1"/>' * 100_000), "more than 100000 elements"),
+        (mjcf(world='<geom size="0.1"/>' * 200), "201 shapes"),
+        ("<mujoco/>" + " " * 20_000_000, "more than 20 MB"),
+    ],
+    ids=["entities", "external", "replicate", "nested", "flexcomp", "deep", "elements", "shapes", "large"],
+)
+def test_what_would_grow_beyond_any_robot_is_refused(
+    robot: Path, monkeypatch: pytest.MonkeyPatch, text: str, says: str
+):
+    monkeypatch.setattr(load, "MAX_GEOMS", 200)  # so many more take MuJoCo seconds
+    assert says in refused(robot, text)
+
+
+def test_many_files_are_too_many(robot: Path):
+    for k in range(robot_files.MAX_FILES + 1):
+        (robot.parent / f"{k}.xml").write_text(f'<mujoco><include file="{k + 1}.xml"/></mujoco>')
+    assert "more than 50 files" in refused(robot, mjcf('<include file="0.xml"/>'))
+
+
+def test_meshes_and_textures_are_never_opened_and_no_memory_is_taken_at_their_word(robot: Path):
+    pipe = robot.parent / "endless.stl"
+    os.mkfifo(pipe)  # whoever opened it would wait for ever
+    mesh = f'<asset><mesh name="m" file="endless.stl"/><texture name="t" type="2d" file="{pipe}"/></asset>'
+    robot.write_text(mjcf(f'<size memory="900G"/>{mesh}', '<geom type="mesh" mesh="m"/>'))
+    assert len(load_model(robot).joints) == 1
+
+
+def test_a_urdf_is_screened_too(robot: Path):
+    robot.write_text('<robot name="r"><link name="a"/></robot>')
+    load_model(robot)
+    robot.write_text('<!DOCTYPE robot><robot name="r"><link name="a"/></robot>')
+    with pytest.raises(ConfigError, match="declares a document type"):
+        load_model(robot)
