@@ -17,6 +17,7 @@ from kinesic.speech.loudspeaker import SpeakerError
 from kinesic.speech.speaker import Speaker
 
 LARGEST_SAMPLE = 32767  # of a sample of 16 bits
+MAX_RATE = 48_000  # [Hz] of the mix: one short part at a high rate must not multiply the memory of all others
 ASTRAY = 0.03  # [s] between the robot's time and the sound's beyond which the sound is put right
 
 
@@ -24,8 +25,8 @@ def sound(plan: Plan) -> Sound | None:
     """Mixes the utterances of a plan.
 
     Returns:
-        One channel from performance time 0 to the end of the performance, at the highest rate of its parts; None when
-        nothing is heard.
+        One channel from performance time 0 to the end of the performance, at the highest rate of its parts up to
+        `MAX_RATE`; None when nothing is heard.
     """
     parts = [
         (plan.trajectory.zero + timed.times["start"], spoken)
@@ -35,12 +36,14 @@ def sound(plan: Plan) -> Sound | None:
     ]
     if not parts:
         return None
-    rate = max(spoken.rate for _, spoken in parts)
+    rate = min(max(spoken.rate for _, spoken in parts), MAX_RATE)
     pieces = [(round(begin * rate), resample(spoken, rate)) for begin, spoken in parts]
-    mixed = np.zeros(max(round(plan.duration * rate), *(first + len(piece) for first, piece in pieces)))
+    length = max(round(plan.duration * rate), *(first + len(piece) for first, piece in pieces))
+    mixed: Samples = np.zeros(length, dtype=np.float32)
     for first, piece in pieces:
         mixed[first : first + len(piece)] += piece
-    return Sound.of(rate, mixed / max(1.0, np.abs(mixed).max()))
+    mixed /= max(1.0, float(mixed.max()), -float(mixed.min()))
+    return Sound.of(rate, mixed)
 
 
 def resample(spoken: Sound, rate: int) -> Samples:

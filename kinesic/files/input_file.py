@@ -29,19 +29,15 @@ def open_regular(path: Path) -> Iterator[BinaryIO]:
         yield file
 
 
-def read_inside(folder: Path, path: Path, *, max_size: int) -> bytes:
-    """Read a regular file that lies in a folder or below.
+@contextmanager
+def open_inside(folder: Path, path: Path) -> Iterator[BinaryIO]:
+    """Open a regular file that lies in a folder or below.
 
     Links are followed once, and every part of the path that they lead to is then opened as itself: a link that is
     exchanged meanwhile is refused.
 
-    Args:
-        folder: in which the file must lie.
-        path: of the file.
-        max_size: largest size in bytes.
-
     Raises:
-        ConfigError: the file is outside the folder, larger, or not regular.
+        ConfigError: the file is outside the folder, or not regular.
         OSError: the file cannot be opened.
     """
     try:
@@ -52,6 +48,22 @@ def read_inside(folder: Path, path: Path, *, max_size: int) -> bytes:
         raise ConfigError(f"{path.name} is outside of the folder {home.name}; copy that file into it")
     with _open_beneath(home, place) as file:
         _check_regular(file, path.name)
+        yield file
+
+
+def read_inside(folder: Path, path: Path, *, max_size: int) -> bytes:
+    """Read a regular file that lies in a folder or below.
+
+    Args:
+        folder: in which the file must lie.
+        path: of the file.
+        max_size: largest size in bytes.
+
+    Raises:
+        ConfigError: the file is outside the folder, larger, or not regular.
+        OSError: the file cannot be opened.
+    """
+    with open_inside(folder, path) as file:
         size = os.fstat(file.fileno()).st_size
         data = b"" if size > max_size else file.read(max_size + 1)
     if size > max_size or len(data) > max_size:

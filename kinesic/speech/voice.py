@@ -1,11 +1,7 @@
 """Chooses who speaks: a recording where the document has one, else an engine, else the model of durations."""
 
-import wave
 from dataclasses import dataclass, replace
 from pathlib import Path
-
-import numpy as np
-from numpy.typing import NDArray
 
 from kinesic.body.choices import VoiceName
 from kinesic.body.config import ConfigError, check_inside
@@ -13,9 +9,9 @@ from kinesic.body.utterance import Phoneme, Recording, Script, Sound, Utterance,
 from kinesic.speech.durations import DurationModel
 from kinesic.speech.espeak import Espeak
 from kinesic.speech.espeak_pool import espeak_fault
+from kinesic.speech.recording import RecordingError, read_wav
 
 ASTRAY = 0.05  # [s] by which a mark may be off its word without a remark
-LONGEST_RECORDING = 1300  # [s] of a recording that is read
 
 
 def voice(name: VoiceName = "durations") -> Voice:
@@ -34,10 +30,6 @@ def voice(name: VoiceName = "durations") -> Voice:
     if why or name == "durations":
         return Recorded(DurationModel(f"nothing is heard, only the time that it takes is known: {why}" if why else ""))
     return Recorded(Espeak())
-
-
-class RecordingError(ValueError):
-    """A recording cannot be read; the text tells why."""
 
 
 @dataclass(frozen=True)
@@ -96,45 +88,6 @@ def _check(path: Path, folder: Path | None) -> None:
             check_inside(folder, path)
         except ConfigError as error:
             raise RecordingError(f"the recording {error}") from None
-
-
-def read_wav(path: Path) -> Sound:
-    """Reads a WAV file of 8, 16, 24 or 32 bits; of several channels their mean.
-
-    Raises:
-        RecordingError: there is no such file, it is no plain WAV, or it is longer than `LONGEST_RECORDING`.
-    """
-    if path.exists() and not path.is_file():
-        raise RecordingError(f"{path} is no ordinary file")  # whoever opens a pipe may wait for ever
-    try:
-        with wave.open(str(path), "rb") as file:
-            rate, count, width, channels = (
-                file.getframerate(),
-                file.getnframes(),
-                file.getsampwidth(),
-                file.getnchannels(),
-            )
-            if count > LONGEST_RECORDING * rate:
-                raise RecordingError(f"{path} lasts {count / rate:.0f} s, at most {LONGEST_RECORDING} s are read")
-            data = file.readframes(count)
-    except OSError as error:
-        raise RecordingError(f"{path}: {error.strerror}") from None
-    except (wave.Error, EOFError) as error:
-        raise RecordingError(f"{path} is no WAV file of plain samples ({error or 'it ends too soon'})") from None
-    if rate <= 0 or len(data) % (width * channels):
-        raise RecordingError(f"{path} is no WAV file of plain samples (it ends too soon)")
-    return Sound.of(rate, _samples(data, width).reshape(-1, channels).mean(axis=1))
-
-
-def _samples(data: bytes, width: int) -> NDArray[np.float64]:
-    """Converts bytes to samples -1..1; those of one byte have no sign, those of three are widened to four."""
-    if width == 1:
-        return np.frombuffer(data, dtype=np.uint8) / 128.0 - 1.0
-    if width == 3:
-        wide = np.zeros((len(data) // 3, 4), dtype=np.uint8)
-        wide[:, 1:] = np.frombuffer(data, dtype=np.uint8).reshape(-1, 3)
-        return wide.view("<i4")[:, 0] / 2.0**31
-    return np.frombuffer(data, dtype=f"<i{width}") / 2.0 ** (8 * width - 1)
 
 
 def _played(script: Script, recording: Recording, sound: Sound) -> Utterance:

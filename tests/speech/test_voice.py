@@ -15,7 +15,8 @@ from kinesic.planning.speech import choose_rate_and_pitch, synthesise_block
 from kinesic.speech import voice as module
 from kinesic.speech.durations import DurationModel
 from kinesic.speech.espeak_pool import espeak_fault
-from kinesic.speech.voice import Recorded, RecordingError, read_wav, voice
+from kinesic.speech.recording import RecordingError, read_wav
+from kinesic.speech.voice import Recorded, voice
 
 VOICE = Recorded(DurationModel())
 RATE = 8000

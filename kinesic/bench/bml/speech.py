@@ -26,7 +26,7 @@ from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime
 from kinesic.sim.servo_factors import PESSIMISTIC
 from kinesic.speech.espeak import Espeak
 from kinesic.speech.espeak_pool import espeak_fault
-from kinesic.speech.voice import read_wav
+from kinesic.speech.recording import read_wav
 
 SEED = 7
 SENTENCES = 40

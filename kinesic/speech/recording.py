@@ -1,0 +1,87 @@
+"""Read recordings: WAV files of plain samples, in blocks, after their header was checked against bounds."""
+
+import os
+import wave
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinesic.body.config import ConfigError
+from kinesic.body.utterance import Samples, Sound
+from kinesic.files.input_file import open_regular
+
+MAX_DURATION = 1300  # [s]
+MIN_RATE, MAX_RATE = 1_000, 384_000  # [Hz] below, no word can be heard; above, no device records
+MAX_CHANNELS = 32
+MAX_SAMPLES = MAX_DURATION * 48_000  # of one channel: a quarter of a gigabyte once they are read
+MAX_SAMPLE_WIDTH = 4  # [bytes]
+BLOCK_SIZE = 1 << 20  # [bytes] that are read at a time
+
+
+class RecordingError(ValueError):
+    """A recording cannot be read; the text tells why."""
+
+
+def read_wav(path: Path) -> Sound:
+    """Read a WAV file of 8, 16, 24 or 32 bits; of several channels their mean.
+
+    Raises:
+        RecordingError: there is no such file, it is no plain WAV, or its rate, channels or length are out of bounds.
+    """
+    try:
+        with open_regular(path) as file, wave.open(file) as recording:
+            count = _check_header(path, recording, file)
+            return Sound.of(recording.getframerate(), _read_samples(recording, count))
+    except ConfigError as error:
+        raise RecordingError(str(error)) from None
+    except OSError as error:
+        raise RecordingError(f"{path}: {error.strerror}") from None
+    except (wave.Error, EOFError) as error:
+        raise RecordingError(f"{path} is no WAV file of plain samples ({error or 'it ends too soon'})") from None
+
+
+def _check_header(path: Path, recording: wave.Wave_read, file: BinaryIO) -> int:
+    """Check what the header declares; return how many samples of a channel the file has."""
+    rate, channels, width = recording.getframerate(), recording.getnchannels(), recording.getsampwidth()
+    if not MIN_RATE <= rate <= MAX_RATE:
+        raise RecordingError(f"{path} has {rate} samples a second; {MIN_RATE} to {MAX_RATE} are read")
+    if channels > MAX_CHANNELS:
+        raise RecordingError(f"{path} has {channels} channels; at most {MAX_CHANNELS} are read")
+    if width > MAX_SAMPLE_WIDTH:
+        raise RecordingError(f"{path} has samples of {8 * width} bits; 8, 16, 24 and 32 are read")
+    count = min(recording.getnframes(), os.fstat(file.fileno()).st_size // (width * channels))
+    if count > MAX_DURATION * rate:
+        raise RecordingError(f"{path} lasts {count / rate:.0f} s, at most {MAX_DURATION} s are read")
+    if count > MAX_SAMPLES:
+        most = f"{MAX_SAMPLES / 1e6:.0f} million are read; {MAX_DURATION} s have as many at 48 kHz"
+        raise RecordingError(f"{path} has {count / 1e6:.0f} million samples, at most {most}")
+    return count
+
+
+def _read_samples(recording: wave.Wave_read, count: int) -> Samples:
+    """Read up to so many samples, block by block, so that only one channel of them is ever held."""
+    channels, width = recording.getnchannels(), recording.getsampwidth()
+    samples: Samples = np.zeros(count, dtype=np.float32)
+    block, begin = max(BLOCK_SIZE // (width * channels), 1), 0
+    while begin < count:
+        data = recording.readframes(min(block, count - begin))
+        rows = len(data) // (width * channels)
+        if not rows:
+            break
+        values = _decode(data[: rows * width * channels], width)
+        samples[begin : begin + rows] = values.reshape(-1, channels).mean(axis=1)
+        begin += rows
+    return samples[:begin]
+
+
+def _decode(data: bytes, width: int) -> NDArray[np.float64]:
+    """Convert bytes to samples -1..1; those of one byte have no sign, those of three are widened to four."""
+    if width == 1:
+        return np.frombuffer(data, dtype=np.uint8) / 128.0 - 1.0
+    if width == 3:
+        wide = np.zeros((len(data) // 3, 4), dtype=np.uint8)
+        wide[:, 1:] = np.frombuffer(data, dtype=np.uint8).reshape(-1, 3)
+        return wide.view("<i4")[:, 0] / 2.0**31
+    return np.frombuffer(data, dtype=f"<i{width}") / 2.0 ** (8 * width - 1)

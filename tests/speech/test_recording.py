@@ -1,0 +1,96 @@
+"""Recordings whose header declares what no recording has: one sentence, before their samples take memory."""
+
+import struct
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from kinesic.speech import recording
+from kinesic.speech.recording import RecordingError, read_wav
+
+
+def written(
+    path: Path, *, rate: int = 8000, bits: int = 16, channels: int = 1, data: int = 1600, declared: int | None = None
+) -> Path:
+    """A WAV file of zeros, sparse where the system can; the header declares what it is told."""
+    frame = channels * bits // 8
+    declared = data if declared is None else declared
+    head = struct.pack("<4sI4s4sIHHIIHH", b"RIFF", (36 + declared) % 2**32, b"WAVE", b"fmt ", 16, 1, channels, rate,
+                       rate * frame % 2**32, frame % 2**16, bits)  # fmt: skip
+    with path.open("wb") as file:
+        file.write(head + struct.pack("<4sI", b"data", declared))
+        file.truncate(44 + data)
+    return path
+
+
+@pytest.mark.parametrize("bits", [40, 48, 56, 64, 128, 65528])
+def test_samples_of_other_widths_are_refused(bits: int, tmp_path: Path):
+    with pytest.raises(RecordingError, match=rf"samples of {bits} bits; 8, 16, 24 and 32 are read"):
+        read_wav(written(tmp_path / "wide.wav", bits=bits, data=40 * 8191))
+
+
+@pytest.mark.parametrize("rate", [0, 1, 999, 384_001, 4_290_000_000])
+def test_rates_that_no_recording_has_are_refused(rate: int, tmp_path: Path):
+    with pytest.raises(RecordingError, match=rf"{rate} samples a second; 1000 to 384000 are read"):
+        read_wav(written(tmp_path / "fast.wav", rate=rate))
+
+
+def test_many_channels_are_refused(tmp_path: Path):
+    with pytest.raises(RecordingError, match="200 channels; at most 32"):
+        read_wav(written(tmp_path / "wide.wav", channels=200))
+
+
+@pytest.mark.parametrize("rate", [recording.MIN_RATE, 44_100, recording.MAX_RATE])
+def test_every_rate_in_bounds_is_read(rate: int, tmp_path: Path):
+    assert read_wav(written(tmp_path / "x.wav", rate=rate)).rate == rate
+
+
+@pytest.mark.parametrize(("rate", "says"), [(8_000, "lasts 2344 s"), (384_000, "19 million samples")])
+def test_long_recordings_are_refused_by_their_length(
+    rate: int, says: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(recording, "MAX_SAMPLES", 18_000_000)
+    with pytest.raises(RecordingError, match=says):
+        read_wav(written(tmp_path / "long.wav", rate=rate, bits=8, data=18_750_000))
+
+
+def test_a_length_that_the_file_does_not_have_takes_no_memory(tmp_path: Path):
+    sound = read_wav(written(tmp_path / "short.wav", data=1600, declared=2**31))
+    assert len(sound.samples) == 800
+
+
+def test_blocks_make_the_same_samples_as_one_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    path = written(tmp_path / "noise.wav", bits=24, channels=3, data=9 * 1000)
+    noise = np.random.default_rng(0).integers(0, 256, 9 * 1000, dtype=np.uint8).tobytes()
+    path.write_bytes(path.read_bytes()[:44] + noise)
+    whole = read_wav(path).samples
+    monkeypatch.setattr(recording, "BLOCK_SIZE", 100)
+    np.testing.assert_array_equal(read_wav(path).samples, whole)
+
+
+PEAK = """
+import resource, sys
+from pathlib import Path
+from kinesic.speech.recording import RecordingError, read_wav
+before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+try:
+    print(len(read_wav(Path(sys.argv[1])).samples))
+except RecordingError as error:
+    print(error)
+print(1024 * (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before))
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="peak memory is in kB on Linux alone")
+@pytest.mark.parametrize(
+    ("rate", "bits", "most"),
+    [(4_290_000_000, 8, 10e6), (384_000, 8, 10e6), (150_000, 16, 10e6), (48_000, 32, 400e6)],
+)
+def test_a_file_of_300_megabytes_takes_bounded_memory(rate: int, bits: int, most: float, tmp_path: Path):
+    path = written(tmp_path / "large.wav", rate=rate, bits=bits, channels=bits // 8, data=300_000_000 * bits // 16)
+    run = subprocess.run([sys.executable, "-c", PEAK, path], capture_output=True, text=True, check=True)
+    *_, peak = run.stdout.splitlines()
+    assert float(peak) < most, run.stdout
