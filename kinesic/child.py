@@ -2,8 +2,10 @@
 
 import multiprocessing
 import os
+import signal
 import sys
 from collections.abc import Callable
+from multiprocessing import forkserver, resource_tracker
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import ForkServerContext, SpawnContext
 from multiprocessing.process import parent_process
@@ -64,6 +66,7 @@ class Child:
             name: in lists of processes.
         """
         self._process = context.Process(target=_work_apart, args=(work, *arguments), name=name, daemon=True)
+        _begin_forks(context)
         self._process.start()
         for argument in arguments:
             if isinstance(argument, Connection):
@@ -88,6 +91,17 @@ class Child:
         self._process.kill()
         if wait:
             self._process.join()
+
+
+def _begin_forks(context: ForkServerContext | SpawnContext) -> None:
+    """Start the process that forks children, deaf to Ctrl-C also while it imports what they begin with."""
+    if isinstance(context, ForkServerContext):
+        resource_tracker.ensure_running()  # first: it unblocks the signal
+        usual = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        try:
+            forkserver.ensure_running()
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, usual)
 
 
 def _work_apart(work: Callable[[*Arguments], None], *arguments: *Arguments) -> None:

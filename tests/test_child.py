@@ -114,3 +114,41 @@ def test_a_child_that_is_busy_ends_with_a_parent_that_is_killed(tmp_path):
         time.sleep(0.05)
     os.kill(child, signal.SIGKILL)
     pytest.fail("it goes on alone")
+
+
+INTERRUPTED = """
+import signal, sys, time
+from kinesic.child import Child, child_context
+
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
+def work():
+    pass
+
+if __name__ == "__main__":
+    try:
+        Child(child_context("slow_to_import"), work)
+        time.sleep(30)
+    except KeyboardInterrupt:
+        sys.exit(130)
+"""
+
+
+def test_ctrl_c_while_children_are_prepared_leaves_no_traceback(tmp_path):
+    (tmp_path / "program.py").write_text(INTERRUPTED)
+    (tmp_path / "slow_to_import.py").write_text("import pathlib, time\npathlib.Path('began').touch()\ntime.sleep(1)\n")
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    program = subprocess.Popen(
+        [sys.executable, "program.py"],
+        cwd=tmp_path,
+        env=environment,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    while not (tmp_path / "began").exists():
+        assert program.poll() is None
+        time.sleep(0.01)
+    os.killpg(program.pid, signal.SIGINT)
+    _, errors = program.communicate(timeout=60)
+    assert (program.returncode, errors) == (130, "")

@@ -65,9 +65,15 @@ def _joined(old: object, new: object) -> object:
             **{key: _joined(old.get(key), value) if key == "exclude" else value for key, value in new.items()},
         }
     if isinstance(old, list) and isinstance(new, list):
-        named = {entry.get("name", k): entry for k, entry in enumerate(old) if isinstance(entry, Mapping)}
+        named = {_name_of(entry, k): entry for k, entry in enumerate(old) if isinstance(entry, Mapping)}
         for k, entry in enumerate(new, len(old)):
-            name = entry.get("name", k) if isinstance(entry, Mapping) else k
+            name = _name_of(entry, k)
             named[name] = {**named.get(name, {}), **entry} if isinstance(entry, Mapping) else entry
         return list(named.values())
     return new
+
+
+def _name_of(entry: object, index: int) -> str | int:
+    """Return the name of an entry, or its index where it has none; the schema refuses names that are not text."""
+    name = entry.get("name") if isinstance(entry, Mapping) else None
+    return name if isinstance(name, str) else index

@@ -1,7 +1,7 @@
 """From a robot's TOML to its description: the mirrored half is made, and every name is checked."""
 
-from collections.abc import Mapping
-from math import radians
+from collections.abc import Mapping, Sequence
+from math import hypot, radians
 from pathlib import Path
 
 import msgspec
@@ -19,6 +19,7 @@ from kinesic.body.servo import Drive, ServoModel
 from kinesic.body.skeleton import Capsule, Coupling, Hinge, Segment, Skeleton
 
 FINGERS = {"l_fingers", "r_fingers"}  # chains that count as one body for distances
+MAX_AXIS_LENGTH = 1e6  # of an axis before it is scaled to 1, and the inverse of the smallest
 SLACK = 1e-6  # [deg] by which a coupling may leave its range
 
 
@@ -206,8 +207,7 @@ def _check_couplings(path: Path, file: RobotFile, bodies: list[str], hinges: lis
             own = " itself" if coupling.driver == coupling.name else f" {coupling.driver}, which follows another one"
             raise ConfigError(f"{where}: it follows{own}; name the hinge with the servo that moves both")
         _known(path, f"driver of coupling {coupling.name}", coupling.driver, hinges)
-        if not any(coupling.axis):
-            raise ConfigError(f"{where}: axis is zero, must be a direction")
+        _check_axis(where, coupling.axis)
         ends = [coupling.offset_deg + coupling.ratio * end for end in ranges[coupling.driver]]
         (least, most), (lower, upper) = (min(ends), max(ends)), coupling.range_deg
         if least < lower - SLACK or most > upper + SLACK:
@@ -221,10 +221,17 @@ def _check_figures(path: Path, hinge: HingeTable, rest: float) -> None:
         raise ConfigError(f"{path}: hinge {hinge.name}: range_deg is [{lower}, {upper}], must be [low, high]")
     if not lower <= rest <= upper:
         raise ConfigError(f"{path}: [rest] {hinge.name} is {rest} deg, outside [{lower}, {upper}]")
-    if not any(hinge.axis):
-        raise ConfigError(f"{path}: hinge {hinge.name}: axis is zero, must be a direction")
+    _check_axis(f"{path}: hinge {hinge.name}", hinge.axis)
     if hinge.count < 1 or hinge.reduction <= 0:
         raise ConfigError(f"{path}: hinge {hinge.name}: count must be at least 1 and reduction above 0")
+
+
+def _check_axis(where: str, axis: Sequence[float]) -> None:
+    """Refuse an axis that has no direction, or whose length cannot be computed."""
+    if not any(axis):
+        raise ConfigError(f"{where}: axis is zero, must be a direction")
+    if not 1.0 / MAX_AXIS_LENGTH <= hypot(*axis) <= MAX_AXIS_LENGTH:
+        raise ConfigError(f"{where}: axis is {list(axis)}, must be a direction such as [0, 0, 1]")
 
 
 def _unique(path: Path, kind: str, name: str, known: list[str]) -> None:

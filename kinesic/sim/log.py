@@ -1,9 +1,7 @@
 """A log of servos: goals sent and angles measured, on a bus or in a twin."""
 
-import zlib
 from dataclasses import dataclass
 from pathlib import Path
-from zipfile import BadZipFile, ZipFile
 
 import numpy as np
 
@@ -11,6 +9,7 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import Measurements
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
+from kinesic.files.array_file import numbers_of, read_arrays, text_of
 
 FORMAT = (
     "npz with times (m,) [s], names (n,) of the hinges, goals (m, n) [rad] sent at these times, and angles (m, n) "
@@ -44,34 +43,27 @@ def read_log(path: Path, robot: Robot) -> Log:
     """Reads a log.
 
     Raises:
-        ConfigError: it is missing, lacks an array or a hinge, or holds what is no motion.
+        ConfigError: it is missing, lacks an array or a hinge, or holds no motion.
     """
-    try:
-        with ZipFile(path) as whole:
-            unpacked = sum(part.file_size for part in whole.infolist())
-        if unpacked > LARGEST_LOG:
-            raise ConfigError(f"{path}: unpacks to {unpacked / 1e6:.0f} MB, at most {LARGEST_LOG / 1e6:.0f} are read")
-        with np.load(path, allow_pickle=False) as file:
-            data = {name: file[name] for name in ARRAYS if name in file}
-    except OSError as error:
-        raise ConfigError(f"{path}: {error.strerror or error}") from None
-    except ConfigError:
-        raise
-    except (ValueError, BadZipFile, MemoryError, zlib.error):
-        raise ConfigError(f"{path}: no log; a log is {FORMAT}") from None
-    missing = [name for name in ARRAYS if name not in data]
+    arrays = read_arrays(path, max_size=LARGEST_LOG, kind=f"log; a log is {FORMAT}")
+    missing = [name for name in ARRAYS if name not in arrays]
     if missing:
         raise ConfigError(f"{path}: lacks {', '.join(missing)}; a log is {FORMAT}")
-    names, count = [str(name) for name in data["names"]], len(data["times"])
+    try:
+        names = [str(name) for name in text_of(arrays, "names", 1)]
+        times = numbers_of(arrays, "times", 1).astype(np.float64)
+        data = {name: numbers_of(arrays, name, 2).astype(np.float64) for name in ("goals", "angles")}
+    except ValueError as error:
+        raise ConfigError(f"{path}: {error}; a log is {FORMAT}") from None
     lost = [name for name in robot.skeleton.names if name not in names]
     if lost:
         raise ConfigError(f"{path}: lacks {len(lost)} hinges of {robot.name}, first {lost[0]}")
-    for name in ("goals", "angles"):
-        if data[name].shape != (count, len(names)):
-            raise ConfigError(f"{path}: {name} is {data[name].shape}, must be {(count, len(names))}")
-        if not np.isfinite(data[name]).all():
+    for name, rows in data.items():
+        if rows.shape != (len(times), len(names)):
+            raise ConfigError(f"{path}: {name} is {rows.shape}, must be {(len(times), len(names))}")
+        if not np.isfinite(rows).all():
             raise ConfigError(f"{path}: {name} holds a number that is not finite")
-    if count < 2 or not (np.diff(data["times"]) > 0).all():
+    if len(times) < 2 or not np.isfinite(times).all() or not (np.diff(times) > 0).all():
         raise ConfigError(f"{path}: times must be at least two, and increase")
     order = [names.index(name) for name in robot.skeleton.names]
-    return Log(sealed(data["times"]), sealed(data["goals"][:, order]), sealed(data["angles"][:, order]))
+    return Log(sealed(times), sealed(data["goals"][:, order]), sealed(data["angles"][:, order]))

@@ -38,7 +38,7 @@ def read_wav(path: Path) -> Sound:
         raise RecordingError(str(error)) from None
     except OSError as error:
         raise RecordingError(f"{path}: {error.strerror}") from None
-    except (wave.Error, EOFError) as error:
+    except (wave.Error, EOFError, RuntimeError) as error:  # the last of chunks that end before their header says
         raise RecordingError(f"{path} is no WAV file of plain samples ({error or 'it ends too soon'})") from None
 
 

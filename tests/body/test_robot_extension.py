@@ -111,3 +111,15 @@ def test_nobody_waits_for_a_pipe(tmp_path: Path):
     os.mkfifo(tmp_path / "mine.calibration.toml")
     with pytest.raises(ConfigError, match="no ordinary file"):
         Robot.load(tmp_path / "mine.toml")
+
+
+@pytest.mark.parametrize("name", ['["x"]', "[]", '{ x = "y" }', "1"])
+def test_names_that_are_no_text_are_refused(extended, name: str):
+    with pytest.raises(ConfigError, match=r"Expected `str`, got"):
+        extended(f"[[hinge]]\nname = {name}\n")
+
+
+@pytest.mark.parametrize("axis", ["[1e300, 1e300, 0]", "[1e-200, 0, 0]"])
+def test_an_axis_without_a_length_that_can_be_computed_is_refused(extended, axis: str):
+    with pytest.raises(ConfigError, match="must be a direction such as"):
+        extended(f'[[hinge]]\nname = "l_elbow_flexion"\naxis = {axis}\n')

@@ -137,9 +137,19 @@ def read_gestures(path: Path, bodies: Bodies = NO_BODIES) -> LexiconPart:
             check_inside(path, each)
     files = [(each, read_toml(each, GestureFile)) for each in paths]
     known: dict[str, BodyFormTable] = {**bodies}
-    for _, file in files:
+    for each, file in files:
+        _check_bodies(each, file)
         known |= {str(category): table for category, table in file.bodies.items()}
     return join_parts([make_part(each, file, known) for each, file in files], known)
+
+
+def _check_bodies(path: Path, file: GestureFile) -> None:
+    """Refuse amounts out of range, which gestures of other files would take over."""
+    for category, table in file.bodies.items():
+        try:
+            body_form(table)
+        except ValueError as error:
+            raise ConfigError(f"{path}: [bodies.{category}]: {error}") from None
 
 
 def join_parts(parts: Sequence[LexiconPart], bodies: Bodies) -> LexiconPart:

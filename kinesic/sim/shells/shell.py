@@ -4,7 +4,6 @@ Nothing of it weighs or touches anything: physics keeps the capsules. A file say
 that of another one is not drawn.
 """
 
-import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from hashlib import sha256
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
+from kinesic.files.array_file import integers_of, numbers_of, read_arrays, text_of
 
 SUFFIX = ".npz"
 LARGEST_SHELL = 2_000_000  # [bytes] of a file
@@ -116,33 +116,26 @@ def read_shell(path: Path) -> Shell:
         ConfigError: the file is broken, or holds more than a robot's shell does.
     """
     try:
-        _check_size(path)
-        with np.load(path, allow_pickle=False) as data:
-            return _unpacked({name: data[name] for name in data.files})
-    except (ValueError, KeyError, OSError, EOFError, IndexError, zipfile.BadZipFile) as error:
+        if (size := path.stat().st_size) > LARGEST_SHELL:
+            raise ValueError(f"{size} bytes: at most {LARGEST_SHELL} are taken")
+        return _unpacked(read_arrays(path, max_size=UNPACKED))
+    except (ValueError, OSError, OverflowError) as error:
         raise ConfigError(
             f"{path}: no shell of a robot ({error}); delete it, or make it anew: python -m kinesic.sim.shells.bake "
             f"{path.with_suffix('.toml').name}"
         ) from None
 
 
-def _check_size(path: Path) -> None:
-    size = path.stat().st_size
-    with zipfile.ZipFile(path) as archive:
-        unpacked = sum(entry.file_size for entry in archive.infolist())
-    if size > LARGEST_SHELL or unpacked > UNPACKED:
-        what = f"{size} bytes, unpacked {unpacked}"
-        raise ValueError(f"{what}: at most {LARGEST_SHELL} and {UNPACKED} are taken")
-
-
 def _unpacked(data: Mapping[str, NDArray[np.generic]]) -> Shell:
-    step, made_from = float(np.asarray(data["step"]).item()), str(np.asarray(data["made_from"]).item())
+    step, made_from = float(numbers_of(data, "step", 0)), str(text_of(data, "made_from", 0))
     if not 0.0 < step < 1.0:
         raise ValueError(f"its step is {step} m")
-    counts = np.asarray(data["counts"], dtype=np.int64)
-    vertices = np.asarray(data["vertices"], dtype=np.float64) * step
-    normals = np.asarray(data["normals"], dtype=np.float64) / 127
-    triangles = np.asarray(data["triangles"], dtype=np.uint16)
+    names, counts = text_of(data, "names", 1), integers_of(data, "counts", 2).astype(np.int64)
+    vertices = numbers_of(data, "vertices", 2).astype(np.float64) * step
+    normals = numbers_of(data, "normals", 2).astype(np.float64) / 127
+    triangles = integers_of(data, "triangles", 2).astype(np.uint16)
+    if counts.shape != (len(names), 3):
+        raise ValueError(f"counts are {counts.shape}, must be {(len(names), 3)}")
     sums = counts.sum(axis=0)
     if (
         counts.min(initial=0) < 0
@@ -152,7 +145,7 @@ def _unpacked(data: Mapping[str, NDArray[np.generic]]) -> Shell:
     ):
         raise ValueError("its numbers are not as many as it says")
     found, v, t = {}, 0, 0
-    for name, (many, light, dark) in zip(data["names"], counts.tolist(), strict=True):
+    for name, (many, light, dark) in zip(names, counts.tolist(), strict=True):
         corners = triangles[t : t + light + dark]
         if len(corners) and int(corners.max()) >= many:
             raise ValueError(f"a triangle of {name} has a corner that is none")

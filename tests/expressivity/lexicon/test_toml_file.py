@@ -1,7 +1,10 @@
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from kinesic.body.config import ConfigError
+from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.lexicon.toml_file import read_gestures
 
 HERE = 'at = [0.3, 0.45, 0.6], palm = "forward", pointing = "up"'
@@ -87,3 +90,11 @@ def test_a_wrong_tempo_is_told_with_those_that_work(tmp_path):
     path.write_text(f'category = "iconic"\n[[gesture]]\nid = "own"\ntempo = "quick"\nkeys = [{first()}]\n')
     with pytest.raises(ConfigError, match="gesture own: tempo is 'quick'; sudden, neutral, sustained are known"):
         read_gestures(path)
+
+
+@pytest.mark.parametrize("wrong", ["nod = -1", "look = 2", "face = { smile = 3 }", "face = { nowhere = 1 }"])
+def test_what_bodies_of_a_category_do_is_checked_when_the_file_is_read(tmp_path: Path, wrong: str):
+    path = tmp_path / "own.toml"
+    path.write_text(f"[bodies.beat]\n{wrong}\n", encoding="utf-8")
+    with pytest.raises(ConfigError, match=r"own.toml: \[bodies.beat\]: body: "):
+        Lexicon.load(path).read_all()

@@ -1,0 +1,131 @@
+"""Read arrays of numbers and text from an .npz that others made.
+
+`numpy.load` evaluates headers, allocates what they declare, and fails in a dozen ways. Here the header is checked
+against the bytes that are there, and every failure is a `ConfigError`.
+"""
+
+import ast
+import zlib
+from collections.abc import Mapping
+from pathlib import Path
+from zipfile import ZIP_DEFLATED, ZIP_STORED, BadZipFile, ZipFile, ZipInfo
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinesic.body.config import ConfigError
+from kinesic.files.input_file import open_regular
+
+Array = NDArray[np.generic]
+
+MAGIC = b"\x93NUMPY"
+MAX_HEADER_SIZE = 4096  # [bytes]
+MAX_DIMENSIONS = 8
+NUMBER_KINDS = "biuf"  # of dtypes
+INTEGER_KINDS = "iu"
+TEXT_KINDS = "U"
+ENCRYPTED = 1  # flag of an entry of a zip archive
+
+
+def read_arrays(path: Path, *, max_size: int, kind: str = ".npz of arrays") -> Mapping[str, Array]:
+    """Read all arrays of an .npz by name.
+
+    Args:
+        path: of the file.
+        max_size: largest size in bytes, unpacked.
+        kind: of file, for the message of a broken one.
+
+    Raises:
+        ConfigError: the file is missing, broken, encrypted or too large, or holds something else than arrays.
+    """
+    try:
+        with open_regular(path) as file, ZipFile(file) as archive:
+            entries = archive.infolist()
+            if (size := sum(entry.file_size for entry in entries)) > max_size:
+                raise ConfigError(f"{path}: unpacks to {size / 1e6:.0f} MB, at most {max_size / 1e6:.0f} are read")
+            return {entry.filename.removesuffix(".npy"): _parse(_unpack(archive, entry)) for entry in entries}
+    except ConfigError:
+        raise
+    except OSError as error:
+        raise ConfigError(f"{path}: {error.strerror or error}") from None
+    except (ValueError, TypeError, EOFError, BadZipFile, zlib.error, NotImplementedError) as error:
+        raise ConfigError(f"{path}: no {kind} ({error})") from None
+
+
+def _unpack(archive: ZipFile, entry: ZipInfo) -> bytes:
+    if entry.flag_bits & ENCRYPTED:
+        raise ValueError(f"{entry.filename} is encrypted")
+    if entry.compress_type not in (ZIP_STORED, ZIP_DEFLATED):
+        raise ValueError(f"{entry.filename} is packed by method {entry.compress_type}")
+    return archive.read(entry)
+
+
+def _parse(data: bytes) -> Array:
+    """Parse an .npy.
+
+    Raises:
+        ValueError: it is broken, or holds objects or records.
+    """
+    if data[:6] != MAGIC or data[6:7] not in (b"\1", b"\2", b"\3"):
+        raise ValueError("an entry is no .npy")
+    begin = 10 if data[6] == 1 else 12
+    end = begin + int.from_bytes(data[8:begin], "little")
+    if end > min(len(data), MAX_HEADER_SIZE):
+        raise ValueError("the header of an array ends too late")
+    try:
+        header = ast.literal_eval(data[begin:end].decode("latin-1").strip())
+        kind, in_columns, shape = header["descr"], header["fortran_order"], header["shape"]
+    except (SyntaxError, ValueError, TypeError, KeyError, MemoryError, RecursionError):
+        raise ValueError("the header of an array cannot be read") from None
+    if not isinstance(kind, str) or not isinstance(shape, tuple) or len(shape) > MAX_DIMENSIONS:
+        raise ValueError("an array holds records")
+    dtype = np.dtype(kind)
+    if dtype.kind not in NUMBER_KINDS + TEXT_KINDS or not all(isinstance(each, int) and each >= 0 for each in shape):
+        raise ValueError(f"an array is of type {dtype} and shape {shape}")
+    count = 1
+    for each in shape:
+        count *= each
+    if count * dtype.itemsize != len(data) - end:
+        raise ValueError(f"an array of shape {shape} has {len(data) - end} bytes")
+    if not count:
+        return np.zeros(shape, dtype)
+    found: Array = np.frombuffer(data, dtype, count, end)
+    return found.reshape(shape, order="F" if in_columns else "C")
+
+
+def numbers_of(arrays: Mapping[str, Array], name: str, dimensions: int) -> Array:
+    """Return an array of numbers.
+
+    Raises:
+        ValueError: it is missing, text, or has another number of dimensions.
+    """
+    return _checked(arrays, name, dimensions, NUMBER_KINDS, "numbers")
+
+
+def integers_of(arrays: Mapping[str, Array], name: str, dimensions: int) -> Array:
+    """Return an array of integers.
+
+    Raises:
+        ValueError: it is missing, of another type, or has another number of dimensions.
+    """
+    return _checked(arrays, name, dimensions, INTEGER_KINDS, "integers")
+
+
+def text_of(arrays: Mapping[str, Array], name: str, dimensions: int) -> Array:
+    """Return an array of text.
+
+    Raises:
+        ValueError: it is missing, not text, or has another number of dimensions.
+    """
+    return _checked(arrays, name, dimensions, TEXT_KINDS, "text")
+
+
+def _checked(arrays: Mapping[str, Array], name: str, dimensions: int, kinds: str, what: str) -> Array:
+    if name not in arrays:
+        raise ValueError(f"it lacks {name}")
+    array = arrays[name]
+    if array.dtype.kind not in kinds:
+        raise ValueError(f"{name} holds {array.dtype}, must be {what}")
+    if array.ndim != dimensions:
+        raise ValueError(f"{name} has {array.ndim} dimensions, must have {dimensions}")
+    return array
