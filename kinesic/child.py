@@ -94,7 +94,7 @@ class Child:
 
 
 def _begin_forks(context: ForkServerContext | SpawnContext) -> None:
-    """Start the process that forks children, deaf to Ctrl-C also while it imports what they begin with."""
+    """Start the forkserver with Ctrl-C blocked, also during its imports."""
     if isinstance(context, ForkServerContext):
         resource_tracker.ensure_running()  # first: it unblocks the signal
         usual = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})

@@ -74,6 +74,9 @@ def _joined(old: object, new: object) -> object:
 
 
 def _name_of(entry: object, index: int) -> str | int:
-    """Return the name of an entry, or its index where it has none; the schema refuses names that are not text."""
+    """Return the name of an entry, or its index without one.
+
+    The schema refuses names that are not text.
+    """
     name = entry.get("name") if isinstance(entry, Mapping) else None
     return name if isinstance(name, str) else index

@@ -227,7 +227,7 @@ def _check_figures(path: Path, hinge: HingeTable, rest: float) -> None:
 
 
 def _check_axis(where: str, axis: Sequence[float]) -> None:
-    """Refuse an axis that has no direction, or whose length cannot be computed."""
+    """Refuse an axis without a direction or a computable length."""
     if not any(axis):
         raise ConfigError(f"{where}: axis is zero, must be a direction")
     if not 1.0 / MAX_AXIS_LENGTH <= hypot(*axis) <= MAX_AXIS_LENGTH:

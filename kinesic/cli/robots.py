@@ -82,7 +82,7 @@ def assess_robot(robot: str) -> int:
 
 
 def import_robot(file: Path, out: Path | None, force: bool) -> int:
-    """Map the hinges of a humanoid's MJCF or URDF, and write a robot's TOML."""
+    """Map the joints of an MJCF or URDF and write a TOML."""
     target = out or Path(f"{file.stem}.toml")
     shell = target.with_suffix(SUFFIX)
     for path in (target, shell):

@@ -18,13 +18,13 @@ from kinesic.files.input_file import open_regular
 
 Array = NDArray[np.generic]
 
-MAGIC = b"\x93NUMPY"
+NPY_MAGIC = b"\x93NUMPY"
 MAX_HEADER_SIZE = 4096  # [bytes]
 MAX_DIMENSIONS = 8
 NUMBER_KINDS = "biuf"  # of dtypes
 INTEGER_KINDS = "iu"
 TEXT_KINDS = "U"
-ENCRYPTED = 1  # flag of an entry of a zip archive
+ENCRYPTED_FLAG = 1  # flag of an entry of a zip archive
 
 
 def read_arrays(path: Path, *, max_size: int, kind: str = ".npz of arrays") -> Mapping[str, Array]:
@@ -53,7 +53,7 @@ def read_arrays(path: Path, *, max_size: int, kind: str = ".npz of arrays") -> M
 
 
 def _unpack(archive: ZipFile, entry: ZipInfo) -> bytes:
-    if entry.flag_bits & ENCRYPTED:
+    if entry.flag_bits & ENCRYPTED_FLAG:
         raise ValueError(f"{entry.filename} is encrypted")
     if entry.compress_type not in (ZIP_STORED, ZIP_DEFLATED):
         raise ValueError(f"{entry.filename} is packed by method {entry.compress_type}")
@@ -66,7 +66,7 @@ def _parse(data: bytes) -> Array:
     Raises:
         ValueError: it is broken, or holds objects or records.
     """
-    if data[:6] != MAGIC or data[6:7] not in (b"\1", b"\2", b"\3"):
+    if data[:6] != NPY_MAGIC or data[6:7] not in (b"\1", b"\2", b"\3"):
         raise ValueError("an entry is no .npy")
     begin = 10 if data[6] == 1 else 12
     end = begin + int.from_bytes(data[8:begin], "little")

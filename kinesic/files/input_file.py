@@ -1,4 +1,4 @@
-"""Read files that others made: regular ones, up to a size, in one folder.
+"""Read regular files of others, up to a size, in one folder.
 
 A check of a path and a later `open` may see two different files. Here a file is opened first and examined afterwards.
 """
@@ -18,7 +18,7 @@ READ_FLAGS = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY"
 
 @contextmanager
 def open_regular(path: Path) -> Iterator[BinaryIO]:
-    """Open a regular file for reading; never wait for a pipe or a device.
+    """Open a regular file without waiting for pipes or devices.
 
     Raises:
         ConfigError: the path leads to a folder, a pipe or a device.
@@ -73,7 +73,7 @@ def read_inside(folder: Path, path: Path, *, max_size: int) -> bytes:
 
 @contextmanager
 def _open_beneath(home: Path, place: Path) -> Iterator[BinaryIO]:
-    """Open a file by the names below a folder, none of which may be a link."""
+    """Open a file below a folder without following links."""
     if os.open not in os.supports_dir_fd:
         with place.open("rb") as file:
             yield file

@@ -13,7 +13,8 @@ from kinesic.body.utterance import Samples, Sound
 from kinesic.files.input_file import open_regular
 
 MAX_DURATION = 1300  # [s]
-MIN_RATE, MAX_RATE = 1_000, 384_000  # [Hz] below, no word can be heard; above, no device records
+MIN_RATE = 1_000  # [Hz] no word can be heard below
+MAX_RATE = 384_000  # [Hz] no device records above
 MAX_CHANNELS = 32
 MAX_SAMPLES = MAX_DURATION * 48_000  # of one channel: a quarter of a gigabyte once they are read
 MAX_SAMPLE_WIDTH = 4  # [bytes]

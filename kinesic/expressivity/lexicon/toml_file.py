@@ -144,7 +144,7 @@ def read_gestures(path: Path, bodies: Bodies = NO_BODIES) -> LexiconPart:
 
 
 def _check_bodies(path: Path, file: GestureFile) -> None:
-    """Refuse amounts out of range, which gestures of other files would take over."""
+    """Refuse out-of-range amounts, which gestures of other files would inherit."""
     for category, table in file.bodies.items():
         try:
             body_form(table)

@@ -74,7 +74,7 @@ def _make_point(geom: mujoco.MjsGeom, name: str) -> None:
 
 
 def _with_looks(files: RobotFiles) -> ElementTree.Element:
-    """Return the robot's XML with visuals, which MuJoCo drops of a URDF unless told not to."""
+    """Return the robot's XML with visuals, which MuJoCo drops by default."""
     if not files.is_urdf:
         return files.root
     root = deepcopy(files.root)

@@ -10,7 +10,7 @@ import os
 import sys
 from contextlib import suppress
 
-GRACE = 5  # [s] of processor time between the signal that names the cause and the end
+KILL_DELAY = 5  # [s] of processor time between the signal that names the cause and the end
 
 
 def bound_process(*, memory: int, cpu_time: int) -> None:
@@ -21,7 +21,7 @@ def bound_process(*, memory: int, cpu_time: int) -> None:
         return
     wanted = (
         (resource.RLIMIT_DATA, memory, memory),
-        (resource.RLIMIT_CPU, cpu_time, cpu_time + GRACE),
+        (resource.RLIMIT_CPU, cpu_time, cpu_time + KILL_DELAY),
         (resource.RLIMIT_CORE, 0, 0),
     )
     for kind, soft, hard in wanted:

@@ -12,8 +12,8 @@ import msgspec
 
 from kinesic.body.config import ConfigError
 
-PROGRAM = "kinesic.sim.importer.apart.import_process"
-THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+IMPORT_MODULE = "kinesic.sim.importer.apart.import_process"
+THREAD_VARIABLES = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 @dataclass(frozen=True)
@@ -62,11 +62,11 @@ def import_apart(path: Path, *, bounds: Bounds = USUAL_BOUNDS) -> ImportedRobot:
     """
     place = path.absolute()
     folders = os.pathsep.join(folder or os.getcwd() for folder in sys.path)
-    environment = os.environ | dict.fromkeys(THREADS, "1") | {"PYTHONPATH": folders}
+    environment = os.environ | dict.fromkeys(THREAD_VARIABLES, "1") | {"PYTHONPATH": folders}
     with TemporaryDirectory() as empty:
         try:
             ended = subprocess.run(
-                [sys.executable, "-P", "-m", PROGRAM, str(place), str(bounds.memory), str(bounds.cpu_time)],
+                [sys.executable, "-P", "-m", IMPORT_MODULE, str(place), str(bounds.memory), str(bounds.cpu_time)],
                 stdin=subprocess.DEVNULL,
                 capture_output=True,
                 timeout=bounds.duration,

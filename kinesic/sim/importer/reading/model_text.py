@@ -18,7 +18,7 @@ from kinesic.sim.importer.reading.screening import (
     screen_element,
 )
 
-DOCTYPE = "declares a document type, which may hold entities; leave it out"
+DOCTYPE_REASON = "declares a document type, which may hold entities; leave it out"
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,7 @@ class ModelText:
         def refuse(why: str) -> NoReturn:
             raise ConfigError(f"{file}:{parser.CurrentLineNumber}: {why}") from None
 
-        parser.StartDoctypeDeclHandler = lambda *_declared: refuse(DOCTYPE)
+        parser.StartDoctypeDeclHandler = lambda *_declared: refuse(DOCTYPE_REASON)
         parser.StartElementHandler, parser.EndElementHandler = begin, end
         parser.Parse(data, True)
 

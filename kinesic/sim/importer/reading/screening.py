@@ -15,7 +15,7 @@ MAX_VALUE_LENGTH = 10_000  # characters of another attribute
 MAX_ACTIVATIONS = 100  # states of an actuator
 COPY_COUNT = re.compile(r"\s*\+?([0-9]{1,18})\s*")
 
-REFUSED = ("flexcomp", "composite")  # elements that grow into meshes of bodies
+REFUSED_TAGS = ("flexcomp", "composite")  # elements that grow into meshes of bodies
 UNUSED_SECTIONS = ("size", "sensor", "keyframe", "custom", "deformable")  # children of <mujoco>
 UNUSED_ASSETS = ("hfield", "texture", "skin")
 UNUSED_CHILDREN = ("lengthrange",)  # MuJoCo would simulate muscles
@@ -52,7 +52,7 @@ def screen_element(tag: str, attributes: dict[str, str]) -> dict[str, str]:
     """
     if tag.startswith("xacro:"):
         raise UnfitError(f"<{tag}> is a macro; expand the file first: xacro FILE > robot.urdf")
-    if tag in REFUSED:
+    if tag in REFUSED_TAGS:
         raise UnfitError(f"holds a <{tag}>, which no robot's limb is; leave it out")
     kept = {name: value for name, value in attributes.items() if name not in UNUSED_ATTRIBUTES}
     if tag == "mesh":
