@@ -66,6 +66,15 @@ class Succession:
 NO_SUCCESSION = Succession()
 
 
+@dataclass(frozen=True)
+class HeldTurns:
+    """Rotations that a behaviour holds from its end on, alone."""
+
+    kind: Literal["look", "posture"]  # of two of one kind the later one alone holds
+    head: Turn = Turn()  # the torso's part included
+    torso: Turn = Turn()
+
+
 @dataclass(frozen=True, eq=False)
 class Hand:
     """Where one hand is."""
@@ -121,3 +130,4 @@ class KeyFrames:
     fingers: Mapping[Side, tuple[FingerKey, ...]] = field(default_factory=dict)  # of hands whose fingers move
     shapes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # behaviour id -> hand shapes asked for
     successions: Mapping[str, Succession] = field(default_factory=dict)  # id of what hands do -> what moves later
+    held: Mapping[str, HeldTurns] = field(default_factory=dict)  # id of a behaviour that never goes back -> it holds

@@ -56,6 +56,7 @@ class Pose:
     arms: tuple[Arms, ...] = ()
     head: Turn = UPRIGHT
     left_out: str = ""  # what the robot cannot do of it
+    names_trunk: bool = False  # whether it says how the trunk is, be it upright
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +66,7 @@ class _Part:
     lean: Turn = UPRIGHT
     arms: Arms | None = None
     head: Turn = UPRIGHT
+    names_trunk: bool = False
 
 
 def pose(posture: Posture, lexicon: Lexicon, robot: Robot) -> Pose | None:
@@ -91,7 +93,8 @@ def pose(posture: Posture, lexicon: Lexicon, robot: Robot) -> Pose | None:
     leaned, bowed = UPRIGHT, UPRIGHT
     for part in parts:
         leaned, bowed = add_turns(leaned, part.lean), add_turns(bowed, part.head)
-    return Pose(limit_trunk(leaned, robot), arms, clip_turn(bowed, room(robot, "neck")), "; ".join(left_out))
+    upright = any(part.names_trunk for part in parts) and bool(robot.joints("torso"))
+    return Pose(limit_trunk(leaned, robot), arms, clip_turn(bowed, room(robot, "neck")), "; ".join(left_out), upright)
 
 
 def _parts(posture: Posture, lexicon: Lexicon, robot: Robot) -> tuple[list[_Part], list[str]]:
@@ -142,7 +145,7 @@ def _part(name: str, lexeme: str, lexicon: Lexicon) -> _Part | None:
         leaned = trunk_direction(read_trunk_name(lexeme))
         arms = None if name != _WHOLE or leaned not in (None, UPRIGHT) else _arms(lexeme, "both", lexicon)
         if leaned is not None or arms is not None:
-            return _Part(lean=scale_turn(leaned or UPRIGHT, BENT), arms=arms)
+            return _Part(lean=scale_turn(leaned or UPRIGHT, BENT), arms=arms, names_trunk=leaned is not None)
     return None
 
 
@@ -198,7 +201,7 @@ def posture_moves(postures: Sequence[TimedBehaviour], context: BlockContext) -> 
         moves[timed.behaviour.id] = Move(
             outcome,
             head=without_upright(bowed),
-            torso=without_upright(leaned),
+            torso=(leaned,) if posed.names_trunk and stays(timed.behaviour.action) else without_upright(leaned),
             strokes=tuple(stroke for arms in posed.arms for stroke in _arm_strokes(timed, arms, context)),
             warnings=warnings,
         )

@@ -38,6 +38,7 @@ from kinesic.expressivity.behaviours import (
     head_move,
     look_moves,
     pointing_move,
+    stays,
     torso_move,
     without_upright,
 )
@@ -50,9 +51,10 @@ from kinesic.expressivity.hands.fingers import finger_keys
 from kinesic.expressivity.hands.phases import Arranged, arrange_hands
 from kinesic.expressivity.hands.succession import find_successions
 from kinesic.expressivity.idle import add_idle_motion
-from kinesic.expressivity.keyframes import KeyFrames, Outcome
+from kinesic.expressivity.keyframes import HeldTurns, KeyFrames, Outcome
 from kinesic.expressivity.posture import posture_moves
 from kinesic.expressivity.trunk import turn_trunk_along
+from kinesic.expressivity.turns import add_turns
 from kinesic.expressivity.whole_body import Accompanied, BodyDemands, WholeBody, accompany, axes_used
 
 ALL: Mapping[str, str] = MappingProxyType({})  # nothing is left out
@@ -103,7 +105,26 @@ def keyframes(
     frames = gather_frames(sequences, syncs, context.robot, PRIORITIES[context.shared.gathering])
     successions = find_successions(hands.works, context)
     notices = [*timeline.notices, *notices]
-    return KeyFrames(timeline, frames, outcomes, uses, tuple(notices), beside.moves, fingers, shapes, successions)
+    held = _held_turns(timeline, moves)
+    return KeyFrames(timeline, frames, outcomes, uses, tuple(notices), beside.moves, fingers, shapes, successions, held)
+
+
+def _held_turns(timeline: Timeline, moves: Mapping[str, Move]) -> dict[str, HeldTurns]:
+    """Rotations that each gaze shift, head direction and posture shift holds, in the order of their starts."""
+    totals: dict[str, HeldTurns] = {"look": HeldTurns("look"), "posture": HeldTurns("posture")}
+    held: dict[str, HeldTurns] = {}
+    for timed in sorted(timeline.timed, key=lambda timed: timed.times["start"]):
+        id, move = timed.behaviour.id, moves[timed.behaviour.id]
+        if stays(timed.behaviour.action) and move.outcome.kind != "dropped":
+            kind = "posture" if isinstance(timed.behaviour.action, Posture) else "look"
+            before = totals[kind]  # the layers of one kind are relative to one another
+            torso, head = before.torso, before.head
+            for layer in move.torso:
+                torso = add_turns(torso, layer[-1].turn)
+            for layer in move.head:
+                head = add_turns(head, layer[-1].turn)
+            totals[kind] = held[id] = replace(before, torso=torso, head=head)
+    return held
 
 
 def _whole_body(timeline: Timeline, context: BlockContext, moves: Mapping[str, Move], hands: Arranged) -> WholeBody:

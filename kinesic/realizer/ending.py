@@ -7,10 +7,11 @@ import numpy as np
 
 from kinesic.bml.block import Notice, NoticeType
 from kinesic.bml.composition import BlockState
-from kinesic.body.arrays import Flags
+from kinesic.body.arrays import Flags, sealed
 from kinesic.motion.trajectory import Trajectory
 from kinesic.realizer.feedback import Progress, ScheduledFeedback, retime_feedback, without, without_provisional
-from kinesic.realizer.occupancy import Occupancy, freed_hinges
+from kinesic.realizer.held import END_TOLERANCE, lacking_change
+from kinesic.realizer.occupancy import STILL, Occupancy, freed_hinges
 from kinesic.realizer.release import release_motion
 from kinesic.realizer.running_block import RunningBlock
 from kinesic.realizer.scene import Scene
@@ -29,7 +30,17 @@ def stop_block(scene: Scene, running: RunningBlock, now: float, why: str) -> Sce
     if running.merged is None:
         return after
     moved = np.ptp(running.merged.layer.controls, axis=0) > 0.0
-    return replace(after, motion=_take_back(scene, running, running.occupancy, moved, now))
+    after = replace(after, motion=_take_back(scene, running, running.occupancy, moved, now))
+    return _warn_of_rest(after, running, now)
+
+
+def _warn_of_rest(scene: Scene, running: RunningBlock, now: float) -> Scene:
+    """Warn the sender where the trunk cannot go back from an interrupted behaviour."""
+    left = float(np.abs(lacking_change(scene.motion.controls, scene.occupancy, scene.setup.robot)).max())
+    if left <= END_TOLERANCE:
+        return scene
+    text = f"the trunk stays {np.degrees(left):.0f} deg from where others hold it: no way back is clear of the body"
+    return scene.say(running.warning(Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, running.id, text), now))
 
 
 def end_block(scene: Scene, running: RunningBlock, now: float, why: str) -> Scene:
@@ -61,7 +72,7 @@ def leave_out(scene: Scene, running: RunningBlock, behaviours: frozenset[str], n
     motion = _take_back(scene, running, ended, moved, now)
     agenda = retime_feedback(without(scene.agenda, running.id, behaviours), running.id, remaining.agenda(), now)
     after = replace(scene.with_block(remaining), motion=motion, agenda=agenda)
-    return after.say(remaining.prediction(now))
+    return _warn_of_rest(after.say(remaining.prediction(now)), running, now)
 
 
 def _take_back(scene: Scene, running: RunningBlock, ended: Sequence[Occupancy], moved: Flags, now: float) -> Trajectory:
@@ -69,11 +80,14 @@ def _take_back(scene: Scene, running: RunningBlock, ended: Sequence[Occupancy], 
     if running.merged is None:
         return scene.motion
     at, remaining = scene.first_change(now), [each for each in running.occupancy if each not in ended]
-    others = (*scene.occupancy_without(running.id), *remaining)
-    free = freed_hinges(ended, moved, at, scene.setup.robot, others=others)
-    if not free.any():
+    others, robot = (*scene.occupancy_without(running.id), *remaining), scene.setup.robot
+    free = freed_hinges(ended, moved, at, robot, others=others)
+    layer = running.merged.layer
+    shared = (np.abs(lacking_change(scene.motion.controls, others, robot)) > STILL) & ~free  # moved by others, too
+    if not (free | shared).any():
         return scene.motion
-    return release_motion(scene.motion, at, free, scene.setup, layer=running.merged.layer, others=others)
+    kept = replace(layer, controls=sealed(np.where(shared, 0.0, layer.controls)))
+    return release_motion(scene.motion, at, free | shared, scene.setup, layer=kept, others=others)
 
 
 def _passed(running: RunningBlock, now: float) -> dict[str, dict[str, float]]:

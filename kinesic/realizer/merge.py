@@ -19,6 +19,7 @@ from kinesic.motion.transition import FEWEST_PIECES, delay_controls, knot_at, le
 from kinesic.planning.plan import Plan
 from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime
 from kinesic.realizer.conflicts import find_conflict
+from kinesic.realizer.held import end_warnings, taking_over
 from kinesic.realizer.occupancy import MergeFailure, Occupancy, Overlay, occupancy_of, still_occupied
 from kinesic.realizer.overlay import overlay
 from kinesic.realizer.release import release_motion
@@ -150,18 +151,21 @@ class _Merge:
 
     def result(self, attempt: _Attempt, desired: float) -> MergedMotion:
         """The merged motion, with notices of what is left out or later than its zero was desired [s]."""
-        block, zero = self.coming.timeline.block, attempt.offset * STEP + self.coming.trajectory.zero
+        robot, block = self.coming.setup.robot, self.coming.timeline.block
+        zero = attempt.offset * STEP + self.coming.trajectory.zero
         syncs = tuple(sync for sync in self.coming.syncs if sync.behaviour not in attempt.left_out)
         texts = [(name, f"left out: {why}") for name, why in attempt.left_out.items()]
         if zero - desired > SHIFT_TO_WARN:
             late = f"comes {zero - desired:.3f} s later, with the block"
             texts += [(sync.behaviour, f"{sync.sync} {late}") for sync in syncs if sync.sync == "stroke"]
+        texts += end_warnings(attempt.controls, attempt.performed, self.others, robot)
+        performed = taking_over(attempt.performed, self.others, robot)
         running, layer = self.running, attempt.controls - lengthen(attempt.base, len(attempt.controls))
         return MergedMotion(
             trajectory=replace(running, controls=sealed(shorten(attempt.controls))) if np.any(layer) else running,
             zero=running.start + zero,
             layer=replace(running, controls=sealed(layer)),
-            occupancy=tuple(each.with_offset(layer[-1]).later(running.start) for each in attempt.performed),
+            occupancy=tuple(each.later(running.start) for each in performed),
             syncs=syncs,
             dropped=tuple(attempt.left_out),
             notices=tuple(

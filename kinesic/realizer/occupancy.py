@@ -10,8 +10,11 @@ from kinesic.bml.block import Action, Gaze, Gesture, Head, HeadDirectionShift, P
 from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.robot import SIDES, PartName, Robot
 from kinesic.expressivity.behaviours import stays
+from kinesic.expressivity.keyframes import HeldTurns
+from kinesic.expressivity.turns import turn_angles
 from kinesic.motion.trajectory import STEP
 from kinesic.planning.plan import Plan
+from kinesic.planning.torso import set_turn, torso_turn
 
 Role = Literal["l_hand", "r_hand", "sign", "look", "trunk"]  # what only one behaviour at a time can do
 
@@ -32,7 +35,7 @@ class Occupancy:
     ready: float  # it is where it must be
     relax: float  # it gives way to whatever comes
     end: float  # it is back, or stays
-    offset: Floats | None = None  # (n,) [rad] by which it stays away from rest; None where it goes back
+    offset: Floats | None = None  # (n,) [rad] from rest that it holds at its end, alone; None where it goes back
 
     @property
     def stays(self) -> bool:
@@ -44,9 +47,9 @@ class Occupancy:
         begin, ready, relax, end = (time + seconds for time in (self.begin, self.ready, self.relax, self.end))
         return replace(self, begin=begin, ready=ready, relax=relax, end=end)
 
-    def with_offset(self, change: Floats) -> "Occupancy":
-        """Sets the offset of an occupancy that stays to the final change (n,) [rad] of the performed motion."""
-        return replace(self, offset=sealed(np.where(self.hinges, change, 0.0))) if self.stays else self
+    def holds(self, role: Role) -> bool:
+        """Whether a role keeps the posture in which this behaviour ends."""
+        return self.stays and role in self.roles
 
     def meets(self, other: "Occupancy") -> bool:
         """Whether both need the same part of the body at the same time."""
@@ -91,9 +94,12 @@ def freed_hinges(
 
 
 def settle_occupancy(occupancy: Iterable[Occupancy]) -> tuple[Occupancy, ...]:
-    """Keeps the latest staying occupancy of each role once all behaviours are over; its times become -inf."""
+    """Keep the latest staying occupancy of each role once all behaviours are over.
+
+    Its times stay, as a block that began earlier and ends later may hold something older.
+    """
     last = {role: each for each in sorted(occupancy, key=lambda each: each.end) for role in each.roles if each.stays}
-    return tuple(each.later(-np.inf) for each in dict.fromkeys(last.values()))
+    return tuple(dict.fromkeys(last.values()))
 
 
 def _behaviour_occupancy(id: str, action: Action, at: Mapping[str, float], plan: Plan) -> Occupancy:
@@ -105,16 +111,41 @@ def _behaviour_occupancy(id: str, action: Action, at: Mapping[str, float], plan:
     hinges = _hinges(parts, plan.setup.robot) & (np.ptp(controls, axis=0) > STILL)
     offset = None
     if stays(action):
-        last = min(round(end / STEP), len(controls) - 3) + 1
-        offset = sealed(np.where(hinges, controls[last] - controls[0], 0.0))
+        offset = sealed(_held(id, plan, controls[min(round(end / STEP), len(controls) - 3) + 1]))
+        hinges = hinges | (np.abs(offset) > STILL)
     return Occupancy(id, _roles(action, parts), hinges, begin, ready, relax, end, offset)
 
 
+def _held(id: str, plan: Plan, there: Floats) -> Floats:
+    """Offset (n,) [rad] from rest that a behaviour holds alone, at whose end the motion is in a posture (n,) [rad]."""
+    robot, controls, held = plan.setup.robot, plan.trajectory.controls, plan.keyframes.held
+    trunk = [hinge for chain in ("torso", "neck") for hinge in robot.joints(chain)]
+    last = {turns.kind: each for each, turns in held.items()}
+    found = there - controls[0]
+    found[trunk] = held_angles(held[id], robot)[trunk]
+    if id == last.get("posture") or (id == last.get("look") and "posture" not in last):  # with a lean of the reaches
+        look = held_angles(held[last["look"]], robot) if id != last.get("look") and "look" in last else 0.0
+        found[trunk] = (controls[-1] - controls[0] - look)[trunk]
+    used = _hinges(plan.keyframes.uses[id], robot)
+    used[trunk] = True  # the neck turns back where the torso leans
+    return np.where(used, found, 0.0)
+
+
+def held_angles(turns: HeldTurns, robot: Robot) -> Floats:
+    """Return the offset (n,) [rad] from rest of torso and neck that make two rotations."""
+    angles = np.array(robot.skeleton.rest)
+    set_turn(robot, "torso", np.array(turn_angles(turns.torso)), angles)
+    above = np.array(turn_angles(turns.head)) - torso_turn(robot, "torso", angles)
+    set_turn(robot, "neck", above, angles)
+    return np.asarray(angles - robot.skeleton.rest)
+
+
 def still_occupied(occupancy: Iterable[Occupancy], time: float) -> tuple[Occupancy, ...]:
-    """Keeps occupancies that have not relaxed by a time [s], and the latest staying one of each role."""
+    """Keep occupancies that have not relaxed by a time [s], and what each role holds then."""
     every = tuple(occupancy)
-    last = {role: each for each in sorted(every, key=lambda each: each.end) for role in each.roles if each.stays}
-    return tuple(each for each in every if each.relax > time or each in last.values())
+    over = sorted((each for each in every if each.stays and each.relax <= time), key=lambda each: each.end)
+    held = {role: each for each in over for role in each.roles}
+    return tuple(each for each in every if each.relax > time or each in held.values())
 
 
 def _hinges(parts: frozenset[PartName], robot: Robot) -> Flags:

@@ -4,8 +4,7 @@ Movements of the trunk add up: a nod goes over a gaze, the lean of one reach ove
 work after the other: it leaves a hold or a retraction for what comes next (co-articulation).
 """
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from math import ceil, floor
 from typing import Literal
 
@@ -13,41 +12,40 @@ import numpy as np
 
 from kinesic.body.arrays import Flags, Floats
 from kinesic.body.limits import Limits
-from kinesic.motion.easing import minimum_jerk
 from kinesic.motion.trajectory import EARLY, STEP
 from kinesic.motion.transition import FEWEST_PIECES, SAME_ANGLE, cross_over, keep_limits, largest_shares, lengthen
-from kinesic.planning.quick_plan import quintic_duration
 from kinesic.planning.setup import Setup
+from kinesic.realizer.held import HELD_ROLES, held_ramps
 from kinesic.realizer.occupancy import ARMS, MergeFailure, Occupancy, Overlay, Role, arm_hinges
 
-GIVING_WAY = 1.5  # times the least time, in which what stays gives way
 AGAIN = 1.5  # times as long, when a way back to rest is too short
 MOST_PIECES = 400  # pieces of a way back to rest
 LEAST_BACK = 30  # pieces
 LIMIT_TOLERANCE = 1.0 + 1e-6  # share of a limit
 
 
-def add_motions(work: Overlay, alone: Flags, limits: Limits, names: Sequence[str]) -> Floats | MergeFailure:
+def add_motions(work: Overlay, alone: Flags, setup: Setup, limits: Limits) -> Floats | MergeFailure:
     """Adds both motions; where the sum exceeds a limit, the nearest one that does not.
 
     Args:
         work: the block and the running motion.
         alone: (n,) hinges of which only what runs counts.
+        setup: the robot.
         limits: of all hinges.
-        names: of all hinges.
 
     Returns:
         (k + 3, n) [rad] control points; a behaviour of the block where a hinge cannot do both.
     """
-    turns = [turn for each in work.performed for turn in _turns(each, work, limits)]
-    count = max([len(work.base), *(ceil(turn.over / STEP) + 2 * FEWEST_PIECES for turn in turns)])
+    names, ramps = setup.robot.skeleton.names, held_ramps(work, setup, limits)
+    count = max([len(work.base), *(ceil(ramp.end / STEP) + 2 * FEWEST_PIECES for ramp in ramps)])
     base, coming = lengthen(work.base, count), lengthen(work.coming, count)
     change = coming - work.start
     change[:, alone] = 0.0
     for dropped in work.dropped:
-        _flatten(change, dropped, work, limits)
-    for turn in turns:
-        change -= turn.share(count)[:, None] * turn.offset
+        if not any(dropped.holds(role) for role in HELD_ROLES):
+            _flatten(change, dropped, work, limits)
+    for ramp in ramps:
+        change += ramp.at(count, lead=FEWEST_PIECES)
     found = np.asarray(base + change)
     rows, moved = (
         np.flatnonzero(np.abs(change).max(axis=1) > SAME_ANGLE),
@@ -78,42 +76,6 @@ def _flatten(change: Floats, dropped: Occupancy, work: Overlay, limits: Limits) 
         way = cross_over(column, np.full(len(column), column[end + 1]), (begin, end), limits, hinge)
         if way is not None:
             change[begin : end + 1, hinge] = way[begin : end + 1]
-
-
-@dataclass(frozen=True, eq=False)
-class _Turn:
-    """The offset of an earlier behaviour that gives way to one of its kind, while that lasts or for good."""
-
-    offset: Floats  # (n,) [rad]
-    begin: float  # [s] from here it gives way
-    gone: float  # [s] until here
-    back: float  # [s] from here it comes back
-    end: float  # [s] until here; infinite: never
-
-    @property
-    def over(self) -> float:
-        """Time at which it is over [s]."""
-        return self.end if np.isfinite(self.end) else self.gone
-
-    def share(self, count: int) -> Floats:
-        """(count,) share of the offset that is taken out, by control points."""
-        times = np.asarray((np.arange(count) - FEWEST_PIECES) * STEP, dtype=np.float64)
-        back = rise(times, self.back, self.end) if np.isfinite(self.end) else 0.0
-        return np.asarray(rise(times, self.begin, self.gone) * (1.0 - back))
-
-
-def _turns(each: Occupancy, work: Overlay, limits: Limits) -> Iterator[_Turn]:
-    for role in each.roles - set(ARMS):
-        offset = next((other.offset for other in work.holding if role in other.roles and other.end <= each.begin), None)
-        if offset is not None:
-            least = GIVING_WAY * max(quintic_duration(float(way), limits, hinge) for hinge, way in enumerate(offset))
-            gone, end = max(each.ready, each.begin + least), np.inf if each.stays else each.end
-            yield _Turn(offset, each.begin, gone, min(each.relax, each.end - least), end)
-
-
-def rise(times: Floats, begin: float, end: float) -> Floats:
-    """Rises from 0 to 1 between two times [s], smooth up to the acceleration; (m,) at some times (m,) [s]."""
-    return minimum_jerk((times - begin) / max(end - begin, STEP))
 
 
 def join_hinge_motions(work: Overlay, role: Role, hinge: int, limits: Limits) -> Floats | MergeFailure:
@@ -207,7 +169,7 @@ def overlay(work: Overlay, setup: Setup, limits: Limits) -> Floats | MergeFailur
     """
     arms = {hinge: role for role in ARMS for hinge in arm_hinges(role, setup.robot)}
     names = setup.robot.skeleton.names
-    found = add_motions(work, np.isin(np.arange(len(names)), list(arms)), limits, names)
+    found = add_motions(work, np.isin(np.arange(len(names)), list(arms)), setup, limits)
     if isinstance(found, MergeFailure):
         return found
     columns = [found[:, hinge] for hinge in range(found.shape[1])]

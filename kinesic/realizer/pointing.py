@@ -21,8 +21,8 @@ from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
 from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
 from kinesic.planning.torso import aim_from_shoulder
+from kinesic.realizer.held import rise
 from kinesic.realizer.occupancy import STILL, Occupancy
-from kinesic.realizer.overlay import rise
 from kinesic.realizer.release import from_knot
 from kinesic.realizer.running_block import RunningBlock
 from kinesic.realizer.scene import Scene

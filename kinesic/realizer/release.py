@@ -24,6 +24,7 @@ from kinesic.motion.transition import (
 from kinesic.planning.clearance import LEAST_RESERVE, scan_clearance
 from kinesic.planning.quick_plan import quintic_duration
 from kinesic.planning.setup import Setup
+from kinesic.realizer.held import lacking_change
 from kinesic.realizer.occupancy import ARMS, Occupancy, arm_hinges
 
 WAIT = 10  # knots that an interruption waits at least, when the way back is not clear
@@ -73,7 +74,7 @@ def _from(
     if not free:
         return running
     own = lengthen(running.controls, knot + FEWEST_PIECES)
-    after = _without(own, layer, setup.robot)
+    after = _without(own, layer, others, setup.robot)
     pieces = max(FEWEST_PIECES, ceil(RETURN_EASE * _least(own, after, knot, setup.limits)[free].max() / STEP))
     while pieces <= MOST_PIECES:
         count = max(len(after), knot + pieces + FEWEST_PIECES)
@@ -98,11 +99,12 @@ def _least(own: Floats, after: Floats, knot: int, limits: Limits) -> Floats:
     return np.maximum(stops, [quintic_duration(float(way), limits, hinge) for hinge, way in enumerate(ways)])
 
 
-def _without(own: Floats, layer: Trajectory | None, robot: Robot) -> Floats:
-    """(k + 3, n) [rad] of the motion without the block: hands rest, and nothing leaves its range."""
+def _without(own: Floats, layer: Trajectory | None, others: Sequence[Occupancy], robot: Robot) -> Floats:
+    """(k + 3, n) [rad] of the motion without the block: hands rest, the trunk ends at what others hold."""
     if layer is None:
         return np.repeat(robot.skeleton.rest[None], len(own), axis=0)
     found = own - lengthen(layer.controls, len(own))[: len(own)]
+    found = found + lacking_change(found, others, robot)
     found = np.clip(found, np.minimum(own, robot.skeleton.lower), np.maximum(own, robot.skeleton.upper))
     for role in ARMS:
         found[:, arm_hinges(role, robot)] = found[-1, arm_hinges(role, robot)]

@@ -17,13 +17,16 @@ from kinesic.motion.transition import (
     SAME_ANGLE,
     cross_over,
     delay_controls,
+    keep_limits,
     knot_at,
+    largest_shares,
     lengthen,
     roomy,
     shorten,
 )
 from kinesic.planning.plan import Plan
 from kinesic.realizer.conflicts import find_conflict
+from kinesic.realizer.held import HELD_ROLES, lead_to_held, taking_over
 from kinesic.realizer.merge import MergedMotion
 from kinesic.realizer.occupancy import ARMS, MergeFailure, Occupancy, Overlay, arm_hinges, occupancy_of, still_occupied
 from kinesic.realizer.overlay import overlay
@@ -121,14 +124,18 @@ class _PlanChange:
         going_on = [
             each for each in self.playing_occupancy if each.behaviour in ending and each.relax > self.knot * STEP
         ]
+        performed, left_out = _split(self.own, kept, ending)
+        base = self._without_block(count)
+        if base is None:
+            return MergeFailure("", "the trunk cannot do what other blocks ask of it")
         work = Overlay(
-            self._without_block(count),
+            base,
             lengthen(delay_controls(self.better.trajectory.controls, self.offset), count),
             self.better.trajectory.controls[0],
             self.knot,
             still_occupied((*self.others, *going_on), self.knot * STEP),
-            [each for each in self.own if each.behaviour not in kept],
-            [each for each in self.own if each.behaviour in kept],
+            performed,
+            left_out,
         )
         goal = overlay(work, setup, roomy(setup.limits))
         if isinstance(goal, MergeFailure):
@@ -137,26 +144,39 @@ class _PlanChange:
         found = self._catch_up(lengthen(goal, count))
         if found is None:
             return MergeFailure("", "a hinge cannot catch up")
-        return find_conflict(work, found, setup) or self._result(found, kept, (*going_on, *work.performed))
+        occupancy = (*going_on, *taking_over(performed, self.others, setup.robot))
+        return find_conflict(work, found, setup) or self._result(found, kept, occupancy)
 
     @property
     def _count(self) -> int:
         coming = self.offset + len(self.better.trajectory.controls)
         return max(len(self.running.controls), len(self.playing.layer.controls), coming, self.knot + FEWEST_PIECES)
 
-    def _without_block(self, count: int) -> Floats:
-        """The running motion without the block's part of the trunk; hands leave what runs in any case."""
+    def _without_block(self, count: int) -> Floats | None:
+        """The running motion without the block's part of the trunk; hands leave what runs in any case.
+
+        The sum with the block may have been brought within the limits, so that what is left is not; None where it
+        cannot be.
+        """
         robot, layer = self.better.setup.robot, lengthen(self.playing.layer.controls, count)
         found = np.array(lengthen(self.running.controls, count))
         trunk = [hinge for chain in ("torso", "neck") for hinge in robot.joints(chain)]
         found[:, trunk] -= layer[:, trunk]
+        found, limits = np.array(lead_to_held(found, self.others, robot)), roomy(self.better.setup.limits)
+        over = largest_shares(found[self.knot :, trunk], limits.part(np.array(trunk))) > 1.0
+        for hinge in np.array(trunk)[over].tolist():
+            column = keep_limits(found[:, hinge], self.knot, len(found) - FEWEST_PIECES, limits, hinge)
+            if column is None:
+                return None
+            found[:, hinge] = column
         return found
 
     def _catch_up(self, goal: Floats) -> Floats | None:
         """Control points (k + 3, n) that leave the running motion and soon join another."""
         setup, own = self.better.setup, lengthen(self.running.controls, len(goal))
         places = (self.better.motion.planned + self.zero) / STEP
-        keys = Keys.of(self.better.postures.postures, setup.limits).own
+        postures = self.better.postures.postures  # none where the other plan does not move
+        keys = Keys.of(postures, setup.limits).own if postures else [[]] * len(setup.limits.lower)
         arms = {hinge for role in ARMS for hinge in arm_hinges(role, setup.robot)}
         found, limits = np.array(goal), roomy(setup.limits)
         for hinge in np.flatnonzero((np.abs(own - goal)[self.knot :] > SAME_ANGLE).any(axis=0)).tolist():
@@ -181,10 +201,30 @@ class _PlanChange:
             playing,
             trajectory=replace(running, controls=sealed(shorten(found))),
             layer=replace(running, controls=sealed(layer)),
-            occupancy=tuple(each.with_offset(layer[-1]).later(running.start) for each in occupancy),
+            occupancy=tuple(each.later(running.start) for each in occupancy),
             syncs=tuple(sorted(syncs, key=lambda sync: (sync.planned, sync.behaviour))),
             notices=(),
         )
+
+
+def _split(
+    own: Sequence[Occupancy], kept: Collection[str], ending: Collection[str]
+) -> tuple[list[Occupancy], list[Occupancy]]:
+    """Splits behaviours of the other plan into those that it performs and those that it leaves out.
+
+    What the trunk holds of a posture goes over to the other plan, while the arms of that posture end as they run.
+    """
+    performed, left_out = [], []
+    for each in own:
+        held = frozenset(role for role in HELD_ROLES if each.holds(role))
+        if each.behaviour not in kept:
+            performed.append(each)
+        elif each.behaviour in ending and held:
+            performed.append(replace(each, roles=held))
+            left_out.append(replace(each, roles=each.roles - held))
+        else:
+            left_out.append(each)
+    return performed, left_out
 
 
 def _join(own: Floats, goal: Floats, knot: int, coming: Floats, limits: Limits, hinge: int) -> Floats | None:
@@ -195,5 +235,5 @@ def _join(own: Floats, goal: Floats, knot: int, coming: Floats, limits: Limits, 
         way = cross_over(own, goal, (knot, land), limits, hinge, passing=passing)
         if way is not None:
             first = ceil(passing[0]) if len(passing) else land
-            return way if np.abs(way - goal)[first + FEWEST_PIECES :].max() < MEETING_SWING else None
+            return way if np.abs(way - goal)[first + FEWEST_PIECES :].max(initial=0.0) < MEETING_SWING else None
     return None

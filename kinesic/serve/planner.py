@@ -273,4 +273,4 @@ class PlannerState:
 def _resume(scene: Scene, now: float) -> Scene:
     everything = scene.setup.limits.lower < scene.setup.limits.upper
     motion = release_motion(scene.motion, scene.first_change(now), everything, scene.setup)
-    return replace(scene, motion=replace(motion))  # another one in any case: its coming ends the stop
+    return replace(scene, motion=replace(motion), lasting=())  # another motion in any case: its coming ends the stop

@@ -87,13 +87,12 @@ def test_what_has_given_way_no_longer_counts_but_what_stays_does():
     assert still_occupied([stays, later], 9.0) == (later,)
 
 
-def test_what_stays_after_all_is_over_takes_no_time():
-    (left,) = settle_occupancy(
-        [need("r_hand"), need("look", offset=np.full(22, 0.1)), need("look", offset=np.ones(22)).later(1)]
-    )
+def test_latest_held_posture_remains_even_if_an_older_one_is_settled_after_it():
+    older, latest = need("look", offset=np.full(22, 0.1)), need("look", offset=np.ones(22)).later(1)
+    settled = settle_occupancy([need("r_hand"), latest])
+    (left,) = settle_occupancy([*settled, older])
     np.testing.assert_array_equal(left.offset, np.ones(22))
-    assert left.end == -np.inf
-    assert not left.meets(need("look"))
+    assert not left.meets(need("look").later(2.5))
 
 
 def test_an_interrupted_block_frees_the_arms_that_it_holds(known):

@@ -95,3 +95,12 @@ def test_a_restyled_block_can_be_taken_back(known, playing, others):
     gone = release_motion(found.trajectory, 2.0, free, known, layer=found.layer)
     certified(gone, known, found.trajectory, 2.0)
     np.testing.assert_allclose(gone.controls[-1], known.robot.skeleton.rest, atol=1e-6)
+
+
+def test_a_block_whose_other_plan_does_not_move_is_taken_back(known, block):
+    nod = parse(ROOT.format('<head id="n" lexeme="NOD" repetition="3"/>'))
+    nodding = merge(stay(known.robot.skeleton.rest), 0.0, plan_block(nod, known), begin=0.0)
+    still = plan_block(replace(nod, behaviours=()), known)
+    found = replan(nodding.trajectory, 0.6, nodding, still)
+    certified(found.trajectory, known, nodding.trajectory, 0.6)
+    np.testing.assert_allclose(found.trajectory.controls[-1], known.robot.skeleton.rest, atol=1e-6)
