@@ -42,7 +42,7 @@ def sound(plan: Plan) -> Sound | None:
     mixed: Samples = np.zeros(length, dtype=np.float32)
     for first, piece in pieces:
         mixed[first : first + len(piece)] += piece
-    mixed /= max(1.0, float(mixed.max()), -float(mixed.min()))
+    mixed /= max(1.0, float(mixed.max(initial=0.0)), -float(mixed.min(initial=0.0)))  # in place: it may be long
     return Sound.of(rate, mixed)
 
 

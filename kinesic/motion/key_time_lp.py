@@ -17,6 +17,8 @@ LATENESS = 3.0  # weight of being late over being early
 BROKEN = 50.0  # weight of a bond that cannot be kept, per second
 UNMOVED = 1e-7  # [s]
 ROW_TOLERANCE = 1e-7  # [s], or of a plane's amount, by which a row may be missed
+MAX_PUSHED_KEYS = 8e6  # keys times gaps longer than asked, beyond which keys are only made later, one after the other
+BOND_SWEEPS = 8  # over all keys, in which bonds make keys later
 FEW = 20_000  # entries of a program that the kernel solves sooner than HiGHS does
 
 
@@ -42,6 +44,13 @@ class KeyTimeProblem:
         """[s] that all gaps together are longer than asked."""
         times = self.keys.asked.tolist()
         return sum((max(0.0, gap - (times[j] - times[i])) for (i, j), gap in self.gaps.items()), 0.0)
+
+    @property
+    def is_crowded(self) -> bool:
+        """Whether so many gaps push so many keys that an exact solution would take many seconds."""
+        times = self.keys.asked.tolist()
+        short = sum(1 for (i, j), gap in self.gaps.items() if times[j] - times[i] < gap)
+        return short * len(times) > MAX_PUSHED_KEYS
 
     @property
     def kept_as_asked(self) -> bool:
@@ -103,10 +112,33 @@ def relax_key_times(problem: KeyTimeProblem) -> Floats:
     keys = problem.keys
     if problem.kept_as_asked:
         return keys.spread(keys.asked)
-    times = _relax_few(problem)
+    times = _push_keys(problem) if problem.is_crowded else _relax_few(problem)
     if times is None:
         times = _relax_many(problem)
     return keys.spread(np.where(np.abs(times - keys.asked) < UNMOVED, keys.asked, times))
+
+
+def _push_keys(problem: KeyTimeProblem) -> Floats:
+    """Make each key as late as the gaps before it require; bonds are kept as far as a few sweeps can.
+
+    The work is linear in the number of keys. Cuts are not used for the search, only checked.
+
+    Raises:
+        ArithmeticError: the times do not keep a cut.
+    """
+    times, pairs = problem.keys.asked.tolist(), sorted(problem.gaps.items())
+    for sweep in range(BOND_SWEEPS + 1):
+        for (i, j), gap in pairs:
+            times[j] = max(times[j], times[i] + gap)
+        late = [(j, times[i] + least) for (i, j), least in problem.keys.bonds.items() if times[i] + least > times[j]]
+        if not late or sweep == BOND_SWEEPS:
+            break
+        for j, time in late:
+            times[j] = max(times[j], time)
+    found = np.array(times)
+    if any(float(cut.slopes @ found) > cut.bound for cut in problem.cuts):
+        raise ArithmeticError("no key times: these cuts need an exact solution, for which there are too many keys")
+    return found
 
 
 def _relax_few(problem: KeyTimeProblem) -> Floats | None:

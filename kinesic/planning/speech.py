@@ -16,6 +16,11 @@ FASTER = 1.25  # rate of temporal 1; its inverse at -1
 HIGHER = 1.5  # [semitones] of power 1, and of activation 1
 PRECISION = 0.002  # [s] of a pause
 NAMED = 24  # characters of a word in a message
+MAX_SOUND_DURATION = 2400.0  # [s] of all speech of a block that is heard: as long as its times can be apart
+
+UNHEARD = (
+    f"nothing is heard: the speeches before it last more than {MAX_SOUND_DURATION:g} s in all, give it to another block"
+)
 
 
 @dataclass(frozen=True)
@@ -31,7 +36,9 @@ class SpeechPause:
 
 
 def synthesise_block(block: Block, setup: Setup, waiting: tuple[SpeechPause, ...] = ()) -> dict[str, Utterance]:
-    """Synthesises each speech of a block, by its id.
+    """Synthesise each speech of a block, by its id.
+
+    Speech beyond `MAX_SOUND_DURATION` in all, which only speeches at the same time can reach, is timed but not heard.
 
     Args:
         block: what was asked.
@@ -40,10 +47,15 @@ def synthesise_block(block: Block, setup: Setup, waiting: tuple[SpeechPause, ...
     """
     rate, pitch = choose_rate_and_pitch(setup.style)
     found: dict[str, Utterance] = {}
+    heard = 0.0  # [s]
     for behaviour in block.behaviours:
         if isinstance(behaviour.action, Speech):
             pauses = tuple(each for each in waiting if each.speech == behaviour.id)
-            said = setup.voice.say(insert_pauses(behaviour.action.script, pauses), rate=rate, pitch=pitch)
+            script = insert_pauses(behaviour.action.script, pauses)
+            said = setup.voice.say(script, rate=rate, pitch=pitch)
+            if said.sound is not None and heard > MAX_SOUND_DURATION:
+                said = replace(said, sound=None, remarks=(*said.remarks, UNHEARD))
+            heard += 0.0 if said.sound is None else said.duration
             others = behaviour.agent is not None  # who say it themselves
             found[behaviour.id] = replace(said, sound=None, phonemes=(), remarks=()) if others else said
     return found

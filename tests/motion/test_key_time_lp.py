@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -111,3 +113,40 @@ def test_no_two_keys_move_apart_by_more_than_all_gaps_lack(seed):
     moved = relax_key_times(problem) - keys.asked
     assert np.ptp(moved) <= problem.lacking + 1e-6
     assert (np.ptp(moved) > 0.0) == (problem.lacking > 0.0)
+
+
+def crowded(monkeypatch) -> tuple[Keys, KeyTimeProblem]:
+    """A program that counts as crowded, with a bond between its first stroke and its last key."""
+    rows = keys_of((0, 0, "start"), (1, 1, "ready"), (1.2, 0, "stroke"), (1.3, 0.5, "relax"), (2, 0, "end"))
+    keys = Keys.of(rows, LIMITS)
+    monkeypatch.setattr(key_time_lp, "MAX_PUSHED_KEYS", 1.0)
+    monkeypatch.setattr(key_time_lp, "_relax_many", lambda problem: pytest.fail("that takes too long"))
+    monkeypatch.setattr(key_time_lp, "_relax_few", lambda problem: pytest.fail("that takes too long"))
+    return keys, KeyTimeProblem(keys, keys.gaps | {(1, 2): 0.5, (2, 3): 0.6}, 0.6)
+
+
+def test_a_crowd_of_keys_is_only_made_later_one_after_the_other(monkeypatch):
+    keys, problem = crowded(monkeypatch)
+    assert problem.is_crowded
+    assert relax_key_times(problem) == pytest.approx([0.0, 1.0, 1.5, 2.1, 2.1 + keys.gaps[3, 4]])
+
+
+def test_a_crowd_of_keys_keeps_its_bonds(monkeypatch):
+    keys, problem = crowded(monkeypatch)
+    bound = replace(problem, keys=replace(keys, bonds={(0, 4): 3.0, (4, 1): -2.0}))
+    times = relax_key_times(bound)
+    assert times[4] - times[0] >= 3.0 - 1e-9
+    assert times[1] - times[4] >= -2.0 - 1e-9
+    assert all(times[j] - times[i] >= gap - 1e-9 for (i, j), gap in bound.gaps.items())
+
+
+def test_a_crowd_of_keys_that_would_miss_a_cut_has_no_times(monkeypatch):
+    _, problem = crowded(monkeypatch)
+    cut = replace(problem, cuts=[CuttingPlane(sealed([0.0, 0.0, 0.0, 1.0, -1.0]), -1.0)])
+    with pytest.raises(ArithmeticError, match="too many keys"):
+        relax_key_times(cut)
+
+
+def test_few_pushed_keys_are_no_crowd():
+    keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "ready"), (1.2, 0, "stroke"), (2, 0, "end")), LIMITS)
+    assert not KeyTimeProblem(keys, keys.gaps | {(1, 2): 0.5}, 0.6).is_crowded

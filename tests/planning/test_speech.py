@@ -1,11 +1,14 @@
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from kinesic.bml.block import Speech
-from kinesic.body.utterance import Mark, Pause, Script
+from kinesic.bml.parse import parse
+from kinesic.body.utterance import Mark, Pause, Script, Sound, Utterance
 from kinesic.controller.perform import plan, set_up
 from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.setup import Setup
@@ -134,3 +137,21 @@ def test_a_recording_does_not_wait(known: Setup, tmp_path: Path):
     planned = plan(text, known, source=str(tmp_path / "hurried.bml"))
     assert pauses(planned) == []
     assert any("missing.wav" in notice.text for notice in planned.notices)
+
+
+class LongVoice:
+    """A voice that takes 700 s for each speech, at a low rate."""
+
+    def say(self, script: Script, /, *, rate: float = 1.0, pitch: float = 1.0) -> Utterance:
+        return Utterance(700.0, sound=Sound.of(10, np.zeros(7000)))
+
+
+def test_speech_at_the_same_time_takes_no_more_memory_than_the_longest_block_can_need(known: Setup):
+    speeches = "".join(f'<speech id="s{k}" start="0"><text>Yes.</text></speech>' for k in range(40))
+    text = f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{speeches}</bml>'
+    planned = plan_block(parse(text), replace(known, voice=LongVoice()))
+    heard = [id for id, said in planned.utterances.items() if said.sound is not None]
+    assert heard == ["s0", "s1", "s2", "s3"]
+    warned = {notice.id for notice in planned.notices if "nothing is heard" in notice.text}
+    assert warned == {f"b:s{k}" for k in range(4, 40)}
+    assert all(said.duration == 700.0 for said in planned.utterances.values())
