@@ -15,7 +15,7 @@ import numpy as np
 from kinesic.bml.block import Notice, NoticeType
 from kinesic.body.arrays import Floats, sealed
 from kinesic.motion.trajectory import EARLY, STEP, Trajectory
-from kinesic.motion.transition import FEWEST_PIECES, delay_controls, knot_at, lengthen, roomy, shorten
+from kinesic.motion.transition import delay_controls, knot_at, lengthen, roomy, shorten
 from kinesic.planning.plan import Plan
 from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime
 from kinesic.realizer.conflicts import find_conflict
@@ -131,7 +131,7 @@ class _Merge:
         every = [each.later(offset * STEP) for each in self.own]
         left_out = _conflicts(every, self.others)
         delayed = delay_controls(self.coming.trajectory.controls, offset)
-        count = max(len(delayed), len(self.running.controls), self.cut + FEWEST_PIECES)
+        count = max(len(delayed), len(self.running.controls))
         base, delayed = lengthen(self.running.controls, count), lengthen(delayed, count)
         while True:
             performed = [each for each in every if each.behaviour not in left_out]

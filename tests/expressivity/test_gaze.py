@@ -3,6 +3,8 @@
 import pytest
 
 from kinesic.bml.block import GAZE_SYNCS, Gaze, HeadDirectionShift, NoticeType
+from kinesic.expressivity.gaze import TRUNK_LAG, Aim, hold_gaze
+from kinesic.expressivity.keyframes import Turn
 
 
 def gaze_times(*times):
@@ -47,3 +49,16 @@ def test_parts_that_are_not_asked_stay_where_they_look_for_good(perform, influen
     for part in ("head", "torso"):
         torsions = {round(getattr(frame, part).torsion, 9) for frame in later}
         assert (len(torsions) == 1) is (part in still)
+
+
+@pytest.mark.parametrize(
+    ("spare", "lag"), [(-0.3, 0.0), (0.0, 0.0), (0.05, 0.05), (TRUNK_LAG, TRUNK_LAG), (1.0, TRUNK_LAG)]
+)
+def test_the_trunk_lags_behind_the_head_only_as_far_as_its_way_has_time(pace, spare, lag):
+    look = Aim(head=Turn(torsion=0.9), torso=Turn(torsion=0.3))
+    needed = pace.turn_time("torso", look.torso)
+    times = {"start": 1.0, "ready": 1.0 + needed + spare, "relax": 9.0, "end": 11.0}
+    trunk = hold_gaze(look, times, part="torso", stays=False, pace=pace)
+    assert trunk.start == pytest.approx(1.0 + lag)
+    assert trunk.arrive >= times["ready"] - 1e-9
+    assert hold_gaze(look, times, part="head", stays=False, pace=pace).start == 1.0

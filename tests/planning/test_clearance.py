@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 
 from kinesic.bml.parse import parse
+from kinesic.body.dynamics import Clearance
 from kinesic.controller.perform import set_up
 from kinesic.expressivity.lexicon.lexicon import mirror_form
 from kinesic.expressivity.style.style import Expressivity, Style
 from kinesic.motion.budget import ENDLESS
 from kinesic.planning.certify import certify
-from kinesic.planning.clearance import LAG_RESERVE
+from kinesic.planning.clearance import LAG_RESERVE, culprits
 from kinesic.planning.plan import plan_block
 
 SETUP = set_up()
@@ -133,3 +134,41 @@ def test_a_detour_that_was_too_narrow_is_made_wider():
     )
     assert found.keyframes.outcomes["g"].kind == "realised"
     assert found.clearance.distances.min() >= LEAST
+
+
+def named(pair, at, body):
+    """Names of behaviours that are blamed where two segments are too near at a time [s] of the block."""
+    made = planned(body)
+    times = np.array([at + made.trajectory.zero])
+    close = Clearance(np.array([0.0]), [pair])
+    return list(culprits(made.keyframes, made.motion, times, close, ROBOT))
+
+
+BUSY = (
+    '<gesture id="right" lexeme="beat" mode="RIGHT_HAND" stroke="1"/>'
+    '<gesture id="left" lexeme="beat" mode="LEFT_HAND" stroke="4"/>'
+    '<head id="nod" lexeme="NOD" stroke="7"/>'
+    '<gesture id="again" lexeme="beat" mode="RIGHT_HAND" stroke="10"/>'
+)
+
+
+@pytest.mark.parametrize(
+    ("pair", "at", "name"),
+    [
+        (("humanoid_root", "r_wrist"), 4.0, "right"),  # though the left hand is the nearest in time
+        (("humanoid_root", "l_wrist"), 1.0, "left"),
+        (("l_wrist", "humanoid_root"), 10.0, "left"),
+        (("humanoid_root", "r_wrist"), 9.0, "again"),  # of two of the right hand the nearer one
+        (("humanoid_root", "r_wrist"), 2.5, "right"),
+        (("skullbase", "humanoid_root"), 1.0, "nod"),
+        (("l_wrist", "r_wrist"), 4.0, "left"),
+    ],
+)
+def test_a_behaviour_of_the_parts_that_are_too_near_is_blamed(pair, at, name):
+    assert named(pair, at, BUSY) == [name]
+
+
+def test_where_no_behaviour_moves_the_parts_the_nearest_one_is_blamed():
+    assert named(("skullbase", "humanoid_root"), 3.5, BUSY.replace('<head id="nod" lexeme="NOD" stroke="7"/>', "")) == [
+        "left"
+    ]

@@ -264,3 +264,29 @@ def test_a_sample_of_random_cuts_keeps_every_limit(known):
 def test_figures_of_cuts(monkeypatch):
     monkeypatch.setattr(merging, "CUTS", 10)
     assert {figure.name for figure in merging.bench() if figure.ok is False} <= {"bml.live.merged"}
+
+
+@pytest.mark.parametrize("time", [0.004, 1.0, 2.5])
+def test_a_block_that_is_asked_for_in_the_past_begins_where_the_motion_may_change(planned, rest, known, time):
+    first = merge(rest, 0.0, planned(NOD), begin=0.0)
+    plan = planned(gesture("RIGHT"))
+    found = merge(first.trajectory, time, plan, begin=-5.0, occupied=first.occupancy)
+    certified(found.trajectory, known, first.trajectory, time)
+    assert 0.0 <= found.zero - plan.trajectory.zero - time < 0.01
+    assert found.occupancy[0].begin >= time
+    strokes(plan, found, list(arm_hinges("r_hand", known.robot)))
+
+
+def test_a_behaviour_that_has_given_way_by_the_cut_hinders_nothing(planned, rest):
+    first = merge(rest, 0.0, planned(gesture("RIGHT", 1.0, lexeme="offer")), begin=0.0)
+    over = first.occupancy[0].relax + 0.005
+    found = merge(first.trajectory, over, planned(SPOKEN + gesture("RIGHT", 0.9)), begin=over, occupied=first.occupancy)
+    assert found.dropped == ()
+
+
+def test_a_block_far_beyond_the_end_of_a_motion_begins_there(planned, rest, known):
+    plan = planned(NOD)
+    found = merge(rest, 30.0, plan, begin=30.0)
+    certified(found.trajectory, known, rest, 30.0)
+    assert found.zero == pytest.approx(30.0 + plan.trajectory.zero)
+    np.testing.assert_allclose(found.trajectory.at(29.9).angles, known.robot.skeleton.rest, atol=1e-9)
