@@ -112,10 +112,14 @@ def relax_key_times(problem: KeyTimeProblem) -> Floats:
     keys = problem.keys
     if problem.kept_as_asked:
         return keys.spread(keys.asked)
-    times = _push_keys(problem) if problem.is_crowded else _relax_few(problem)
-    if times is None:
-        times = _relax_many(problem)
+    times = _push_keys(problem) if problem.is_crowded else solve_exactly(problem)
     return keys.spread(np.where(np.abs(times - keys.asked) < UNMOVED, keys.asked, times))
+
+
+def solve_exactly(problem: KeyTimeProblem) -> Floats:
+    """Find the nearest key times (m,) [s] by linear programming."""
+    times = _relax_few(problem)
+    return _relax_many(problem) if times is None else times
 
 
 def _push_keys(problem: KeyTimeProblem) -> Floats:

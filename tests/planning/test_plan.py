@@ -10,12 +10,14 @@ import pytest
 from kinesic.bench.blocks import crowd
 from kinesic.bench.plan import violations
 from kinesic.bml.parse import parse
+from kinesic.body.arrays import Floats
 from kinesic.body.limits import Limits
 from kinesic.controller.perform import plan
 from kinesic.expressivity.hands.poses import poses
 from kinesic.expressivity.lexicon.lexicon import Lexicon
-from kinesic.motion import key_times
+from kinesic.motion import key_time_lp, key_times
 from kinesic.motion.infeasibility import Infeasibility
+from kinesic.motion.key_time_lp import KeyTimeProblem
 from kinesic.motion.plane_memory import PlaneMemory
 from kinesic.motion.segments import SplineSegment
 from kinesic.planning import clashes
@@ -177,3 +179,21 @@ def test_what_is_within_its_budget_is_planned_as_without(planned, monkeypatch):
     monkeypatch.setattr(plan_module, "WORK", np.inf)
     monkeypatch.setattr(clashes, "WORK", np.inf)
     np.testing.assert_array_equal(planned(row).motion.planned, usual.motion.planned)
+
+
+def test_repeated_nods_at_the_same_time_never_start_a_long_linear_program(known: Setup, monkeypatch):
+    solved: list[int] = []
+    exact = key_time_lp.solve_exactly
+
+    def counted(problem: KeyTimeProblem) -> Floats:
+        times = problem.keys.asked.tolist()
+        solved.append(len(times) * sum(1 for (i, j), gap in problem.gaps.items() if times[j] - times[i] < gap))
+        return exact(problem)
+
+    monkeypatch.setattr(key_time_lp, "solve_exactly", counted)
+    nods = "".join(f'<head id="h{k}" lexeme="NOD" repetition="100" start="{0.5 * k}"/>' for k in range(60))
+    made = plan_block(parse(f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{nods}</bml>'), known)
+    assert max(solved, default=0) <= key_time_lp.MAX_PUSHED_KEYS
+    late = {notice.id for notice in made.notices}
+    assert late >= {f"b:h{k}" for k in range(1, 60)}  # each is warned of, or left out by name
+    assert {sync.behaviour for sync in made.syncs} == {f"h{k}" for k in range(60)}

@@ -1,5 +1,7 @@
 """Chains of gaze shifts, head directions and postures end where the last one of each kind ends alone."""
 
+import random
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -38,6 +40,21 @@ def test_mixed_chain_leaves_only_the_last_look_and_the_last_posture(
         deed = data.draw(st.sampled_from(["", "", "", "interrupt", "restyle", "leave out"]))
         if deed:
             chain.wait(data.draw(PAUSES)).do(deed, data.draw(st.integers(0, 99)))
+    chain.finish()
+    assert np.abs(chain.end - chain.expected_end).max() < TOLERANCE
+    assert chain.limit_ratio <= MAX_LIMIT_RATIO
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("seed", range(4))
+def test_chain_of_two_hundred_looks_ends_where_the_last_one_ends_alone(seed: int) -> None:
+    chance, chain = random.Random(seed), Chain(ahead=0.13 * (seed % 2))
+    for _ in range(200):
+        chain.wait(chance.choice((chance.uniform(0.0, 0.6), chance.uniform(0.0, 4.0))))
+        target = f"1 {chance.uniform(-1.5, 1.5):.3f} {chance.uniform(0.0, 1.2):.3f}"
+        chain.send(
+            f'<gazeShift id="l" target="{target}"/>' if seed < 2 else chance.choice([*LOOKS, *STANCES, *PASSING])
+        )
     chain.finish()
     assert np.abs(chain.end - chain.expected_end).max() < TOLERANCE
     assert chain.limit_ratio <= MAX_LIMIT_RATIO
