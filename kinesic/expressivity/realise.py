@@ -110,7 +110,7 @@ def keyframes(
 
 
 def _held_turns(timeline: Timeline, moves: Mapping[str, Move]) -> dict[str, HeldTurns]:
-    """Rotations that each gaze shift, head direction and posture shift holds, in the order of their starts."""
+    """Collect the held rotations of each behaviour, ordered by start."""
     totals: dict[str, HeldTurns] = {"look": HeldTurns("look"), "posture": HeldTurns("posture")}
     held: dict[str, HeldTurns] = {}
     for timed in sorted(timeline.timed, key=lambda timed: timed.times["start"]):

@@ -47,7 +47,7 @@ class KeyTimeProblem:
 
     @property
     def is_crowded(self) -> bool:
-        """Whether so many gaps push so many keys that an exact solution would take many seconds."""
+        """Whether the exact linear program would take too long."""
         times = self.keys.asked.tolist()
         short = sum(1 for (i, j), gap in self.gaps.items() if times[j] - times[i] < gap)
         return short * len(times) > MAX_PUSHED_KEYS
@@ -123,9 +123,10 @@ def solve_exactly(problem: KeyTimeProblem) -> Floats:
 
 
 def _push_keys(problem: KeyTimeProblem) -> Floats:
-    """Make each key as late as the gaps before it require; bonds are kept as far as a few sweeps can.
+    """Delay each key as far as the gaps before it require.
 
-    The work is linear in the number of keys. Cuts are not used for the search, only checked.
+    Bonds are kept as far as a few sweeps can. The work is linear in the number of keys. Cuts are not used for the
+    search, only checked.
 
     Raises:
         ArithmeticError: the times do not keep a cut.

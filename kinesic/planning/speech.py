@@ -18,7 +18,7 @@ PRECISION = 0.002  # [s] of a pause
 NAMED = 24  # characters of a word in a message
 MAX_SOUND_DURATION = 2400.0  # [s] of all speech of a block that is heard: as long as its times can be apart
 
-UNHEARD = (
+UNHEARD_REMARK = (
     f"nothing is heard: the speeches before it last more than {MAX_SOUND_DURATION:g} s in all, give it to another block"
 )
 
@@ -54,7 +54,7 @@ def synthesise_block(block: Block, setup: Setup, waiting: tuple[SpeechPause, ...
             script = insert_pauses(behaviour.action.script, pauses)
             said = setup.voice.say(script, rate=rate, pitch=pitch)
             if said.sound is not None and heard > MAX_SOUND_DURATION:
-                said = replace(said, sound=None, remarks=(*said.remarks, UNHEARD))
+                said = replace(said, sound=None, remarks=(*said.remarks, UNHEARD_REMARK))
             heard += 0.0 if said.sound is None else said.duration
             others = behaviour.agent is not None  # who say it themselves
             found[behaviour.id] = replace(said, sound=None, phonemes=(), remarks=()) if others else said

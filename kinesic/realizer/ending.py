@@ -35,7 +35,7 @@ def stop_block(scene: Scene, running: RunningBlock, now: float, why: str) -> Sce
 
 
 def _warn_of_rest(scene: Scene, running: RunningBlock, now: float) -> Scene:
-    """Warn the sender where the trunk cannot go back from an interrupted behaviour."""
+    """Warn the sender if the trunk cannot return after an interruption."""
     left = float(np.abs(lacking_change(scene.motion.controls, scene.occupancy, scene.setup.robot)).max())
     if left <= END_TOLERANCE:
         return scene

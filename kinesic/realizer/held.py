@@ -1,4 +1,6 @@
-"""Postures that gaze shifts, head directions and posture shifts hold, each a value that no history changes.
+"""Held postures of gaze shifts, head directions and posture shifts.
+
+Each of them holds a value that does not depend on what came before.
 
 Looks and postures are two roles of the trunk, and their values add up. Of each role the last behaviour holds its own
 value, so that the trunk always ends at rest plus one value of each role. Where a block is laid over a running motion,
@@ -37,13 +39,24 @@ class HeldRamp:
     end: float  # [s]
 
     def at(self, count: int, lead: int) -> Floats:
-        """Sample the step at control points: (count, n) [rad], the first of them `lead` knots early."""
+        """Sample the step at control points, (count, n) [rad].
+
+        Args:
+            count: of control points.
+            lead: knots by which the first of them is early.
+        """
         times = np.asarray((np.arange(count) - lead) * STEP, dtype=np.float64)
         return rise(times, self.begin, self.end)[:, None] * self.change
 
 
 def rise(times: Floats, begin: float, end: float) -> Floats:
-    """Rise from 0 to 1 between two times [s], smooth up to the acceleration; (m,) at some times (m,) [s]."""
+    """Return a smooth step from 0 to 1 between two times [s].
+
+    Args:
+        times: (m,) [s] at which the step is sampled.
+        begin: [s] until which it is 0.
+        end: [s] from which it is 1.
+    """
     return minimum_jerk((times - begin) / max(end - begin, STEP))
 
 
@@ -56,20 +69,20 @@ def trunk_hinges(robot: Robot) -> Flags:
 
 
 def last_held(role: Role, occupancy: Iterable[Occupancy], hinges: Flags) -> Floats:
-    """Return the value (n,) [rad] that the last behaviour of a role holds on some hinges (n,)."""
+    """Return the last held value (n,) [rad] of a role."""
     last = max((each for each in occupancy if each.holds(role)), key=lambda each: each.end, default=None)
     return np.zeros(len(hinges)) if last is None or last.offset is None else np.where(hinges, last.offset, 0.0)
 
 
 def held_posture(occupancy: Sequence[Occupancy], robot: Robot) -> Floats:
-    """Return the angles (n,) [rad] at which the trunk ends; those of the arms are at rest."""
+    """Return the final angles (n,) [rad] of the trunk, with resting arms."""
     skeleton, hinges = robot.skeleton, trunk_hinges(robot)
     total = skeleton.rest + sum((last_held(role, occupancy, hinges) for role in HELD_ROLES), np.zeros(len(hinges)))
     return np.asarray(np.clip(total, skeleton.lower, skeleton.upper))
 
 
 def lacking_change(controls: Floats, occupancy: Sequence[Occupancy], robot: Robot) -> Floats:
-    """Return the change (n,) [rad] that leads the trunk of a motion to the posture that is held at its end.
+    """Return the offset (n,) [rad] from the final to the held posture.
 
     Args:
         controls: (k + 3, n) [rad] of the motion.
@@ -80,7 +93,9 @@ def lacking_change(controls: Floats, occupancy: Sequence[Occupancy], robot: Robo
 
 
 def lead_to_held(controls: Floats, occupancy: Sequence[Occupancy], robot: Robot) -> Floats:
-    """Lead the trunk of a motion to the posture that is held at its end, when the last behaviour comes to hold.
+    """Add a step that ends a motion in the held posture.
+
+    The step comes with the last behaviour that holds.
 
     Args:
         controls: (k + 3, n) [rad] from whose first knot the occupancies count.
@@ -98,7 +113,7 @@ def lead_to_held(controls: Floats, occupancy: Sequence[Occupancy], robot: Robot)
 
 
 def taking_over(performed: Sequence[Occupancy], others: Sequence[Occupancy], robot: Robot) -> list[Occupancy]:
-    """Add to behaviours the hinges of the trunk on which they supersede others, as they move them, too."""
+    """Add the hinges of superseded behaviours to those that supersede them."""
     hinges = trunk_hinges(robot)
     return [
         replace(each, hinges=np.any([each.hinges, *(hinges & other.hinges for other in _same(each, others))], axis=0))
@@ -113,7 +128,7 @@ def _same(each: Occupancy, others: Sequence[Occupancy]) -> list[Occupancy]:
 def end_warnings(
     controls: Floats, performed: Sequence[Occupancy], others: Sequence[Occupancy], robot: Robot
 ) -> list[tuple[str, str]]:
-    """Name behaviours that do not end as they would alone, because the sum of two held values exceeds a range.
+    """Name behaviours whose held posture exceeds a joint's range.
 
     Args:
         controls: (k + 3, n) [rad] of the merged motion.
@@ -137,7 +152,7 @@ def end_warnings(
 
 
 def held_ramps(work: Overlay, setup: Setup, limits: Limits) -> list[HeldRamp]:
-    """Find the steps to be added to the sum of two motions, so that of each role only the latest behaviour shows.
+    """Find the steps that remove superseded held values.
 
     Args:
         work: the block and the running motion.
@@ -157,7 +172,7 @@ def held_ramps(work: Overlay, setup: Setup, limits: Limits) -> list[HeldRamp]:
 
 @dataclass(frozen=True, eq=False)
 class _Succession:
-    """All behaviours of one role, of the running motion and of the block that is laid over it."""
+    """Succession of behaviours of one role, in both motions."""
 
     work: Overlay
     role: Role
@@ -200,7 +215,7 @@ class _Succession:
 
     @cached_property
     def _behaviours(self) -> list[tuple[Occupancy, _Source]]:
-        """All behaviours in order, without those of the running motion that held before the block begins."""
+        """Behaviours in order, from the first of the block on."""
         own: list[tuple[Occupancy, _Source]] = [(each, "performed") for each in self.work.performed]
         own += [(each, "left out") for each in self.work.dropped]
         own = [(each, source) for each, source in own if self.role in each.roles]
@@ -218,7 +233,7 @@ class _Succession:
         return self.unexplained if not any(each.stays for each in self._running) else np.zeros(len(self.hinges))
 
     def _value(self, each: Occupancy) -> Floats:
-        """Value (n,) [rad] that shows once a behaviour holds; of the last of the running motion as limits left it."""
+        """Value (n,) [rad] that a behaviour shows while it holds."""
         value = np.zeros(len(self.hinges)) if each.offset is None else np.where(self.hinges, each.offset, 0.0)
         holding = [other for other in self._running if other.stays]
         return value + self.unexplained if holding and each is holding[-1] else value

@@ -94,7 +94,7 @@ def freed_hinges(
 
 
 def settle_occupancy(occupancy: Iterable[Occupancy]) -> tuple[Occupancy, ...]:
-    """Keep the latest staying occupancy of each role once all behaviours are over.
+    """Keep the latest holding occupancy of each role.
 
     Its times stay, as a block that began earlier and ends later may hold something older.
     """
@@ -117,7 +117,13 @@ def _behaviour_occupancy(id: str, action: Action, at: Mapping[str, float], plan:
 
 
 def _held(id: str, plan: Plan, there: Floats) -> Floats:
-    """Offset (n,) [rad] from rest that a behaviour holds alone, at whose end the motion is in a posture (n,) [rad]."""
+    """Return the offset (n,) [rad] from rest that a behaviour holds alone.
+
+    Args:
+        id: of the behaviour.
+        plan: of its block.
+        there: (n,) [rad] posture at its end, which counts for the arms.
+    """
     robot, controls, held = plan.setup.robot, plan.trajectory.controls, plan.keyframes.held
     trunk = [hinge for chain in ("torso", "neck") for hinge in robot.joints(chain)]
     last = {turns.kind: each for each, turns in held.items()}
@@ -132,7 +138,7 @@ def _held(id: str, plan: Plan, there: Floats) -> Floats:
 
 
 def held_angles(turns: HeldTurns, robot: Robot) -> Floats:
-    """Return the offset (n,) [rad] from rest of torso and neck that make two rotations."""
+    """Return the offset (n,) [rad] of torso and neck for two rotations."""
     angles = np.array(robot.skeleton.rest)
     set_turn(robot, "torso", np.array(turn_angles(turns.torso)), angles)
     above = np.array(turn_angles(turns.head)) - torso_turn(robot, "torso", angles)
