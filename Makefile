@@ -45,8 +45,8 @@ soak: .venv/.stamp-test
 	@$(BIN)/python -m pytest -m soak
 	@$(BIN)/python -m pytest tests/theorems -n auto --hypothesis-profile soak
 
-# Wrong programs: 200 small changes of the parts that must not fail, and which of them no test notices. Ten minutes on two
-# cores that are free, three quarters of an hour under a load of twelve; `python tests/mutants -h` has options.
+# Wrong programs: ten small changes of each part that must not fail, and a list of those that no test notices.
+# `python tests/mutants -h` has options.
 mutants: .venv/.stamp-test
 	@$(BIN)/python tests/mutants
 

@@ -7,13 +7,13 @@ import argparse
 import random
 import sys
 import tempfile
-import tomllib
 from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from queue import SimpleQueue
 
+from listed import read_equivalent, read_targets
 from mutations import Edit, find_sites
 from trial import Outcome, Sandbox
 
@@ -42,29 +42,23 @@ class Mutant:
         return f"{module}:{self.edit.line(self.source)}\n  - {was}\n  + {now}"
 
 
-def choose(count: int, seed: int, parts: list[str]) -> list[Mutant]:
-    """Chooses mutants by chance: as many of each part while it has some, and one of a site at most."""
-    targets = tomllib.loads((HERE / "targets.toml").read_text(encoding="utf-8"))
-    queues = {}
-    for part, modules in targets.items():
-        drawn = random.Random(f"{seed} {part}")
-        sources = {module: (TREE / module).read_bytes() for module in modules}
-        sites = [(module, site) for module, source in sources.items() for site in find_sites(source)]
-        drawn.shuffle(sites)
-        queues[part] = [
-            Mutant(part, module, sources[module], drawn.choice(site), tuple(modules[module])) for module, site in sites
-        ]
-    chosen: list[Mutant] = []
-    while len(chosen) < count and any(queues.values()):
-        for queue in queues.values():
-            chosen += [queue.pop(0)] if queue and len(chosen) < count else []
-    return [mutant for mutant in chosen if not parts or mutant.part in parts]
+def choose(each: int, seed: int, parts: list[str]) -> list[Mutant]:
+    """Choose some mutants of each part by chance, at most one of a site."""
+    targets = read_targets()
+    if unknown := set(parts) - set(targets):
+        raise SystemExit(f"no such part: {', '.join(sorted(unknown))}; there are: {', '.join(targets)}")
+    return [mutant for part in parts or targets for mutant in _choose_in(part, targets[part], each, seed)]
 
 
-def read_equivalent() -> set[tuple[str, str, str]]:
-    """Reads the names of mutants that are no other program."""
-    listed = tomllib.loads((HERE / "equivalent.toml").read_text(encoding="utf-8")).get("mutant", [])
-    return {(each["module"], each["was"], each["now"]) for each in listed}
+def _choose_in(part: str, modules: dict[str, list[str]], count: int, seed: int) -> list[Mutant]:
+    drawn = random.Random(f"{seed} {part}")
+    sources = {module: (TREE / module).read_bytes() for module in modules}
+    sites = [(module, site) for module, source in sources.items() for site in find_sites(source)]
+    drawn.shuffle(sites)
+    return [
+        Mutant(part, module, sources[module], drawn.choice(site), tuple(modules[module]))
+        for module, site in sites[:count]
+    ]
 
 
 def try_all(mutants: list[Mutant], jobs: int, folder: Path) -> list[Outcome]:
@@ -119,13 +113,13 @@ def report(mutants: list[Mutant], outcomes: list[Outcome], same: list[Mutant]) -
 def main() -> int:
     """Runs as the command line asks."""
     parser = argparse.ArgumentParser(prog="python tests/mutants", description=__doc__)
-    parser.add_argument("parts", nargs="*", help="parts of targets.toml; all of them if none is named")
-    parser.add_argument("--count", type=int, default=200, help="mutants of all parts together")
+    parser.add_argument("parts", nargs="*", help="parts of targets/*.toml; all of them if none is named")
+    parser.add_argument("--each", type=int, default=10, help="mutants of each part")
     parser.add_argument("--seed", type=int, default=1, help="another one chooses other mutants")
     parser.add_argument("--jobs", type=int, default=2, help="processes side by side")
     asked = parser.parse_args()
     equivalent = read_equivalent()
-    chosen = choose(asked.count, asked.seed, asked.parts)
+    chosen = choose(asked.each, asked.seed, asked.parts)
     same = [each for each in chosen if each.name in equivalent]
     mutants = [each for each in chosen if each not in same]
     with tempfile.TemporaryDirectory(prefix="kinesic-mutants-") as folder:

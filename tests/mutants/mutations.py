@@ -5,7 +5,7 @@ decorators, imports, assertions (`strict=True` is one) and the texts of errors: 
 """
 
 import ast
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -38,6 +38,10 @@ SWAPS: dict[type[ast.AST], tuple[str, tuple[str, ...]]] = {
 }
 COUNTERPARTS = {"min": "max", "any": "all", "minimum": "maximum", "floor": "ceil", "argmin": "argmax"}
 COUNTERPARTS |= {other: name for name, other in COUNTERPARTS.items()}
+ORDERLESS = frozenset({"hypot", "isclose", "allclose", "array_equal", "isinstance", "issubclass", "cast"})
+DEFAULTED = {"get": 2, "pop": 2, "next": 2, "getattr": 3}  # calls whose last argument of so many is a default
+RESULTS = {"bool": ("True", "False"), "int": ("0", "1"), "float": ("0.0", "1.0"), "str": ('""',), "bytes": ('b""',)}
+RESULTS |= {"list": ("[]",), "tuple": ("()",), "dict": ("{}",), "set": ("set()",), "frozenset": ("frozenset()",)}
 LEFT_ALONE = (ast.Import, ast.ImportFrom, ast.Assert, ast.JoinedStr)
 
 
@@ -67,6 +71,7 @@ class Edit:
 
 
 Site = tuple[Edit, ...]
+Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 
 def find_sites(source: bytes) -> list[Site]:
@@ -112,20 +117,56 @@ class _Finder:
             case ast.comprehension():
                 yield from (self._condition(test, "True", "False") for test in node.ifs)
             case ast.Call(func=ast.Name(id=name) | ast.Attribute(attr=name)) if name in COUNTERPARTS:
-                end = self._place(node.func.end_lineno, node.func.end_col_offset)
+                end = self._end(node.func)
                 yield (Edit(end - len(name), end, COUNTERPARTS[name]),)
+            case ast.Call(
+                func=ast.Name(id=name) | ast.Attribute(attr=name), args=[*_, before, default], keywords=[]
+            ) if len(node.args) == DEFAULTED.get(name):
+                yield (Edit(self._end(before), self._end(default), ""),)
+            case ast.Call(args=[first, second, *_]) if not _is_orderless(node):
+                yield from self._exchange(first, second)
+            case ast.Slice():
+                yield from (self._bound(bound) for bound in (node.lower, node.upper) if bound is not None)
+            case ast.match_case(guard=ast.expr() as guard):
+                yield self._condition(guard, "True", "False")
             case ast.Constant(value=bool() | int() | float()):
                 yield tuple(self._edit(node, value) for value in _others(node.value))
             case ast.Expr(value=ast.Constant()):
                 return  # a docstring
             case ast.Expr() | ast.Delete() | ast.Raise() | ast.Break() | ast.Continue():
                 yield (self._edit(node, "pass"),)
-            case ast.Assign(targets=[ast.Attribute() | ast.Subscript()]):
+            case ast.Assign() if _can_be_left_out(node):
                 yield (self._edit(node, "pass"),)
-            case ast.FunctionDef(returns=ast.Constant(value=None)):
+            case (
+                ast.FunctionDef(returns=ast.Constant(value=None))
+                | ast.AsyncFunctionDef(returns=ast.Constant(value=None))
+            ):
                 yield from self._return_early(node)
+            case ast.FunctionDef() | ast.AsyncFunctionDef():
+                yield from self._return_another(node)
 
-    def _return_early(self, node: ast.FunctionDef) -> Iterator[Site]:
+    def _return_another(self, node: Function) -> Iterator[Site]:
+        """Yield other results for each return, except those of inner functions."""
+        for each in _own_returns(node.body):
+            if each.value is not None:
+                others = [f"return {result}" for result in _results(node.returns)]
+                edits = tuple(self._edit(each, other) for other in others if other != self._text(each))
+                if edits:
+                    yield edits
+
+    def _exchange(self, first: ast.expr, second: ast.expr) -> Iterator[Site]:
+        """Yield the exchange of two arguments, unless they are equal."""
+        whole = Edit(self._edit(first, "").start, self._end(second), "")
+        between = self._source[self._end(first) : self._edit(second, "").start].decode()
+        starred = isinstance(first, ast.Starred) or isinstance(second, ast.Starred)
+        if not starred and self._text(first) != self._text(second):
+            yield (Edit(whole.start, whole.end, self._text(second) + between + self._text(first)),)
+
+    def _bound(self, bound: ast.expr) -> Site:
+        """Return the changes of a slice bound: one off, or missing."""
+        return self._edit(bound, f"({self._text(bound)}) + 1"), self._edit(bound, "")
+
+    def _return_early(self, node: Function) -> Iterator[Site]:
         body = [each for each in node.body if not (isinstance(each, ast.Expr) and isinstance(each.value, ast.Constant))]
         if body and node.name != "__init__":
             yield (self._edit(body[0], "return"),)
@@ -135,13 +176,15 @@ class _Finder:
 
     def _swap(self, left: ast.expr, right: ast.expr, operator: ast.AST) -> Site:
         symbol, others = SWAPS[type(operator)]
-        end = self._place(left.end_lineno, left.end_col_offset)
+        end = self._end(left)
         start = end + self._source[end : self._place(right.lineno, right.col_offset)].index(symbol.encode())
         return tuple(Edit(start, start + len(symbol), other) for other in others)
 
     def _edit(self, node: ast.expr | ast.stmt, text: str) -> Edit:
-        start, end = self._place(node.lineno, node.col_offset), self._place(node.end_lineno, node.end_col_offset)
-        return Edit(start, end, text)
+        return Edit(self._place(node.lineno, node.col_offset), self._end(node), text)
+
+    def _end(self, node: ast.expr | ast.stmt) -> int:
+        return self._place(node.end_lineno, node.end_col_offset)
 
     def _place(self, line: int | None, column: int | None) -> int:
         return self._starts[(line or 1) - 1] + (column or 0)
@@ -149,6 +192,44 @@ class _Finder:
     def _text(self, node: ast.expr) -> str:
         whole = self._edit(node, "")
         return self._source[whole.start : whole.end].decode()
+
+
+def _is_orderless(call: ast.Call) -> bool:
+    """Whether argument order has no meaning, or a wrong order always fails."""
+    match call.func:
+        case ast.Name(id=name) | ast.Attribute(attr=name):
+            return name in ORDERLESS
+    return False
+
+
+def _can_be_left_out(assignment: ast.Assign) -> bool:
+    """Whether all assigned names have earlier values."""
+    targets = [
+        each
+        for target in assignment.targets
+        for each in (target.elts if isinstance(target, ast.Tuple | ast.List) else [target])
+    ]
+    read = {each.id for each in ast.walk(assignment.value) if isinstance(each, ast.Name)}
+    return all(
+        isinstance(each, ast.Attribute | ast.Subscript) or (isinstance(each, ast.Name) and each.id in read)
+        for each in targets
+    )
+
+
+def _own_returns(body: Iterable[ast.AST]) -> Iterator[ast.Return]:
+    for each in body:
+        if isinstance(each, ast.Return):
+            yield each
+        elif not isinstance(each, Function | ast.Lambda | ast.ClassDef):
+            yield from _own_returns(ast.iter_child_nodes(each))
+
+
+def _results(returns: ast.expr | None) -> tuple[str, ...]:
+    """Return the plain results to try for a return annotation."""
+    match returns:
+        case ast.Name(id=name) | ast.Subscript(value=ast.Name(id=name)):
+            return RESULTS.get(name, ("None",))
+    return ("None",)
 
 
 def _others(value: bool | int | float) -> list[str]:
@@ -164,7 +245,7 @@ def _others(value: bool | int | float) -> list[str]:
 def _children(node: ast.AST) -> Iterator[ast.AST]:
     """Children that say what is done; types, decorators and the texts of errors do not."""
     match node:
-        case ast.FunctionDef():
+        case ast.FunctionDef() | ast.AsyncFunctionDef():
             yield from (default for default in (*node.args.defaults, *node.args.kw_defaults) if default is not None)
             yield from node.body
         case ast.ClassDef():

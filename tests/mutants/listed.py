@@ -1,0 +1,27 @@
+"""Read the parts to try and the mutants that are the same program, one file per room."""
+
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+
+HERE = Path(__file__).parent
+
+Name = tuple[str, str, str]  # module, lines as they are, lines as they become
+
+
+def read_targets() -> dict[str, dict[str, list[str]]]:
+    """Return the modules of each part, with the tests that must notice their mutants."""
+    return {part: modules for room in _rooms("targets") for part, modules in room.items()}
+
+
+def read_equivalent() -> dict[Name, str]:
+    """Return the mutants that are the same program, with the reason."""
+    return {
+        (each["module"], each["was"], each["now"]): each["why"]
+        for room in _rooms("equivalent")
+        for each in room.get("mutant", [])
+    }
+
+
+def _rooms(folder: str) -> Iterator[dict]:
+    return (tomllib.loads(path.read_text(encoding="utf-8")) for path in sorted((HERE / folder).glob("*.toml")))
