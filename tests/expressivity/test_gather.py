@@ -6,7 +6,7 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.reach import Reach
-from kinesic.expressivity.gather import PARTS, PRIORITIES, Sequences, SyncPoint, gather_frames
+from kinesic.expressivity.gather import PARTS, PRIORITIES, SAME_FRAME, Sequences, SyncPoint, gather_frames
 from kinesic.expressivity.hands.keys import HandKey
 from kinesic.expressivity.hands.poses import REST
 from kinesic.expressivity.keyframes import Hand, Turn
@@ -151,3 +151,17 @@ def test_keys_bring_how_they_are_passed(robot):
     frames = {frame.time: frame for frame in gather_frames(Sequences(head=nod, hands=hands), [], robot)}
     assert frames[1].passages == {"l_hand": stiff, "head": KeyPassage(bias=0.3)}
     assert set(frames[1.5].passages) == {"head"}
+
+
+def test_a_key_between_two_strokes_joins_the_nearer_one(robot):
+    first, second = 1.0, 1.0 + 1.5 * SAME_FRAME
+    for near, other in ((first, second), (second, first)):
+        nod = ((TurnKey(0.5, Turn()), TurnKey(0.6 * near + 0.4 * other, Turn(tilt=0.2)), TurnKey(2.0, Turn())),)
+        syncs = [SyncPoint(time, id, "stroke") for time, id in ((first, "g"), (second, "h"))]
+        frames = {frame.time: frame for frame in gather_frames(Sequences(head=nod), syncs, robot)}
+        assert (frames[near].given, frames[other].given) == ({"head"}, set())
+
+
+def test_hands_without_a_path_are_not_passing_by(robot):
+    frames = gather_frames(Sequences(head=NOD, hands=HANDS), [], robot)
+    assert not any(hand.passing for frame in frames for hand in frame.hands.values())

@@ -1,10 +1,37 @@
 """Gazes beside one another, and the parts that take part."""
 
-import pytest
+from dataclasses import replace
+from itertools import combinations
+from math import cos, degrees, hypot, radians, sin
 
-from kinesic.bml.block import GAZE_SYNCS, Gaze, HeadDirectionShift, NoticeType
-from kinesic.expressivity.gaze import TRUNK_LAG, Aim, hold_gaze
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from kinesic.bml.block import GAZE_SYNCS, Block, Gaze, HeadDirectionShift, NoticeType
+from kinesic.body.action_units import ASIDE, DOWNWARD, UPWARD
+from kinesic.body.robot import SIDES, Robot
+from kinesic.expressivity.gaze import STRAIGHT, TRUNK_LAG, Aim, aim, from_eyes, hold_gaze, look_time, towards
 from kinesic.expressivity.keyframes import Turn
+from kinesic.expressivity.style.pace import Pace
+from kinesic.expressivity.turns import UPRIGHT, add_turns, room, scale_turn, turn_angles
+
+from ..reduced_robots import write_robot
+
+INFLUENCES = (None, "EYES", "NECK", "HEAD", "SHOULDER", "CHEST", "TORSO", "WAIST", "WHOLE")
+directions = st.tuples(st.floats(-3.0, 3.0), st.floats(-1.2, 1.2))  # torsion, tilt [rad]
+
+
+@pytest.fixture(scope="module")
+def look_at(pace, context):
+    """What is done of a gaze or a head direction."""
+
+    def of(action, *, robot=None, base=STRAIGHT, dialect="bml-1.0"):
+        changed = Pace(robot or pace.robot, pace.limits)
+        return aim(action, context(Block("bml1", (), dialect=dialect), pace=changed), base)
+
+    return of
 
 
 def gaze_times(*times):
@@ -62,3 +89,164 @@ def test_the_trunk_lags_behind_the_head_only_as_far_as_its_way_has_time(pace, sp
     assert trunk.start == pytest.approx(1.0 + lag)
     assert trunk.arrive >= times["ready"] - 1e-9
     assert hold_gaze(look, times, part="head", stays=False, pace=pace).start == 1.0
+
+
+def place_in(robot, torsion: float, tilt: float) -> str:
+    """A target one metre from the eyes."""
+    away = np.array([cos(tilt) * cos(torsion), cos(tilt) * sin(torsion), -sin(tilt)])
+    return " ".join(map(str, away - from_eyes(np.zeros(3), robot)))
+
+
+@given(direction=directions, influence=st.sampled_from(INFLUENCES))
+def test_head_and_eyes_together_meet_a_target_within_their_ranges(robot, look_at, direction, influence):
+    look = look_at(Gaze(place_in(robot, *direction), influence=influence))
+    met = turn_angles(add_turns(look.head, look.eyes))
+    if not look.clipped:
+        assert met == pytest.approx((*direction, 0.0), abs=radians(0.5) + 1e-9)
+    else:
+        lost = max(abs(a - b) for a, b in zip(met, (*direction, 0.0), strict=True))
+        assert f"{degrees(lost):.0f} deg beyond" in look.clipped
+    for chain, turn in (("torso", look.torso), ("neck", add_turns(look.head, scale_turn(look.torso, -1.0)))):
+        least, most = (turn_angles(each) for each in room(robot, chain))
+        assert all(
+            low - 1e-9 <= angle <= high + 1e-9 for low, angle, high in zip(least, turn_angles(turn), most, strict=True)
+        )
+    assert abs(look.eyes.torsion) <= ASIDE
+    assert -UPWARD <= look.eyes.tilt <= DOWNWARD
+
+
+@given(direction=directions, influence=st.sampled_from(INFLUENCES))
+def test_a_gaze_to_the_other_side_is_the_mirrored_gaze(robot, look_at, direction, influence):
+    torsion, tilt = direction
+    one, other = (look_at(Gaze(place_in(robot, side * torsion, tilt), influence=influence)) for side in (1, -1))
+    for part in ("head", "torso", "eyes"):
+        mirrored = turn_angles(getattr(other, part)) * np.array([-1, 1, 1])
+        assert turn_angles(getattr(one, part)) == pytest.approx(tuple(mirrored), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("place", "torsion", "tilt"),
+    [
+        ((1, 0, 0), 0, 0),
+        ((1, 1, 0), 45, 0),
+        ((1, -1, 0), -45, 0),
+        ((1, 0, 1), 0, -45),
+        ((0, 0, -1), 0, 90),
+        ((-1, 0, 0), 180, 0),
+    ],
+)
+def test_left_is_a_positive_torsion_and_down_a_positive_tilt(robot, place, torsion, tilt):
+    turn = towards(np.array(place) - from_eyes(np.zeros(3), robot), robot)
+    assert [degrees(angle) for angle in turn_angles(turn)] == pytest.approx([torsion, tilt, 0], abs=1e-9)
+
+
+def test_eyes_are_where_the_robot_has_them(robot):
+    frames, neck = robot.skeleton.resting, robot.skeleton.segment(robot.chains["neck"][-1])
+    eyes = frames.origins[neck] + frames.rotations[neck] @ robot.sites["eyes"].position
+    np.testing.assert_allclose(from_eyes(eyes, robot), 0.0, atol=1e-12)
+    blind = replace(robot, sites={name: site for name, site in robot.sites.items() if name != "eyes"})
+    np.testing.assert_allclose(from_eyes(frames.origins[neck], blind), 0.0, atol=1e-12)
+
+
+def test_a_robot_without_a_neck_looks_from_between_its_shoulders(tmp_path):
+    robot = Robot.load(write_robot(tmp_path, "neck"))
+    shoulders = [robot.skeleton.resting.origins[robot.arm(side).shoulder] for side in SIDES]
+    np.testing.assert_allclose(from_eyes((shoulders[0] + shoulders[1]) / 2, robot), 0.0, atol=1e-12)
+
+
+def test_eyes_alone_turn_from_where_the_head_looks_for_good(robot, look_at):
+    base = Aim(Turn(torsion=0.5), Turn(torsion=0.2))
+    look = look_at(Gaze(place_in(robot, 0.6, 0.1), influence="EYES"), base=base)
+    assert (look.head.torsion, look.torso) == (pytest.approx(0.5), base.torso)
+    assert turn_angles(look.eyes) == pytest.approx((0.1, 0.1, 0.0))
+
+
+@pytest.mark.parametrize("word", ["UP", "DOWN", "LEFT", "RIGHT"])
+def test_an_offset_without_a_target_starts_from_where_the_head_looks_for_good(look_at, word):
+    base = Aim(Turn(0.3, 0.1))
+    look = look_at(Gaze(offset_angle=6.0, offset_direction=word, influence="HEAD"), base=base)
+    torsion, tilt = {"UP": (0, -6), "DOWN": (0, 6), "LEFT": (6, 0), "RIGHT": (-6, 0)}[word]
+    change = (degrees(look.head.torsion - 0.3), degrees(look.head.tilt - 0.1))
+    assert change == pytest.approx((torsion, tilt))
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        pair
+        for pair in combinations(("UP", "DOWN", "LEFT", "RIGHT"), 2)
+        if pair not in (("UP", "DOWN"), ("LEFT", "RIGHT"))
+    ],
+)
+def test_a_diagonal_offset_is_as_wide_as_its_angle(look_at, words):
+    head = look_at(Gaze(offset_angle=10.0, offset_direction="".join(words), influence="HEAD")).head
+    assert degrees(hypot(head.torsion, head.tilt)) == pytest.approx(10.0)
+
+
+@pytest.mark.parametrize(
+    ("dialect", "angle", "turned"),
+    [("draft", 1.0, 50), ("draft", -1.0, -50), ("fml-apml", 0.5, 25), ("none", 1.1, 1.1), ("bml-1.0", 1.0, 1.0)],
+)
+def test_an_offset_up_to_one_is_a_fraction_of_fifty_degrees_in_drafts(look_at, dialect, angle, turned):
+    look = look_at(Gaze(offset_angle=angle, offset_direction="LEFT", influence="HEAD"), dialect=dialect)
+    assert degrees(look.head.torsion) == pytest.approx(turned)
+
+
+@pytest.mark.parametrize("influence", ["SHOULDER", "CHEST", "TORSO", "WAIST", "WHOLE"])
+def test_a_named_part_of_the_trunk_takes_its_fraction_to_either_side(robot, look_at, influence):
+    fraction = 0.4 if influence in ("WAIST", "WHOLE") else 0.25
+    for torsion in (-0.4, 0.4):
+        look = look_at(Gaze(place_in(robot, torsion, 0.2), influence=influence))
+        assert turn_angles(look.torso) == pytest.approx((fraction * torsion, 0.0, 0.0))
+
+
+def test_head_directions_by_words_are_half_as_wide_and_leave_the_eyes(look_at):
+    look = look_at(HeadDirectionShift("Leftward"))
+    assert [degrees(angle) for angle in turn_angles(look.head)] == pytest.approx([15, 0, 0])
+    assert (look.eyes, look.substitute, look.clipped) == (UPRIGHT, "", "")
+    assert look_at(HeadDirectionShift("nod")).missing
+
+
+def test_a_look_takes_at_least_two_tenths_of_a_second(pace):
+    assert look_time(STRAIGHT, pace) == 0.2
+
+
+@given(direction=directions, influence=st.sampled_from(INFLUENCES))
+def test_a_look_takes_the_time_that_its_servos_need(robot, look_at, pace, direction, influence):
+    look = look_at(Gaze(place_in(robot, *direction), influence=influence))
+    neck = add_turns(look.head, scale_turn(look.torso, -1.0))
+    least = max(pace.least_turn_time("neck", neck), pace.least_turn_time("torso", look.torso))
+    quick, usual, slow = (look_time(look, pace, temporal) for temporal in (1.0, 0.0, -1.0))
+    assert max(least, 0.2) <= quick <= usual <= slow
+
+
+def test_a_look_of_a_quick_neck_is_as_fast_as_that_of_people(robot, pace):
+    """Its peak speed is 4/3 of the angle and 20 deg/s; a minimum-jerk motion peaks at 1.875 of its mean speed."""
+    eager = Pace(
+        robot, replace(pace.limits, speed=100 * pace.limits.speed, acceleration=1e4 * pace.limits.acceleration)
+    )
+    for angle in (20.0, 60.0):
+        peak = 1.875 * angle / look_time(Aim(Turn(torsion=radians(angle))), eager)
+        assert peak == pytest.approx(4 / 3 * angle + 20.0)
+    slow = Aim(Turn(torsion=radians(30)), Turn(torsion=radians(30)))
+    assert 1.875 * 30 / look_time(slow, eager) == pytest.approx(4 / 3 * 30 + 30.0)
+
+
+def test_the_trunk_leaves_late_only_as_far_as_it_has_time(robot, pace, look_at):
+    look = look_at(Gaze(place_in(robot, 0.5, 0.0), influence="WAIST"))
+    needed = pace.turn_time("torso", look.torso)
+    for spare, late in ((1.0, 0.12), (0.05, 0.05), (-0.1, 0.0)):
+        times = gaze_times(0.5, 0.5 + needed + spare, 5.0, 6.0)
+        trunk = hold_gaze(look, times, part="torso", stays=False, pace=pace)
+        head = hold_gaze(look, times, part="head", stays=False, pace=pace)
+        assert (head.start, head.turn, trunk.turn) == (0.5, look.head, look.torso)
+        assert trunk.start == pytest.approx(0.5 + late)
+        assert trunk.arrive == head.arrive == times["ready"]
+        assert (trunk.leave, trunk.back) == (head.leave, head.back) == (5.0, 6.0)
+
+
+def test_a_gaze_that_stays_has_no_way_back(robot, pace, look_at):
+    look = look_at(Gaze(place_in(robot, 0.5, 0.0), influence="WAIST"))
+    for part in ("head", "torso"):
+        hold = hold_gaze(look, {"start": 0.0, "end": 3.0}, part=part, stays=True, pace=pace)
+        assert (hold.arrive, hold.leave, hold.back) == (3.0, None, None)

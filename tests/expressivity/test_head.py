@@ -6,7 +6,7 @@ import pytest
 from kinesic.bml.block import GAZE_SYNCS, SHIFT_SYNCS, Block, Gaze, Head, HeadDirectionShift, NoticeType
 from kinesic.body.action_units import ASIDE
 from kinesic.expressivity.gaze import aim
-from kinesic.expressivity.head import MORE, NOD_TIME, head_form, head_layer, swing_time
+from kinesic.expressivity.head import MORE, NOD_TIME, HeadForm, head_form, head_layer, swing_time
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import Expressivity, passage_of
 from kinesic.expressivity.turns import UPRIGHT, room, turn_at
@@ -304,3 +304,83 @@ def test_keys_are_passed_as_the_manner_says(robot, pace, nod_times):
     assert [key.passage for key in held] == [
         passage_of(manner, phase) for phase in ("retraction", "preparation", "stroke", "hold", "retraction")
     ]
+
+
+def test_held_direction_takes_its_natural_time_where_its_times_leave_none(robot, pace, phases):
+    form, manner = head_form(Head("Left"), robot, Expressivity()), Expressivity()
+    natural = swing_time(form, pace, manner)
+    hasty = head_layer(form, phases(1, 1, 1, 1, 1, 2, 2), pace, manner)
+    assert [key.time for key in hasty] == pytest.approx([1 - natural, 1, 2, 2 + natural])
+    brief = head_layer(form, phases(0, 0.5, 0.5, 1, 1, 1, 1), pace, manner)
+    assert [key.time for key in brief] == pytest.approx([0, 0.5, 1, 1 + natural])
+    early = head_layer(form, phases(0, 0.5, 0.5, 2, 2, 1, 3), pace, manner)  # relaxes before its stroke
+    assert [key.time for key in early] == pytest.approx([0, 0.5, 2, 3])
+
+
+@pytest.mark.parametrize("ready", [0.001, 0.999])
+def test_held_direction_has_no_key_at_a_ready_that_is_no_time_of_its_own(robot, pace, phases, ready):
+    layer = head_layer(
+        head_form(Head("Left"), robot, Expressivity()), phases(0, ready, ready, 1, 1, 2, 3), pace, Expressivity()
+    )
+    assert [key.time for key in layer] == [0, 1, 2, 3]
+
+
+@pytest.mark.parametrize(
+    ("kind", "count", "swings"),
+    [
+        ("nod", 1, (1, 0)),
+        ("nod", 2, (1, 0, 1, 0)),
+        ("shake", 1, (1, -1, 1, 0)),
+        ("shake", 2, (1, -1, 1, -1, 1, 0)),
+        ("direction", 3, (1,)),
+    ],
+)
+def test_swings_of_a_movement_end_upright_or_are_held(kind, count, swings):
+    assert HeadForm(kind, UPRIGHT, count).swings == swings
+
+
+def test_nod_takes_its_natural_time_where_its_times_leave_none(robot, pace, phases):
+    manner = Expressivity()
+    form = head_form(Head("NOD", repetition=2), robot, manner)
+    natural = swing_time(form, pace, manner)
+    keys = head_layer(form, phases(1, 1, 1, 1, 1, 1, 1), pace, manner)
+    assert [key.time for key in keys] == pytest.approx([1 - natural, 1, 1 + natural, 1 + 2 * natural, 1 + 3 * natural])
+    assert [key.turn.tilt > 0 for key in keys] == [False, True, False, True, False]
+
+
+def test_nod_ends_with_the_first_sync_point_that_leaves_it_time(robot, pace, phases):
+    form = head_form(Head("NOD"), robot, Expressivity())
+    for times, ends in (((0, 1, 1, 2, 3, 4, 5), 3), ((0, 1, 1, 2, 2, 4, 5), 4), ((0, 1, 1, 2, 2, 2, 5), 5)):
+        keys = head_layer(form, phases(*times), pace, Expressivity())
+        assert [key.time for key in keys if key.time >= 2][:2] == [2, ends]
+
+
+def test_head_waits_upright_before_and_after_its_swings(robot, pace, phases):
+    form = head_form(Head("NOD"), robot, Expressivity())
+    keys = head_layer(form, phases(0, 1, 1, 1.5, 2, 3, 4), pace, Expressivity())
+    assert [(key.time, key.turn == UPRIGHT) for key in keys] == [
+        (0, True),
+        (1, True),
+        (1.5, False),
+        (2, True),
+        (4, True),
+    ]
+
+
+def test_strokes_of_a_nod_that_have_no_time_are_spread_between_the_others(robot, pace, nod_times):
+    form = head_form(Head("NOD", repetition=4), robot, Expressivity())
+    times = {**nod_times, "stroke": 1.0, "stroke:2": 1.001, "stroke:3": 3.0, "strokeEnd": 6.0, "relax": 6.0, "end": 6.0}
+    peaks = [key.time for key in head_layer(form, times, pace, Expressivity()) if key.turn == form.peak]
+    assert peaks == pytest.approx([1.0, 2.0, 3.0, 5.0])
+
+
+def test_stroke_of_a_nod_is_not_before_the_one_before_it(robot, pace, nod_times):
+    form = head_form(Head("NOD", repetition=3), robot, Expressivity())
+    times = {**nod_times, "stroke": 1.0, "stroke:2": 2.0, "stroke:3": 1.5, "strokeEnd": 5.0, "relax": 5.0, "end": 5.0}
+    peaks = [key.time for key in head_layer(form, times, pace, Expressivity()) if key.turn == form.peak]
+    assert peaks == pytest.approx([1.0, 2.0, 4.0])
+
+
+def test_full_repetition_adds_as_much_as_half_of_it_does_twice(robot):
+    added = [head_form(Head("NOD"), robot, Expressivity(repetition=share)).more for share in (-1.0, 0.0, 0.5, 1.0)]
+    assert added == [0, 0, MORE // 2, MORE]

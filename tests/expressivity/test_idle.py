@@ -86,3 +86,14 @@ def test_what_is_asked_stays_as_it_is(timeline, context, phases):
             (*turn_angles(other.torso), *turn_angles(other.head))
         )
     assert all(not frame.given & {"l_hand", "r_hand"} for frame in moving.frames if not 8 <= frame.time <= 11)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_head_and_trunk_move_with_one_even_breath(seed):
+    torso, head = idle([(0.0, 60.0)], Idling(1.0, seed))
+    times = [key.time for key in torso]
+    assert [key.time for key in head] == times
+    assert (times[0], times[-1]) == pytest.approx((IDLE_MARGIN, 60.0 - IDLE_MARGIN))
+    ways = np.diff(times)
+    assert len(ways) % 2 == 0
+    assert ways.max() / ways.min() <= 1.15 / 0.85 + 1e-9

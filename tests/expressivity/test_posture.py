@@ -5,7 +5,13 @@ from math import degrees
 import pytest
 
 from kinesic.bml.block import GAZE_SYNCS, SHIFT_SYNCS, Gesture, Posture
+from kinesic.body.robot import Robot
 from kinesic.expressivity.posture import pose
+from kinesic.expressivity.realise import keyframes
+from kinesic.expressivity.style.pace import Pace
+from kinesic.expressivity.turns import UPRIGHT
+
+from ..reduced_robots import write_robot
 
 
 def posture_times(*times):
@@ -135,3 +141,62 @@ def test_of_two_poses_for_one_arm_the_first_counts_and_the_other_is_said(robot, 
     assert "ARMS_CROSSED" in twice.left_out
     each = pose(Posture(poses=(("LEFT_ARM", "ARMS_AKIMBO"), ("RIGHT_ARM", "ARMS_NEUTRAL"))), lexicon, robot)
     assert (len(each.arms), each.left_out) == (2, "")
+
+
+@pytest.mark.parametrize("part", ["BODY", "TORSO", "SPINE", "TRUNK", "WHOLEBODY"])
+def test_every_name_of_the_trunk_leans_it(robot, lexicon, part):
+    posed = pose(Posture(poses=((part, "LEANING_BACK"),)), lexicon, robot)
+    assert degrees(posed.lean.turn.tilt) == pytest.approx(-12)
+    assert posed.arms == ()
+
+
+def test_a_part_that_is_neither_trunk_nor_arms_nor_head_has_no_pose(robot, lexicon):
+    assert pose(Posture(poses=(("LEGS", "LEANING_BACK"),)), lexicon, robot) is None
+
+
+def test_leans_of_several_poses_add_up_within_the_range(robot, lexicon):
+    both = pose(Posture(poses=(("BODY", "LEANING_FORWARD"), ("SPINE", "LEANING_LEFT"))), lexicon, robot)
+    assert [degrees(angle) for angle in (both.lean.turn.tilt, both.lean.turn.roll)] == pytest.approx([12, -12])
+    crouched = pose(Posture("CROUCHING", (("HEAD", "DOWN"), ("HEAD", "LEFT"))), lexicon, robot)
+    assert degrees(crouched.lean.turn.tilt) == pytest.approx(12)
+    assert [degrees(angle) for angle in (crouched.head.tilt, crouched.head.torsion)] == pytest.approx([15, 15])
+
+
+def test_a_trunk_that_cannot_lean_at_all_drops_the_posture_by_name(tmp_path, timeline, context, limits):
+    robot = Robot.load(write_robot(tmp_path, "torso"))
+    built = timeline(("p", Posture(poses=(("BODY", "LEANING_FORWARD"),)), posture_times(0, 1, 2, 3)))
+    outcome = keyframes(built, context(built.block, pace=Pace(robot, limits(robot)))).outcomes["p"]
+    assert outcome.kind == "dropped"
+    assert "the trunk cannot: 12.0 deg" in outcome.why
+    crossed = timeline(
+        ("p", Posture(poses=(("BODY", "LEANING_FORWARD"), ("ARMS", "CROSSED"))), posture_times(0, 1, 2, 3))
+    )
+    assert keyframes(crossed, context(crossed.block, pace=Pace(robot, limits(robot)))).outcomes["p"].kind != "dropped"
+
+
+def test_a_head_that_is_missing_leaves_its_pose_out(tmp_path, lexicon):
+    posed = pose(
+        Posture(poses=(("HEAD", "DOWN"), ("BODY", "LEANING_FORWARD"))),
+        lexicon,
+        Robot.load(write_robot(tmp_path, "neck")),
+    )
+    assert posed.left_out == "no neck for the pose DOWN of HEAD"
+    assert posed.head == UPRIGHT
+    assert degrees(posed.lean.turn.tilt) == pytest.approx(12)
+
+
+def test_the_later_posture_wins_from_its_start(perform):
+    lean = Posture(poses=(("BODY", "LEANING_FORWARD"),))
+    back = Posture(poses=(("BODY", "LEANING_BACK"),))
+    frames = perform(("later", back, posture_times(2, 3, 4, 5)), ("first", lean, posture_times(0, 1, 9, 10)))
+    tilts = {frame.time: degrees(frame.torso.tilt) for frame in frames.frames}
+    assert [tilts[time] for time in (0, 1, 2, 3, 4, 5)] == pytest.approx([0, 12, 12, -12, -12, 0])
+
+
+def test_arms_that_cross_for_good_do_so_in_the_time_until_the_end(perform):
+    frames = perform(
+        ("p", Posture(poses=(("ARMS", "ARMS_CROSSED"),), shift=True), dict(zip(SHIFT_SYNCS, (1, 3), strict=True)))
+    )
+    reached = {frame.time: frame.hands["l"].reach is not None for frame in frames.frames}
+    assert (reached[1], reached[3]) == (False, True)
+    assert frames.frames[-1].hands["l"].reach is not None

@@ -1,13 +1,14 @@
 from itertools import pairwise
-from math import degrees
+from math import degrees, radians
 
 import numpy as np
 import pytest
 
 from kinesic.bml.block import Gesture, Torso
+from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.style.style import Expressivity, Style
-from kinesic.expressivity.trunk import HASTE, RECLINE, named_lean
-from kinesic.expressivity.turns import add_turns, scale_turn, turn_angles
+from kinesic.expressivity.trunk import HASTE, RECLINE, hold_lean, limit_trunk, named_lean, trunk_direction
+from kinesic.expressivity.turns import UPRIGHT, add_turns, room, scale_turn, turn_angles
 
 
 @pytest.mark.parametrize(
@@ -119,3 +120,58 @@ def test_a_rest_pose_leaves_the_trunk_alone(perform, calm):
 def test_the_torsos_own_numbers_count(perform, calm):
     style = styled(power=1.0).changed(["torso.power=0"])
     assert not torso(perform(("g", Gesture("beat", "left"), calm), style=style)).any()
+
+
+def test_a_lean_without_time_takes_three_tenths_of_a_second_or_what_servos_need(pace):
+    at_once = {"start": 1.0, "ready": 1.0, "relax": 2.0, "end": 2.0}
+    small, large = (
+        hold_lean(turn, at_once, chain="torso", stays=False, pace=pace) for turn in (Turn(tilt=1e-4), Turn(torsion=0.8))
+    )
+    assert (small.arrive, small.back) == pytest.approx((1.3, 2.3))
+    assert large.arrive - 1.0 == pytest.approx(pace.turn_time("torso", Turn(torsion=0.8)))
+    assert large.arrive > 1.3
+
+
+def test_spatial_extent_widens_leans_by_up_to_half(robot):
+    leans = [degrees(named_lean(Torso("BodyLean"), robot, spatial).turn.tilt) for spatial in (-1.0, 0.0, 1.0)]
+    assert leans == pytest.approx([6, 12, 18])
+
+
+@pytest.mark.parametrize(
+    ("words", "turn"),
+    [
+        (("turn",), (24, 0, 0)),
+        (("turn", "left"), (24, 0, 0)),
+        (("turn", "left", "forward"), (24, 24, 0)),
+        (("left", "back"), (0, -24, -24)),
+        (("left", "right"), None),
+        (("bow",), (0, 24, 0)),
+        (("forward", "back", "lean"), (0, 24, 0)),
+        (("up",), (0, -24, 0)),
+        (("upright",), (0, 0, 0)),
+        (("whole", "body"), None),
+    ],
+)
+def test_words_of_a_lean_add_up(words, turn):
+    named = trunk_direction(words)
+    assert (None if named is None else tuple(map(degrees, turn_angles(named)))) == (
+        None if turn is None else pytest.approx(turn)
+    )
+
+
+def test_only_more_than_a_twentieth_of_a_degree_beyond_the_range_is_reported(robot):
+    most = room(robot, "torso")[1]
+    assert (
+        limit_trunk(most, robot).clipped == limit_trunk(add_turns(most, Turn(tilt=radians(0.04))), robot).clipped == ""
+    )
+    beyond = limit_trunk(add_turns(most, Turn(tilt=radians(0.06))), robot)
+    assert (beyond.turn, beyond.clipped[:7]) == (most, "0.1 deg")
+
+
+def test_the_trunk_stays_until_the_hands_relax_and_is_upright_when_they_are_back(perform, calm):
+    frames = perform(("g", Gesture("beat", "left"), calm), style=styled(power=1.0, openness=1.0))
+    keys = [(frame.time, frame.torso) for frame in frames.frames if "torso" in frame.given]
+    assert keys[-1] == (calm["end"], UPRIGHT)
+    assert keys[-2][0] == calm["relax"]
+    assert keys[-2][1] == keys[-3][1] != UPRIGHT
+    assert keys[0] == (calm["start"], UPRIGHT)

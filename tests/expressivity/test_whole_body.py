@@ -160,3 +160,24 @@ def test_the_style_says_how_much(perform, phases):
     loud, quiet, none = (nod(Style().changed([f"whole_body={weight}"])) for weight in (2, 0.5, 0))
     assert (loud, quiet, none) == pytest.approx((2 * nod(Style()), nod(Style()) / 2, 0.0))
     assert nod(Style().changed(["head.spatial=1"])) == pytest.approx(1.5 * nod(Style()))
+
+
+def test_a_head_that_neither_nods_nor_shakes_turns_once(gesture, pace):
+    found = accompany([gesture(BodyForm(head=Turn(roll=radians(5))))], BodyDemands(), pace)
+    assert [key.time for key in found.head] == pytest.approx([0, 1.6, 2, 3])
+    assert [key.turn.roll for key in found.head] == pytest.approx([0, radians(5), radians(5), 0])
+    assert not any(key.turn.tilt or key.turn.torsion for key in found.head)
+
+
+def test_a_nod_goes_down_at_each_stroke_and_lifts_before_the_first(gesture, pace):
+    found = accompany([gesture(BodyForm(nod=NOD))], BodyDemands(), pace)
+    tilts = {key.time: key.turn.tilt for key in found.head}
+    assert tilts[1.0] < 0.0
+    assert tilts[1.6] == pytest.approx(NOD)
+    assert (tilts[0.0], tilts[2.0], tilts[3.0]) == pytest.approx((0.0, 0.0, 0.0))
+
+
+def test_a_body_stays_until_the_hands_relax_though_nothing_else_moves(gesture, pace):
+    found = accompany([gesture(BodyForm(trunk=LEAN))], BodyDemands(), pace)
+    assert found.head == ()
+    assert [(key.time, key.turn) for key in found.torso] == [(0, UPRIGHT), (1.6, LEAN), (2, LEAN), (3, UPRIGHT)]

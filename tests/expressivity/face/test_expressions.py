@@ -200,3 +200,12 @@ def test_a_word_that_no_expression_shows_is_said():
     assert find_expression(Face(("nice_smile",))).left_out == ("nice",)
     assert outcome(Face(("nice_smile",))) == Outcome("substituted", '"nice" is left out')
     assert outcome(Face(("very_big_smile",))) == Outcome("realised")
+
+
+def test_a_weak_expression_is_as_strong_as_asked_at_its_peak_and_fades_while_it_is_held():
+    course = Envelope.of({"start": 0.0, "attackPeak": 1.0, "relax": 3.0, "end": 4.0})
+    held = course.at(np.linspace(1.0, 3.0, 21), Expressivity(power=-0.5))
+    assert held[0] == pytest.approx(1.0)
+    assert np.all(np.diff(held) < 0.0)
+    strong = course.at(np.linspace(1.0, 3.0, 21), Expressivity(power=0.5))
+    assert strong[0] > strong[-1] == pytest.approx(1.0)

@@ -140,3 +140,12 @@ def test_eyes_leave_for_what_a_gesture_shows_no_later_than_the_head(timeline, ph
     )
     assert (with_head.start, with_head.left, with_head.end) == (1.0, 0.3, 3.5)
     assert alone.start == pytest.approx(2.0 - EARLY)
+
+
+def test_small_saccades_go_to_all_sides_and_half_as_far_up_and_down():
+    rests = flitting((0.0, 400.0), np.arange(0.0, 400.0, 0.2), 4)
+    left, up = rests.std(axis=0)
+    assert np.abs(rests.mean(axis=0)).max() < 0.25 * FLITTING
+    assert 0.3 < up / left < 0.7
+    assert 0.4 * FLITTING < left < FLITTING
+    assert len(np.unique(rests.round(9), axis=0)) > 50

@@ -31,3 +31,14 @@ def test_a_mouth_that_may_do_as_it_likes_is_left_alone():
     limit_opening(shown, np.full(200, np.inf), STEP)
     np.testing.assert_allclose(shown["26"], row, atol=0.002)
     assert (shown["26"] <= row + 1e-12).all()
+
+
+def test_lips_gather_speed_before_they_are_as_fast_as_lips_can_be():
+    shown = {"26": np.ones(200)}
+    most = np.full(200, np.inf)
+    most[100] = 0.0
+    limit_opening(shown, most, STEP)
+    steps = np.abs(np.diff(OPENING["26"] * shown["26"]))[:100][::-1]
+    assert steps[0] < steps[2] < steps[4]
+    assert steps[0] < 0.2 * FASTEST * STEP
+    assert steps.max() > 0.9 * FASTEST * STEP

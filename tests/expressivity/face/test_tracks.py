@@ -7,7 +7,7 @@ from kinesic.bml.schedule import schedule
 from kinesic.body.action_units import CHANNELS, UPWARD
 from kinesic.body.command import NO_FACE
 from kinesic.body.utterance import Utterance
-from kinesic.expressivity.face.eyes import Eyes, GazeDirection, Habits
+from kinesic.expressivity.face.eyes import Eyes, GazeDirection, Habits, flitting, gaze_units
 from kinesic.expressivity.face.tracks import Channels, face_at_ticks, face_track, outcome
 from kinesic.expressivity.style.resolve import resolve_styles
 from kinesic.expressivity.style.style import Expressivity, Style
@@ -177,3 +177,11 @@ def test_what_becomes_of_a_face(action: Face, kind: str, why: str):
     found = outcome(action)
     assert found.kind == kind
     assert found.why.startswith(why)
+
+
+def test_eyes_show_a_gaze_and_the_small_saccades_about_it():
+    timeline, said = scheduled('<wait id="w" start="0" end="8"/>')
+    shown = show(timeline, said, habits=Habits(blinks=False, saccades=True, seed=3))
+    strayed = flitting((float(TIMES[0]), float(TIMES[-1])), TIMES, 3)
+    for channel, values in gaze_units(strayed).items():
+        np.testing.assert_allclose(shown.get(channel, 0.0) * np.ones(len(TIMES)), values, atol=1e-12)

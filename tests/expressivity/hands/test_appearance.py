@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from kinesic.body.arrays import sealed
+from kinesic.body.robot import SIDES
 from kinesic.expressivity.hands.appearance import LEAST_WAY, distinct, look, nearest, turn_between, twins, way_between
+from kinesic.expressivity.hands.poses import resting_hands
 from kinesic.expressivity.lexicon.form import StrokeKey
 from kinesic.expressivity.lexicon.lexicon import in_mode
 
@@ -86,3 +88,11 @@ def test_the_nearest_is_the_one_whose_hands_go_the_same_way(form, robot, pace):
     name, way = nearest(look(form, pace), others)
     assert name == "near"
     assert way == pytest.approx(0.06 / np.sqrt(2), rel=1e-6)
+
+
+def test_a_hand_that_is_turned_nowhere_counts_as_it_hangs(form, pace, robot):
+    open_ = look(changed(form, palm=lambda _: None, pointing=lambda _: None), pace)
+    rest = resting_hands(robot)
+    for s, side in enumerate(SIDES):
+        np.testing.assert_allclose(open_.palms[s], np.tile(rest[side].palm, (len(open_.palms[s]), 1)))
+        np.testing.assert_allclose(open_.pointing[s], np.tile(rest[side].pointing, (len(open_.pointing[s]), 1)))

@@ -4,9 +4,11 @@ from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation, Slerp
 
 from kinesic.body.reach import Reach
-from kinesic.expressivity.hands.keys import HandKey, Turning, along, facing_rotations
+from kinesic.expressivity.hands.keys import HandKey, Turning, along, facing_rotations, hand_at
+from kinesic.expressivity.hands.poses import REST
 from kinesic.expressivity.keyframes import Hand
 from kinesic.expressivity.lexicon.paths import shape_path
+from kinesic.expressivity.turns import MERGE
 from kinesic.motion.keys import PLAIN_PASSAGE, KeyPassage
 
 TIMES = (0.0, 0.4, 1.1, 1.5, 2.3)
@@ -101,3 +103,62 @@ def test_who_is_late_is_fastest_in_the_last_swing_of_a_path_and_still_brakes(tur
         assert speeds[-1] < speeds.max()
     assert fastest[1] > 2.0 - 1.0 / turns
     assert fastest[1] > fastest[0]
+
+
+def facing(time: float, x: float, angle: float) -> HandKey:
+    """A hand at a place, turned about the vertical."""
+    pointing, palm = np.array([np.cos(angle), np.sin(angle), 0.0]), np.array([0.0, 0.0, 1.0])
+    return HandKey(time, Hand(Reach(np.array([x, -0.2, 0.9]), pointing=pointing, palm=palm)))
+
+
+def test_a_hand_is_constant_outside_its_keys_and_straight_between_them():
+    rest = Reach(np.zeros(3))
+    assert hand_at([], 1.0, rest) is REST
+    keys = [facing(1.0, 0.1, 0.0), facing(2.0, 0.3, 1.0), facing(4.0, 0.2, 1.0)]
+    assert [hand_at(keys, time, rest) for time in (0.0, 1.0, 2.0, 4.0, 9.0)] == [keys[k].hand for k in (0, 0, 1, 2, 2)]
+    np.testing.assert_allclose(hand_at(keys, 1.25, rest).reach.position, [0.15, -0.2, 0.9])
+    np.testing.assert_allclose(hand_at(keys, 3.5, rest).reach.position, [0.225, -0.2, 0.9])
+
+
+@pytest.mark.parametrize("k", [1, 2, 3])
+def test_on_a_path_a_hand_turns_as_the_spline_through_its_neighbours_does(k):
+    keys = [facing(0.5 * j, 0.1 * j, angle) for j, angle in enumerate((0.0, 0.3, 1.2, 1.0, 0.8))]
+    found = along(keys, k, shape_path("circle", amplitude=(0.05, 0.0, 0.05)), unit=0.42, power=0.0)
+    near = keys[max(0, k - 2) : k + 2]
+    motion = Turning.through(
+        [key.time for key in near],
+        facing_rotations(*(np.array([getattr(key.hand.reach, name) for key in near]) for name in ("pointing", "palm"))),
+        [key.passage for key in near],
+    )
+    assert len(found) > 3
+    for key in found:
+        np.testing.assert_allclose(
+            key.hand.reach.pointing, motion.at(np.array([key.time])).as_matrix()[0][:, 0], atol=1e-9
+        )
+        np.testing.assert_allclose(key.hand.reach.palm, [0.0, 0.0, 1.0], atol=1e-9)
+        assert keys[k - 1].time + MERGE <= key.time <= keys[k].time - MERGE
+        assert key.hand.passing
+
+
+def test_a_hand_that_only_one_key_turns_is_not_turned_by_a_spline():
+    keys = [facing(0.0, 0.0, 0.0), HandKey(1.0, Hand(Reach(np.array([0.1, -0.2, 0.9])))), facing(2.0, 0.2, 1.0)]
+    for key in along(keys, 1, shape_path("circle", amplitude=(0.05, 0.0, 0.05)), unit=0.42, power=0.0):
+        assert key.hand.reach.pointing is (keys[0].hand.reach.pointing if key.hand.reach.palm is not None else None)
+
+
+def test_there_are_no_keys_on_a_straight_path_or_at_rest():
+    keys = [facing(0.0, 0.0, 0.0), facing(1.0, 0.3, 0.0), HandKey(2.0, REST)]
+    assert along(keys, 1, None, unit=0.42, power=0.0) == []
+    assert along(keys, 2, shape_path("circle", amplitude=(0.05, 0.0, 0.05)), unit=0.42, power=0.0) == []
+
+
+def test_power_makes_a_hand_speed_up_longer_along_its_path():
+    ends = [facing(0.0, 0.1, 0.0), facing(2.0, 0.3, 0.0)]
+    path = shape_path("circle", amplitude=(0.1, 0.0, 0.1), frequency=(3, 3, 3))
+    begun = []
+    for power in (0.0, 1.0):
+        keys = along(ends, 1, path, unit=0.42, power=power)
+        places = np.array([ends[0].hand.reach.position, *(key.hand.reach.position for key in keys)])
+        times = np.array([0.0, *(key.time for key in keys)])
+        begun.append(np.linalg.norm(np.diff(places, axis=0), axis=1)[0] / np.diff(times)[0])
+    assert begun[0] > begun[1] > 0.0

@@ -228,3 +228,23 @@ def test_power_leaves_a_stroke_the_time_for_its_accent(pace):
     )
     assert strong == pytest.approx(ROOM_FOR_ACCENT * least)
     assert both <= fast
+
+
+def test_categories_are_ordered_from_quick_beats_to_calm_rest_poses(pace):
+    order = ("beat", "deictic", "emblem", "iconic", "metaphoric", "adaptor", "rest")
+    slowness = [Effort(pace, Nature(category)).slowness for category in order]
+    assert slowness == sorted(slowness)
+    assert len(set(slowness)) == len(slowness)
+    assert 0.75 < slowness[0] < 1.0 < slowness[-1] < 2.0
+    usual = Effort(pace, Nature("of my own")).slowness
+    assert usual == Effort(pace, Nature("ICONIC")).slowness == 1.0
+    holds = [Effort(pace, Nature(category)).hold_time(0.6) for category in ("beat", "iconic", "metaphoric", "deictic")]
+    assert holds == sorted(holds)
+    assert holds[-1] < 3 * holds[0]
+
+
+def test_an_accent_that_meets_a_word_is_kept_by_the_most_fluid_manner(pace):
+    fluid = [Effort(pace, manner=Expressivity(fluidity=fluidity), spoken=True) for fluidity in (0.95, 1.0)]
+    steepness = [effort.passage("stroke").steepness for effort in fluid]
+    assert steepness[0] >= steepness[1]
+    assert steepness[1] == pytest.approx(SOFTEST + LEAST_LATE)

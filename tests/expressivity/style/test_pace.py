@@ -2,10 +2,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from kinesic.body.arrays import sealed
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.style.pace import COMFORT, FORCE, HASTE, WEAKNESS, Pace, hurry_time, natural_time
+from kinesic.expressivity.turns import MERGE, add_turns, scale_turn, turn_angles
 
 
 @pytest.fixture(scope="module")
@@ -67,3 +70,22 @@ def test_people_take_their_time_where_servos_are_quick(pace):
     small = Turn(tilt=0.01)
     assert pace.turn_time("neck", small, usual=0.4) == 0.4
     assert pace.turn_time("neck", small) == pytest.approx(COMFORT * pace.least_turn_time("neck", small))
+
+
+@given(
+    st.tuples(*3 * [st.floats(-0.5, 0.5)]),
+    st.tuples(*3 * [st.floats(-0.5, 0.5)]),
+    st.floats(0.01, 2.0),
+    st.floats(0.2, 1.0),
+)
+def test_a_manageable_turn_fits_its_time_and_is_whole_where_there_is_enough(pace, before, desired, seconds, haste):
+    start, end = Turn(*before), Turn(*desired)
+    change = add_turns(end, scale_turn(start, -1.0))
+    found = pace.manageable_turn("neck", start, end, seconds, haste)
+    done = add_turns(found, scale_turn(start, -1.0))
+    assert pace.least_turn_time("neck", done) <= max(haste * seconds, MERGE) * (1 + 1e-9)
+    if pace.least_turn_time("neck", change) <= haste * seconds:
+        assert turn_angles(found) == pytest.approx(turn_angles(end), abs=1e-12)
+    part = np.array(turn_angles(done)) @ np.array(turn_angles(change))
+    assert part >= 0.0
+    np.testing.assert_allclose(np.cross(turn_angles(done), turn_angles(change)), 0.0, atol=1e-12)
