@@ -92,13 +92,12 @@ def keep_limits(controls: Floats, first: int, last: int, limits: Limits, hinge: 
     begin, end = _beyond(controls, first, last, limits, hinge)
     if begin > end:
         return controls
-    found: Floats | None = None
     for margin in MARGINS:
         low, high = max(first, begin - margin), min(last, end + margin)
         found = _between(controls, low, high, limits, hinge)
         if found is not None or (low, high) == (first, last):
             return found
-    return found
+    return None
 
 
 def _beyond(controls: Floats, first: int, last: int, limits: Limits, hinge: int) -> tuple[int, int]:

@@ -2,11 +2,22 @@ from math import sqrt
 
 import numpy as np
 import pytest
+from scipy.optimize import linprog
 
+from kinesic.body.arrays import sealed
 from kinesic.body.dynamics import Load
 from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
-from kinesic.motion.double_s import SPEEDS, least_rest_times, least_rest_times_of, least_time
+from kinesic.motion.double_s import (
+    SPEEDS,
+    full_speed,
+    least_rest_times,
+    least_rest_times_of,
+    least_stop,
+    least_time,
+    rest_to_rest,
+)
+from kinesic.motion.keys import KeyPosture, Keys
 
 
 def simulated(distance, speed, acceleration, jerk):
@@ -105,3 +116,57 @@ def robot_limits():
     robot = Robot.load()
     count = len(robot.skeleton.hinges)
     return Limits.of(robot, Load(holding=np.full(count, 0.3), inertia=np.linspace(0.01, 0.1, count)))
+
+
+def can_stop(speed, acceleration, most, jerk, seconds, steps=150):
+    """Whether some jerk brings a speed and an acceleration to 0 in a time, by linear programming."""
+    step = seconds / steps
+    accelerations = step * np.tril(np.ones((steps, steps)))  # after each step, of jerks that are constant in it
+    gained = step * (accelerations - 0.5 * step * np.eye(steps)).sum(axis=0)
+    found = linprog(
+        np.zeros(steps),
+        A_ub=np.vstack([accelerations, -accelerations]),
+        b_ub=np.concatenate([most - acceleration * np.ones(steps), most + acceleration * np.ones(steps)]),
+        A_eq=np.vstack([accelerations[-1], gained]),
+        b_eq=[-acceleration, -speed - acceleration * seconds],
+        bounds=(-jerk, jerk),
+    )
+    return found.status == 0
+
+
+@pytest.mark.parametrize(
+    ("speed", "acceleration"),
+    [(1.0, 0.0), (-1.0, 0.0), (0.05, 0.0), (1.0, 8.0), (1.0, -8.0), (-0.3, 9.0), (0.0, 5.0), (0.2, -9.0)],
+)
+def test_no_jerk_stops_a_motion_sooner_and_one_stops_it_then(speed, acceleration):
+    seconds = float(least_stop(speed, acceleration, 10.0, 250.0))
+    assert can_stop(speed, acceleration, 10.0, 250.0, 1.02 * seconds)
+    assert not can_stop(speed, acceleration, 10.0, 250.0, 0.98 * seconds)
+
+
+def test_what_rests_has_stopped():
+    np.testing.assert_array_equal(least_stop([0.0, 0.0], [0.0, 0.0], 10.0, 250.0), 0.0)
+
+
+def keys_of(limits, *angles):
+    """Keys half a second apart, all hinges at the same angle."""
+    count = len(limits.speed)
+    whole = (True,) * count
+    return Keys.of(
+        [KeyPosture(0.5 * k, sealed(np.full(count, angle)), whole) for k, angle in enumerate(angles)], limits
+    )
+
+
+def test_keys_are_as_far_apart_in_time_as_hinges_need(limits):
+    keys = keys_of(limits, 0.0, 0.2, 0.05)
+    resting, fastest = rest_to_rest(keys, limits), full_speed(keys, limits)
+    assert (
+        resting.keys() == fastest.keys() == {(k, pair) for k in range(len(limits.speed)) for pair in ((0, 1), (1, 2))}
+    )
+    for (hinge, (i, j)), seconds in fastest.items():
+        turn = keys.angles[j, hinge] - keys.angles[i, hinge]
+        top = min(limits.speed[hinge], limits.duty[hinge] / limits.viscous[hinge])
+        assert seconds == pytest.approx(abs(turn) / top)
+        least = least_rest_times(np.full(len(limits.speed), turn), limits)[hinge]
+        assert resting[hinge, (i, j)] == pytest.approx(1.02 * least + 0.04)
+        assert resting[hinge, (i, j)] > seconds > 0.0

@@ -39,8 +39,10 @@ def sampled(trajectory):
     }
 
 
+@pytest.mark.parametrize("kernel", dict.fromkeys([limit_check.KERNEL, "numpy"]))
 @pytest.mark.parametrize("pieces", [1, 10, CHUNK, CHUNK + 1, 3 * CHUNK + 7])
-def test_peaks_are_those_of_the_trajectory_at_1_khz(pieces):
+def test_peaks_are_those_of_the_trajectory_at_1_khz(monkeypatch, pieces, kernel):
+    monkeypatch.setattr(limit_check, "KERNEL", kernel)
     motion = wandering(pieces)
     found = check_limits(motion, LIMITS).shares
     times, expected = sampled(motion)
@@ -52,7 +54,9 @@ def test_peaks_are_those_of_the_trajectory_at_1_khz(pieces):
         assert np.abs(ratios[there, found[name].hinge]).max() == pytest.approx(np.abs(ratios).max(), rel=1e-9), name
 
 
-def test_rms_jerk():
+@pytest.mark.parametrize("kernel", dict.fromkeys([limit_check.KERNEL, "numpy"]))
+def test_rms_jerk(monkeypatch, kernel):
+    monkeypatch.setattr(limit_check, "KERNEL", kernel)
     motion = wandering(300)
     jerks = motion.jerks((np.arange(300) + 0.5) * STEP)
     assert check_limits(motion, LIMITS).rms_jerk == pytest.approx(np.sqrt(np.mean(jerks**2)))

@@ -1,3 +1,4 @@
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -62,3 +63,27 @@ def test_a_motion_is_left_at_the_next_knot():
 def test_what_is_at_rest_stays():
     still = stay(np.array([0.1, 0.2, 0.3]), 0.1)
     np.testing.assert_array_equal(stop(still, 0.05, LIMITS).controls, still.controls[:8])
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_stopping_lasts_no_longer_than_the_motion_itself_while_three_pieces_are_left(seed):
+    motion = moving(seed)
+    for left in (0.03, 0.04, 0.06, 0.1, 0.2, 0.4):
+        halted = stop(motion, motion.duration - left, LIMITS)
+        assert halted.duration <= motion.duration + 1e-9
+        assert largest(halted) <= 1.001
+    over = stop(motion, motion.duration + 1.0, LIMITS)
+    np.testing.assert_allclose(over.controls, motion.controls)
+
+
+def test_a_motion_that_begins_later_is_left_at_its_own_knots():
+    late = replace(moving(0), start=2.0)
+    assert [cut_knot(late, time) for time in (0.0, 2.0, 2.01, 2.015)] == [0, 0, 1, 2]
+    halted, early = stop(late, 2.3, LIMITS), stop(moving(0), 0.3, LIMITS)
+    assert (halted.start, halted.zero) == (2.0, late.zero)
+    np.testing.assert_array_equal(halted.controls, early.controls)
+
+
+def test_a_stopped_motion_has_one_piece_at_least():
+    still = stay(np.zeros(3), 0.1)
+    assert len(stop(still, 0.0, LIMITS).controls) == 4

@@ -8,6 +8,7 @@ from kinesic.motion.trajectory import STEP, Trajectory
 from kinesic.motion.transition import (
     cross_over,
     delay_controls,
+    join_columns,
     keep_limits,
     knot_at,
     largest_shares,
@@ -100,3 +101,66 @@ def test_rest_at_the_end_is_cut_off():
 
 def test_knots_go_on_beyond_the_end():
     assert [knot_at(time) for time in (-1.0, 0.0, 0.0101, 0.02, 99.0)] == [0, 0, 2, 2, 9900]
+
+
+def test_a_difference_between_motions_fades_without_swinging_beyond():
+    after = wave(150, 0.3, 2.0)
+    way = cross_over(after + 0.2, after, (20, 90), roomy(LIMITS), 0)
+    away = way - after
+    assert np.all(np.diff(away) <= 1e-9)
+    assert away.min() >= -1e-9
+    assert away[:23] == pytest.approx(0.2)
+    assert away[90:] == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize(("pieces", "is_found"), [(2, False), (3, True)])
+def test_a_small_difference_is_passed_over_in_three_pieces(pieces, is_found):
+    after = np.zeros(60)
+    assert (cross_over(after + 1e-6, after, (20, 20 + pieces), roomy(LIMITS), 0) is not None) is is_found
+
+
+def test_no_motion_within_the_limits_is_none():
+    wish = np.zeros(103)
+    wish[50:] = 1.0
+    assert keep_limits(wish, 40, 60, roomy(LIMITS), 0) is None
+    assert keep_limits(wish, 0, 100, roomy(LIMITS), 0) is not None
+
+
+@pytest.mark.parametrize("at", [4, 50, 96])
+def test_only_control_points_between_the_two_knots_move_into_the_limits(at):
+    wish = wave(100, 0.1, 1.5)
+    wish[at] += 0.004
+    first, last = max(0, at - 20), min(100, at + 20)
+    column = keep_limits(wish, first, last, roomy(LIMITS), 0)
+    assert share(column) <= 1.001
+    np.testing.assert_array_equal(column[: first + 3], wish[: first + 3])
+    np.testing.assert_array_equal(column[last:], wish[last:])
+
+
+def test_what_exceeds_the_limits_outside_the_two_knots_is_left():
+    wish = wave(100, 0.1, 1.5)
+    wish[10] += 0.004
+    assert keep_limits(wish, 30, 90, roomy(LIMITS), 0) is wish
+
+
+@pytest.mark.parametrize("place", [0, -1])
+def test_an_excess_at_an_end_counts(place):
+    column = np.zeros((60, 1))
+    column[place] = 0.01
+    (found,) = largest_shares(column, LIMITS)
+    assert found == pytest.approx(share(np.ascontiguousarray(column[:, 0])))
+    assert found > 1.0
+
+
+def test_joined_columns_need_every_joint():
+    one, other = np.arange(5.0), np.ones(5)
+    np.testing.assert_array_equal(join_columns([one, other]), np.stack([one, other], axis=1))
+    assert join_columns([one, None, other]) is None
+    assert join_columns([]) is None
+
+
+def test_widened_limits_stay_within_what_the_certificate_allows():
+    wide = roomy(LIMITS)
+    for name in ("speed", "acceleration", "jerk", "duty"):
+        assert 1.0 < getattr(wide, name)[0] / getattr(LIMITS, name)[0] <= 1.001
+    assert (wide.lower, wide.upper) == (LIMITS.lower, LIMITS.upper)
