@@ -226,3 +226,33 @@ def test_gestures_that_lack_little_together_are_told_without_a_program(known, mo
     monkeypatch.setattr(clashes, "relax_key_times", lambda problem: pytest.fail("nothing can move so far apart"))
     found = plan_quickly(parse(passage_text(1)), known)
     assert {outcome.kind for outcome in found.keyframes.outcomes.values()} == {"realised"}
+
+
+def test_a_search_that_spends_the_budget_leaves_the_estimate(planned, monkeypatch):
+    def search(pair, postures, setup, budget, memory):
+        budget.spend(10 * clashes.WORK)
+        return 99.0
+
+    monkeypatch.setattr(clashes, "_search", search)
+    both, _, _ = document("love", "contrast_left_right", 0.55, BOTH)
+    found = planned(both)
+    assert found.keyframes.outcomes["next"].kind == "dropped"
+    assert float(found.keyframes.outcomes["next"].why.split(" s late")[0].rsplit(" ", 1)[1]) < 1.0
+
+
+def test_of_a_row_no_gesture_is_in_two_clashes_of_one_round(planned, monkeypatch):
+    look, rounds = clashes.ClashFinder.look, []
+
+    def spied(finder, frames, postures):
+        before = set(finder.clashes)
+        found = look(finder, frames, postures)
+        rounds.append(set(finder.clashes) - before)
+        return found
+
+    monkeypatch.setattr(clashes.ClashFinder, "look", spied)
+    lines = (f'<gesture id="g{k}" lexeme="large" {BOTH} stroke="{1 + 0.35 * k:.2f}"/>' for k in range(6))
+    planned(ROOT.format("".join(lines)))
+    assert len(rounds) > 1
+    for added in rounds:
+        ids = [id for pair in added for id in pair]
+        assert len(ids) == len(set(ids))

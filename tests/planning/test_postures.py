@@ -12,7 +12,10 @@ from kinesic.bml.block import (
     TimedBehaviour,
     Timeline,
 )
+from kinesic.body.arrays import sealed
+from kinesic.body.reach import Reach
 from kinesic.expressivity.context import BlockContext, Context
+from kinesic.expressivity.keyframes import Hand, KeyFrame, KeyFrames, Turn
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.realise import keyframes
 from kinesic.expressivity.style.pace import Pace
@@ -100,3 +103,54 @@ def test_left_and_right_are_mirror_images():
 def test_what_is_out_of_reach_is_said():
     found = solved(Gesture("offer", "both"))
     assert max(found.misses.values()) < 1e-6
+
+
+def frames_of_left_hand(*places, uses=frozenset({"l_hand"})) -> KeyFrames:
+    """One key a second of the left hand alone, at places [m] or at rest (None)."""
+    timeline = Timeline(Block("b", ()), ())
+    frames = [
+        KeyFrame(
+            float(k),
+            Turn(),
+            Turn(),
+            {"l": Hand() if place is None else Hand(Reach(sealed(place))), "r": Hand()},
+            frozenset({"l_hand"}),
+            (("b0", "stroke"),) if place is not None else (),
+        )
+        for k, place in enumerate(places)
+    ]
+    return KeyFrames(timeline, tuple(frames), {}, {"b0": uses})
+
+
+def test_the_torso_leans_for_a_far_hand_and_is_keyed_before_and_after():
+    near, far = (0.3, 0.2, 0.8), (0.55, 0.2, 0.8)
+    found = postures(frames_of_left_hand(None, near, near, far, near, near, None), ROBOT, DISTANCES).postures
+    torso = list(ROBOT.joints("torso"))
+    assert [bool(np.any(posture.angles[torso])) for posture in found] == [
+        False,
+        False,
+        False,
+        True,
+        False,
+        False,
+        False,
+    ]
+    assert [posture.keyed[torso[0]] for posture in found] == [True, False, True, True, True, False, True]
+
+
+def test_what_no_lean_reaches_is_missed_by_the_behaviour_that_moves_the_hand():
+    away = (3.0, 0.2, 0.8)
+    found = postures(frames_of_left_hand(None, (0.3, 0.2, 0.8), away, None), ROBOT, DISTANCES)
+    at = next(posture for posture in found.postures if posture.time == 2.0)
+    wrist = ROBOT.skeleton.frames(at.angles).origins[ROBOT.arm("l").wrist]
+    assert found.misses == {"b0": pytest.approx(np.linalg.norm(wrist - away))}
+    assert found.misses["b0"] > 1.0
+    assert postures(frames_of_left_hand(None, away, None, uses=frozenset({"r_hand"})), ROBOT, DISTANCES).misses == {}
+
+
+@pytest.mark.parametrize(("start", "begins"), [(0.0, False), (0.001, False), (0.5, True)])
+def test_the_rest_pose_at_the_start_is_no_second_key_there(start, begins):
+    found = solved(Gesture("offer", "left"), start=start).postures
+    times = [posture.time for posture in found]
+    assert times == sorted(set(times))
+    assert bool(times[0] == 0.0 and times[1] == start) is begins
