@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import kinesic
+from kinesic import performer as front_door
 from kinesic.body.command import Command
 from kinesic.body.config import CONFIGS
 from kinesic.controller.perform import dry_run, facts
@@ -17,6 +18,7 @@ from kinesic.controller.play import command_times
 from kinesic.expressivity.idle import Idling
 from kinesic.expressivity.variation import Variation
 from kinesic.planning.bap import read_bap
+from kinesic.sim.servo_factors import NOMINAL, Factors
 
 NOD = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">'
@@ -318,3 +320,69 @@ def test_what_others_say_is_neither_spoken_nor_remarked():
     assert [notice.text for notice in plan.notices if notice.id.endswith(":t")] == [
         "speech 't' is skipped: Bert performs it"
     ]
+
+
+@pytest.fixture
+def servo_runs(monkeypatch) -> list[kinesic.Performance]:
+    """What would have been performed on servos that are all there."""
+    performed: list[kinesic.Performance] = []
+    monkeypatch.setattr(front_door, "_check_ports", lambda robot, ports: None)
+    monkeypatch.setattr(front_door, "_perform_on_servos", lambda run, ports: performed.append(run))
+    return performed
+
+
+def test_servos_do_not_move_where_a_check_of_the_twin_fails(performer, servo_runs):
+    wave = '<bml id="b"><gesture id="g" lexeme="greet_wave" mode="RIGHT_HAND" stroke="1.5"/></bml>'
+    failed = performer.perform(wave, on="servos", twin=Factors(stall=0.05, gain=0.05))
+    assert not failed.ok
+    assert servo_runs == []
+    assert failed.servos is None
+
+
+def test_servos_perform_once_what_the_twin_did_well(performer, plan, servo_runs):
+    run = performer.perform(plan, on="servos")
+    assert run.ok
+    assert [each.plan for each in servo_runs] == [plan]
+    servo_runs.clear()
+    performer.perform(plan)
+    assert servo_runs == []
+
+
+def test_goals_in_the_twin_lead_by_what_its_own_servos_are_believed_to_be(performer, plan):
+    late = Factors(latency=0.05)
+    own, usual = performer.perform(plan, twin=late), performer.perform(plan, twin=late, believed=NOMINAL)
+    assert not np.array_equal(own.measured.angles, usual.measured.angles)
+    np.testing.assert_array_equal(
+        performer.perform(plan, twin=late, believed=late).measured.angles, own.measured.angles
+    )
+    both = performer.perform(plan, twin="pessimistic", believed=NOMINAL)
+    np.testing.assert_array_equal(performer.perform(plan, twin="pessimistic").measured.angles, both.measured.angles)
+
+
+def test_goals_are_led_and_corrected_as_requested(performer, plan):
+    mine, plain = Mine(), Mine()
+    performer.perform(plan, sinks=[mine])
+    performer.perform(plan, sinks=[plain], feedforward="none")
+    setpoints = np.array([command.goals for command in plain.commands])
+    np.testing.assert_allclose(setpoints, [command.angles for command in plain.commands], atol=1e-12)
+    assert any(np.abs(command.goals - command.angles).max() > 1e-4 for command in mine.commands)
+    runs = [performer.perform(plan, feedforward="none", correction=correction) for correction in (True, False)]
+    assert not np.array_equal(runs[0].measured.angles, runs[1].measured.angles)
+
+
+def test_text_that_begins_like_a_document_is_one(performer):
+    for text in (NOD, "\ufeff \n" + NOD, NOD.encode()):
+        assert performer.plan(text).timeline.block.source == "<text>"
+    with pytest.raises(kinesic.BmlError, match="give a path"):
+        performer.plan("nod.bml")
+    with pytest.raises(kinesic.BmlError, match="the document is empty"):
+        performer.plan("")
+
+
+def test_a_sink_without_close_is_refused(performer, plan):
+    class Half:
+        def write(self, command: Command, /) -> None:
+            raise AssertionError("it gets no command")
+
+    with pytest.raises(TypeError, match="Half lacks close"):
+        performer.perform(plan, sinks=[Half()])

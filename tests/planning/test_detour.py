@@ -186,3 +186,55 @@ def test_a_clear_posture_is_looked_for_once(monkeypatch):
     assert len(here) == len(set(here))
     for one, other in zip(*(led.postures for led in found), strict=True):
         np.testing.assert_array_equal(one.angles, other.angles)
+
+
+@pytest.mark.parametrize(("away", "is_near"), [(0.0, True), (0.9, True), (1.1, False)])
+def test_a_key_is_near_within_the_least_step(away, is_near):
+    only_left = course(key(0.0), key(1.0, left=IN_FRONT), key(2.0, right=IN_FRONT), key(3.0))
+    for side in (-1, 1):
+        time = 1.0 + side * away * LEAST_STEP
+        assert only_left.near(tuple(LEFT), time) == (1 if is_near else None)
+        assert only_left.near(tuple(RIGHT), time) is None
+
+
+def test_no_two_keys_are_asked_for_at_one_time_and_all_stay_in_order():
+    longer = CROSSING
+    for time, arm in ((1.5, LEFT), (1.5, RIGHT), (0.5, LEFT)):
+        longer = longer.extended(time, longer.at(time), tuple(arm))
+    times = [posture.time for posture in longer.postures]
+    assert times == sorted(set(times))
+    assert len(times) == len(CROSSING.postures) + 3
+    assert np.all(np.diff(longer.planned) >= 0.0)
+
+
+def test_only_arms_with_the_same_keys_move_together():
+    arms = [tuple(LEFT), tuple(RIGHT)]
+    assert CROSSING.keyed_alike(arms) == [(*LEFT, *RIGHT)]
+    apart = course(key(0.0), key(1.0, left=IN_FRONT), key(3.0))
+    assert apart.keyed_alike(arms) == arms
+
+
+def test_a_moved_arm_leaves_the_other_and_other_postures_alone():
+    moved = CROSSING.moved(1, CROSSING.postures[1].angles + 0.1, tuple(LEFT))
+    for k, (before, after) in enumerate(zip(CROSSING.postures, moved.postures, strict=True)):
+        np.testing.assert_allclose(after.angles[LEFT] - before.angles[LEFT], 0.1 if k == 1 else 0.0)
+        np.testing.assert_array_equal(after.angles[RIGHT], before.angles[RIGHT])
+
+
+def test_longer_motions_may_change_more_as_far_as_that_costs_no_more():
+    assert [detour._most_changes(seconds) for seconds in (0.5, 10.0, 40.0, 150.0, 1000.0)] == [16, 16, 64, 17, 16]
+
+
+def test_detours_of_both_sides_are_found():
+    made = course(
+        key(0.0), key(1.0, right=HIGHER), key(2.0, right=IN_FRONT), synced(key(2.5, right=REST[RIGHT]), "g"), key(3.0)
+    )
+    assert made.detours(1.5, [tuple(RIGHT)]) == {1, 2}
+    assert made.detours(2.2, [tuple(RIGHT)]) == {2}
+    assert made.detours(1.5, []) == set()
+
+
+def test_what_nothing_helps_is_left(monkeypatch):
+    monkeypatch.setattr(detour, "separate", lambda *given: None)
+    together = course(key(0.0), key(1.0, left=IN_FRONT), key(1.4, right=IN_FRONT), key(1.8, left=HIGHER), key(3.0))
+    assert lead_around(together, DISTANCES, least=LEAST) is together

@@ -27,14 +27,15 @@ def largest(trajectory, limits) -> float:
 
 def test_a_quintic_of_its_duration_keeps_every_limit():
     s = np.linspace(0, 1, 2001)
-    for way in (0.001, 0.03, 0.4, 3.9):
+    for way in (0.001, 0.03, 0.4, -0.4, 3.9):
         t = quintic_duration(way, LIMITS, 0)
         speed = way / t * 30 * (s**2 - 2 * s**3 + s**4)
         acceleration = way / t**2 * (60 * s - 180 * s**2 + 120 * s**3)
         jerk = way / t**3 * (60 - 360 * s + 360 * s**2)
         duty = LIMITS.inertial * acceleration + LIMITS.viscous * speed
-        for values, limit in ((speed, 4), (acceleration, 40), (jerk, 1e3), (duty, 0.7)):
-            assert np.abs(values).max() <= limit
+        rows = (speed, acceleration, jerk, duty)
+        used = [np.abs(values).max() / limit for values, limit in zip(rows, (4, 40, 1e3, 0.7), strict=True)]
+        assert 0.2 < max(used) <= 1.0, "and not much longer than some limit asks for"
     assert quintic_duration(0.0, LIMITS, 0) == 0.0
 
 

@@ -8,6 +8,7 @@ from kinesic.controller.perform import set_up
 from kinesic.expressivity.keyframes import Hand
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.planning.collision import EXACT, HOVER, SLACK, TipTouch
+from kinesic.sim.worst_postures import random_postures
 from kinesic.studies.gestures.isolated import plan_gesture
 
 
@@ -44,3 +45,29 @@ def test_a_tip_needs_something_to_touch(tmp_path):
     file.write_text(f'category = "emblem"\n[[gesture]]\nid = "poke"\nkeys = [{hand}]\n', encoding="utf-8")
     with pytest.raises(ConfigError, match="gesture poke: tip is 'index' and touch is missing"):
         Lexicon.load(file)
+
+
+@pytest.mark.parametrize("touch", ["chest", "head", "forearm", "upper_arm", "hand"])
+def test_the_gap_of_a_tip_is_its_distance_from_the_nearest_capsule(known, touch):
+    robot = known.robot
+    postures = random_postures(robot.skeleton, 12, seed=3)
+    found = TipTouch.of("l", Hand(touch=touch, tip="index"), robot)
+    frames = robot.skeleton.frames(postures)
+    place = frames.origins[:, found.tip.segment] + frames.rotations[:, found.tip.segment] @ found.tip.place
+    if touch == "hand":
+        other = robot.finger_tips("r")["index"]
+        points, radii = (
+            [frames.origins[:, other.segment] + frames.rotations[:, other.segment] @ other.place],
+            [other.radius],
+        )
+    else:
+        segment, along = robot.skeleton.segments[found.other], np.linspace(0.0, 1.0, 400)
+        pairs = [(capsule, share) for capsule in segment.capsules for share in along]
+        points = [
+            frames.origins[:, found.other]
+            + frames.rotations[:, found.other] @ (capsule.start + share * (capsule.end - capsule.start))
+            for capsule, share in pairs
+        ]
+        radii = [capsule.radius for capsule, _ in pairs]
+    apart = [np.linalg.norm(place - point, axis=1) - radius for point, radius in zip(points, radii, strict=True)]
+    np.testing.assert_allclose(found.gaps(postures), np.min(apart, axis=0) - found.tip.radius, atol=2e-4)
