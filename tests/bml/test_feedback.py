@@ -4,6 +4,7 @@ from xml.etree import ElementTree
 
 from kinesic.bml.block import Behaviour, Block, Head, Notice, NoticeType, Place, Speech
 from kinesic.bml.feedback import block_progress, prediction, sync_point_progress, warning
+from kinesic.bml.reading.namespaces import KINESIC
 from kinesic.bml.timing.constraints import Point
 from kinesic.body.utterance import Script
 
@@ -36,3 +37,40 @@ def test_warnings_are_escaped() -> None:
     root = ElementTree.fromstring(warning(notice))
     assert root.attrib == {"id": 'b:"<&>', "type": "CUSTOM_BEHAVIOUR_NOT_SUPPORTED"}
     assert root.text == notice.text
+
+
+OWN = "{" + KINESIC + "}"
+
+
+def test_what_the_body_was_seen_to_do_stands_in_a_namespace_of_its_own() -> None:
+    root = ElementTree.fromstring(
+        sync_point_progress(Point("b", "h", "stroke"), 1.25, 7.5, character="c", measured=7.58)
+    )
+    assert root.attrib == {
+        "characterId": "c",
+        "id": "b:h:stroke",
+        "time": "1.25",
+        "globalTime": "7.5",
+        f"{OWN}measuredGlobalTime": "7.58",
+        f"{OWN}lag": "0.08",
+    }
+    root = ElementTree.fromstring(block_progress("b", "end", 3.0, character="c", state="INTERRUPTED", measured=3.1))
+    assert root.attrib == {
+        "characterId": "c",
+        "id": "b:end",
+        "globalTime": "3.0",
+        f"{OWN}state": "INTERRUPTED",
+        f"{OWN}measuredGlobalTime": "3.1",
+    }
+    assert (
+        ElementTree.fromstring(warning(Notice(NoticeType.PARSING_FAILURE, "b", "x"), character="c")).get("characterId")
+        == "c"
+    )
+
+
+def test_a_behaviour_without_a_known_type_is_a_behavior_and_prefixes_are_left_out() -> None:
+    behaviours = (Behaviour("g", "own:gesture", Head("NOD"), Place(1, 1)),)
+    root = ElementTree.fromstring(prediction(Block("b", behaviours), 0.0, 1.0, {"g": {"start": 1e-7}, "x": {}}))
+    _, known, other = root
+    assert (known.tag, known.get("start"), other.tag) == (f"{NAMESPACE}gesture", "0.0", f"{NAMESPACE}behavior")
+    assert "characterId" not in root.attrib

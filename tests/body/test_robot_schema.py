@@ -3,10 +3,18 @@ import tomllib
 import msgspec
 import pytest
 
-from kinesic.body.config import read_toml
+from kinesic.body.config import ConfigError, read_toml
 from kinesic.body.robot import Robot
 from kinesic.body.robot_file import robot_from_tables
-from kinesic.body.robot_schema import RobotFile, ServoTable, robot_text
+from kinesic.body.robot_schema import (
+    CouplingTable,
+    HingeTable,
+    LimitsTable,
+    RobotFile,
+    ServoTable,
+    changes_text,
+    robot_text,
+)
 
 
 @pytest.fixture(scope="module")
@@ -38,3 +46,58 @@ def test_a_robots_own_servos_win(file, tmp_path):
     description = robot_from_tables(file, tmp_path / "robot.toml")
     assert description.mounts[0].drive.servo.stall_nm == 10.0
     assert description.skeleton.hinges[0].at.tolist() == [0.01, 0.0, -0.02]
+
+
+def with_drives(file, drives):
+    """The robot with drives of its first hinges, the others as they are."""
+    hinges = [msgspec.structs.replace(hinge, **drive) for hinge, drive in zip(file.hinge, drives, strict=False)]
+    return msgspec.structs.replace(file, hinge=[*hinges, *file.hinge[len(hinges) :]])
+
+
+LIMITED = {"servo": None, "mount": None, "limits": LimitsTable(90.0, 900.0, 5.0), "count": 1, "reduction": 1.0}
+
+
+def test_hinges_with_and_without_servos_are_not_mixed(file, tmp_path):
+    mixed = with_drives(file, [LIMITED])
+    first, second = (hinge.name for hinge in file.hinge[:2])
+    with pytest.raises(ConfigError, match=f"{second} has a servo and {first} has limits: give all hinges servos"):
+        robot_from_tables(mixed, tmp_path / "robot.toml")
+
+
+def test_a_robot_without_servos_has_no_bus(file, tmp_path):
+    limited = with_drives(file, [LIMITED] * len(file.hinge))
+    assert len(robot_from_tables(limited, tmp_path / "robot.toml").mounts) > 0
+    with pytest.raises(ConfigError, match=r"\[\[bus\]\], but no hinge has a servo"):
+        robot_from_tables(msgspec.structs.replace(limited, bus=[{}]), tmp_path / "robot.toml")
+
+
+@pytest.mark.parametrize(
+    ("drive", "said"),
+    [
+        ({"servo": None}, "give servo and mount, or limits"),
+        ({"mount": None}, "give servo and mount, or limits"),
+        (LIMITED | {"count": 2}, "has limits and count"),
+        (LIMITED | {"reduction": 2.0}, "has limits and reduction"),
+        ({"limits": LimitsTable(90.0, 900.0, 5.0), "count": 1, "reduction": 1.0}, "has limits and servo"),
+        (LIMITED | {"limits": LimitsTable(90.0, 0.0, 5.0)}, "limits.acceleration_deg is 0, must be above 0"),
+    ],
+)
+def test_what_drives_a_hinge_is_a_servo_or_limits(file, tmp_path, drive, said):
+    with pytest.raises(ConfigError, match=said):
+        robot_from_tables(with_drives(file, [drive]), tmp_path / "robot.toml")
+
+
+def test_a_hinge_without_a_drive_of_its_own_is_one_servo_without_a_belt():
+    hinge = HingeTable("h", "b", (1.0, 0.0, 0.0), (0.0, 90.0))
+    assert (hinge.count, hinge.reduction, hinge.at) == (1, 1.0, (0.0, 0.0, 0.0))
+    coupling = CouplingTable("c", "b", (1.0, 0.0, 0.0), (0.0, 90.0), "h")
+    assert (coupling.ratio, coupling.offset_deg) == (1.0, 0.0)
+
+
+def test_changes_of_a_robot_that_extends_another_are_written_with_their_defaults(file):
+    text = changes_text([], file.hinge[:1], {}, robot={"name": "own", "extends": "upper22"}, heading=["mine"])
+    read = tomllib.loads(text)
+    assert text.startswith("# mine\n")
+    assert read["robot"] == {"name": "own", "extends": "upper22"}
+    assert (read["hinge"][0]["count"], read["hinge"][0]["reduction"]) == (file.hinge[0].count, file.hinge[0].reduction)
+    assert "sites" not in read

@@ -1,9 +1,11 @@
+from dataclasses import replace
 from math import pi
 
+import numpy as np
 import pytest
 
 from kinesic.body.robot_file import servo_models
-from kinesic.body.servo import Drive
+from kinesic.body.servo import Drive, Drives, follow_lags
 
 
 @pytest.fixture(scope="module")
@@ -62,3 +64,40 @@ def test_figures_of_a_model_are_plausible(name: str):
     assert 0.1 < mechanical / (model.volt * model.stall_a) < 0.5
     assert 0 < model.frictionloss < 0.1 * model.stall_nm
     assert all(0.01 < side < 0.1 for side in model.size)
+
+
+def test_the_d_term_brakes_by_the_ticks_of_a_millisecond(xm540: Drive):
+    """D / 16 counts of 885 for each tick by which the error changes in 1 ms."""
+    damped = replace(xm540, servo=replace(xm540.servo, d_gain=1600.0))
+    ticks = 4096 / (2 * pi) / 1000  # in a millisecond at 1 rad/s
+    assert damped.rate_gain == pytest.approx(damped.stall * 100 * ticks / 885)
+    assert replace(damped, reduction=2.5).rate_gain == pytest.approx(6.25 * damped.rate_gain)
+
+
+def test_a_belt_makes_friction_larger_and_speed_smaller(xm540: Drive):
+    rubbing = replace(xm540, servo=replace(xm540.servo, damping=0.2, frictionloss=0.3))
+    belt = replace(rubbing, reduction=3.0)
+    assert (belt.damping, belt.frictionloss) == pytest.approx((9 * rubbing.damping, 3 * rubbing.frictionloss))
+    assert rubbing.damping == 0.2
+    assert belt.speed == pytest.approx(0.8 * xm540.no_load / 3.0)
+
+
+def test_servos_that_lead_by_their_lag_give_no_torque_at_a_constant_speed(xm540: Drive):
+    damped = replace(xm540, servo=replace(xm540.servo, d_gain=1600.0), reduction=2.5)
+    drives, speeds = Drives((xm540, damped)), np.array([[0.5, -0.3]])
+    lags = follow_lags(drives)
+    duties = drives.demanded(lags * speeds, speeds)
+    np.testing.assert_allclose(drives.loads(duties, speeds, np.ones(1)), 0.0, atol=1e-12)
+    assert lags[1] > lags[0] > 0.01
+    weak = drives.loads(np.ones((1, 2)), np.zeros((1, 2)), np.array([0.5]))
+    np.testing.assert_array_equal(weak, 0.5)
+
+
+def test_figures_of_all_drives_are_rows_in_joint_order(xm540: Drive):
+    pair = replace(xm540, count=2)
+    drives = Drives((xm540, pair))
+    assert drives.stall.tolist() == [xm540.stall, pair.stall]
+    assert drives.servo_current.tolist() == [xm540.servo.stall_a] * 2
+    assert drives.stall_current.tolist() == [xm540.servo.stall_a, 2 * xm540.servo.stall_a]
+    assert drives.idle_current.tolist() == [xm540.servo.idle_a, 2 * xm540.servo.idle_a]
+    assert drives.volt.tolist() == [xm540.servo.volt] * 2

@@ -384,3 +384,7 @@ def test_stroke_of_a_nod_is_not_before_the_one_before_it(robot, pace, nod_times)
 def test_full_repetition_adds_as_much_as_half_of_it_does_twice(robot):
     added = [head_form(Head("NOD"), robot, Expressivity(repetition=share)).more for share in (-1.0, 0.0, 0.5, 1.0)]
     assert added == [0, 0, MORE // 2, MORE]
+
+
+def test_a_direction_that_repeats_twice_is_gone_to_twice(robot):
+    assert head_form(Head("LEFT", repetition=2), robot, Expressivity()).swings == (1.0, 0.0, 1.0, 0.0)

@@ -41,6 +41,7 @@ def test_a_posture_without_anything_that_can_be_done_is_dropped(perform):
     outcome = perform(("p", Posture(poses=(("LEGS", "LEGS_CROSSED"),)), posture_times(0, 1, 2, 3))).outcomes["p"]
     assert outcome.kind == "dropped"
     assert "LEGS_CROSSED" in outcome.why
+    assert "stance" not in outcome.why
 
 
 def test_leaning_forward_is_a_pose_of_the_trunk(perform):

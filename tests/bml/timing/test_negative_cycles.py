@@ -1,5 +1,9 @@
 """Contradictions among distances."""
 
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
 from kinesic.bml.timing.constraints import Point
 from kinesic.bml.timing.negative_cycles import Edge, contradictions
 
@@ -24,3 +28,28 @@ def test_a_point_after_itself() -> None:
 
 def test_rounding_is_no_contradiction() -> None:
     assert contradictions([Edge(A, B, 0.1), Edge(B, C, 0.2), Edge(C, A, -0.3)]) == []
+
+
+edges_ = st.lists(
+    st.tuples(st.integers(0, 4), st.integers(0, 4), st.integers(-3, 3)).map(
+        lambda row: Edge(Point("b", str(row[0]), "start"), Point("b", str(row[1]), "start"), 0.5 * row[2])
+    ),
+    max_size=10,
+)
+
+
+@given(edges_)
+@settings(max_examples=300)
+def test_a_loop_is_found_exactly_where_distances_contradict_one_another(edges) -> None:
+    longest = np.full((5, 5), -np.inf)
+    for edge in edges:
+        row, column = int(edge.tail.behaviour), int(edge.head.behaviour)
+        longest[row, column] = max(longest[row, column], edge.gap)
+    for middle in range(5):
+        longest = np.maximum(longest, longest[:, [middle]] + longest[[middle], :])
+    found = contradictions(edges)
+    assert bool(found) is bool((np.diag(longest) > 0.0).any())
+    for loop in found:
+        assert sum(edge.gap for edge in loop) > 0.0
+        assert all(edge in edges for edge in loop)
+        assert all(edge.head == after.tail for edge, after in zip(loop, [*loop[1:], loop[0]], strict=True))

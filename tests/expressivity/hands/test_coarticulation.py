@@ -318,3 +318,35 @@ def test_one_hand_alone_is_said_to_be_kept_from_the_other_by_another_stroke(pace
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 2.2), (right(A, B, C),))
     second = Stroke("g2", phases(0.4, 1.0, 1.0, 1.2, 1.2, 1.4, 2.0), (both(),))
     assert "busy with the stroke of g1 until 1.40 s" in arrange_hands([first, second], pace).outcomes["g2"].why
+
+
+@pytest.fixture
+def counting(phases):
+    """Two numbers of a series whose strokes overlap, each either on the right or on the left hand."""
+    first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.6, 1.7, 2.4), (right(A, B, C),), series="count")
+    second = Stroke("g2", phases(0.8, 1.2, 1.2, 1.3, 1.9, 2.0, 2.6), (right(C, A, B),), series="count")
+    return [first, second]
+
+
+def test_numbers_that_overlap_are_shown_once_at_their_words(pace, counting):
+    found = arrange_hands(counting, pace, FREE)
+    assert not any(outcome.kind == "dropped" for outcome in found.outcomes.values())
+    for stroke in counting:
+        (work,) = [work for work in found.works if work.id == stroke.id]
+        assert work.at("stroke") == pytest.approx(stroke.times["stroke"])
+
+
+def test_numbers_whose_strokes_the_document_places_are_not_shortened(pace, counting):
+    tied = {id: frozenset({"strokeStart", "stroke", "strokeEnd"}) for id in ("g1", "g2")}
+    found = arrange_hands(counting, pace, tied)
+    assert found.outcomes["g2"].kind == "dropped"
+    assert found.outcomes.keys() == {"g2"}
+
+
+def test_a_hand_that_leaves_a_two_handed_gesture_keeps_no_key_of_it(pace, phases):
+    first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 2.2), (both(),))
+    second = Stroke("g2", phases(0.4, 1.0, 1.0, 1.2, 1.2, 1.4, 2.0), (right(C, A),))
+    found = arrange_hands([first, second], pace)
+    (work,) = [work for work in found.works if work.id == "g1"]
+    assert work.poses.hands.keys() == {"l"}
+    assert hand_at(found.hands["l"], 1.0, resting_hands(pace.robot)["l"]) is M
