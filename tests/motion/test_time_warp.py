@@ -5,6 +5,7 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
+from kinesic.motion.budget import Budget
 from kinesic.motion.infeasibility import measure_shortage
 from kinesic.motion.key_time_lp import KeyTimeProblem, strain
 from kinesic.motion.keys import KeyPosture, Keys
@@ -71,3 +72,27 @@ def test_times_that_suffice_stay():
 def test_what_cannot_be_measured_is_none():
     unknown = [(segment, None) for segment, _ in measure(KEYS.asked)]
     assert stretch_until_enough(PROBLEM, KEYS.asked, LIMITS, lambda times: unknown) is None
+
+
+@pytest.mark.parametrize("radius", [0.02, 0.1])
+def test_a_step_stretches_no_gap_by_more_than_its_radius(radius):
+    times = stretch_times(PROBLEM, KEYS.asked, measure(KEYS.asked), limits=LIMITS, radius=radius, reserves=[MARGIN])
+    change = np.diff(times) / np.diff(KEYS.asked) - 1.0
+    assert np.abs(change).max() <= radius + 1e-3
+    assert np.abs(change).max() > 0.5 * radius
+
+
+def test_a_larger_reserve_leaves_more_time():
+    lacks = measure(KEYS.asked)
+    spans = [
+        np.ptp(stretch_times(PROBLEM, KEYS.asked, lacks, limits=LIMITS, radius=0.4, reserves=[reserve]))
+        for reserve in (MARGIN, 0.02, 0.05)
+    ]
+    assert spans == sorted(spans)
+    assert spans[0] < spans[-1]
+
+
+def test_nothing_is_found_without_a_budget():
+    budget = Budget(1)
+    assert stretch_until_enough(PROBLEM, KEYS.asked, LIMITS, measure, budget) is None
+    assert budget.spent
