@@ -209,3 +209,10 @@ def test_a_weak_expression_is_as_strong_as_asked_at_its_peak_and_fades_while_it_
     assert np.all(np.diff(held) < 0.0)
     strong = course.at(np.linspace(1.0, 3.0, 21), Expressivity(power=0.5))
     assert strong[0] > strong[-1] == pytest.approx(1.0)
+
+
+def test_twice_the_power_overshoots_twice_as_far():
+    course = Envelope.of({"start": 0.0, "attackPeak": 1.0, "relax": 3.0, "end": 4.0})
+    half, full = (course.at(np.array([1.0]), Expressivity(power=power))[0] - 1.0 for power in (0.5, 1.0))
+    assert full == pytest.approx(2 * half)
+    assert 0.1 < full < 0.5

@@ -13,6 +13,7 @@ from kinesic.expressivity.face.eyes import (
     OPENING,
     SHUT,
     GazeDirection,
+    Habits,
     blink_times,
     blinking,
     flitting,
@@ -149,3 +150,33 @@ def test_small_saccades_go_to_all_sides_and_half_as_far_up_and_down():
     assert 0.3 < up / left < 0.7
     assert 0.4 * FLITTING < left < FLITTING
     assert len(np.unique(rests.round(9), axis=0)) > 50
+
+
+def test_blinks_that_turns_or_words_bring_are_as_far_apart_as_any():
+    begins = np.array(blink_times((0.0, 60.0), (), 3, also=np.arange(0.1, 60.0, 0.3).tolist()))
+    assert begins[0] == pytest.approx(0.1)
+    assert np.diff(begins).min() >= LEAST_GAP - 1e-9
+    assert np.diff(begins).max() < LEAST_GAP + 0.6
+    assert blink_times((5.0, 6.0), (), 3, also=[4.9, 6.0, 6.1]) == blink_times((5.0, 6.0), (), 3)
+
+
+def test_eyes_rest_between_small_saccades_as_long_as_people_do():
+    times = np.arange(0.0, 800.0, 0.02)
+    moving = np.abs(np.diff(flitting((0.0, 800.0), times, 4), axis=0)).max(axis=1) > 1e-12
+    begins = times[:-1][moving & ~np.append(False, moving[:-1])]
+    assert np.diff(begins).min() > 0.4
+    assert 1.4 < np.diff(begins).mean() < 2.6  # two of five saccades go nowhere from where none was
+
+
+def test_eyes_that_are_told_nothing_blink_and_flit():
+    habits = Habits(seed=3)
+    assert habits.blinks
+    assert habits.saccades
+
+
+def test_eyes_look_down_with_a_gesture_that_looks_down(context):
+    block = parse(
+        BML.format('<gesture id="g" lexeme="beat" start="1" strokeStart="2" stroke="2.5" relax="3.5" end="4"/>')
+    )
+    (look,) = gesture_looks(schedule(block, {}, {}), {"g": BodyMove(eyes=Turn(torsion=0.3, tilt=0.2))})
+    assert (look.left, look.up) == (0.3, -0.2)

@@ -9,6 +9,7 @@ from kinesic.body.command import NO_FACE
 from kinesic.body.utterance import Utterance
 from kinesic.expressivity.face.eyes import Eyes, GazeDirection, Habits, flitting, gaze_units
 from kinesic.expressivity.face.tracks import Channels, face_at_ticks, face_track, outcome
+from kinesic.expressivity.keyframes import BodyMove
 from kinesic.expressivity.style.resolve import resolve_styles
 from kinesic.expressivity.style.style import Expressivity, Style
 from kinesic.speech.durations import DurationModel
@@ -185,3 +186,23 @@ def test_eyes_show_a_gaze_and_the_small_saccades_about_it():
     strayed = flitting((float(TIMES[0]), float(TIMES[-1])), TIMES, 3)
     for channel, values in gaze_units(strayed).items():
         np.testing.assert_allclose(shown.get(channel, 0.0) * np.ones(len(TIMES)), values, atol=1e-12)
+
+
+def test_the_face_of_a_gesture_comes_with_its_stroke_and_goes_with_the_hands():
+    timeline, said = scheduled(
+        '<gesture id="g" lexeme="beat" start="1" ready="1.8" strokeStart="1.8" stroke="2" strokeEnd="2.2" relax="3" '
+        'end="4"/>'
+    )
+    styles = resolve_styles(Style(), timeline.block)
+    bodies = {"g": BodyMove(face=(("smile", 0.5),))}
+    shown = face_track(timeline, said, TIMES, styles=styles, bodies=bodies)
+    assert shown
+    for values in shown.values():
+        assert at(values, 0.9) == at(values, 4.1) == 0.0
+        assert at(values, 2.0) == at(values, 3.0) == pytest.approx(values.max())
+        assert 0.0 < at(values, 1.6) < values.max()
+
+
+def test_an_expression_that_is_only_partly_known_is_substituted_with_the_reason():
+    found = outcome(Face(("smile", "xyzzy")))
+    assert (found.kind, "xyzzy" in found.why) == ("substituted", True)
