@@ -106,3 +106,14 @@ def test_ties_between_behaviours_bind_both_ways_and_orders_one_way():
     }
     assert Bond(("one", "end"), ("three", "start"), 0.0) in found
     assert not [bond for bond in found if bond.earlier[0] == bond.later[0]]
+
+
+def test_a_wrong_name_is_told_the_points_of_its_own_behaviour_alone(known) -> None:
+    face = '<faceLexeme id="f" lexeme="smile" start="0" attackPeak="1" relax="2" end="3"/>'
+    text = f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD"/>{face}</bml>'
+    syncs = plan(text, known).syncs
+    assert syncs["h:stroke"].behaviour == "h"
+    with pytest.raises(KeyError) as refused:
+        syncs["h:xyzzy"]
+    assert "stroke" in str(refused.value)
+    assert "attackPeak" not in str(refused.value)
