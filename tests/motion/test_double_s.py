@@ -41,6 +41,7 @@ def simulated(distance, speed, acceleration, jerk):
     [
         (2.0, 1.5, 10.0, 250.0),  # cruises
         (0.3, 2.0, 10.0, 250.0),  # reaches its acceleration
+        (0.02, 2.0, 10.0, 250.0),  # just does not
         (0.001, 2.0, 10.0, 250.0),  # reaches neither
         (2.0, 1.0, 50.0, 100.0),  # cruises before it has its acceleration
         (0.01, 1.0, 50.0, 100.0),

@@ -96,3 +96,19 @@ def test_nothing_is_found_without_a_budget():
     budget = Budget(1)
     assert stretch_until_enough(PROBLEM, KEYS.asked, LIMITS, measure, budget) is None
     assert budget.spent
+
+
+def test_a_growing_stretch_changes_a_parabola_as_calculus_says():
+    """Time stretched by s t takes 2 s t^2 off the speed of t^2, 6 s t off its acceleration and 6 s off its jerk."""
+    (segment, _) = measure(KEYS.asked)[0]
+    grid, share = segment.grid, 0.3
+    k, h = grid.pieces, grid.step
+    knots, middles = h * np.arange(k + 1), h * (np.arange(k + 2) - 0.5)
+    controls = (h * (np.arange(k + 3) - 1.0)) ** 2 - h**2 / 3
+    changed = _change(segment, controls, LIMITS) @ (share * middles)
+    speed, acceleration, jerk, duty = np.split(changed, np.cumsum([k + 2, k + 1, k]))
+    np.testing.assert_allclose(speed, -2 * share * middles**2 / LIMITS.speed)
+    np.testing.assert_allclose(acceleration, -6 * share * knots / LIMITS.acceleration, atol=1e-9)
+    np.testing.assert_allclose(jerk, np.full(k, -6 * share) / LIMITS.jerk, atol=1e-9)
+    needed = LIMITS.inertial * 6 * share * knots + LIMITS.viscous * 2 * share * knots**2
+    np.testing.assert_allclose(duty, -needed / grid.duty(LIMITS)[0], rtol=1e-3, atol=1e-6)

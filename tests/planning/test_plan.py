@@ -12,7 +12,7 @@ from kinesic.bench.plan import violations
 from kinesic.bml.parse import parse
 from kinesic.body.arrays import Floats
 from kinesic.body.limits import Limits
-from kinesic.controller.perform import plan
+from kinesic.controller.perform import plan, set_up
 from kinesic.expressivity.hands.poses import poses
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.motion import key_time_lp, key_times
@@ -197,3 +197,14 @@ def test_repeated_nods_at_the_same_time_never_start_a_long_linear_program(known:
     late = {notice.id for notice in made.notices}
     assert late >= {f"b:h{k}" for k in range(1, 60)}  # each is warned of, or left out by name
     assert {sync.behaviour for sync in made.syncs} == {f"h{k}" for k in range(60)}
+
+
+def test_a_held_pose_is_not_frozen_where_the_body_idles():
+    """Breath and drift go on beneath a posture that is held."""
+    pose = '<pose part="ARMS" lexeme="ARMS_CROSSED"/>'
+    text = f'<bml id="b"><posture id="p" start="0" ready="1" relax="11" end="12">{pose}</posture></bml>'
+    found = plan_block(parse(text), set_up(idle=1.0))
+    times = np.linspace(3.0, 9.0, 61) + found.trajectory.zero
+    angles, speeds, _ = found.trajectory.sample(times)
+    assert np.ptp(angles, axis=0).max() > 1e-3
+    assert np.abs(speeds).max() < 0.3

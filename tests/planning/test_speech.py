@@ -10,9 +10,10 @@ from kinesic.bml.block import Speech
 from kinesic.bml.parse import parse
 from kinesic.body.utterance import Mark, Pause, Script, Sound, Utterance
 from kinesic.controller.perform import plan, set_up
+from kinesic.expressivity.style.style import Expressivity, Style
 from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.setup import Setup
-from kinesic.planning.speech import SpeechPause, insert_pauses
+from kinesic.planning.speech import SpeechPause, choose_rate_and_pitch, insert_pauses
 from kinesic.planning.syncs import SHIFT_TO_WARN
 from kinesic.report.report import feedback
 from kinesic.speech.espeak_pool import espeak_fault
@@ -155,3 +156,14 @@ def test_speech_at_the_same_time_takes_no_more_memory_than_the_longest_block_can
     warned = {notice.id for notice in planned.notices if "nothing is heard" in notice.text}
     assert warned == {f"b:s{k}" for k in range(4, 40)}
     assert all(said.duration == 700.0 for said in planned.utterances.values())
+
+
+def test_quick_styles_speak_up_to_a_quarter_faster_and_forceful_ones_up_to_three_semitones_higher(known):
+    def spoken(**numbers) -> tuple[float, float]:
+        return choose_rate_and_pitch(Style.uniform(Expressivity(**numbers)))
+
+    assert spoken() == (1.0, 1.0)
+    assert spoken(temporal=1.0) == pytest.approx((1.25, 1.0))
+    assert spoken(temporal=-1.0) == pytest.approx((0.8, 1.0))
+    assert spoken(power=1.0, activation=1.0) == pytest.approx((1.0, 2 ** (3 / 12)))
+    assert spoken(power=-1.0) == pytest.approx((1.0, 2 ** (-1.5 / 12)))
