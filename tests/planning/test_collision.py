@@ -129,3 +129,17 @@ def test_a_hand_in_the_way_moves_and_the_other_does_not():
 def test_arms_that_hang_are_left_alone():
     angles = np.zeros(22)
     assert np.array_equal(clear_hands(angles, {"l": Hand(), "r": Hand()}, ROBOT, DISTANCES), angles)
+
+
+@pytest.mark.parametrize("touch", ["hand", "forearm", "chest", "head"])
+@pytest.mark.parametrize("seed", range(3))
+def test_a_hand_with_fingers_touches_with_what_is_nearer(touch, seed):
+    robot = Robot.load("upper36")
+    gaps = np.random.default_rng(seed).uniform(0.0, 0.1, len(robot.counted_pairs))
+    pair = touched_pair("l", touch, robot, gaps)
+    hand = {robot.arm("l").segments[-1], "l_fingers"}
+    (part,) = set(robot.counted_pairs[pair]) - hand
+    others = {part, "r_fingers", robot.arm("r").segments[-1]} if touch == "hand" else {part}
+    counted = [k for k, names in enumerate(robot.counted_pairs) if set(names) & hand and set(names) & others]
+    assert len(counted) > 1
+    assert gaps[pair] == gaps[counted].min()
