@@ -10,7 +10,7 @@ from kinesic.motion.condition import condition
 from kinesic.motion.double_s import least_stop
 from kinesic.motion.keys import KeyPosture
 from kinesic.motion.limit_check import check_limits
-from kinesic.motion.stopping import cut_knot, stop
+from kinesic.motion.stopping import _first, cut_knot, stop
 from kinesic.motion.trajectory import STEP, stay
 
 BOXES = ([-1.5] * 3, [1.5] * 3, [1.0, 4.0, 6.0], [10.0, 59.0, 350.0], [250.0, 1500.0, 8750.0])
@@ -87,3 +87,19 @@ def test_a_motion_that_begins_later_is_left_at_its_own_knots():
 def test_a_stopped_motion_has_one_piece_at_least():
     still = stay(np.zeros(3), 0.1)
     assert len(stop(still, 0.0, LIMITS).controls) == 4
+
+
+@pytest.mark.parametrize("least", range(12))
+def test_the_fewest_further_pieces_are_found(least):
+    asked = []
+
+    def way(more: int):
+        asked.append(more)
+        return np.array([float(more)]) if more >= least else None
+
+    found = _first(way, 50)
+    assert found is not None
+    assert found[0] == least
+    assert found[1].tolist() == [least]
+    assert len(asked) <= 9
+    assert _first(lambda more: None, 50) is None

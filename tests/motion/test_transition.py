@@ -89,6 +89,7 @@ def test_motions_are_moved_in_time_by_whole_knots():
     np.testing.assert_array_equal(delay_controls(motion, 2)[:3], motion[[0, 0, 0]])
     np.testing.assert_array_equal(delay_controls(motion, 2)[2:], motion)
     np.testing.assert_array_equal(delay_controls(motion, -2), motion[2:])
+    np.testing.assert_array_equal(delay_controls(motion, -50), motion[3:], "three stay at least")
     np.testing.assert_array_equal(lengthen(motion, 9)[6:], motion[[-1, -1, -1]])
     assert lengthen(motion, 4) is motion
 
