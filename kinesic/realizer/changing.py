@@ -19,6 +19,7 @@ from kinesic.body.config import ConfigError
 from kinesic.expressivity.style.style import Style, style_preset
 from kinesic.planning.plan import Plan
 from kinesic.planning.syncs import SHIFT_TO_WARN
+from kinesic.realizer.ending import is_over
 from kinesic.realizer.feedback import order_feedback, retime_feedback, times_of, without_provisional
 from kinesic.realizer.pointing import aim_again
 from kinesic.realizer.replan import replan
@@ -42,8 +43,8 @@ def improve_block(scene: Scene, block_id: str, better: Plan, now: float) -> Scen
         The scene, whose agenda says what changed in time. None when the block is over, or the motion cannot go over
         into the other plan any more: what plays then plays to its end.
     """
-    running = scene.find(block_id)
-    if running is None:
+    running, change = scene.find(block_id), scene.first_change(now)
+    if running is None or is_over(scene, running, change):
         return None
     if not running.state.is_playing:
         prepared = PreparedBlock(running.prepared.request, better)
@@ -52,12 +53,12 @@ def improve_block(scene: Scene, block_id: str, better: Plan, now: float) -> Scen
         return None
     better = replace(better, utterances=running.prepared.plan.utterances)
     others = scene.occupancy_without(block_id)
-    merged = replan(scene.motion, scene.first_change(now), running.merged, better, others=others)
+    merged = replan(scene.motion, change, running.merged, better, others=others)
     if merged is None:
         return None
     times = {id: at for id, at in times_of(merged.syncs).items() if id in running.times}
     improved = replace(running, prepared=PreparedBlock(running.prepared.request, better), merged=merged, times=times)
-    agenda = retime_feedback(scene.agenda, block_id, improved.agenda(), now)
+    agenda = retime_feedback(scene.agenda, running.run, improved.agenda(), change)
     after = _announce(replace(scene, motion=merged.trajectory, agenda=agenda), running, improved, now)
     after = aim_again(scene, after, now)
     warnings = after.said[len(scene.said) :]  # in the agenda they are proposed again until they are sent

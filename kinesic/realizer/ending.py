@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from math import inf
 
 import numpy as np
 
@@ -9,7 +10,7 @@ from kinesic.bml.block import Notice, NoticeType
 from kinesic.bml.composition import BlockState
 from kinesic.body.arrays import Flags, sealed
 from kinesic.motion.trajectory import Trajectory
-from kinesic.realizer.feedback import Progress, ScheduledFeedback, retime_feedback, without, without_provisional
+from kinesic.realizer.feedback import retime_feedback, without, without_provisional
 from kinesic.realizer.held import END_TOLERANCE, lacking_change
 from kinesic.realizer.occupancy import STILL, Occupancy, freed_hinges
 from kinesic.realizer.release import release_motion
@@ -17,8 +18,16 @@ from kinesic.realizer.running_block import RunningBlock
 from kinesic.realizer.scene import Scene
 
 
+def is_over(scene: Scene, running: RunningBlock, time: float) -> bool:
+    """Whether a playing block ends until a time [s] global."""
+    ends = (message.time for message in scene.agenda if message.belongs_to(running.run) and message.is_block_end)
+    return running.state.is_playing and next(ends, -inf) <= time
+
+
 def stop_block(scene: Scene, running: RunningBlock, now: float, why: str) -> Scene:
-    """Ends a block now: its motion is taken back while all others go on; one that waits is revoked.
+    """End a block, or revoke it if it waits.
+
+    Its motion is taken back from the earliest change on.
 
     Args:
         scene: with the block.
@@ -27,7 +36,7 @@ def stop_block(scene: Scene, running: RunningBlock, now: float, why: str) -> Sce
         why: for the sender.
     """
     after = end_block(scene, running, now, why)
-    if running.merged is None:
+    if running.merged is None or is_over(scene, running, scene.first_change(now)):
         return after
     moved = np.ptp(running.merged.layer.controls, axis=0) > 0.0
     after = replace(after, motion=_take_back(scene, running, running.occupancy, moved, now))
@@ -44,33 +53,38 @@ def _warn_of_rest(scene: Scene, running: RunningBlock, now: float) -> Scene:
 
 
 def end_block(scene: Scene, running: RunningBlock, now: float, why: str) -> Scene:
-    """Ends a block now, and leaves its motion as it is to a block that takes its place."""
-    agenda = without_provisional(without(scene.agenda, running.id), running.id)
-    waits_for_start = any(
-        isinstance(message.content, Progress) and message.content.key == (None, "start")
-        for message in scene.agenda
-        if message.block == running.id
-    )
-    if not running.state.is_playing or waits_for_start:
+    """End a block without taking its motion back.
+
+    It ends at the earliest change. Points until that time are passed all the same, since the loop may have sent them.
+    """
+    change = scene.first_change(now)
+    if is_over(scene, running, change):
+        return scene.without_block(running, BlockState.DONE)
+    own = [message for message in scene.agenda if message.belongs_to(running.run)]
+    agenda = without_provisional(without(scene.agenda, running.run), running.id)
+    if not running.state.is_playing or (own[0].is_block_start and own[0].time > change):
         notice = Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, running.id, f"revoked before it began: {why}")
         return replace(scene.without_block(running, BlockState.REVOKED), agenda=agenda).say(
             running.warning(notice, now)
         )
-    point = Progress(running.id, None, "end", now - running.zero, running.block.character, BlockState.INTERRUPTED)
-    cut = replace(running, times=_passed(running, now))
-    after = replace(scene.without_block(cut, BlockState.INTERRUPTED), agenda=agenda)
-    return after.say(ScheduledFeedback(now, point, running.sender))
+    passed = [message for message in own if message.time <= change]
+    end = next(message for message in own if message.is_block_end).interrupted_at(change)
+    cut = replace(running, times=_passed(running, change))
+    return replace(scene.without_block(cut, BlockState.INTERRUPTED), agenda=agenda).say(*passed, end)
 
 
 def leave_out(scene: Scene, running: RunningBlock, behaviours: frozenset[str], now: float) -> Scene:
-    """Ends some behaviours of a block now; hinges that no other behaviour moves go back."""
-    remaining = running.without(behaviours)
+    """End some behaviours of a block and release their hinges."""
+    remaining, change = running.without(behaviours), scene.first_change(now)
     if not remaining.times:
         return stop_block(scene, running, now, "all its behaviours are interrupted")
+    if is_over(scene, running, change):
+        return scene
     ended = [each for each in running.occupancy if each.behaviour in behaviours]
     moved = scene.hinges_of(ended) & ~scene.hinges_of(remaining.occupancy)
     motion = _take_back(scene, running, ended, moved, now)
-    agenda = retime_feedback(without(scene.agenda, running.id, behaviours), running.id, remaining.agenda(), now)
+    agenda = without(scene.agenda, running.run, behaviours, after=change)
+    agenda = retime_feedback(agenda, running.run, remaining.agenda(), change)
     after = replace(scene.with_block(remaining), motion=motion, agenda=agenda)
     return _warn_of_rest(after.say(remaining.prediction(now)), running, now)
 
@@ -90,7 +104,7 @@ def _take_back(scene: Scene, running: RunningBlock, ended: Sequence[Occupancy], 
     return release_motion(scene.motion, at, free | shared, scene.setup, layer=kept, others=others)
 
 
-def _passed(running: RunningBlock, now: float) -> dict[str, dict[str, float]]:
+def _passed(running: RunningBlock, time: float) -> dict[str, dict[str, float]]:
     """Sync points that were passed, by behaviour, in block time [s]."""
-    passed = {id: {sync: t for sync, t in at.items() if running.zero + t <= now} for id, at in running.times.items()}
+    passed = {id: {sync: t for sync, t in at.items() if running.zero + t <= time} for id, at in running.times.items()}
     return {id: at for id, at in passed.items() if at}

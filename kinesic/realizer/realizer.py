@@ -10,13 +10,14 @@ from functools import partial
 from kinesic.bml.block import Activate, BlockCommand, Interrupt, Notice, NoticeType, ParameterChange, modality_of
 from kinesic.bml.composition import BlockState, required_before, waiting_blocks, waits_for_itself
 from kinesic.bml.feedback import warning
+from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.certify import certify
 from kinesic.planning.plan import plan_block
 from kinesic.planning.quick_plan import plan_quickly
 from kinesic.planning.setup import Setup
 from kinesic.realizer.changing import change_manner, change_parameter, improve_block, take_replans
 from kinesic.realizer.contention import interrupted_by
-from kinesic.realizer.ending import leave_out, stop_block
+from kinesic.realizer.ending import end_block, leave_out, stop_block
 from kinesic.realizer.feedback import ScheduledFeedback, order_feedback
 from kinesic.realizer.idling import begin_idle, end_idle
 from kinesic.realizer.pointing import aim_again
@@ -33,6 +34,7 @@ __all__ = [
     "begin",
     "begin_idle",
     "change_manner",
+    "halt",
     "improve_block",
     "interrupt",
     "prepare_block",
@@ -82,7 +84,8 @@ def begin(scene: Scene, prepared: PreparedBlock, now: float) -> Scene:
         return scene.say(ScheduledFeedback(now, text, prepared.request.sender))
     waits = required_before(block, scene.states)
     state = BlockState.PENDING if block.succession.preplanned else BlockState.LURKING
-    running = RunningBlock.of(prepared, state, waits)
+    scene = replace(scene, runs=scene.runs + 1)
+    running = RunningBlock.of(prepared, state, waits, run=scene.runs)
     running = replace(running, zero=max(now + scene.ahead, scene.earliest_start(running)) + running.lead)
     scene = _hold_back(scene.with_block(running), running)
     if prepared.is_provisional:
@@ -133,11 +136,26 @@ def interrupt(scene: Scene, now: float, block: str | None = None) -> Scene:
     return aim_again(before, scene, now)
 
 
+def halt(scene: Scene, time: float, motion: Trajectory) -> Scene:
+    """End all blocks and idle motion at an emergency stop.
+
+    Args:
+        scene: as it was before the stop.
+        time: [s] global time at which the motion began to stop.
+        motion: that plays instead.
+    """
+    scene = advance(replace(scene, ahead=0.0), time)
+    for running in scene.blocks:
+        scene = end_block(scene, running, time, "it was interrupted")
+    texts = tuple(message for message in scene.agenda if message.block is None)
+    return replace(scene, agenda=texts, motion=motion, idle=None)
+
+
 def _follow_up(scene: Scene, message: ScheduledFeedback, now: float) -> Scene:
     """Does what follows from a point that a block has passed: its state changes, or it commands another block."""
     point = message.content
     running = None if isinstance(point, str) else scene.find(point.block)
-    if isinstance(point, str) or running is None:
+    if isinstance(point, str) or running is None or running.run != point.run:
         return scene
     match point.key:
         case (None, "relax"):

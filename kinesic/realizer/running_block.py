@@ -65,11 +65,12 @@ class RunningBlock:
     waits: dict[str, Until] = field(default_factory=dict)  # other blocks, and what must come of them
     merged: MergedMotion | None = None  # how its motion was laid over the scene's
     predicted: tuple[float, Times] | None = None  # zero and times of its last predictionFeedback
+    run: int = 0  # its number, unique for all blocks of a server
 
     @classmethod
-    def of(cls, prepared: PreparedBlock, state: BlockState, waits: dict[str, Until]) -> "RunningBlock":
+    def of(cls, prepared: PreparedBlock, state: BlockState, waits: dict[str, Until], *, run: int = 0) -> "RunningBlock":
         """Makes a block that has not begun."""
-        return cls(prepared, state, prepared.request.zero, times_of(prepared.plan.syncs), waits)
+        return cls(prepared, state, prepared.request.zero, times_of(prepared.plan.syncs), waits, run=run)
 
     @property
     def block(self) -> Block:
@@ -129,7 +130,7 @@ class RunningBlock:
 
     def agenda(self) -> tuple[ScheduledFeedback, ...]:
         """Feedback of all its points, in order."""
-        return agenda(self.id, self.times, self.zero, sender=self.sender, character=self.block.character)
+        return agenda(self.id, self.times, self.zero, sender=self.sender, character=self.block.character, run=self.run)
 
     def prediction(self, now: float) -> ScheduledFeedback:
         """Writes its predictionFeedback."""

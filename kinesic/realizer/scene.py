@@ -36,6 +36,7 @@ class Scene:
     ahead: float = 0.0  # [s] the motion is handed over so early: changes begin no sooner
     lasting: tuple[Occupancy, ...] = ()  # of blocks that are over, what stays: the last gaze shift and posture
     idle: RunningBlock | None = None  # idle motion since the last block was over
+    runs: int = 0  # running blocks so far: the number of the last one
 
     @classmethod
     def of(cls, setup: Setup, now: float = 0.0, *, character: str | None = None, ahead: float = 0.0) -> "Scene":

@@ -48,7 +48,7 @@ def start_block(scene: Scene, running: RunningBlock, now: float) -> Scene:
         scene = scene.say(running.prediction(now))
     scene = scene.say(*(running.warning(notice, now) for notice in notices))
     running = replace(running, predicted=(running.zero, running.times))
-    coming = tuple(replace(message, time=max(message.time, now)) for message in running.agenda())
+    coming = tuple(replace(message, time=max(message.time, scene.first_change(now))) for message in running.agenda())
     scene = replace(scene.with_block(running), agenda=order_feedback(scene.agenda, coming))
     scene = aim_again(before, scene, now)
     for id in running.block.succession.activates:
@@ -60,7 +60,7 @@ def _fail(scene: Scene, running: RunningBlock, missing: list[str], notices: tupl
     """Performs nothing of a block when something that it requires is left out."""
     text = f"not performed, because it requires {', '.join(missing)}"
     every = (*notices, Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, running.id, text))
-    agenda = without_provisional(without(scene.agenda, running.id), running.id)
+    agenda = without_provisional(without(scene.agenda, running.run), running.id)
     after = replace(scene.without_block(running, BlockState.FAILED), agenda=agenda)
     return after.say(*(running.warning(notice, now) for notice in every))
 

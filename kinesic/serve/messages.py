@@ -171,6 +171,7 @@ class LoopStart:
     motion: Trajectory
     stops: int  # emergency stops so far
     agenda: tuple[ScheduledFeedback, ...]  # what another planner left to be sent
+    runs: int = 0  # number of the last running block in it
 
 
 @dataclass(frozen=True, eq=False)
@@ -222,10 +223,11 @@ class Proposal:
     """From the planner to the loop: what to play and to send from now on; answered by a `ProposalVerdict`."""
 
     stops: int  # that the planner knows of
-    now: float  # [s] of the clock: what was due until then is in the agenda for the last time
-    cut: float  # [s] of the clock, until which the motion is the one that plays
+    now: float  # [s] of the clock
+    cut: float  # [s] of the clock, until which motion and feedback are those that play
     motion: Trajectory | None  # on the clock; None: as it is
-    agenda: tuple[ScheduledFeedback, ...]  # all that is still to be sent
+    said: tuple[ScheduledFeedback, ...]  # final messages, in no later proposal
+    agenda: tuple[ScheduledFeedback, ...]  # messages that the next proposal has again, changes or withdraws
     owed: frozenset[int]  # senders whose blocks are not over
     moving: Mapping[tuple[str, str], Flags]  # (block, behaviour) -> (n,) hinges that it moves
     tracks: Mapping[str, Track | None]  # by block, those that have changed; None: of a block that is over

@@ -3,10 +3,11 @@
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from enum import Enum, auto
+from math import inf
 from multiprocessing.connection import Connection
 
 from kinesic.planning.setup import Setup
-from kinesic.realizer.realizer import Scene, interrupt
+from kinesic.realizer.realizer import Scene, halt
 from kinesic.realizer.request import TimedRequest
 from kinesic.serve.messages import (
     FeedbackNotice,
@@ -61,10 +62,12 @@ class SharedScene:
         """
         self._loop, self._clock, self._accompaniment = loop, properties.clock, properties.accompaniment
         self._owed, self._halted = owed, halted
+        self._latest = -inf  # [s] of the clock in a proposal that was accepted: the loop may set the clock back
         self._took = 0.0  # [s] to make the last proposal, or more
         self._versions = dict[str, Version]()  # of the tracks that the loop has
         self.stops = beginning.stops
-        self.scene = replace(Scene.of(setup), motion=beginning.motion, agenda=beginning.agenda)
+        self._stopped_at = inf  # [s] of the first emergency stop whose interruptions the loop has not accepted yet
+        self.scene = replace(Scene.of(setup), motion=beginning.motion, agenda=beginning.agenda, runs=beginning.runs)
 
     def tell(self, message: str, client: int) -> None:
         """Tells a client something at once."""
@@ -91,16 +94,17 @@ class SharedScene:
         """
         verdict = Verdict.LATE
         for attempt in range(ATTEMPTS):
-            now = self._clock.now()
+            began = self._clock.now()
+            now = max(began, self._latest)
             ahead = self._took + MARGIN * 2**attempt
             scene = change(replace(self.scene, ahead=ahead, said=()), now)
-            self._took = min(LONGEST, max(self._clock.now() - now, SLOWER * self._took))
+            self._took = min(LONGEST, max(self._clock.now() - began, SLOWER * self._took))
             versions, tracks = changed_tracks(scene, self._versions, self._accompaniment)
             moved = moves and scene.motion is not self.scene.motion
             self._loop.send(self._proposal(scene, now, tracks, moved=moved))
             halted, answer = self._answer()
             if answer.accepted:
-                self.scene, self._versions = scene, versions
+                self.scene, self._versions, self._latest = scene, versions, now
             if halted is not None:
                 self.take_halt(halted)
             if answer.accepted or halted is not None:
@@ -115,7 +119,9 @@ class SharedScene:
         """Takes over the motion of an emergency stop, which interrupts every block."""
         self.stops = halted.stops
         self._halted()
-        self.propose(lambda scene, _now: replace(interrupt(scene, halted.time), motion=halted.motion), moves=False)
+        stopped = self._stopped_at = min(self._stopped_at, halted.time)
+        if self.propose(lambda scene, _now: halt(scene, stopped, halted.motion), moves=False) is Verdict.ACCEPTED:
+            self._stopped_at = inf
 
     def catch_up(self, stops: int) -> None:
         """Waits until the loop, in its next tick, has sent the motion of so many emergency stops."""
@@ -128,7 +134,8 @@ class SharedScene:
             now,
             now + scene.ahead,
             scene.motion if moved else None,
-            (*scene.said, *scene.agenda),
+            scene.said,
+            scene.agenda,
             owed=frozenset(block.sender for block in scene.blocks) | self._owed(),
             moving={(block.id, need.behaviour): need.hinges for block in scene.blocks for need in block.occupancy},
             tracks=tracks,

@@ -59,16 +59,16 @@ def test_sync_points_never_go_back() -> None:
 def test_what_was_told_is_not_told_again_and_what_is_past_is_told_at_once() -> None:
     left = agenda("b", TIMES, 10.0, sender=0)[4:]
     sooner = {"h": {"start": 0.0, "stroke": 0.8, "relax": 1.2, "end": 1.6}, "s": TIMES["s"]}
-    again = retime_feedback((*left, ScheduledFeedback(11.0, "else")), "b", agenda("b", sooner, 10.0, sender=0), 10.9)
+    again = retime_feedback((*left, ScheduledFeedback(11.0, "else")), 0, agenda("b", sooner, 10.0, sender=0), 10.9)
     assert keys(again) == ["h:stroke", "h:relax", "h:end", "s:end", ":relax", ":end"]
     assert [due.time for due in again] == pytest.approx([10.9, 11.0, 11.2, 11.6, 11.7, 11.7, 11.7])
 
 
 def test_a_part_can_be_left_out() -> None:
     dues = agenda("b", TIMES, 0.0, sender=0)
-    assert keys(without(dues, "b", frozenset({"h"}))) == [":start", "s:start", "s:m", "s:end", ":relax", ":end"]
-    assert without(dues, "b") == ()
-    assert without(dues, "c") == dues
+    assert keys(without(dues, 0, frozenset({"h"}))) == [":start", "s:start", "s:m", "s:end", ":relax", ":end"]
+    assert without(dues, 0) == ()
+    assert without(dues, 1) == dues
 
 
 def test_agendas_are_joined_in_time() -> None:

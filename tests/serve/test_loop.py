@@ -90,7 +90,7 @@ class Blind:
 
 
 def test_what_waits_for_the_body_outlives_the_next_proposal(known, becomes):
-    """What is due when one proposal comes is in no later one, and its turn may come after that one."""
+    """What one proposal says for good is in no later one, and its turn may come after that one."""
     clock, told, (ours, planners) = Clock(), [], Pipe()
     loop = Loop(
         known,
@@ -102,9 +102,9 @@ def test_what_waits_for_the_body_outlives_the_next_proposal(known, becomes):
     )
     moving = {("b", "h"): np.ones(len(known.robot.drives), dtype=bool)}
 
-    def propose(*agenda):
+    def propose(*agenda, said=()):
         now = clock.now()
-        planners.send(Proposal(0, now, now, None, agenda, frozenset(), moving, {}))
+        planners.send(Proposal(0, now, now, None, said, agenda, frozenset(), moving, {}))
         return planners.recv()
 
     loop.link(ours, loop.beginning())
@@ -112,7 +112,7 @@ def test_what_waits_for_the_body_outlives_the_next_proposal(known, becomes):
     try:
         due = clock.now()
         point = ScheduledFeedback(due, Progress("b", "h", "stroke", 0.0))
-        assert propose(point, ScheduledFeedback(due, "<behind/>")).accepted
+        assert propose(said=(point, ScheduledFeedback(due, "<behind/>"))).accepted
         later = ScheduledFeedback(clock.now() + 0.01, "<later/>")
         assert propose(later).accepted
         assert propose(later).accepted
