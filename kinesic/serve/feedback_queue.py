@@ -21,6 +21,7 @@ class FeedbackQueue:
         self.runs = 0  # number of the last running block that was proposed
         self._agenda: set[FeedbackKey] = set()  # that the planner proposed last, sent or not
         self._sent: set[FeedbackKey] = set()  # since then
+        self._points: set[FeedbackKey] = set()  # those of them that are no texts
         self._latest = -inf  # [s] time of the last point that was sent
 
     def propose(self, said: Sequence[ScheduledFeedback], agenda: Sequence[ScheduledFeedback]) -> bool:
@@ -31,10 +32,10 @@ class FeedbackQueue:
             agenda: messages that a later proposal contains again, maybe at another time, or withdraws.
 
         Returns:
-            False, and nothing changes, if a message that was sent is withdrawn, or a point would come out of order.
+            False, and nothing changes, if a point that was sent is withdrawn, or a point would come out of order.
         """
         proposed = {message.key: message for message in (*said, *agenda)}
-        if not self._sent & self._agenda <= proposed.keys():
+        if not self._points & self._agenda <= proposed.keys():
             return False
         final = [message for message in self.messages if message.key not in self._agenda]
         excluded = self._sent | {message.key for message in final}
@@ -46,6 +47,7 @@ class FeedbackQueue:
                 return False
         self._agenda = {message.key for message in agenda}
         self._sent &= self._agenda
+        self._points &= self._agenda
         self.messages = sorted((*final, *fresh), key=attrgetter("time"))
         points = (message.content for message in agenda)
         self.runs = max(self.runs, *(point.run for point in points if isinstance(point, Progress)), 0)
@@ -64,6 +66,7 @@ class FeedbackQueue:
         message, *self.messages = self.messages
         self._sent.add(message.key)
         if isinstance(message.content, Progress):
+            self._points.add(message.key)
             self._latest = max(self._latest, message.time)
         return message
 
