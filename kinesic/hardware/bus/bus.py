@@ -206,6 +206,8 @@ class Bus:
         alone = polling.next_alone(self.wire.now())
         if alone is not None and self._request((alone[0],), must=alone[1]):
             polling.note_alone(alone[0], self.wire.now())
+            if not believed.fresh[alone[0]]:
+                self._late.keep_alone(self._question_to((alone[0],)), np.array([alone[0]]), sent_at=listener.sent_at)
 
     def _room(self) -> int:
         spoken, each = self._listener.spoken, packet.STATUS_OVERHEAD + SIZE + 1

@@ -18,6 +18,8 @@ OWED = 0.05  # [s] beyond its own time during which an answer that did not come 
 STUCK = 2  # cycles in a row that brought nothing but what seems to be older, before one without a question
 SETTLED = 100  # cycles without another such trial, when answers proved to be late indeed
 
+_Unfinished = tuple[Query, Place, bytes, float]  # its answer so far; [s] when it was asked
+
 
 class LateReplies:
     """The answers that one bus still waits for."""
@@ -25,7 +27,8 @@ class LateReplies:
     def __init__(self, believed: PlausibilityFilter, listener: Listener) -> None:
         self._believed, self._listener = believed, listener
         self._until = -inf  # [s] when nothing more will come
-        self._unfinished: tuple[Query, Place, bytes, float] | None = None  # its answer so far; when it was asked
+        self._unfinished: _Unfinished | None = None
+        self._alone: _Unfinished | None = None  # to one servo alone
         self._set_aside = False  # whether this cycle brought what seems to be older
         self._seeming = 0  # cycles in a row that brought nothing else, see STUCK
 
@@ -73,21 +76,30 @@ class LateReplies:
         self._unfinished = None if whole else (question, places, self._listener.received, sent_at)
         self._set_aside = False
 
+    def keep_alone(self, question: Query, places: Place, *, sent_at: float) -> None:
+        """Expect the late answer of a servo asked alone at a time [s]."""
+        self._alone = (question, places, b"", sent_at)
+
     def catch_up(self, more: bytes, time: float) -> None:
-        """Completes an earlier answer with what has come after its cycle.
+        """Complete earlier answers with bytes that came after their cycle.
 
         Args:
             more: what has come.
             time: [s] by when.
         """
-        if self._unfinished is None or not more:
-            return
-        question, places, received, sent_at = self._unfinished
+        if self._unfinished is not None and more:
+            self._unfinished = self._completed(self._unfinished, more, time)
+            if self._unfinished is None:
+                self._listener.slack.took(MOST)
+        if self._alone is not None and more:
+            self._alone = self._completed(self._alone, more, time)
+
+    def _completed(self, earlier: "_Unfinished", more: bytes, time: float) -> "_Unfinished | None":
+        """Admit an earlier answer with more bytes, and return it if unfinished."""
+        question, places, received, sent_at = earlier
         answer = question.answer(received + more)
         self._believed.admit_late(places, answer, time, sent_at=sent_at)
-        if answer.whole:
-            self._listener.slack.took(MOST)
-        self._unfinished = None if answer.whole else (question, places, received + more, sent_at)
+        return None if answer.whole else (question, places, received + more, sent_at)
 
     def note(self, *, fresh: bool) -> None:
         """Notes whether something fresh has come after all servos were asked."""

@@ -83,7 +83,7 @@ class PlausibilityFilter:
         blocks, times, fresh, late = self.blocks.copy(), self.times.copy(), self.fresh.copy(), self.late.copy()
         for index, block in self._answers(places, answer):
             if self._accepts(index, block, time):
-                told = self._time_by_clock(index, block) if open_since < inf else inf
+                told = self._time_by_clock(index, block, time) if open_since < inf else inf
                 old = told < open_since - BLUR
                 blocks[index], times[index] = block, told if old else min(time, max(told, open_since))
                 fresh[index], late[index] = fresh[index] or not old, late[index] or old
@@ -166,10 +166,14 @@ class PlausibilityFilter:
         """Stops comparing servos' clocks with the wire's, until the next answer in time sets them anew."""
         self._unset = set(range(len(self.blocks)))
 
-    def _time_by_clock(self, index: int, block: np.void) -> float:
-        """[s] when a record was taken by the servo's clock; infinity if that is not known."""
+    def _time_by_clock(self, index: int, block: np.void, now: float) -> float:
+        """Return the time of a record by the servo's clock [s], or infinity.
+
+        The clock counts too few milliseconds to date a record after a long silence.
+        """
         before = self.times[index]
-        return inf if before == -inf or index in self._unset else float(before + self._since(index, block) / 1000)
+        is_unknown = now - before >= LATEST / 1000 or index in self._unset
+        return inf if is_unknown else float(before + self._since(index, block) / 1000)
 
     def _since(self, index: int, block: np.void) -> int:
         """[ms] of the servo's clock since the last record."""

@@ -1,6 +1,6 @@
 import numpy as np
 
-from kinesic.hardware.bus.polling import PATIENCE, REST, PollingPlan
+from kinesic.hardware.bus.polling import MAX_POLL_INTERVAL, PATIENCE, PollingPlan
 
 
 def missing(count: int, *places: int) -> np.ndarray:
@@ -64,7 +64,7 @@ def test_the_silent_take_turns():
         roster.note_alone(alone[0], now)
     assert [place for place, _ in turns] == [0, 2, 0, 2, 0, 2]
     assert [must for _, must in turns] == [True, True, False, False, False, False]
-    assert roster.next_alone(10.05 + REST) == (0, True)
+    assert roster.next_alone(10.05 + MAX_POLL_INTERVAL) == (0, True)
 
 
 def test_nobody_is_silent_when_all_are():
