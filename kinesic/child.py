@@ -12,6 +12,8 @@ from multiprocessing.process import parent_process
 from threading import Thread
 from typing import TypeVarTuple
 
+from kinesic.heap import bound_heap
+
 SLOW = (  # to import: plans need the first three where times move, and the last where a word means no gesture
     "scipy.interpolate",
     "scipy.optimize",
@@ -107,6 +109,7 @@ def _begin_forks(context: ForkServerContext | SpawnContext) -> None:
 def _work_apart(work: Callable[[*Arguments], None], *arguments: *Arguments) -> None:
     """Works in a group of its own, which no terminal signals, and ends with its parent whatever it is doing."""
     os.setpgid(0, 0)
+    bound_heap()
     Thread(target=_end_with_parent, name="end with parent", daemon=True).start()
     work(*arguments)
 

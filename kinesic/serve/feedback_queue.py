@@ -1,4 +1,4 @@
-"""Pending feedback of the loop, with a record of what was sent.
+"""Pending feedback of the loop, and a record of sent messages.
 
 A message is identified by its key, whatever its time. The planner may change the agenda that it proposed last, except
 for messages that were sent. Messages that it has said are final.
@@ -54,7 +54,7 @@ class FeedbackQueue:
         return True
 
     def hand_over(self, known: Sequence[ScheduledFeedback]) -> None:
-        """Let a new planner change or withdraw the messages that it was given."""
+        """Let a new planner change the messages that it was given, and no others."""
         self._agenda = {message.key for message in known}
 
     def due(self, now: float) -> ScheduledFeedback | None:

@@ -10,6 +10,7 @@ from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from kinesic.heap import bound_heap
 from kinesic.planning.setup import Setup
 from kinesic.serve.clients import ClientRegistry
 from kinesic.serve.desk.export import NO_WRITERS, Writers
@@ -79,6 +80,7 @@ async def open_serving(
     Raises:
         ConfigError: the address cannot be had.
     """
+    bound_heap()
     clients = ClientRegistry(
         rules,
         access,

@@ -20,9 +20,12 @@ from kinesic.report.batch import documents
 from kinesic.serve.wire.quotas import USUAL
 
 from ..serve.mutations import mutate
+from .crowd import SETTLED, crowd
 
 DOCUMENTS = 10_000
 MINUTES = 10
+CROWD_MINUTES = 20  # of six clients and floods; KINESIC_SOAK_MINUTES says otherwise
+MAX_GROWTH = 2.0  # [%] of the memory of all processes, after its first five minutes
 STOPS, LOAD = 200, 4.0
 
 pytestmark = pytest.mark.soak
@@ -33,6 +36,14 @@ def test_ten_blocks_a_second_for_ten_minutes_lose_nothing_and_memory_stays():
         lasting = endurance(server, 60.0 * MINUTES)
     assert lasting.lost == 0, lasting
     assert lasting.growth is None or lasting.growth <= FLAT, lasting
+
+
+def test_six_clients_are_told_everything_once_and_in_order_while_memory_stays():
+    duration = 60.0 * float(os.environ.get("KINESIC_SOAK_MINUTES", CROWD_MINUTES))
+    with open_server() as server:
+        report = crowd(server, duration)
+    assert not report.faults, report.faults
+    assert report.growth(min(SETTLED, duration / 4), duration) <= MAX_GROWTH, report.memory
 
 
 @pytest.mark.parametrize("name", [IDLE, *FLOODS])

@@ -1,0 +1,192 @@
+"""Load a server with six clients, and record feedback and memory.
+
+Started as a program, `python -m tests.soak.crowd SECONDS [OPTIONS OF SERVE]`, it prints both.
+"""
+
+import json
+import random
+import sys
+from collections.abc import Iterator
+from contextlib import ExitStack, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from socket import create_connection
+from statistics import median
+from subprocess import DEVNULL, Popen
+from threading import Event, Thread
+from time import monotonic
+
+from kinesic.bench.bml import flood
+from kinesic.bench.bml.server import Server, _family, open_server
+from kinesic.client import Client
+from tests.soak.feedback_journal import FeedbackJournal
+
+CLIENTS = 6
+SETTLED = 300.0  # [s] after which memory is to stay
+LOOK = 5.0  # [s] between two samples of memory
+PAUSE = 1.2  # [s] between two deeds of a client, on average
+SYNCHRONIZED = 2.0  # [s] between two questions for the server's time
+FLOOD_DURATION = 4.0  # [s]
+FLOOD_PERIOD = 50.0  # [s]
+LAST_BLOCKS = 40.0  # [s] in which the last blocks end
+COMPOSITIONS = ("MERGE", "MERGE", "APPEND", "APPEND", "REPLACE")
+BEHAVIOURS = (
+    '<head id="h" lexeme="NOD" start="0.1" repetition="2"/>',
+    '<gesture id="g" lexeme="BEAT" start="0.1"/>',
+    '<gesture id="g" lexeme="BEAT" mode="LEFT_HAND" stroke="0.9"/><head id="h" lexeme="SHAKE" start="0.5"/>',
+    '<gaze id="z" target="left" start="0" end="1.5"/>',
+    '<gazeShift id="z" target="right" start="0.1" end="0.9"/>',
+    '<speech id="s"><text>Yes, <sync id="m"/>indeed.</text></speech><head id="h" lexeme="NOD" stroke="s:m"/>',
+    "".join(f'<gesture id="g{k}" lexeme="BEAT" stroke="{1 + 0.9 * k:g}"/>' for k in range(5)),
+    '<faceLexeme id="f" lexeme="SMILE" amount="0.8" start="0" end="1"/>',
+)
+BML = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}" composition="{}">{}</bml>'
+
+
+@dataclass
+class Report:
+    """Faults of feedback, and memory over time."""
+
+    blocks: int
+    messages: int
+    faults: list[str]
+    memory: dict[int, list[tuple[float, int]]] = field(default_factory=dict)  # by process: [s] and [bytes]
+
+    def growth(self, settled: float, duration: float) -> float:
+        """Return the growth [%] of all memory from the first settled fifth to the last."""
+        total: dict[float, int] = {}
+        for samples in self.memory.values():
+            for time, size in samples:
+                total[time] = total.get(time, 0) + size
+        width = (duration - settled) / 5
+        first = [size for time, size in total.items() if settled <= time <= settled + width]
+        last = [size for time, size in total.items() if duration - width <= time <= duration]
+        return 100.0 * (median(last) / median(first) - 1.0)
+
+
+class _Member(Thread):
+    """A client that sends blocks, stops and interrupts, and reads all feedback."""
+
+    def __init__(self, number: int, port: int, done: Event) -> None:
+        super().__init__(name=f"client {number}", daemon=True)
+        self.number, self.journal = number, FeedbackJournal()
+        self._port, self._done = port, done
+        self._chance = random.Random(number)
+        self._asked: dict[int, float] = {}
+
+    def run(self) -> None:
+        with Client(port=self._port) as client:
+            coming = asking = 0.0
+            while not self._done.is_set():
+                now = monotonic()
+                if now >= asking:
+                    asking = now + SYNCHRONIZED
+                    self._asked[len(self._asked) + 1] = monotonic()
+                    client.do("status", id=len(self._asked))
+                if now >= coming:
+                    coming = now + self._chance.expovariate(1.0 / PAUSE)
+                    self._act(client)
+                self._hear(client, min(asking, coming))
+            client.do("interrupt")
+            self._hear(client, monotonic() + LAST_BLOCKS, quiet=8.0)
+
+    def _act(self, client: Client) -> None:
+        deed = self._chance.random()
+        if deed < 0.03:
+            client.do("stop")
+            client.do("resume")
+        elif deed < 0.08 and self.journal.sent:
+            client.do("interrupt", block=self.journal.sent[-1])
+        elif deed < 0.10:
+            client.do("interrupt")
+        elif deed < 0.14 and self.journal.sent:
+            client.do("style", style=self._chance.choice(("calm", "neutral")), block=self.journal.sent[-1])
+        else:
+            name = f"c{self.number}n{len(self.journal.sent)}"
+            self.journal.sent.append(name)
+            client.send(BML.format(name, self._chance.choice(COMPOSITIONS), self._chance.choice(BEHAVIOURS)))
+
+    def _hear(self, client: Client, until: float, quiet: float = 1e9) -> None:
+        last = monotonic()
+        while (left := min(until, last + quiet) - monotonic()) > 0.0:
+            message = client.receive(left)
+            if message is None:
+                continue
+            last = received = monotonic()
+            if message.startswith("{"):
+                told = json.loads(message)
+                if told.get("told") == "status":
+                    last -= 1e-3
+                    self.journal.synchronize(self._asked[told["id"]], told["time"])
+            else:
+                self.journal.hear(message, received)
+
+
+def crowd(server: Server, seconds: float) -> Report:
+    """Load a server with clients, floods and unfinished connections for some time [s]."""
+    done = Event()
+    members = [_Member(number, server.port, done) for number in range(CLIENTS)]
+    memory: dict[int, list[tuple[float, int]]] = {}
+    began = monotonic()
+    with ExitStack() as closing:
+        closing.callback(done.set)
+        for each in members:
+            each.start()
+        hostile = Thread(target=_annoy, args=(server.port, done), daemon=True)
+        hostile.start()
+        while (time := monotonic() - began) < seconds:
+            for pid in _family(server.process.pid):
+                with suppress(OSError, StopIteration):  # it ends just now
+                    size = _proportional(pid)
+                    memory.setdefault(pid, []).append((round(time, 2), size))
+            done.wait(max(0.0, min(LOOK, seconds - (monotonic() - began))))
+    for each in members:
+        each.join(LAST_BLOCKS + 10.0)
+    hostile.join(20.0)
+    return Report(
+        blocks=sum(len(each.journal.sent) for each in members),
+        messages=sum(len(each.journal.arrivals) for each in members),
+        faults=[fault for each in members for fault in each.journal.faults()],
+        memory=memory,
+    )
+
+
+def _annoy(port: int, done: Event) -> None:
+    """Flood the server periodically, and leave connections unfinished meanwhile."""
+    kinds = [kind for kind in flood.FLOODS if kind != "blocks"]
+    number = 0
+    while not done.wait(FLOOD_PERIOD / 2):
+        for _ in range(20):
+            with suppress(OSError), create_connection(("127.0.0.1", port), 5.0) as half:
+                half.sendall(b'<bml id="half')
+        if done.wait(FLOOD_PERIOD / 2):
+            return
+        with Popen(
+            [sys.executable, flood.__file__, kinds[number % len(kinds)], str(port)], stdout=DEVNULL, stderr=DEVNULL
+        ) as flooding:
+            done.wait(FLOOD_DURATION)
+            flooding.kill()
+        number += 1
+
+
+def _proportional(pid: int) -> int:
+    """Return the proportional set size of a process [bytes]."""
+    lines = Path(f"/proc/{pid}/smaps_rollup").read_text().splitlines()
+    return 1024 * int(next(line for line in lines if line.startswith("Pss:")).split()[1])
+
+
+def _text(report: Report, settled: float, duration: float) -> Iterator[str]:
+    """Yield the lines of a report."""
+    yield f"{report.blocks} blocks, {report.messages} messages, {len(report.faults)} faults"
+    yield from report.faults[:60]
+    for pid, samples in report.memory.items():
+        sizes = [round(size / 1e6, 1) for _, size in samples]
+        yield f"{pid}: {samples[0][0]:.0f} to {samples[-1][0]:.0f} s, MB {sizes[:: max(1, len(sizes) // 24)]}"
+    yield f"growth after {settled:.0f} s: {report.growth(settled, duration):.2f} %"
+
+
+if __name__ == "__main__":
+    seconds = float(sys.argv[1])
+    with open_server(*sys.argv[2:]) as opened:
+        found = crowd(opened, seconds)
+    print("\n".join(_text(found, min(SETTLED, seconds / 4), seconds)))  # noqa: T201 - a program of its own

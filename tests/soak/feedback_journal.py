@@ -1,0 +1,80 @@
+"""Feedback of one client, checked against the promise: each point once, in order, never early."""
+
+import re
+from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from itertools import pairwise
+from math import inf
+
+CLOCK_RESOLUTION = 0.002  # [s] rounding of `time` in a status, and of a tick
+PROGRESS = re.compile(
+    r"<(?:blockProgress|syncPointProgress)\b[^>]*? id=\"([^\":]+):([^\"]+)\"[^>]*? globalTime=\"([^\"]+)\""
+)
+REFUSED = re.compile(r"<warningFeedback\b[^>]*? id=\"([^\":]+)\"[^>]*>(?:rule |revoked|not performed|a block of this)")
+
+
+@dataclass(frozen=True)
+class Arrival:
+    """A point of a block, as a client was told of it."""
+
+    block: str
+    point: str  # of the block, or `behaviour:point`
+    time: float  # [s] of the server's clock, as the message says
+    received: float  # [s] of the machine's monotonic clock
+    earliest: float  # [s] of that clock, before which the server's clock had not come to `time`
+
+
+@dataclass
+class FeedbackJournal:
+    """All feedback of one client."""
+
+    arrivals: list[Arrival] = field(default_factory=list)
+    sent: list[str] = field(default_factory=list)  # ids of the blocks that it sent
+    refused: set[str] = field(default_factory=set)
+    lost_messages: int = 0  # that the server dropped, because they were not read in time
+    _offset: float = -inf  # [s] from the server's clock to the machine's, at least
+
+    def synchronize(self, asked: float, time: float) -> None:
+        """Record a server time [s] that was requested at a machine time [s]."""
+        self._offset = max(self._offset, asked - time)
+
+    def hear(self, message: str, received: float) -> None:
+        """Record a message and its arrival time [s]."""
+        if (found := PROGRESS.search(message)) is not None:
+            block, point, time = found[1], found[2], float(found[3])
+            self.arrivals.append(Arrival(block, point, time, received, time + self._offset))
+        elif (refused := REFUSED.search(message)) is not None:
+            self.refused.add(refused[1])
+            self.lost_messages += "rule unread" in message
+
+    def faults(self) -> Iterator[str]:
+        """Yield every broken promise."""
+        blocks = defaultdict[str, list[Arrival]](list)
+        for each in self.arrivals:
+            blocks[each.block].append(each)
+        for block in self.sent:
+            if block not in blocks and block not in self.refused:
+                yield f"{block}: lost, neither begun nor refused"
+        for block, arrivals in blocks.items():
+            yield from (f"{block}: {fault}" for fault in _faults(arrivals))
+
+
+def _faults(arrivals: list[Arrival]) -> Iterator[str]:
+    """Yield the broken promises of one block."""
+    points = [each.point for each in arrivals]
+    for point in dict.fromkeys(points):
+        if (times := points.count(point)) > 1:
+            yield f"duplicate {point}, {times} times"
+    if points[0] != "start":
+        yield f"disorder: begins with {points[0]}"
+    if "end" not in points:
+        yield "has no end"
+    elif points[-1] != "end":
+        yield f"disorder: {points[-1]} after its end"
+    for before, after in pairwise(arrivals):
+        if after.time < before.time:
+            yield f"disorder: {after.point} at {after.time:.6f} s behind {before.point} at {before.time:.6f} s"
+    for each in arrivals:
+        if each.received < each.earliest - CLOCK_RESOLUTION:
+            yield f"early {each.point}, by {each.earliest - each.received:.4f} s"
