@@ -17,6 +17,8 @@ from kinesic.client import Client
 from kinesic.controller.perform import set_up
 from kinesic.motion.trajectory import stay
 from kinesic.planning.setup import Setup
+from kinesic.serve import loop as loop_module
+from kinesic.serve import messages
 from kinesic.serve.messages import Clock, LoopProperties, LoopStart
 from kinesic.serve.planner import PlannerState
 from kinesic.serve.server import Address, Serving, open_serving, until_done
@@ -25,6 +27,8 @@ from kinesic.serve.tracks import SILENT, SoundAndFace
 from kinesic.serve.wire.origin import ANYBODY_HERE, Access
 from kinesic.serve.wire.pages import NO_FILES, WebFile
 from kinesic.serve.wire.quotas import USUAL, Quotas
+
+from .simulated import Simulation
 
 
 class Witness:
@@ -160,3 +164,13 @@ def becomes() -> Callable[[Callable[[], bool]], bool]:
         return True
 
     return waited
+
+
+@pytest.fixture
+def simulation(known: Setup, monkeypatch: pytest.MonkeyPatch) -> Simulation:
+    made = Simulation(known)
+    for module in (loop_module, messages):
+        monkeypatch.setattr(module, "monotonic", made.read)
+    monkeypatch.setattr(loop_module, "sleep", made.sleep)
+    monkeypatch.setattr(loop_module, "wait", made.wait)
+    return made
