@@ -1,0 +1,422 @@
+"""A session without a robot: what it has planned, in which order, and what it refuses."""
+
+import asyncio
+import re
+from collections import deque
+from collections.abc import Callable, Coroutine
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from kinesic.realizer.request import Message
+from kinesic.serve import session as session_module
+from kinesic.serve.messages import DocumentRequest, Interruption, Renewal, Restyling, Resumption
+from kinesic.serve.session import RENEWAL, Session
+from kinesic.serve.wire.quotas import Quotas
+
+RULES = Quotas(waiting=2, planning=3.0)
+
+
+class Loop:
+    """A loop that does nothing."""
+
+    def __init__(self, setup: object, sinks: object, clock: object, *, effects: object, tell: Callable, news: Callable):
+        self.tell, self.news = tell, news
+        self.robot, self.stops, self.late = "dummy", 0, 99
+        self.alive, self.held, self.idles, self.rests, self.left, self.joined = True, False, False, True, 0, 0
+        self.servos: SimpleNamespace | None = None
+        self.owed = -1
+
+    def start(self) -> None: ...
+
+    def is_alive(self) -> bool:
+        return self.alive
+
+    def halt(self) -> None:
+        self.stops += 1
+
+    def waits(self) -> bool:
+        return self.held
+
+    def resume(self) -> None:
+        self.held = False
+
+    def settled(self) -> bool:
+        return self.rests
+
+    def owes(self, sender: int) -> bool:
+        return sender == self.owed
+
+    def leave(self) -> None:
+        self.left += 1
+
+    def join(self) -> None:
+        self.joined += 1
+
+
+class Planner:
+    """A planner that keeps what it is sent, and is busy until it is told that it is done."""
+
+    def __init__(self, make_setup: object, loop: Loop, *, rules: Quotas, idle: Callable, lost: Callable) -> None:
+        self.idle, self.lost = idle, lost
+        self.sent: deque[object] = deque()
+        self.warm = self.failed = False
+        self.busy, self.deaths, self.closed, self.serving = False, 0, 0, -1
+        self.received: list[object] = []
+
+    @property
+    def free(self) -> bool:
+        return self.warm and not self.busy
+
+    def start(self) -> None: ...
+
+    def send(self, request: object) -> None:
+        assert self.free
+        self.busy = True
+        self.sent.append(request)
+
+    def receive(self, news: object) -> None:
+        self.received.append(news)
+
+    def serves(self, sender: int) -> bool:
+        return sender == self.serving
+
+    def close(self) -> None:
+        self.closed += 1
+
+    def become_free(self) -> None:
+        self.warm, self.busy = True, False
+        self.idle()
+
+
+class Closable:
+    closed = 0
+
+    def close(self) -> None:
+        self.closed += 1
+
+
+class Stage:
+    """A session and all that it talks to."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.told: list[tuple[str, int]] = []
+        self.time, self.slept = 1000.0, list[float]()
+        self.desk, self.arming = Closable(), Closable()
+        really = asyncio.sleep
+
+        async def sleep(seconds: float) -> None:
+            self.slept.append(seconds)
+            self.time += seconds
+            await really(0)
+
+        def make_desk(*_: object, on_gestures_saved: Callable, folder: Path | None, writers: object) -> Closable:
+            self.saved, self.folder = on_gestures_saved, folder
+            return self.desk
+
+        for name, replacement in (
+            ("Loop", Loop),
+            ("Planner", Planner),
+            ("Desk", make_desk),
+            ("Arming", lambda *_: self.arming),
+            ("sleep", sleep),
+            ("monotonic", lambda: self.time),
+        ):
+            monkeypatch.setattr(session_module, name, replacement)
+        self.session = Session(lambda: None, (), RULES, lambda *told: self.told.append(told), folder=Path("kept"))
+        self.loop, self.planner = self.session.loop, self.session.planner
+
+    def document(self, name: str, sender: int = 1) -> Message:
+        return Message(f'<bml id="{name}"/>', sender)
+
+    def planned(self) -> list[str]:
+        """Names of documents that are sent to the planner until nothing is left, and the names of other requests."""
+        found = []
+        while True:
+            self.planner.become_free()
+            if not self.planner.sent:
+                return found
+            sent = self.planner.sent.popleft()
+            is_document = isinstance(sent, DocumentRequest)
+            found.append(re.findall('id="(.*)"', sent.message.text)[0] if is_document else type(sent).__name__)
+
+
+Act = Callable[[Stage], Coroutine]
+
+
+@pytest.fixture
+def on_stage(monkeypatch: pytest.MonkeyPatch) -> Callable[[Act], None]:
+    def run(act: Act) -> None:
+        async def whole() -> None:
+            await act(Stage(monkeypatch))
+
+        asyncio.run(whole())
+
+    return run
+
+
+async def settle() -> None:
+    for _ in range(5):
+        await asyncio.sleep(0)
+
+
+def test_documents_wait_for_the_planner_and_clients_take_turns(on_stage: Callable):
+    async def act(stage: Stage) -> None:
+        for name, sender in (("a", 1), ("b", 1), ("c", 2)):
+            assert stage.session.perform(stage.document(name, sender)) is None
+        assert stage.session.status()["waiting"] == 3
+        assert not stage.planner.sent, "it is not warm yet"
+        assert stage.planned() == ["a", "c", "b"]
+
+    on_stage(act)
+
+
+def test_a_free_planner_gets_a_document_at_once_with_the_stops_so_far(on_stage: Callable):
+    async def act(stage: Stage) -> None:
+        stage.planner.warm = True
+        stage.loop.stops = 3
+        stage.session.perform(stage.document("a"))
+        (sent,) = stage.planner.sent
+        assert sent == DocumentRequest(stage.document("a"), 3)
+
+    on_stage(act)
+
+
+def test_requests_come_before_documents(on_stage: Callable):
+    async def act(stage: Stage) -> None:
+        stage.session.perform(stage.document("a"))
+        stage.session.interrupt("b")
+        stage.session.restyle(Restyling(None, (), None, None, 1))
+        assert stage.planned() == ["Interruption", "Restyling", "a"]
+
+    on_stage(act)
+
+
+def test_too_many_documents_of_one_client_are_refused(on_stage: Callable):
+    async def act(stage: Stage) -> None:
+        for _ in range(2):
+            assert stage.session.perform(stage.document("a")) is None
+        refusal = stage.session.perform(stage.document("b"))
+        assert refusal is not None
+        assert 'id="b"' in refusal
+        assert "rule waiting: 2 blocks of yours wait" in refusal
+        assert stage.session.perform(stage.document("c", 2)) is None
+
+    on_stage(act)
+
+
+def test_a_stop_refuses_what_waits_and_all_that_comes_until_somebody_resumes(on_stage: Callable):
+    async def act(stage: Stage) -> None:
+        stage.session.perform(stage.document("a", 4))
+        stage.session.perform(stage.document("b", 5))
+        stage.session.halt()
+        assert stage.loop.stops == 1
+        assert stage.session.status()["state"] == "stopped"
+        await settle()
+        assert [(sender, 'id="a"' in message or 'id="b"' in message) for message, sender in stage.told] == [
+            (4, True),
+            (5, True),
+        ]
+        assert all("rule stopped: an emergency stop came; resume first" in message for message, _ in stage.told)
+        assert "resume first" in (stage.session.perform(stage.document("c")) or "")
+        assert stage.session.hindrance == "an emergency stop holds; resume first"
+        stage.session.resume()
+        assert stage.session.perform(stage.document("d")) is None
+        stage.planner.become_free()
+        assert stage.planner.sent.popleft() == Resumption(1)
+        assert stage.planned() == ["d"]
+
+    on_stage(act)
+
+
+def test_resuming_without_a_stop_asks_the_planner_for_nothing(on_stage: Callable):
+    async def act(stage: Stage) -> None:
+        stage.loop.held = True
+        stage.session.resume()
+        assert not stage.loop.held
+        assert stage.planned() == []
+
+    on_stage(act)
+
+
+def test_nobody_believes_in_a_stop_that_no_loop_makes(on_stage: Callable):
+    async def act(stage: Stage) -> None:
+        stage.loop.alive = False
+        with pytest.raises(RuntimeError, match="has ended"):
+            stage.session.halt()
+        assert stage.loop.stops == 0
+
+    on_stage(act)
+
+
+def test_servos_that_hold_take_no_document(on_stage: Callable):
+    async def act(stage: Stage) -> None:
+        stage.loop.held = True
+        assert "out of hand for more than a second" in (stage.session.perform(stage.document("a")) or "")
+        assert stage.session.status()["state"] == "stopped"
+        assert stage.planned() == []
+
+    on_stage(act)
+
+
+@pytest.mark.parametrize("armed", [True, False])
+def test_servos_without_torque_take_no_document(on_stage: Callable, armed: bool):
+    async def act(stage: Stage) -> None:
+        stage.loop.servos = SimpleNamespace(armed=armed, state="limp")
+        refusal = stage.session.perform(stage.document("a"))
+        assert (refusal is None) == armed
+        assert armed or "rule limp" in (refusal or "")
+        assert stage.session.status()["servos"] == "limp"
+
+    on_stage(act)
+
+
+def test_interrupting_all_refuses_what_waits_and_interrupting_one_does_not(on_stage: Callable):
+    async def act(stage: Stage) -> None:
+        stage.session.perform(stage.document("a", 7))
+        stage.session.interrupt("x")
+        assert not stage.told
+        stage.session.interrupt(None)
+        ((message, sender),) = stage.told
+        assert sender == 7
+        assert "rule interrupted: everything was interrupted" in message
+        stage.planner.become_free()
+        assert stage.planner.sent.popleft() == Interruption("x")
+        assert stage.planned() == ["Interruption"]
+
+    on_stage(act)
+
+
+@pytest.mark.parametrize(
+    ("rests", "idles", "state", "hindered"),
+    [(True, False, "resting", False), (False, True, "resting", False), (False, False, "playing", True)],
+)
+def test_it_says_what_it_does(on_stage: Callable, rests: bool, idles: bool, state: str, hindered: bool):
+    async def act(stage: Stage) -> None:
+        stage.loop.rests, stage.loop.idles = rests, idles
+        status = stage.session.status()
+        assert (status["state"], status["idles"], status["robot"]) == (state, idles, "dummy")
+        assert (status["planner"], status["servos"], status["deaths"]) == ("starting", None, 0)
+        assert bool(stage.session.hindrance) == hindered
+        stage.planner.warm = True
+        assert stage.session.status()["planner"] == "warm"
+        stage.session.halt()
+        assert stage.session.status()["idles"] is False
+
+    on_stage(act)
+
+
+def test_a_client_is_owed_what_waits_what_is_planned_and_what_plays(on_stage: Callable):
+    async def act(stage: Stage) -> None:
+        stage.session.perform(stage.document("a", 1))
+        stage.planner.serving, stage.loop.owed = 2, 3
+        assert [stage.session.owes(sender) for sender in range(5)] == [False, True, True, True, False]
+
+    on_stage(act)
+
+
+def test_it_has_started_when_the_planner_is_warm(on_stage: Callable):
+    async def act(stage: Stage) -> None:
+        starting = asyncio.create_task(stage.session.start())
+        await settle()
+        assert not starting.done()
+        stage.planner.become_free()
+        await starting
+        assert stage.loop.late == 0
+
+    on_stage(act)
+
+
+def test_a_planner_that_does_not_start_is_an_error_and_ends_the_loop(on_stage: Callable):
+    async def act(stage: Stage) -> None:
+        starting = asyncio.create_task(stage.session.start())
+        await settle()
+        stage.planner.failed = True
+        stage.planner.lost(None)
+        with pytest.raises(RuntimeError, match="the planner does not start"):
+            await starting
+        assert stage.loop.left == 1
+
+    on_stage(act)
+
+
+def test_the_document_over_which_a_planner_dies_is_refused(on_stage: Callable):
+    async def act(stage: Stage) -> None:
+        stage.planner.lost(DocumentRequest(stage.document("a", 8), 0))
+        stage.planner.lost(Interruption(None))
+        ((message, sender),) = stage.told
+        assert sender == 8
+        assert 'id="a"' in message
+        assert "took longer than 3 s" in message
+        assert stage.loop.left == 0, "another planner follows"
+
+    on_stage(act)
+
+
+def test_folding_waits_until_all_is_over(on_stage: Callable):
+    async def act(stage: Stage) -> None:
+        folding = asyncio.create_task(stage.session.fold())
+        for stage.loop.rests in (False, True):
+            await settle()
+            assert not folding.done(), "the request waits for the planner"
+        stage.planner.become_free()
+        await settle()
+        assert not folding.done(), "the planner is at work"
+        stage.loop.rests, stage.planner.busy = False, False
+        await settle()
+        assert not folding.done(), "the robot moves"
+        stage.loop.rests = True
+        await folding
+        assert stage.planner.sent.popleft() == Interruption(None)
+
+    on_stage(act)
+
+
+def test_nobody_waits_for_a_loop_that_has_ended(on_stage: Callable):
+    async def act(stage: Stage) -> None:
+        stage.loop.alive = False
+        await stage.session.fold()
+
+    on_stage(act)
+
+
+@pytest.mark.parametrize("alive", [True, False])
+def test_everything_ends_with_it(on_stage: Callable, alive: bool):
+    async def act(stage: Stage) -> None:
+        stage.loop.alive = alive
+        renewing = asyncio.create_task(stage.saved())
+        await asyncio.sleep(0)
+        stage.session.close()
+        await asyncio.gather(renewing, return_exceptions=True)
+        assert (stage.loop.left, stage.loop.joined) == (1, int(alive))
+        assert (stage.planner.closed, stage.desk.closed, stage.arming.closed) == (1, 1, 1)
+        assert not stage.planned()
+
+    on_stage(act)
+
+
+def test_saved_gestures_are_read_anew_once_for_all_who_wait_and_once_a_second_at_most(on_stage: Callable):
+    async def act(stage: Stage) -> None:
+        await asyncio.gather(stage.saved(), stage.saved())
+        assert stage.slept == [0.0]
+        assert stage.planned() == ["Renewal"]
+        stage.time += 0.25
+        await stage.saved()
+        assert stage.slept[1:] == [pytest.approx(RENEWAL - 0.25)]
+        assert stage.planned() == ["Renewal"]
+        assert Renewal() == Renewal()
+
+    on_stage(act)
+
+
+def test_messages_and_news_of_the_loop_come_in_this_thread(on_stage: Callable):
+    async def act(stage: Stage) -> None:
+        stage.loop.tell("<x/>", 3)
+        stage.loop.news("ready")
+        assert not stage.told
+        await settle()
+        assert stage.told == [("<x/>", 3)]
+        assert stage.planner.received == ["ready"]
+
+    on_stage(act)
