@@ -18,6 +18,7 @@ from kinesic.serve.sinks.real_time import RealTimeSink
 from kinesic.serve.tracks import Effects
 
 BEGIN = 1000.0  # [s] of the machine's clock
+MOST_SLEEPS = 20_000  # of one run; more are a loop without an end
 LATE_WAKE = 1e-5  # [s] that each sleep takes longer than asked
 READ_TIME = 1e-6  # [s] from one look at the clock to the next
 Script = Generator[float, None, None]  # yields simulated times [s] after the begin, and acts when they come
@@ -56,6 +57,7 @@ class Simulation:
     time: float = BEGIN  # [s] of the machine's clock
     told: list[tuple[float, str, int]] = field(default_factory=list)  # when [s], message, receiver
     news: list[PlannerReady | RequestDone | None] = field(default_factory=list)
+    sleeps: int = 0  # so far
     effects: Effects = field(default_factory=lambda: Effects(face=True))
 
     def make(self, sinks: Sequence[RealTimeSink] = ()) -> Loop:
@@ -93,6 +95,8 @@ class Simulation:
 
     def sleep(self, seconds: float) -> None:
         """Let time pass, at most until the script acts."""
+        self.sleeps += 1
+        assert self.sleeps < MOST_SLEEPS, "the loop never comes to its end"
         self.time += max(0.0, min(seconds, self._due - self.time)) + LATE_WAKE
         while self.time >= self._due:
             try:

@@ -272,7 +272,7 @@ def test_so_many_messages_are_taken_at_once_and_more_after_a_while(time: Callabl
     assert client.open
     time(1.5 / RULES.rate)
     assert "pong" in registry.say(client, {"do": "ping"})[0]
-    assert "at most 10 messages a second" in registry.say(client, {"do": "ping"})[0]
+    assert "rule rate: at most 10 messages a second" in registry.say(client, {"do": "ping"})[0]
 
 
 @pytest.mark.parametrize("message", [{"do": "reach", "target": [0, 0, 1]}, {"do": "words", "text": "a"}])
@@ -333,6 +333,7 @@ def test_all_are_sent_away_together():
 def test_a_connection_that_wants_only_stops_is_freed_but_not_standard_input():
     registry = Registry()
     client, console = registry.join("a"), registry.join("stdin", movable=False)
+    assert not client.stops_only
     assert registry.say(client, {"do": "stop_line"}) == []
     assert client.stops_only
     assert not client.placed

@@ -62,6 +62,9 @@ def test_words_are_not_joined_with_documents_nor_without_end():
     assert turns.add(Words("x" * MOST_TEXT, 2))
     assert turns.add(Words("y", 2))
     assert len(turns) == 4
+    assert turns.add(Words("x" * (MOST_TEXT - 1), 3))
+    assert turns.add(Words("y", 3))
+    assert len(turns) == 5, "so many letters are joined"
 
 
 @settings(deadline=None)

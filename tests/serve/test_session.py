@@ -183,6 +183,15 @@ def test_a_free_planner_gets_a_document_at_once_with_the_stops_so_far(on_stage: 
     on_stage(act)
 
 
+def test_a_free_planner_gets_a_request_at_once(on_stage: Callable):
+    async def act(stage: Stage) -> None:
+        stage.planner.warm = True
+        stage.session.interrupt("b")
+        assert list(stage.planner.sent) == [Interruption("b")]
+
+    on_stage(act)
+
+
 def test_requests_come_before_documents(on_stage: Callable):
     async def act(stage: Stage) -> None:
         stage.session.perform(stage.document("a"))
