@@ -1,7 +1,7 @@
 """A live loop without real time: its clock only goes on while it waits, and a script acts between its ticks."""
 
 from collections.abc import Generator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection
 
@@ -12,6 +12,7 @@ from kinesic.body.command import Command
 from kinesic.motion.easing import minimum_jerk
 from kinesic.motion.trajectory import STEP, Trajectory
 from kinesic.planning.setup import Setup
+from kinesic.realizer.feedback import ScheduledFeedback
 from kinesic.serve.loop import Loop
 from kinesic.serve.messages import Clock, LoopStart, News, PlannerReady, Proposal, ProposalVerdict, RequestDone
 from kinesic.serve.sinks.real_time import RealTimeSink
@@ -21,6 +22,7 @@ BEGIN = 1000.0  # [s] of the machine's clock
 MOST_SLEEPS = 20_000  # of one run; more are a loop without an end
 LATE_WAKE = 1e-5  # [s] that each sleep takes longer than asked
 READ_TIME = 1e-6  # [s] from one look at the clock to the next
+Messages = tuple[ScheduledFeedback, ...]
 Script = Generator[float, None, None]  # yields simulated times [s] after the begin, and acts when they come
 
 
@@ -113,10 +115,19 @@ class Simulation:
         return ready
 
 
-def proposal(stops: int = 0, now: float = 0.0, cut: float = 0.0, **parts: object) -> Proposal:
-    """A proposal that changes nothing, but for some parts."""
-    empty = {"motion": None, "agenda": (), "owed": frozenset(), "moving": {}, "tracks": {}}
-    return Proposal(stops, now, cut, **empty | parts)
+def proposal(
+    stops: int = 0, now: float = 0.0, cut: float = 0.0, *, said: Messages = (), agenda: Messages = (), **parts: object
+) -> Proposal:
+    """A proposal that changes nothing, but for some parts; `said` comes in no later one."""
+    known = {each.name for each in fields(Proposal)}
+    feedback = {"said": said, "agenda": agenda} if "said" in known else {"agenda": (*said, *agenda)}
+    empty = {"motion": None, "owed": frozenset(), "moving": {}, "tracks": {}}
+    return Proposal(stops, now, cut, **empty | feedback | parts)
+
+
+def feedback_of(proposed: Proposal) -> Messages:
+    """All messages of a proposal."""
+    return (*getattr(proposed, "said", ()), *proposed.agenda)
 
 
 def verdict(planner: Connection) -> ProposalVerdict:

@@ -281,13 +281,14 @@ def test_what_waits_for_the_body_holds_back_what_comes_after_it_and_outlives_the
     planner = simulation.link()
     every = np.ones(len(simulation.setup.robot.drives), dtype=bool)
     moving = {("b", "h"): every}
-    behind = ScheduledFeedback(1.02, "<behind/>")
+    due = ScheduledFeedback(1.0, STROKE), ScheduledFeedback(1.02, "<behind/>")
 
     def script():
-        agenda = (ScheduledFeedback(1.0, STROKE), behind)
-        planner.send(proposal(motion=nod(simulation.setup, 0.1), cut=0.1, moving=moving, agenda=agenda))
+        planner.send(proposal(motion=nod(simulation.setup, 0.1), cut=0.1, moving=moving))
+        yield 1.025
+        planner.send(proposal(now=1.025, moving=moving, said=due))
         yield 1.05
-        planner.send(proposal(now=1.05, moving=moving, agenda=agenda))
+        planner.send(proposal(now=1.05, moving=moving))
         yield 1.07
         planner.send(proposal(now=1.07, moving=moving, agenda=(ScheduledFeedback(1.2, "<later/>"),)))
         yield 2.0

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from kinesic.motion.trajectory import stay
-from kinesic.realizer.feedback import ScheduledFeedback
+from kinesic.realizer.feedback import Progress, ScheduledFeedback
 from kinesic.serve.loop import GRACE, PERIOD
 from kinesic.serve.messages import Halted, LoopStart
 from kinesic.serve.sinks.real_time import RealTimeSink
@@ -84,25 +84,24 @@ def test_commands_that_are_out_already_are_replaced_after_a_stop(simulation: Sim
     assert np.abs(final.speeds).max() < STILL
 
 
-def test_a_stop_drops_feedback_faces_and_what_was_sent_is_forgotten(simulation: Simulation):
+def test_a_stop_drops_feedback_and_faces(simulation: Simulation):
     loop = simulation.make([RealTimeSink(Recorder())])
     planner = simulation.link()
-    due = ScheduledFeedback(0.5, "<due/>")
+    due, never = ScheduledFeedback(0.5, "<due/>"), ScheduledFeedback(1.5, Progress("b", "h", "stroke", 0.0), sender=3)
 
     def script():
         tracks = {"b": Track(0.0, {"x": np.ones(500)}, ())}
-        planner.send(proposal(agenda=(due, ScheduledFeedback(1.5, "<never/>")), tracks=tracks))
+        planner.send(proposal(agenda=(due, never), tracks=tracks))
         yield 1.0
         assert simulation.effects.face(1.2) == {"x": 1.0}
         loop.halt()
         yield 1.05
         assert simulation.effects.face(1.2) == {}
-        assert not loop.agenda
-        planner.send(proposal(stops=1, agenda=(due,)))
+        assert not loop.owes(3)
         yield 2.0
 
     simulation.run(script())
-    assert [message for _, message, _ in simulation.told] == ["<due/>", "<due/>"]
+    assert [message for _, message, _ in simulation.told] == ["<due/>"]
 
 
 def test_the_planner_is_told_the_motion_of_the_stop_and_when_it_was(simulation: Simulation):
@@ -238,7 +237,7 @@ def test_a_planner_that_was_started_before_a_stop_is_told_it(simulation: Simulat
     if told:
         message = planner.recv()
         assert (message.stops, message.motion.start) == (1, loop.motion.start)
-        assert message.time == pytest.approx(1.0, abs=2 * PERIOD)
+        assert 0.5 < message.time < 1.0 + 2 * PERIOD
 
 
 def test_a_planner_that_reads_nothing_gets_the_last_stop_as_soon_as_it_reads(simulation: Simulation):

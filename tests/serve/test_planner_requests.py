@@ -1,20 +1,27 @@
 """A planner at a loop that answers by a rule, in simulated time: what it proposes for each request."""
 
 import json
+import pickle
 import re
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from multiprocessing import Pipe
+from multiprocessing.connection import Connection
+from threading import Thread
 
 import numpy as np
 import pytest
 
+from kinesic.bml.block import BmlError
 from kinesic.controller.perform import set_up
+from kinesic.expressivity.style.style import style_preset
 from kinesic.motion.trajectory import stay
 from kinesic.planning.setup import Setup
 from kinesic.realizer.realizer import prepare_block
 from kinesic.realizer.request import Message, read_request
 from kinesic.serve import messages
+from kinesic.serve import refiner as refiner_module
 from kinesic.serve.idling import PAUSE, SPELL
 from kinesic.serve.messages import (
     Clock,
@@ -24,17 +31,21 @@ from kinesic.serve.messages import (
     Interruption,
     LoopProperties,
     LoopStart,
+    PlannerReady,
     Proposal,
     ProposalVerdict,
     Renewal,
+    RequestDone,
     Restyling,
     Resumption,
     Words,
 )
-from kinesic.serve.planner import LOOK, PlannerState
-from kinesic.serve.refiner import RefinedPlan, RefinementJob, pack, unpack
+from kinesic.serve.planner import LOOK, PlannerState, run_planner
+from kinesic.serve.refiner import RefinedPlan, RefinementJob, pack, run_refiner, unpack
 from kinesic.serve.tracks import SILENT, SoundAndFace
 from kinesic.serve.wire.quotas import Quotas
+
+from .simulated import feedback_of
 
 BML = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}">{}</bml>'
 NOD = '<head id="h" lexeme="NOD" start="0"/>'
@@ -129,7 +140,7 @@ def test_a_document_is_predicted_and_then_proposed_with_its_feedback(planning: P
     assert not proposal.idles
     assert proposal.stops == 0
     assert {block for block, _ in proposal.moving} == {"b"}
-    passed = re.findall('<blockProgress[^>]* id="(b:[a-z]*)"', "".join(each.xml for each in proposal.agenda))
+    passed = re.findall('<blockProgress[^>]* id="(b:[a-z]*)"', "".join(each.xml for each in feedback_of(proposal)))
     assert passed == ["b:start", "b:relax", "b:end"]
 
 
@@ -200,7 +211,7 @@ def test_a_stop_interrupts_all_and_leaves_the_motion_to_the_loop(planning: Plann
     (proposal,), _ = planning.said()
     assert proposal.motion is None
     assert proposal.stops == 1
-    assert any("INTERRUPTED" in each.xml for each in proposal.agenda)
+    assert any("INTERRUPTED" in each.xml for each in feedback_of(proposal))
     planning.time = 3.0
     planning.state.go_on()
     (proposal,), _ = planning.said()
@@ -214,9 +225,9 @@ def test_one_block_is_interrupted_and_the_other_goes_on(planning: Planning):
     planning.time = 1.0
     planning.state.fulfil(Interruption("a"))
     (proposal,), _ = planning.said()
-    ends = [each.xml for each in proposal.agenda if 'id="a:end"' in each.xml]
+    ends = [each.xml for each in feedback_of(proposal) if 'id="a:end"' in each.xml]
     assert any("INTERRUPTED" in end for end in ends)
-    assert not any("INTERRUPTED" in each.xml and 'id="b' in each.xml for each in proposal.agenda)
+    assert not any("INTERRUPTED" in each.xml and 'id="b' in each.xml for each in feedback_of(proposal))
 
 
 def test_nothing_is_due_on_a_robot_at_rest(planning: Planning):
@@ -510,3 +521,96 @@ def test_a_plan_goes_to_the_refiner_without_the_setup(known: Setup):
     assert found.plan is not None
     assert found.plan.setup is other
     assert len(data) < 1_000_000
+
+
+def styled_job(known: Setup, style: str) -> RefinementJob:
+    request = read_request(Message(BML.format("b", LONG)), known)
+    return RefinementJob(request, known.style if style == known.style.name else style_preset(style))
+
+
+@pytest.fixture
+def refining(known: Setup, monkeypatch: pytest.MonkeyPatch):
+    """A refiner in a thread, and the planner's end of its line; how often it made a setup."""
+    monkeypatch.setattr(refiner_module.os, "nice", lambda _: None)
+    ours, theirs = Pipe()
+    made = []
+
+    def make_setup() -> Setup:
+        made.append(known)
+        return known
+
+    thread = Thread(target=run_refiner, args=(make_setup, theirs))
+    thread.start()
+    yield ours, made
+    ours.close()
+    thread.join(10.0)
+    assert not thread.is_alive(), "it ends with the planner"
+
+
+def refined(line: Connection, job: RefinementJob, setup: Setup) -> RefinedPlan:
+    line.send_bytes(pack(job))
+    assert line.poll(20.0), "no answer"
+    found = unpack(line.recv_bytes(), setup)
+    assert isinstance(found, RefinedPlan)
+    return found
+
+
+def test_the_refiner_plans_job_after_job_in_the_style_of_each(known: Setup, refining):
+    line, made = refining
+    usual, calm = (refined(line, styled_job(known, style), known) for style in (known.style.name, "calm"))
+    assert usual.block == calm.block == "b"
+    assert usual.plan is not None
+    assert calm.plan is not None
+    assert not np.array_equal(usual.plan.trajectory.controls, calm.plan.trajectory.controls)
+    assert len(made) == 1
+
+
+def test_the_refiner_reads_gestures_anew_once_for_each_time_they_were(known: Setup, refining):
+    line, made = refining
+    for renewals, count in ((0, 1), (1, 2), (1, 2), (3, 3)):
+        refined(line, replace(styled_job(known, known.style.name), renewals=renewals), known)
+        assert len(made) == count
+
+
+def test_what_cannot_be_planned_has_no_plan(known: Setup, refining, monkeypatch: pytest.MonkeyPatch):
+    def fail(*_: object) -> None:
+        raise BmlError("b: no")
+
+    monkeypatch.setattr(refiner_module, "prepare_block", fail)
+    found = refined(refining[0], styled_job(known, known.style.name), known)
+    assert (found.block, found.plan) == ("b", None)
+
+
+def test_what_is_no_job_is_no_message(known: Setup):
+    with pytest.raises(pickle.UnpicklingError, match="a dict came"):
+        unpack(pickle.dumps({}), known)
+
+
+def test_a_planner_says_that_it_is_ready_fulfils_requests_and_ends_with_the_server(known: Setup):
+    requests, loop, refiner = (Pipe() for _ in range(3))
+    thread = Thread(
+        target=run_planner,
+        args=(lambda: known, requests[1], loop[1], refiner[1], LoopProperties(Clock(), SILENT), RULES),
+    )
+    thread.start()
+
+    def heard() -> object:
+        assert loop[0].poll(30.0), "it says nothing"
+        return loop[0].recv()
+
+    requests[0].send(LoopStart(stay(known.robot.skeleton.rest, start=0.0), 0, ()))
+    assert isinstance(heard(), PlannerReady)
+    for name in ("a", "b"):
+        requests[0].send(DocumentRequest(Message(BML.format(name, NOD), 7), 0))
+        said = [heard(), heard()]
+        assert isinstance(said[0], FeedbackNotice)
+        assert isinstance(said[1], Proposal)
+        loop[0].send(ProposalVerdict(accepted=True, stops=0, time=0.0))
+        assert isinstance(heard(), RequestDone)
+    loop[0].send(Halted(1, 0.1, stay(known.robot.skeleton.rest, start=0.0)))
+    while not isinstance(proposal := heard(), Proposal) or proposal.stops != 1:
+        loop[0].send(ProposalVerdict(accepted=True, stops=0, time=0.0))
+    loop[0].send(ProposalVerdict(accepted=True, stops=1, time=0.0))
+    requests[0].close()
+    thread.join(10.0)
+    assert not thread.is_alive()

@@ -1,0 +1,273 @@
+"""What the desk asks of whom, and what its processes answer, without processes."""
+
+import json
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from kinesic.planning.setup import Setup
+from kinesic.serve.desk import desk as module
+from kinesic.serve.desk import drafter
+from kinesic.serve.desk.asker import Asker
+from kinesic.serve.desk.desk import Desk
+from kinesic.serve.desk.drafter import SOUND, FileQuestion, answer_draft, unanswered_draft
+from kinesic.serve.desk.dragging import answer_reach, unanswered_reach
+from kinesic.serve.desk.helper import Unanswered
+from kinesic.serve.messages import ServoPlace
+from kinesic.serve.wire.questions import (
+    ExportQuestion,
+    GestureQuestion,
+    OpenRequest,
+    PlanQuestion,
+    ReachQuestion,
+    SaveRequest,
+    ServosQuestion,
+    WatchRequest,
+)
+from kinesic.serve.wire.quotas import Quotas
+
+NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="n" lexeme="NOD" start="0"/></bml>'
+GESTURE = 'category = "beat"\n\n[[gesture]]\nid = "mine"\nkeys = [{ right = { at = [0.5, 0.3, 0.5] } }]\n'
+RULES = Quotas(duration=5.0, planning=3.0)
+
+
+class Helper:
+    def __init__(self, make_setup: object, answer: object, rules: Quotas, *, name: str) -> None:
+        self.name, self.asked, self.warmed, self.closed = name, list[tuple](), 0, 0
+
+    def __class_getitem__(cls, _: object) -> type:
+        return cls
+
+    def ask(self, client: int, question: object, reply: object, *, kind: str = "") -> None:
+        self.asked.append((client, question, kind))
+        self.reply = reply
+
+    def warm_up(self) -> None:
+        self.warmed += 1
+
+    def close(self) -> None:
+        self.closed += 1
+
+
+class Room:
+    """Watches or a keeper that only remember."""
+
+    def __init__(self, *_: object) -> None:
+        self.taken, self.closed = list[tuple](), 0
+
+    def set(self, asker: Asker, rate: float) -> None:
+        self.taken.append((asker.number, rate))
+
+    def take(self, asker: Asker, request: object) -> None:
+        self.taken.append((asker.number, request))
+
+    def close(self) -> None:
+        self.closed += 1
+
+
+@pytest.fixture
+def rooms(monkeypatch: pytest.MonkeyPatch) -> dict[str, Room | Helper]:
+    made: dict[str, Room | Helper] = {}
+
+    def helper(*given: object, name: str) -> Helper:
+        made[name] = Helper(*given, name=name)
+        return made[name]
+
+    def room(name: str):
+        return lambda *given: made.setdefault(name, Room(*given))
+
+    maker = type("Maker", (), {"__class_getitem__": classmethod(lambda cls, _: helper)})
+    monkeypatch.setattr(module, "Helper", maker)
+    monkeypatch.setattr(module, "Watches", room("watches"))
+    monkeypatch.setattr(module, "DocumentKeeper", room("keeper"))
+    return made
+
+
+@pytest.fixture
+def told() -> list[str]:
+    return []
+
+
+def opened(servos: object = None) -> Desk:
+    return Desk(lambda: None, SimpleNamespace(body=None, servos=servos), RULES)
+
+
+def test_every_question_goes_to_who_answers_it(rooms: dict, told: list[str]):
+    desk, asker = opened(), Asker(4, told.append, lambda: True)
+    drafts = (
+        (PlanQuestion("x"), ""),
+        (GestureQuestion(toml="x"), ""),
+        (GestureQuestion(lexeme="beat"), "file"),
+        (ExportQuestion("x", "csv"), "export"),
+    )
+    for question, _ in drafts:
+        desk.answer(asker, question)
+    assert rooms["drafter"].asked == [(4, question, kind) for question, kind in drafts]
+    assert rooms["reacher"].warmed == 2, "whoever writes may drag a hand soon"
+    assert not rooms["reacher"].asked
+    reach = ReachQuestion((0.0, 0.0, 1.0))
+    desk.answer(asker, reach)
+    assert rooms["reacher"].asked == [(4, reach, "")]
+    desk.answer(asker, WatchRequest(20.0))
+    assert rooms["watches"].taken == [(4, 20.0)]
+    save, open_ = SaveRequest("a.bml", ""), OpenRequest()
+    desk.answer(asker, save)
+    desk.answer(asker, open_)
+    assert rooms["keeper"].taken == [(4, save), (4, open_)]
+    assert not told
+
+
+def test_answers_go_to_who_asked_and_what_was_not_answered_is_told_too(rooms: dict, told: list[str]):
+    desk, asker = opened(), Asker(4, told.append, lambda: True)
+    for question, helper in ((PlanQuestion("x", id=3), "drafter"), (ReachQuestion((0, 0, 1), id=4), "reacher")):
+        desk.answer(asker, question)
+        for found in ("an answer", Unanswered.OUTDATED, Unanswered.FAILED):
+            rooms[helper].reply(found)
+    assert [told[0], told[3]] == ["an answer"] * 2
+    assert json.loads(told[1]) == {"told": "plan", "id": 3, "outdated": True}
+    assert "took longer than 3 s" in json.loads(told[2])["error"]["text"]
+    assert json.loads(told[4]) == {"told": "reach", "id": 4, "outdated": True}
+    assert json.loads(told[5])["told"] == "refused"
+
+
+def test_servos_are_listed_where_there_are_some(rooms: dict, told: list[str]):
+    place = ServoPlace("body", 1, "hinge", "xm430_w210", 80)
+    opened(SimpleNamespace(members=(place,))).answer(Asker(4, told.append, bool), ServosQuestion(5))
+    opened().answer(Asker(4, told.append, bool), ServosQuestion(6))
+    some, none = map(json.loads, told)
+    assert some["servos"] == [{"bus": "body", "id": 1, "hinge": "hinge", "model": "xm430_w210", "hottest": 80}]
+    assert none == {"told": "servos", "id": 6, "servos": []}
+
+
+def test_all_ends_with_it(rooms: dict):
+    opened().close()
+    assert {name: room.closed for name, room in rooms.items()} == dict.fromkeys(
+        ("drafter", "reacher", "watches", "keeper"), 1
+    )
+
+
+def answered(question: object, setup: Setup) -> dict:
+    return json.loads(answer_draft(question, setup, RULES))
+
+
+def test_a_plan_is_answered_by_its_number(upper22_setup: Setup):
+    found = answered(PlanQuestion(NOD, id=3), upper22_setup)
+    assert (found["told"], found["id"], found["block"]) == ("plan", 3, "b")
+    assert [each["type"] for each in found["behaviours"]] == ["head"]
+    assert found["behaviours"][0]["outcome"] == "realised"
+
+
+def test_a_plan_is_bound_by_the_rules(upper22_setup: Setup):
+    long = NOD.replace('start="0"', 'start="9"')
+    assert "at most 5 s" in answered(PlanQuestion(long), upper22_setup)["error"]["text"]
+    deep = "<bml>" + "<a>" * 99 + "</a>" * 99 + "</bml>"
+    assert "error" in answered(PlanQuestion(deep), upper22_setup)
+    assert "powr" in answered(PlanQuestion(NOD, ("powr=1",)), upper22_setup)["error"]["text"]
+
+
+def test_gestures_are_planned_and_ours_are_shown(upper22_setup: Setup):
+    found = answered(GestureQuestion(toml=GESTURE, id=3), upper22_setup)
+    assert (found["told"], found["id"], found["gesture"]) == ("gesture", 3, "mine")
+    ours = answered(GestureQuestion(lexeme="beat"), upper22_setup)
+    assert 'id = "beat"' in ours["toml"]
+    gone = answered(GestureQuestion(lexeme="nobody"), upper22_setup)
+    assert gone["error"] == {"line": 1, "column": 1, "text": gone["error"]["text"]}
+    assert "nobody" in gone["error"]["text"]
+
+
+@pytest.mark.parametrize("question", [GestureQuestion(), GestureQuestion(toml=GESTURE, lexeme="beat")])
+def test_one_of_both_is_asked_for(upper22_setup: Setup, question: GestureQuestion):
+    assert answered(question, upper22_setup)["error"]["text"] == "give either toml or lexeme"
+
+
+def test_files_are_sound_or_their_fault_is_named(upper22_setup: Setup):
+    assert answer_draft(FileQuestion("a.toml", GESTURE, None), upper22_setup, RULES) == SOUND
+    assert answer_draft(FileQuestion("a.toml", GESTURE, GESTURE), upper22_setup, RULES) == SOUND
+    assert "something else" in answer_draft(FileQuestion("a.toml", GESTURE, "[robot]"), upper22_setup, RULES)
+    assert "robot" in answer_draft(FileQuestion("a.toml", "[robot]", None), upper22_setup, RULES)
+
+
+@pytest.mark.parametrize("defect", [ZeroDivisionError, KeyError, RecursionError, MemoryError])
+def test_a_defect_costs_one_answer(
+    upper22_setup: Setup, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], defect: type[Exception]
+):
+    def fail(*_: object, **__: object) -> None:
+        raise defect("a defect")
+
+    monkeypatch.setattr(drafter, "draft", fail)
+    monkeypatch.setattr(drafter, "find_fault", fail)
+    found = answered(PlanQuestion(NOD, id=3), upper22_setup)
+    assert (found["told"], found["id"]) == ("plan", 3)
+    assert f"planning failed ({defect.__name__}); please report" in found["error"]["text"]
+    assert defect.__name__ in answer_draft(FileQuestion("a", "", None), upper22_setup, RULES)
+    assert "a defect" in capfd.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("question", "kind"),
+    [(PlanQuestion("x"), "plan"), (ExportQuestion("x", "csv"), "export"), (GestureQuestion(), "gesture")],
+)
+def test_what_was_not_answered_is_told_under_the_name_of_the_question(question: object, kind: str):
+    outdated = json.loads(unanswered_draft(question, Unanswered.OUTDATED, RULES))
+    failed = json.loads(unanswered_draft(question, Unanswered.FAILED, RULES))
+    assert outdated == {"told": kind, "id": 0, "outdated": True}
+    assert failed["told"] == kind
+    assert "outdated" not in failed
+
+
+def reached(setup: Setup, **question: object) -> dict:
+    return json.loads(answer_reach(ReachQuestion(**question), setup, RULES))
+
+
+def test_a_reach_begins_at_the_given_posture_or_at_rest(upper22_setup: Setup):
+    robot = upper22_setup.robot
+    rest = robot.skeleton.rest
+    hand = robot.skeleton.frames(rest).origins[robot.arm("r").wrist]
+    found = reached(upper22_setup, target=tuple(hand), id=3)
+    assert (found["told"], found["id"], found["reached"], found["residual"]) == ("reach", 3, True, 0.0)
+    torso = list(robot.joints("torso"))
+    assert np.allclose(np.array(found["angles"])[torso], rest[torso], atol=1e-3)
+    bent = np.array(rest)
+    bent[torso] += 0.1
+    bowed = reached(upper22_setup, target=tuple(hand), posture=tuple(robot.skeleton.clamp(bent)))
+    assert np.abs(np.array(bowed["angles"])[torso] - rest[torso]).max() == pytest.approx(0.1, abs=1e-3)
+
+
+def test_the_hand_of_the_side_that_was_asked_for_moves(upper22_setup: Setup):
+    robot = upper22_setup.robot
+    rest = robot.skeleton.rest
+    for side, own, other in (("left", "l_arm", "r_arm"), ("right", "r_arm", "l_arm")):
+        target = robot.skeleton.frames(rest).origins[robot.arm(side[0]).wrist] + [0.15, 0.0, 0.15]
+        change = np.abs(np.array(reached(upper22_setup, target=tuple(target), side=side)["angles"]) - rest)
+        assert change[list(robot.joints(own))].max() > 0.1
+        assert change[list(robot.joints(other))].max() < 1e-3
+
+
+@pytest.mark.parametrize("count", [0, 1, 21, 23])
+def test_a_posture_of_another_robot_is_refused(upper22_setup: Setup, count: int):
+    found = reached(upper22_setup, target=(0, 0, 1), posture=(0.0,) * count, id=3)
+    assert (found["told"], found["do"], found["id"]) == ("refused", "reach", 3)
+    assert f"posture has {count} angles, upper22 has 22 hinges" in found["why"]
+
+
+@pytest.mark.parametrize("part", ["trunk", "gaze"])
+def test_a_part_that_the_robot_has_not_is_refused(upper22_setup: Setup, monkeypatch: pytest.MonkeyPatch, part: str):
+    assert "angles" in reached(upper22_setup, target=(1.0, 0.3, 1.0), part=part)
+
+    class Without:
+        name = "armful"
+        skeleton = upper22_setup.robot.skeleton
+
+        def joints(self, chain: str) -> tuple[int, ...]:
+            return () if chain == "neck" else (0,)
+
+    found = json.loads(
+        answer_reach(ReachQuestion((1, 0, 1), part=part), SimpleNamespace(robot=Without(), distances=None), RULES)
+    )
+    assert found["why"] == "armful has no neck"
+
+
+def test_a_reach_that_was_not_found_says_why():
+    question = ReachQuestion((0, 0, 1), id=3)
+    assert json.loads(unanswered_reach(question, Unanswered.FAILED))["why"] == Unanswered.FAILED.value

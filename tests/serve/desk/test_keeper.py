@@ -1,0 +1,221 @@
+"""Documents of clients with a drafter of the tests' own: in which order, and what is kept only once it was tried."""
+
+import asyncio
+import json
+from collections.abc import Callable, Coroutine
+from pathlib import Path
+
+import pytest
+
+from kinesic.serve.desk.asker import Asker
+from kinesic.serve.desk.drafter import SOUND, FileQuestion
+from kinesic.serve.desk.helper import Unanswered
+from kinesic.serve.desk.keeper import MOST_WAITING, DocumentKeeper
+from kinesic.serve.wire.questions import OpenRequest, SaveRequest
+from kinesic.serve.wire.quotas import Quotas
+
+RULES = Quotas(planning=7.0)
+
+
+class Drafter:
+    """Keeps its questions until the test answers them."""
+
+    def __init__(self) -> None:
+        self.questions: list[tuple[int, FileQuestion, str]] = []
+        self.replies: list[Callable] = []
+        self.renewals = 0
+        self.always: str | Unanswered | None = None
+
+    def ask(self, client: int, question: FileQuestion, reply: Callable, *, kind: str = "") -> None:
+        self.questions.append((client, question, kind))
+        self.replies.append(reply)
+        if self.always is not None:
+            reply(self.always)
+
+    def renew(self) -> None:
+        self.renewals += 1
+
+
+class Office:
+    """A keeper, its drafter, and what clients are told."""
+
+    def __init__(self, folder: Path | None) -> None:
+        self.drafter, self.told, self.known = Drafter(), list[tuple[int, dict]](), 0
+        self.keeper = DocumentKeeper(folder, self.drafter, RULES, self.become_known)
+
+    async def become_known(self) -> None:
+        self.known += 1
+
+    def take(self, request: SaveRequest | OpenRequest, client: int = 1) -> None:
+        self.keeper.take(Asker(client, lambda said: self.told.append((client, json.loads(said))), bool), request)
+
+    async def finish(self, count: int) -> list[dict]:
+        """Waits for so many answers."""
+        async with asyncio.timeout(20.0):
+            while len(self.told) < count:
+                await asyncio.sleep(0.001)
+        return [said for _, said in self.told]
+
+    async def asked(self, count: int) -> None:
+        async with asyncio.timeout(20.0):
+            while len(self.drafter.questions) < count:
+                await asyncio.sleep(0.001)
+
+
+@pytest.fixture
+def work(tmp_path: Path) -> Callable:
+    def run(act: Callable[[Office], Coroutine], *, folder: Path | None = tmp_path) -> None:
+        async def whole() -> None:
+            office = Office(folder)
+            try:
+                await act(office)
+            finally:
+                office.keeper.close()
+
+        asyncio.run(whole())
+
+    return run
+
+
+def test_a_document_is_kept_opened_and_listed(work: Callable, tmp_path: Path):
+    async def act(office: Office) -> None:
+        office.take(SaveRequest("a.bml", "<bml/>", id=3))
+        office.take(OpenRequest("a.bml", id=4))
+        office.take(OpenRequest(id=5))
+        saved, document, documents = await office.finish(3)
+        assert saved == {"told": "saved", "id": 3, "name": "a.bml"}
+        assert document == {"told": "document", "id": 4, "name": "a.bml", "text": "<bml/>"}
+        assert documents == {"told": "documents", "id": 5, "names": ["a.bml"], "whole": True}
+        assert not office.drafter.questions
+        assert office.known == office.drafter.renewals == 0
+
+    work(act)
+    assert (tmp_path / "a.bml").read_text() == "<bml/>"
+
+
+@pytest.mark.parametrize(
+    ("request_", "verb", "why"),
+    [
+        (SaveRequest("../a.bml", "x", id=3), "save", "no name of a document"),
+        (OpenRequest("gone.bml", id=3), "open", "no such document"),
+    ],
+)
+def test_what_cannot_be_done_is_refused_and_the_next_request_is_fulfilled(
+    work: Callable, request_: SaveRequest | OpenRequest, verb: str, why: str
+):
+    async def act(office: Office) -> None:
+        office.take(request_)
+        office.take(OpenRequest(id=9))
+        refused, listed = await office.finish(2)
+        assert (refused["told"], refused["do"], refused["id"]) == ("refused", verb, 3)
+        assert why in refused["why"]
+        assert listed["id"] == 9
+
+    work(act)
+
+
+def test_without_a_folder_nothing_is_kept(work: Callable):
+    async def act(office: Office) -> None:
+        office.take(SaveRequest("a.bml", "x"))
+        assert "--folder" in (await office.finish(1))[0]["why"]
+
+    work(act, folder=None)
+
+
+def test_gestures_are_kept_once_they_were_tried_and_known_before_the_answer(work: Callable, tmp_path: Path):
+    (tmp_path / "a.toml").write_text("before")
+
+    async def act(office: Office) -> None:
+        office.take(SaveRequest("a.toml", "after", id=3), client=5)
+        await office.asked(1)
+        assert office.drafter.questions == [(5, FileQuestion("a.toml", "after", "before"), "file")]
+        assert (tmp_path / "a.toml").read_text() == "before"
+        office.drafter.replies[0](SOUND)
+        (answer,) = await office.finish(1)
+        assert answer == {"told": "saved", "id": 3, "name": "a.toml"}
+        assert office.known == office.drafter.renewals == 1
+
+    work(act)
+    assert (tmp_path / "a.toml").read_text() == "after"
+
+
+def test_a_new_file_of_gestures_replaces_nothing(work: Callable, tmp_path: Path):
+    async def act(office: Office) -> None:
+        office.drafter.always = SOUND
+        office.take(SaveRequest("a.toml", "new"))
+        await office.finish(1)
+        assert office.drafter.questions[0][1].present is None
+
+    work(act)
+    assert (tmp_path / "a.toml").read_text() == "new"
+
+
+@pytest.mark.parametrize(
+    ("fault", "why"),
+    [
+        ("it has robot", "a.toml: it has robot"),
+        (Unanswered.FAILED, "a.toml: planning failed, or took longer than 7 s"),
+        (Unanswered.OUTDATED, "a.toml: planning failed, or took longer than 7 s"),
+    ],
+)
+def test_gestures_with_a_fault_are_not_kept(work: Callable, tmp_path: Path, fault: str | Unanswered, why: str):
+    async def act(office: Office) -> None:
+        office.drafter.always = fault
+        office.take(SaveRequest("a.toml", "x", id=3))
+        (answer,) = await office.finish(1)
+        assert answer["told"] == "refused"
+        assert answer["why"].startswith(why)
+        assert office.known == office.drafter.renewals == 0
+
+    work(act)
+    assert not (tmp_path / "a.toml").exists()
+
+
+def test_requests_of_one_client_are_fulfilled_in_order_and_others_do_not_wait(work: Callable, tmp_path: Path):
+    async def act(office: Office) -> None:
+        office.take(SaveRequest("a.toml", "x", id=1), client=1)
+        office.take(OpenRequest(id=2), client=1)
+        await office.asked(1)
+        office.take(OpenRequest(id=3), client=2)
+        ((client, answer),) = [office.told[0] for _ in await office.finish(1)]
+        assert (client, answer["id"]) == (2, 3)
+        office.drafter.replies[0](SOUND)
+        await office.finish(3)
+        assert [(client, said["id"]) for client, said in office.told] == [(2, 3), (1, 1), (1, 2)]
+
+    work(act)
+
+
+def test_so_many_of_a_clients_wait_and_no_more(work: Callable):
+    async def act(office: Office) -> None:
+        office.take(SaveRequest("a.toml", "x"))
+        for number in range(1, MOST_WAITING):
+            office.take(OpenRequest(id=number))
+        assert not office.told
+        office.take(OpenRequest(id=99))
+        ((_, refused),) = office.told
+        assert (refused["told"], refused["id"]) == ("refused", 99)
+        assert f"{MOST_WAITING} of your documents wait already" in refused["why"]
+        office.take(OpenRequest(id=7), client=2)
+        await office.finish(2)
+        assert office.told[1][0] == 2
+        await office.asked(1)
+        office.drafter.replies[0](SOUND)
+        await office.finish(2 + MOST_WAITING)
+        office.take(OpenRequest(id=100))
+        await office.finish(3 + MOST_WAITING)
+        assert office.told[-1][1]["told"] == "documents"
+
+    work(act)
+
+
+def test_nothing_is_fulfilled_after_the_end(work: Callable, tmp_path: Path):
+    async def act(office: Office) -> None:
+        office.take(SaveRequest("a.toml", "x"))
+        await office.asked(1)
+        office.keeper.close()
+        await asyncio.sleep(0)
+        assert not office.drafter.renewals
+
+    work(act)
+    assert not (tmp_path / "a.toml").exists()
