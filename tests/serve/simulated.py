@@ -109,10 +109,9 @@ class Simulation:
 
     def wait(self, pipes: Sequence[Connection], seconds: float) -> list[Connection]:
         """As `multiprocessing.connection.wait`, in simulated time."""
-        ready = [pipe for pipe in pipes if pipe.poll(0)]
-        if not ready:
+        if not any(pipe.poll(0) for pipe in pipes):
             self.sleep(seconds)
-        return ready
+        return [pipe for pipe in pipes if pipe.poll(0)]
 
 
 def proposal(

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from kinesic.controller.perform import set_up
-from kinesic.motion import spline_program
 from kinesic.realizer.feedback import Progress, ScheduledFeedback
 from kinesic.serve.loop import Loop
 from kinesic.serve.messages import Clock, Proposal
@@ -122,17 +121,6 @@ def test_what_waits_for_the_body_outlives_the_next_proposal(known, becomes):
         loop.join()
     assert told[1:] == ["<behind/>", "<later/>"]
     assert 'id="b:h:stroke"' in told[0]
-
-
-def test_the_first_stop_finds_its_solver_loaded(known, monkeypatch):
-    solved = []
-    found = spline_program.nearest_within_limits
-    monkeypatch.setattr(spline_program, "nearest_within_limits", lambda *given: solved.append(given) or found(*given))
-    quiet = Effects(None, face=False)
-    loop = Loop(known, [], Clock(), effects=quiet, tell=lambda *_: None, news=lambda _: None)
-    assert solved
-    assert loop.stops == 0
-    assert not loop.halted
 
 
 def passed(messages, point):

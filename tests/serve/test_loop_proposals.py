@@ -86,12 +86,12 @@ def test_a_cut_at_the_last_command_that_is_out_is_in_time(simulation: Simulation
     planner = simulation.link()
 
     def script():
-        yield 1.0
+        yield 1.003
         planner.send(proposal())
-        yield 1.001
+        yield 1.005
         out = verdict(planner).time
         planner.send(proposal(motion=nod(simulation.setup, 2.0), cut=out))
-        yield 1.005
+        yield 1.007
         assert verdict(planner).accepted
 
     simulation.run(script())
@@ -150,9 +150,9 @@ def test_a_cut_that_has_passed_meanwhile_sends_nothing_of_the_past(simulation: S
     planner = simulation.link()
 
     def script():
-        yield 1.0
+        yield 1.003
         planner.send(proposal())
-        yield 1.001
+        yield 1.005
         out = verdict(planner).time
         recorder.commands.clear()
         planner.send(proposal(motion=nod(simulation.setup, 2.0), cut=out))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from kinesic.serve.desk.reach import reach_posture
+from kinesic.serve.desk.reach import at_limit, reach_posture
 
 
 @pytest.mark.parametrize("side", ["l", "r"])
@@ -27,3 +27,14 @@ def test_a_hand_arrives_or_its_reason_is_named(upper22_setup, side):
             assert all(name.startswith(f"{side}_") for name in found.limits)
         posture = found.angles
     assert stopped >= {"contact", "limits"}
+
+
+def test_the_hinges_at_an_end_of_their_range_are_named_and_no_others(upper22_setup):
+    robot = upper22_setup.robot
+    skeleton, joints = robot.skeleton, robot.arm("r").joints
+    posture = (skeleton.lower + skeleton.upper) / 2
+    first, second, *_ = joints
+    posture[first], posture[second] = skeleton.lower[first], skeleton.upper[second]
+    other = robot.arm("l").joints[0]
+    posture[other] = skeleton.lower[other]
+    assert list(at_limit(robot, posture, joints)) == [skeleton.names[first], skeleton.names[second]]
