@@ -1,0 +1,236 @@
+"""The client at a server that says what it is told to: how messages are cut, whose end is awaited, and what fails."""
+
+import json
+import socket
+from collections.abc import Callable, Iterator
+
+import pytest
+
+from kinesic import client as module
+from kinesic.client import PORT, Client, StopLine
+
+END = '<blockProgress xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}:end" globalTime="1"/>'
+
+
+class Server:
+    """The other end of a client's connection."""
+
+    def __init__(self, end: socket.socket) -> None:
+        self._end = end
+
+    def say(self, *messages: str) -> None:
+        self._end.sendall(b"".join(message.encode() + b"\0" for message in messages))
+
+    def say_bytes(self, data: bytes) -> None:
+        self._end.sendall(data)
+
+    def heard(self) -> list[str]:
+        self._end.setblocking(False)
+        try:
+            *messages, rest = self._end.recv(1 << 20).split(b"\0")
+        except BlockingIOError:
+            return []
+        assert rest == b"", "every message ends"
+        return [message.decode() for message in messages]
+
+    def leave(self) -> None:
+        self._end.close()
+
+
+@pytest.fixture
+def asked() -> list[tuple]:
+    """Where clients connect to, and how long they try."""
+    return []
+
+
+@pytest.fixture
+def server(monkeypatch: pytest.MonkeyPatch, asked: list[tuple]) -> Iterator[Server]:
+    ours, theirs = socket.socketpair()
+    theirs.settimeout(10.0)
+
+    def connect(address: tuple, timeout: float) -> socket.socket:
+        asked.append((*address, timeout))
+        return theirs
+
+    monkeypatch.setattr(module.socket, "create_connection", connect)
+    yield Server(ours)
+    ours.close()
+    theirs.close()
+
+
+def test_it_connects_to_this_machine_unless_told_otherwise(server: Server, asked: list[tuple]):
+    Client()
+    Client("robot", 99, timeout=2.0)
+    assert asked == [("127.0.0.1", PORT, 10.0), ("robot", 99, 2.0)]
+    assert PORT == 8864
+    assert server.heard() == [], "nothing is said without a token"
+
+
+def test_a_token_is_shown_first(server: Server):
+    server.say('{"told":"welcome"}')
+    Client(token="open sesame").do("ping", id="x")
+    assert [json.loads(each) for each in server.heard()] == [
+        {"do": "hello", "token": "open sesame"},
+        {"do": "ping", "id": "x"},
+    ]
+
+
+@pytest.mark.parametrize(
+    ("answer", "why"),
+    [('{"told":"refused","why":"the token is wrong"}', "is wrong"), ('{"told":"x"}', "does not answer")],
+)
+def test_whoever_is_not_welcome_is_told_why_and_left_without_a_connection(server: Server, answer: str, why: str):
+    server.say(answer)
+    with pytest.raises(PermissionError, match=why):
+        Client(token="guess")
+    server.heard()
+    assert server._end.recv(1) == b"", "it is closed"
+
+
+def test_no_answer_to_a_token_is_no_welcome(server: Server):
+    with pytest.raises(PermissionError, match="does not answer"):
+        Client(token="guess", timeout=0.01)
+
+
+def test_messages_are_cut_wherever_the_pieces_of_a_stream_end(server: Server):
+    client, stream = Client(), "<a/>\0 <b>\u00e4</b>\n\0<c/>\0".encode()
+    for k in range(len(stream)):
+        server.say_bytes(stream[k : k + 1])
+    assert [client.receive(1.0) for _ in range(3)] == ["<a/>", "<b>\u00e4</b>", "<c/>"]
+    assert client.receive(0.0) is None
+
+
+def test_half_a_message_is_none_yet(server: Server):
+    client = Client()
+    server.say_bytes(b"<a")
+    assert client.receive(0.01) is None
+    server.say_bytes(b"/>\0<b/>\0<c")
+    assert client.receive(1.0) == "<a/>"
+    assert client.receive(0.0) == "<b/>"
+    assert client.receive(0.0) is None
+    server.say_bytes(b"/>\0")
+    assert client.receive(1.0) == "<c/>"
+
+
+def test_a_server_that_is_gone_is_an_error_after_what_it_said(server: Server):
+    client = Client()
+    server.say("<a/>")
+    server.leave()
+    assert client.receive(1.0) == "<a/>"
+    with pytest.raises(ConnectionError, match="has closed the connection"):
+        client.receive(1.0)
+
+
+def test_a_stop_is_one_message(server: Server):
+    Client().stop()
+    assert server.heard() == ['{"do": "stop"}']
+
+
+@pytest.mark.parametrize(
+    ("document", "name"),
+    [
+        ('<bml id="b1"/>', "b1"),
+        ("<bml id='b1'/>", "b1"),
+        ('<x:bml xmlns:x="u" id = "b1">', "b1"),
+        ('<bml xmlns="u"\n  composition="APPEND" id="b1">', "b1"),
+        ('<bml character="id" id="b1"><head id="h"/></bml>', "b1"),
+        ('{"id": "b1"}', "b1"),
+        (' {"id": 7}', "7"),
+        ("{}", "block"),
+        ("{", "block"),
+        ('<bml><head id="h"/></bml>', "block"),
+        ("words", "block"),
+    ],
+)
+def test_performing_ends_with_the_end_of_the_block(server: Server, document: str, name: str):
+    client = Client()
+    others = ["<x/>", END.format(f"{name}2"), END.format(name).replace(":end", ":start"), "<!-- -->" + END.format(name)]
+    server.say(*others, END.format(name), "<later/>")
+    assert list(client.perform(document)) == [*others, END.format(name)]
+    assert server.heard() == [document]
+    assert client.receive(0.0) == "<later/>"
+
+
+WARNING = '<warningFeedback xmlns="u" id="{}" type="{}">{}</warningFeedback>'
+
+
+@pytest.mark.parametrize(
+    ("warning", "ends"),
+    [
+        (WARNING.format("b1", "PARSING_FAILURE", "line 1"), True),
+        (WARNING.format("b1", "IMPOSSIBLE_TO_SCHEDULE", "rule waiting: 9 wait"), True),
+        (WARNING.format("b1", "IMPOSSIBLE_TO_SCHEDULE", "not performed: no"), True),
+        (WARNING.format("b1", "IMPOSSIBLE_TO_SCHEDULE", "b1:h comes later"), False),
+        (WARNING.format("b2", "PARSING_FAILURE", "line 1"), False),
+        (WARNING.format("b1:h", "IMPOSSIBLE_TO_SCHEDULE", "rule x: y"), False),
+        (WARNING.format("b1", "CANNOT_CREATE_BEHAVIOR", "as rule x: y says"), False),
+        (WARNING.format("b1", "PARSING_FAILURE", "x").replace("warningFeedback", "otherFeedback"), False),
+    ],
+)
+def test_performing_ends_with_a_refusal_of_the_block(server: Server, warning: str, ends: bool):
+    client = Client()
+    server.say(warning, END.format("b1"))
+    assert list(client.perform('<bml id="b1"/>')) == [warning] + [END.format("b1")] * (not ends)
+
+
+def test_a_client_closes_its_connection_when_it_is_left(server: Server):
+    with Client() as client:
+        client.send("<bml/>")
+    assert server._end.recv(100) == b"<bml/>\0"
+    assert server._end.recv(1) == b""
+
+
+@pytest.fixture
+def line(server: Server) -> Callable[[], StopLine]:
+    def make() -> StopLine:
+        server.say('{"told":"stop_line"}')
+        found = StopLine()
+        assert server.heard() == ['{"do": "stop_line"}']
+        return found
+
+    return make
+
+
+def test_a_stop_line_waits_for_the_word_that_the_robot_stops(server: Server, line: Callable[[], StopLine]):
+    stopping = line()
+    server.say('{"told":"stopped"}')
+    stopping.stop()
+    assert server.heard() == ['{"do": "stop"}']
+
+
+@pytest.mark.parametrize(
+    ("answer", "why"), [('{"told":"failed","why":"use the switch"}', "use the switch"), ('{"told":"x"}', "answers")]
+)
+def test_a_stop_that_was_not_made_is_an_error(server: Server, line: Callable[[], StopLine], answer: str, why: str):
+    stopping = line()
+    server.say(answer)
+    with pytest.raises(ConnectionError, match=why):
+        stopping.stop()
+
+
+def test_a_stop_without_an_answer_is_an_error_and_its_late_answer_counts_for_no_other(
+    server: Server, line: Callable[[], StopLine]
+):
+    stopping = line()
+    with pytest.raises(ConnectionError, match=r"no answer came in 0\.01 s"):
+        stopping.stop(0.01)
+    server.say('{"told":"stopped"}', '{"told":"failed","why":"the second"}')
+    with pytest.raises(ConnectionError, match="the second"):
+        stopping.stop()
+    server.say('{"told":"stopped"}')
+    stopping.stop()
+    assert server.heard() == ['{"do": "stop"}'] * 3
+
+
+def test_a_server_without_room_for_a_stop_line_leaves_no_connection(server: Server):
+    server.say('{"told":"refused","why":"too many stop lines"}')
+    with pytest.raises(ConnectionError, match="too many stop lines"):
+        StopLine()
+    server.heard()
+    assert server._end.recv(1) == b""
+
+
+def test_a_stop_line_closes_when_it_is_left(server: Server, line: Callable[[], StopLine]):
+    with line():
+        pass
+    assert server._end.recv(1) == b""
