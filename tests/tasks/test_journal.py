@@ -1,0 +1,114 @@
+"""The journal of a run: what is done is done once, and what a crash or a kill left is done again."""
+
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+
+import pytest
+
+from kinesic.tasks.journal import Journal, run_once
+from kinesic.tasks.processes import WorkerCrash
+
+TASKS = {1: "one", 2: "two", 3: "three"}
+
+
+class Engine:
+    """Does tasks at once, and keeps which."""
+
+    def __init__(self, *crashes: int) -> None:
+        self.done: list[int] = []
+        self.preload, self._crashes = "", crashes
+
+    def run(
+        self, tasks: Sequence[int], prepare: Callable[[], Callable[[int], int]], *, preload: str = ""
+    ) -> Iterator[tuple[int, int | WorkerCrash]]:
+        self.preload, do = preload, prepare()
+        for task in tasks:
+            self.done.append(task)
+            yield task, WorkerCrash("crashed", "where") if task in self._crashes else do(task)
+
+
+def tenfold() -> Callable[[int], int]:
+    return lambda task: 10 * task
+
+
+def run(engine: Engine, journal: Journal[int] | None, tasks: dict[int, str] = TASKS, **options: object) -> dict:
+    return dict(run_once(tasks, tenfold, engine, journal, keep=lambda task, result: result + task, **options))
+
+
+@pytest.fixture
+def journal(tmp_path: Path) -> Journal[int]:
+    return Journal(tmp_path / "journal.jsonl", int)
+
+
+def test_without_a_journal_all_is_done_each_time():
+    for _ in range(2):
+        engine = Engine()
+        assert run(engine, None, preload="a.module") == {1: 11, 2: 22, 3: 33}
+        assert engine.done == [1, 2, 3]
+        assert engine.preload == "a.module"
+
+
+def test_what_is_noted_is_not_done_again(journal: Journal[int]):
+    assert run(Engine(), journal, {1: "one", 2: "two"}) == {1: 11, 2: 22}
+    assert journal.read() == {"one": 11, "two": 22}
+    engine = Engine()
+    assert run(engine, journal) == {1: 11, 2: 22, 3: 33}
+    assert engine.done == [3]
+    assert journal.read() == {"one": 11, "two": 22, "three": 33}
+
+
+def test_each_result_is_noted_as_soon_as_it_is_known(journal: Journal[int]):
+    results = run_once(TASKS, tenfold, Engine(), journal, keep=lambda task, result: result)
+    next(results)
+    assert journal.read() == {"one": 10}
+    results.close()
+    engine = Engine()
+    assert run(engine, journal) == {1: 10, 2: 22, 3: 33}
+    assert engine.done == [2, 3]
+
+
+def test_a_task_whose_key_changed_is_done_again(journal: Journal[int]):
+    run(Engine(), journal)
+    engine = Engine()
+    run(engine, journal, {1: "one", 2: "another"})
+    assert engine.done == [2]
+    assert set(journal.read()) == {"one", "another"}, "what is of no task is forgotten"
+
+
+def test_a_run_of_several_rounds_keeps_what_is_of_no_task(journal: Journal[int]):
+    run(Engine(), journal)
+    run(Engine(), journal, {1: "one"}, forgets=False)
+    assert set(journal.read()) == {"one", "two", "three"}
+
+
+def test_what_no_longer_holds_is_done_again(journal: Journal[int]):
+    run(Engine(), journal)
+    engine = Engine()
+    assert run(engine, journal, holds=lambda entry: entry != 22) == {1: 11, 2: 22, 3: 33}
+    assert engine.done == [2]
+
+
+def test_a_crash_is_told_and_tried_again(journal: Journal[int]):
+    found = run(Engine(2), journal)
+    assert isinstance(found[2], WorkerCrash)
+    assert (found[1], found[3]) == (11, 33)
+    assert set(journal.read()) == {"one", "three"}
+    engine = Engine()
+    assert run(engine, journal)[2] == 22
+    assert engine.done == [2]
+
+
+def test_half_a_line_and_lines_of_others_count_for_nothing(journal: Journal[int], tmp_path: Path):
+    journal.append("one", 11)
+    with (tmp_path / "journal.jsonl").open("ab") as file:
+        file.write(b'nonsense\n{"key":"two","entry":"text"}\n{"key":"three","entry":33}\n{"key":"four","entry":4')
+    assert journal.read() == {"one": 11, "three": 33}
+
+
+def test_the_last_line_of_a_key_counts_and_no_file_is_nothing(journal: Journal[int]):
+    assert journal.read() == {}
+    journal.append("one", 1)
+    journal.append("one", 2)
+    assert journal.read() == {"one": 2}
+    journal.rewrite({"two": 3})
+    assert journal.read() == {"two": 3}
