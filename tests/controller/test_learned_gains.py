@@ -5,7 +5,7 @@ import pytest
 
 from kinesic.body.command import Command
 from kinesic.body.robot import Robot
-from kinesic.controller.learned_gains import GAINS, LearnedGains, learn
+from kinesic.controller.learned_gains import GAINS, LearnedGains, learn, soften
 from kinesic.controller.observer_step import SHARES
 from kinesic.sim.fitting.parameters import MOST_LATENCY
 from kinesic.sim.log import Log, log_of
@@ -86,3 +86,10 @@ def test_nothing_is_learned_from_servos_that_stand_or_are_held():
     assert "gain and delay do not explain the motion" in lesson.why
     assert lesson.believed is NOMINAL
     assert str(lesson).startswith("nothing learned: ")
+
+
+def test_all_servos_are_as_soft_as_they_are_believed_to_be_and_none_is_stiffer():
+    robot = Robot.load()
+    for gain, softer in ((0.7, 0.7), (1.5, 1.0)):
+        found = soften(robot, Factors(gain=gain)).drives.gain / robot.drives.gain
+        assert found == pytest.approx(np.full(len(found), softer))

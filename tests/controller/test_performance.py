@@ -69,3 +69,13 @@ def test_goals_beyond_two_bytes_are_kept_once_whenever_they_come(far: int) -> No
     assert all(row is rows[far] for row in rows[far:]), "all rows are copied at every later window"
     tick = robot.drives.tick
     np.testing.assert_array_equal(recorder.measurements().goals, np.rint(np.outer(sent, 1 / tick)) * tick)
+
+
+def test_what_holds_the_posture_is_known_from_the_first_moment_to_the_last(calm: Performance):
+    times, shares = calm.reference.holding
+    assert times[0] == 0.0
+    assert times[-1] >= calm.plan.trajectory.duration
+    known, rest = calm.plan.setup, calm.plan.trajectory.angles(np.zeros(1))
+    held = np.abs(known.dynamics.torques(rest, np.zeros_like(rest), np.zeros_like(rest))) / known.robot.drives.stall
+    assert np.allclose(shares[0], held[0])
+    assert len(shares) == len(times)
