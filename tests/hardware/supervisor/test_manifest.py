@@ -67,3 +67,12 @@ def test_a_robot_without_a_bus_is_refused(robot: Robot, tmp_path):
     path.write_text(robot.path.read_text().split("[[bus]]")[0])
     with pytest.raises(ConfigError, match=r"no \[\[bus\]\]"):
         Manifest.of(Robot.load(path))
+
+
+def test_a_servo_is_told_its_gains_and_to_follow_every_goal_at_once(robot: Robot):
+    for member in Manifest.of(robot).members:
+        proportional, derivative, *_ = member.gains
+        told = member.passing
+        assert (told[Register.POSITION_P_GAIN], told[Register.POSITION_D_GAIN]) == (proportional, derivative)
+        others = Register.POSITION_I_GAIN, Register.FEEDFORWARD_1ST_GAIN, Register.FEEDFORWARD_2ND_GAIN
+        assert {told[register] for register in (*others, Register.PROFILE_ACCELERATION)} == {0}

@@ -1,11 +1,13 @@
 import json
 from pathlib import Path
 from resource import RLIMIT_FSIZE, getrlimit, setrlimit
+from types import SimpleNamespace
 
 import pytest
 
 from kinesic.hardware.supervisor.channel import Note
-from kinesic.hardware.supervisor.status import EventLog
+from kinesic.hardware.supervisor.state_machine import Stage
+from kinesic.hardware.supervisor.status import EventLog, awaited
 
 
 def test_every_event_is_a_line(tmp_path: Path):
@@ -67,3 +69,24 @@ def test_no_half_line_is_left_on_a_disk_that_fills_up(tmp_path: Path):
     journal.write(Note(3.0, -1, "stage", "x"))
     journal.close()
     assert len(path.read_text().splitlines()) == 2
+
+
+@pytest.mark.parametrize(
+    ("stage", "paused", "well", "waits"),
+    [
+        (Stage.WAITING, False, True, "confirmation"),
+        (Stage.STOPPED, False, True, "consent"),
+        (Stage.STOPPED, True, False, "consent"),
+        (Stage.HOLD, True, True, "consent"),
+        (Stage.HOLD, True, False, "consent"),
+        (Stage.HOLD, False, True, "commands"),
+        (Stage.HOLD, False, False, "servos"),
+        (Stage.LOST, False, False, "port"),
+        (Stage.LIMP, False, True, "commands"),
+        (Stage.ACTIVE, False, True, "nothing"),
+        (Stage.ACTIVE, True, False, "nothing"),
+        (Stage.FOLD, False, False, "nothing"),
+    ],
+)
+def test_what_the_supervisor_waits_for(stage: Stage, paused: bool, well: bool, waits: str):
+    assert awaited(SimpleNamespace(stage=stage, paused=paused), well=well) == waits
