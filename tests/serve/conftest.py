@@ -28,7 +28,9 @@ from kinesic.serve.wire.origin import ANYBODY_HERE, Access
 from kinesic.serve.wire.pages import NO_FILES, WebFile
 from kinesic.serve.wire.quotas import USUAL, Quotas
 
+from .planning_bench import Planning
 from .simulated import Simulation
+from .staged_session import Act, Stage
 
 
 class Witness:
@@ -174,3 +176,37 @@ def simulation(known: Setup, monkeypatch: pytest.MonkeyPatch) -> Simulation:
     monkeypatch.setattr(loop_module, "sleep", made.sleep)
     monkeypatch.setattr(loop_module, "wait", made.wait)
     return made
+
+
+@pytest.fixture
+def make_planning(known: Setup, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Planning]:
+    """Makes planners whose time goes on only when they are told to."""
+    made: list[Planning] = []
+    monkeypatch.setattr(messages, "monotonic", lambda: made[-1].time if made else 0.0)
+
+    def making(setup: Setup = known, **options: object) -> Planning:
+        made.append(Planning(setup, **options))
+        return made[-1]
+
+    return making
+
+
+@pytest.fixture
+def planning(make_planning: Callable[..., Planning]) -> Planning:
+    return make_planning()
+
+
+@pytest.fixture(scope="module")
+def lively() -> Setup:
+    return set_up(idle=1.0)
+
+
+@pytest.fixture
+def on_stage(monkeypatch: pytest.MonkeyPatch) -> Callable[[Act], None]:
+    def run(act: Act) -> None:
+        async def whole() -> None:
+            await act(Stage(monkeypatch))
+
+        asyncio.run(whole())
+
+    return run

@@ -1,84 +1,20 @@
 """Clients in the registry: who is admitted, which messages are taken, and what becomes of each."""
 
-import asyncio
 import json
 from collections.abc import Callable, Iterator
 
 import pytest
 
-from kinesic.realizer.request import Message
-from kinesic.serve.clients import DRAGGED, EXCESS, LATER, NORMAL, POLICY, ClientRegistry, ConnectedClient
+from kinesic.serve.clients import DRAGGED, EXCESS, LATER, NORMAL, POLICY
 from kinesic.serve.messages import Restyling, Words
 from kinesic.serve.wire import quotas
-from kinesic.serve.wire.origin import ANYBODY_HERE, Access
+from kinesic.serve.wire.origin import Access
 from kinesic.serve.wire.questions import ReachQuestion, ServosQuestion
 from kinesic.serve.wire.quotas import Quotas
 
+from .played_registry import GUARDED, RULES, Registry, told
+
 DOCUMENT = b"<bml/>"
-RULES = Quotas(rate=10.0, burst=4, clients=2)
-
-
-class Performer:
-    """A session that keeps what it is told."""
-
-    def __init__(self) -> None:
-        self.done: list[tuple] = []
-        self.performed: list[Message] = []
-        self.refusal: str | None = None
-        self.fault: Exception | None = None
-        self.desk = self.arming = self
-
-    def perform(self, document: Message) -> str | None:
-        self.performed.append(document)
-        return self.refusal
-
-    def halt(self) -> None:
-        if self.fault is not None:
-            raise self.fault
-        self.done.append(("halt",))
-
-    def resume(self) -> None:
-        self.done.append(("resume",))
-
-    def interrupt(self, block: str | None) -> None:
-        self.done.append(("interrupt", block))
-
-    def restyle(self, restyling: Restyling) -> None:
-        self.done.append(("restyle", restyling))
-
-    def status(self) -> dict[str, object]:
-        return {"state": "resting"}
-
-    def arm(self, client: ConnectedClient, request: object, *, trusted: bool) -> None:
-        self.done.append(("arm", client.number, trusted))
-
-    def disarm(self, client: ConnectedClient, request: object) -> None:
-        self.done.append(("disarm", client.number))
-
-    def answer(self, asker: object, question: object) -> None:
-        self.asker = asker
-        self.done.append(("answer", asker.number, question))
-
-
-class Registry(ClientRegistry):
-    """A registry with a performer of ours, and a clock that only goes on when it is told to."""
-
-    session: Performer
-
-    def __init__(self, access: Access = ANYBODY_HERE, rules: Quotas = RULES) -> None:
-        super().__init__(rules, access, lambda _: Performer())
-
-    def say(self, client: ConnectedClient, message: bytes | dict) -> list[str]:
-        """What a client is told for a message."""
-        self.receive(client, json.dumps(message).encode() if isinstance(message, dict) else message)
-        return told(client)
-
-
-def told(client: ConnectedClient) -> list[str]:
-    async def take() -> list[str]:
-        return [await client.output.take() or "" for _ in range(len(client.output))]
-
-    return asyncio.run(take())
 
 
 @pytest.fixture
@@ -90,9 +26,6 @@ def time(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[float], None]]:
         now[0] += seconds
 
     return go_on
-
-
-GUARDED = Access("open sesame")
 
 
 def test_without_a_token_everybody_is_admitted_and_with_one_only_the_trusted():

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from kinesic.motion import spline_program
 from kinesic.motion.trajectory import stay
 from kinesic.realizer.feedback import Progress, ScheduledFeedback
 from kinesic.serve.loop import GRACE, PERIOD
@@ -314,13 +313,3 @@ def test_a_body_at_rest_is_stopped_where_it_is(simulation: Simulation):
     assert np.abs(loop.motion.controls - rest).max() < STILL
     assert loop.motion.end < 5.3
     assert (stay(rest).controls[0] == loop.motion.controls[0]).all()
-
-
-def test_the_first_stop_finds_its_solver_loaded(simulation: Simulation, monkeypatch: pytest.MonkeyPatch):
-    solved = []
-    found = spline_program.nearest_within_limits
-    monkeypatch.setattr(spline_program, "nearest_within_limits", lambda *given: solved.append(given) or found(*given))
-    loop = simulation.make()
-    assert solved
-    assert loop.stops == 0
-    assert not loop.halted

@@ -10,57 +10,11 @@ from kinesic.face.display import DisplayError
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.realizer.feedback import ScheduledFeedback
 from kinesic.serve.loop import HICCUP, PERIOD
-from kinesic.serve.messages import FeedbackNotice, PlannerReady, RequestDone, ServoHealth, ServoReport
+from kinesic.serve.messages import FeedbackNotice, PlannerReady, RequestDone
 from kinesic.serve.sinks.real_time import RealTimeSink
 
+from .played_sinks import Held, Timed, TimedServos
 from .simulated import Recorder, Simulation, nod, proposal
-
-
-class Timed(Recorder):
-    """A sink that owns the time: it says this one."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.says: float | None = None
-        self.speed: float | None = None
-
-    def time(self, clock: float, /) -> float | None:
-        return (clock - 1000.0) * self.speed if self.speed is not None else self.says
-
-
-class TimedServos(Timed):
-    """Servos that follow once somebody arms them."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.armed, self.state, self.members = False, "limp", ()
-
-    def health(self) -> ServoHealth:
-        nothing = ((),) * 5
-        return ServoHealth(np.full(2, 0.5), 41.0, 11.5, True, ServoReport("limp", *nothing))
-
-    def arm(self) -> None:
-        self.armed = True
-
-    def disarm(self) -> None:
-        self.armed = False
-
-    def revive(self) -> None:
-        pass
-
-
-class Held(Recorder):
-    """A sink that wants consent."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.held = True
-
-    def waits(self) -> bool:
-        return self.held
-
-    def resume(self) -> None:
-        self.held = False
 
 
 def until(*times: float):

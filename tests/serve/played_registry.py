@@ -1,0 +1,78 @@
+"""A registry of clients whose performer is played by the tests."""
+
+import asyncio
+import json
+
+from kinesic.realizer.request import Message
+from kinesic.serve.clients import ClientRegistry, ConnectedClient
+from kinesic.serve.messages import Restyling
+from kinesic.serve.wire.origin import ANYBODY_HERE, Access
+from kinesic.serve.wire.quotas import Quotas
+
+RULES = Quotas(rate=10.0, burst=4, clients=2)
+
+
+class Performer:
+    """A session that keeps what it is told."""
+
+    def __init__(self) -> None:
+        self.done: list[tuple] = []
+        self.performed: list[Message] = []
+        self.refusal: str | None = None
+        self.fault: Exception | None = None
+        self.desk = self.arming = self
+
+    def perform(self, document: Message) -> str | None:
+        self.performed.append(document)
+        return self.refusal
+
+    def halt(self) -> None:
+        if self.fault is not None:
+            raise self.fault
+        self.done.append(("halt",))
+
+    def resume(self) -> None:
+        self.done.append(("resume",))
+
+    def interrupt(self, block: str | None) -> None:
+        self.done.append(("interrupt", block))
+
+    def restyle(self, restyling: Restyling) -> None:
+        self.done.append(("restyle", restyling))
+
+    def status(self) -> dict[str, object]:
+        return {"state": "resting"}
+
+    def arm(self, client: ConnectedClient, request: object, *, trusted: bool) -> None:
+        self.done.append(("arm", client.number, trusted))
+
+    def disarm(self, client: ConnectedClient, request: object) -> None:
+        self.done.append(("disarm", client.number))
+
+    def answer(self, asker: object, question: object) -> None:
+        self.asker = asker
+        self.done.append(("answer", asker.number, question))
+
+
+class Registry(ClientRegistry):
+    """A registry with a performer of ours, and a clock that only goes on when it is told to."""
+
+    session: Performer
+
+    def __init__(self, access: Access = ANYBODY_HERE, rules: Quotas = RULES) -> None:
+        super().__init__(rules, access, lambda _: Performer())
+
+    def say(self, client: ConnectedClient, message: bytes | dict) -> list[str]:
+        """What a client is told for a message."""
+        self.receive(client, json.dumps(message).encode() if isinstance(message, dict) else message)
+        return told(client)
+
+
+def told(client: ConnectedClient) -> list[str]:
+    async def take() -> list[str]:
+        return [await client.output.take() or "" for _ in range(len(client.output))]
+
+    return asyncio.run(take())
+
+
+GUARDED = Access("open sesame")

@@ -1,0 +1,54 @@
+"""Sinks that own the time, wait for an arm, or want consent, as the tests have them do."""
+
+import numpy as np
+
+from kinesic.serve.messages import ServoHealth, ServoReport
+
+from .simulated import Recorder
+
+
+class Timed(Recorder):
+    """A sink that owns the time: it says this one."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.says: float | None = None
+        self.speed: float | None = None
+
+    def time(self, clock: float, /) -> float | None:
+        return (clock - 1000.0) * self.speed if self.speed is not None else self.says
+
+
+class TimedServos(Timed):
+    """Servos that follow once somebody arms them."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.armed, self.state, self.members = False, "limp", ()
+
+    def health(self) -> ServoHealth:
+        nothing = ((),) * 5
+        return ServoHealth(np.full(2, 0.5), 41.0, 11.5, True, ServoReport("limp", *nothing))
+
+    def arm(self) -> None:
+        self.armed = True
+
+    def disarm(self) -> None:
+        self.armed = False
+
+    def revive(self) -> None:
+        pass
+
+
+class Held(Recorder):
+    """A sink that wants consent."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.held = True
+
+    def waits(self) -> bool:
+        return self.held
+
+    def resume(self) -> None:
+        self.held = False

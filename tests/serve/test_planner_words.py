@@ -1,0 +1,186 @@
+"""A planner at a loop that answers by a rule, in simulated time: words, styles, and verdicts of the loop."""
+
+import json
+import re
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from kinesic.motion.trajectory import stay
+from kinesic.serve.messages import (
+    DocumentRequest,
+    FeedbackNotice,
+    Halted,
+    Interruption,
+    Proposal,
+    ProposalVerdict,
+    Restyling,
+    Words,
+)
+from kinesic.serve.tracks import SoundAndFace
+
+from .planning_bench import LONG, NOD, Line, Planning
+
+
+def test_a_style_that_nobody_knows_is_refused_and_a_known_one_is_that_of_what_comes(planning: Planning):
+    planning.state.fulfil(Restyling("gloomy", (), None, None, 3))
+    proposals, (notice,) = planning.said()
+    assert not proposals
+    assert notice.sender == 3
+    told = json.loads(notice.message)
+    assert (told["told"], told["do"]) == ("refused", "style")
+    assert "gloomy" in told["why"]
+    planning.state.fulfil(Restyling("calm", ("power=-0.5",), None, None, 3))
+    assert planning.said()[1] == []
+    planning.document("b", LONG)
+    (calm,), _ = planning.said()
+    other = Planning(planning.setup)
+    other.document("b", LONG)
+    (usual,), _ = other.said()
+    shared = min(len(calm.motion.controls), len(usual.motion.controls))
+    assert not np.allclose(calm.motion.controls[:shared], usual.motion.controls[:shared], atol=1e-3)
+
+
+@pytest.mark.parametrize("changes", [("power=9",), ("powr=0.5",), ("power",)])
+def test_changes_that_make_no_style_are_refused(planning: Planning, changes: tuple[str, ...]):
+    planning.state.fulfil(Restyling(None, changes, None, None, 3))
+    proposals, (notice,) = planning.said()
+    assert not proposals
+    assert json.loads(notice.message)["told"] == "refused"
+
+
+def test_changes_without_a_style_change_the_present_one(planning: Planning):
+    planning.state.fulfil(Restyling("calm", (), None, None, 3))
+    planning.state.fulfil(Restyling(None, ("power=0.5",), None, None, 3))
+    planning.document("b", LONG)
+    both = planning.said()[0][-1].motion.controls
+    other = Planning(planning.setup)
+    other.state.fulfil(Restyling(None, ("power=0.5",), None, None, 3))
+    other.document("b", LONG)
+    alone = other.said()[0][-1].motion.controls
+    shared = min(len(both), len(alone))
+    assert not np.allclose(both[:shared], alone[:shared], atol=1e-3)
+
+
+def saying(notices: list[FeedbackNotice]) -> list[dict]:
+    return [json.loads(each.message) for each in notices if each.message.startswith("{")]
+
+
+def test_words_are_said_as_they_are_whole_and_all_is_told_at_the_end(planning: Planning):
+    planning.state.fulfil(DocumentRequest(Words("Hello there. And", 7), 0))
+    proposals, _ = planning.said()
+    assert proposals[-1].owed == {7}, "its client is owed the rest"
+    planning.state.speak()
+    proposals, notices = planning.said()
+    (told,) = saying(notices)
+    assert (told["told"], told["text"], told["block"]) == ("saying", "Hello there", "said7-1")
+    assert {block for block, _ in proposals[-1].moving} <= {"said7-1"}
+    assert {each.sender for each in notices} == {7}
+    planning.state.speak()
+    assert saying(planning.said()[1]) == [], "the rest is awaited"
+    assert planning.state.pause is not None
+    planning.state.fulfil(DocumentRequest(Words(" so on.", 7, ends=True), 0))
+    planning.time = 100.0
+    planning.state.go_on()
+    planning.state.speak()
+    told = saying(planning.said()[1])
+    assert [each["told"] for each in told] == ["saying", "all_said"]
+    assert told[0]["text"] == "And so on"
+    assert told[1]["block"] == told[0]["block"] == "said7-2"
+
+
+def test_what_is_said_waits_for_whoever_speaks(planning: Planning):
+    text = "One two three four five six seven eight nine ten. "
+    planning.state.fulfil(DocumentRequest(Words(text, 1, ends=True), 0))
+    planning.state.fulfil(DocumentRequest(Words("Here I am.", 2, ends=True), 0))
+    planning.state.speak()
+    first = saying(planning.said()[1])
+    assert {each["block"][:5] for each in first} == {"said1"}
+    planning.time = 100.0
+    planning.state.go_on()
+    planning.state.speak()
+    assert "said2-1" in [each.get("block") for each in saying(planning.said()[1])]
+
+
+@pytest.mark.parametrize("request_", [Interruption(None), "stop"])
+def test_words_that_are_not_said_are_forgotten(planning: Planning, request_: Interruption | str):
+    planning.state.fulfil(DocumentRequest(Words("Hello there. And so on.", 7), 0))
+    if request_ == "stop":
+        planning.state.take_halt(Halted(1, 0.0, stay(planning.setup.robot.skeleton.rest)))
+    else:
+        planning.state.fulfil(request_)
+    assert planning.said()[0][-1].owed == frozenset()
+    planning.state.speak()
+    assert planning.said() == ([], [])
+
+
+def test_too_many_words_are_refused(planning: Planning):
+    planning.state.fulfil(DocumentRequest(Words("x " * 60_000, 7), 0))
+    notices = planning.said()[1]
+    assert re.search("rule waiting: .* letters wait", notices[0].message)
+    assert notices[0].sender == 7
+
+
+def test_faces_and_sounds_go_with_the_motion_where_there_are_sinks(make_planning: Callable[..., Planning]):
+    smile = '<faceLexeme id="f" lexeme="RAISE_BROWS" start="0" end="2"/>'
+    planning = make_planning(accompaniment=SoundAndFace(face=True))
+    planning.document("b", smile)
+    (proposal,), _ = planning.said()
+    assert set(proposal.tracks) == {"b"}
+    assert max(map(max, proposal.tracks["b"].face.values())) > 0.3
+    planning.document("c", NOD)
+    assert set(planning.said()[0][0].tracks) == {"c"}, "what the loop has is not sent again"
+    planning.time = 100.0
+    planning.state.go_on()
+    assert planning.said()[0][0].tracks == {"b": None, "c": None}
+    silent = make_planning()
+    silent.document("b", smile)
+    assert silent.said()[0][0].tracks == {}
+
+
+def test_a_proposal_that_comes_too_late_is_made_again_for_a_later_time(planning: Planning):
+    cuts = []
+
+    def late(proposal: Proposal) -> ProposalVerdict:
+        cuts.append(proposal.cut - proposal.now)
+        return ProposalVerdict(len(cuts) > 3, 0, proposal.cut + 0.01)
+
+    planning.loop.rule = late
+    planning.document("b", NOD)
+    assert np.diff(cuts).min() > 0.0
+    assert cuts[1:] == pytest.approx([2 * cut for cut in cuts[:-1]])
+    _, notices = planning.said()
+    assert not any("warning" in each.message for each in notices)
+
+
+@pytest.mark.parametrize(("late", "why"), [(0.01, "the machine is too busy"), (-0.01, "a step from what plays")])
+def test_what_is_never_taken_is_refused_for_its_reason(planning: Planning, late: float, why: str):
+    planning.loop.rule = lambda proposal: ProposalVerdict(accepted=False, stops=0, time=proposal.cut + late)
+    planning.document("b", NOD)
+    proposals, notices = planning.said()
+    assert 5 <= len(proposals) <= 12
+    assert why in notices[-1].message
+    planning.loop.rule = Line().rule
+    planning.document("c", NOD)
+    (proposal,), _ = planning.said()
+    assert {block for block, _ in proposal.moving} == {"c"}, "the other has left nothing behind"
+
+
+def test_a_stop_between_proposal_and_verdict_counts(planning: Planning):
+    """The loop made a stop first: what it tells of it comes before its verdict."""
+    motion = stay(planning.setup.robot.skeleton.rest, start=0.0)
+    verdicts = iter([False])
+
+    def stopped(proposal: Proposal) -> ProposalVerdict:
+        accepted = next(verdicts, True)
+        if not accepted:
+            planning.loop.answers.append(Halted(1, 0.0, motion))
+        return ProposalVerdict(accepted, 1, 0.0)
+
+    planning.loop.rule = stopped
+    planning.document("b", NOD)
+    proposals, notices = planning.said()
+    assert proposals[-1].stops == 1
+    assert proposals[-1].owed == frozenset()
+    assert "rule stopped" in notices[-1].message
