@@ -17,7 +17,7 @@ OPENGL := libegl1 libgl1-mesa-dri libopengl0 libgl1
 SCREENS := xvfb chromium
 
 .DELETE_ON_ERROR:
-.PHONY: demo test test-rounding check soak mutants bench system-deps test-deps lock studio clean
+.PHONY: demo test test-rounding check soak mutants mutants-studio bench system-deps test-deps lock studio clean
 
 demo: .venv/.stamp-demo
 	@$(BIN)/kinesic perform kinesic/configs/bml/welcome.bml --robot upper36 --out out/demo --force $(SMALL)
@@ -49,6 +49,10 @@ soak: .venv/.stamp-test
 # `python tests/mutants -h` has options.
 mutants: .venv/.stamp-test
 	@$(BIN)/python tests/mutants
+
+# The same for the part of the studio's page that arms and stops the servos: all 400 mutants, ten minutes.
+mutants-studio:
+	@cd kinesic/studio/client && npm ci --no-audit --no-fund && npm run --silent mutants
 
 # The page of the studio, from its sources. What is built is kept in the repository: nobody but who changes it needs node.
 studio:

@@ -101,6 +101,7 @@ def test_a_limp_robot_elsewhere_is_seen_captured_and_armed_by_a_person_alone(att
     page.click("#arm")
     page.until("document.querySelector('#arming').open")
     page.value("document.querySelector('#arm-yes').click()")  # a script is no person
+    assert page.value("document.querySelector('#arming').open"), "the question still waits for a person"
     page.press("Escape", 27)
     assert not page.value("document.querySelector('#arming').open"), "at once, not when nobody has answered for 30 s"
     assert not limp.armed
