@@ -103,7 +103,7 @@ def is_same(name: str, held: int, *, parent: int) -> bool:
 
 
 def _lock(lock: int, folder: int) -> None:
-    """Lock the draft file; delete it if locks are unsupported."""
+    """Lock the draft file, or delete it if locks are unsupported."""
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError:

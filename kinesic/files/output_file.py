@@ -14,7 +14,7 @@ from kinesic.files.held_folder import check_above, find_place, hold_folder, name
 NEW = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW
 ANY_WRITE = stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH
 PERMISSION_BITS = stat.S_IRWXU | stat.S_IRWXG | stat.S_IRWXO
-MORE = os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_NOFOLLOW | os.O_NONBLOCK  # a pipe may have no reader
+APPEND_FLAGS = os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_NOFOLLOW | os.O_NONBLOCK  # a pipe may have no reader
 
 
 def check_file(path: Path, *, force: bool = False) -> None:
@@ -83,7 +83,7 @@ def open_to_add(path: Path) -> BinaryIO:
     Raises:
         OSError: it cannot be written, or is a link, or a pipe that no process reads.
     """
-    return open(path, "ab", buffering=0, opener=lambda name, _: os.open(name, MORE, 0o666))
+    return open(path, "ab", buffering=0, opener=lambda name, _: os.open(name, APPEND_FLAGS, 0o666))
 
 
 def _check_name(parent: int, name: str, path: Path, *, force: bool) -> int | None:

@@ -27,7 +27,7 @@ def check_private(path: Path, option: str) -> None:
 
 
 def read_secret(path: Path, option: str) -> str:
-    """Return the first line of a file that only its owner can read.
+    """Return the first line of a private file.
 
     Args:
         path: of a file or a pipe.

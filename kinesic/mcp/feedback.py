@@ -21,13 +21,13 @@ class Feedback:
 
     @property
     def is_refusal(self) -> bool:
-        """Whether this refuses a block without a prediction; later it may be a note."""
+        """Whether this refuses a block that has no prediction yet."""
         is_warning = self.kind == "warningFeedback"
         return is_warning and (self.type == "PARSING_FAILURE" or self.text.startswith(_REFUSALS))
 
     @property
     def ended_block(self) -> str:
-        """Block of which this is the last feedback; empty if none."""
+        """Block that ends with this feedback, or an empty string."""
         if self.kind == "blockProgress" and self.subject.endswith(_END):
             return self.subject.removesuffix(_END)
         is_over = self.text.startswith(_ENDINGS) or _CROWDED in self.text

@@ -74,7 +74,7 @@ class Performing:
 
 
 def _checked(write: Callable[[], str]) -> tuple[str, str]:
-    """Write a document, and look up the id that early refusals give it.
+    """Write a document and find its id in early refusals.
 
     Returns:
         The document, and the id by which the server refuses it before it is read.

@@ -58,7 +58,7 @@ def make_server(robot: RobotLine, known: Setup, *, resumes: bool) -> MCPServer:
 
     @server.tool(annotations=MOVES)
     async def perform(document: Document | dict[str, object]) -> str:
-        """Perform a document after pending calls: BML as JSON (resource kinesic://schema) or XML."""
+        """Perform BML, as JSON (kinesic://schema) or XML, after pending calls."""
         return await _answered(performing.perform(partial(_as_text, document)))
 
     @server.tool(annotations=MOVES)

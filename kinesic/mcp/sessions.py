@@ -1,4 +1,4 @@
-"""Bounded number of HTTP sessions; a new one replaces the longest idle."""
+"""Bounded number of HTTP sessions, of which the longest idle is replaced."""
 
 from asyncio import get_running_loop
 from collections.abc import Iterator

@@ -147,7 +147,7 @@ def held_angles(turns: HeldTurns, robot: Robot) -> Floats:
 
 
 def still_occupied(occupancy: Iterable[Occupancy], time: float) -> tuple[Occupancy, ...]:
-    """Keep occupancies that have not relaxed by a time [s], and what each role holds then."""
+    """Keep unrelaxed occupancies and held values at a time [s]."""
     every = tuple(occupancy)
     over = sorted((each for each in every if each.stays and each.relax <= time), key=lambda each: each.end)
     held = {role: each for each in over for role in each.roles}

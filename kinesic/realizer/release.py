@@ -100,7 +100,10 @@ def _least(own: Floats, after: Floats, knot: int, limits: Limits) -> Floats:
 
 
 def _without(own: Floats, layer: Trajectory | None, others: Sequence[Occupancy], robot: Robot) -> Floats:
-    """(k + 3, n) [rad] of the motion without the block: hands rest, the trunk ends at what others hold."""
+    """Return the motion without the block as controls (k + 3, n) [rad].
+
+    Hands rest, and the trunk ends at the values that other behaviours hold.
+    """
     if layer is None:
         return np.repeat(robot.skeleton.rest[None], len(own), axis=0)
     found = own - lengthen(layer.controls, len(own))[: len(own)]

@@ -153,7 +153,9 @@ class _PlanChange:
         return max(len(self.running.controls), len(self.playing.layer.controls), coming, self.knot + FEWEST_PIECES)
 
     def _without_block(self, count: int) -> Floats | None:
-        """The running motion without the block's part of the trunk; hands leave what runs in any case.
+        """Return the running motion without the block's trunk motion.
+
+        Hands leave the running motion in any case.
 
         The sum with the block may have been brought within the limits, so that what is left is not; None where it
         cannot be.
@@ -210,7 +212,7 @@ class _PlanChange:
 def _split(
     own: Sequence[Occupancy], kept: Collection[str], ending: Collection[str]
 ) -> tuple[list[Occupancy], list[Occupancy]]:
-    """Splits behaviours of the other plan into those that it performs and those that it leaves out.
+    """Split the behaviours of the new plan into performed and dropped ones.
 
     What the trunk holds of a posture goes over to the other plan, while the arms of that posture end as they run.
     """

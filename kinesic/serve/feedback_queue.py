@@ -54,7 +54,7 @@ class FeedbackQueue:
         return True
 
     def hand_over(self, known: Sequence[ScheduledFeedback]) -> None:
-        """Let a new planner change the messages that it was given, and no others."""
+        """Let a new planner change only the messages of its initial agenda."""
         self._agenda = {message.key for message in known}
 
     def due(self, now: float) -> ScheduledFeedback | None:

@@ -1,4 +1,4 @@
-"""Read recordings: WAV files of plain samples, in blocks, after their header was checked against bounds."""
+"""Read WAV recordings in blocks after a check of their header."""
 
 import os
 import wave
@@ -22,11 +22,13 @@ BLOCK_SIZE = 1 << 20  # [bytes] that are read at a time
 
 
 class RecordingError(ValueError):
-    """A recording cannot be read; the text tells why."""
+    """A recording cannot be read, for the reason in the text."""
 
 
 def read_wav(path: Path) -> Sound:
-    """Read a WAV file of 8, 16, 24 or 32 bits; of several channels their mean.
+    """Read a WAV file of 8 to 32 bits as one channel.
+
+    Several channels become their mean.
 
     Raises:
         RecordingError: there is no such file, it is no plain WAV, or its rate, channels or length are out of bounds.
@@ -44,7 +46,7 @@ def read_wav(path: Path) -> Sound:
 
 
 def _check_header(path: Path, recording: wave.Wave_read, file: BinaryIO) -> int:
-    """Check what the header declares; return how many samples of a channel the file has."""
+    """Check the declared header and return the samples per channel."""
     rate, channels, width = recording.getframerate(), recording.getnchannels(), recording.getsampwidth()
     if not MIN_RATE <= rate <= MAX_RATE:
         raise RecordingError(f"{path} has {rate} samples a second; {MIN_RATE} to {MAX_RATE} are read")
@@ -62,7 +64,7 @@ def _check_header(path: Path, recording: wave.Wave_read, file: BinaryIO) -> int:
 
 
 def _read_samples(recording: wave.Wave_read, count: int) -> Samples:
-    """Read up to so many samples, block by block, so that only one channel of them is ever held."""
+    """Read samples block by block, mixed to one channel."""
     channels, width = recording.getnchannels(), recording.getsampwidth()
     samples: Samples = np.zeros(count, dtype=np.float32)
     block, begin = max(BLOCK_SIZE // (width * channels), 1), 0
@@ -78,7 +80,10 @@ def _read_samples(recording: wave.Wave_read, count: int) -> Samples:
 
 
 def _decode(data: bytes, width: int) -> NDArray[np.float64]:
-    """Convert bytes to samples -1..1; those of one byte have no sign, those of three are widened to four."""
+    """Convert bytes to samples in -1..1.
+
+    8-bit samples are unsigned, and 24-bit samples are widened to 32 bits.
+    """
     if width == 1:
         return np.frombuffer(data, dtype=np.uint8) / 128.0 - 1.0
     if width == 3:

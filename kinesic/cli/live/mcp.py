@@ -53,7 +53,7 @@ def serve_tools(
 
 @contextmanager
 def _server(connect: str | None, planning: Planning, performers: Performers, token: str | None) -> Iterator[Address]:
-    """Yield the address of a running server, or of a new one with the same options and token."""
+    """Yield the address of a running or newly started server."""
     if connect is not None:
         host, _, port = connect.rpartition(":")
         if not host or not port.isdecimal():

@@ -167,7 +167,7 @@ class PlausibilityFilter:
         self._unset = set(range(len(self.blocks)))
 
     def _time_by_clock(self, index: int, block: np.void, now: float) -> float:
-        """Return the time of a record by the servo's clock [s], or infinity.
+        """Return a record's time [s] by the servo's clock, or infinity.
 
         The clock counts too few milliseconds to date a record after a long silence.
         """

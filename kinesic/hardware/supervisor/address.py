@@ -23,7 +23,7 @@ from kinesic.hardware.supervisor.channel import MEMORY_NAME, Channel, map_memory
 
 RUNTIME_ROOT = Path("/run/user")
 SHARED_MEMORY = Path("/dev/shm")
-PROCESSES = Path("/proc")
+PROCESS_FOLDER = Path("/proc")
 STATE_FOLDER = Path(".local") / "state"  # of a user, in the home folder
 ALIVE = 1.0  # [s] since its last cycle
 
@@ -125,9 +125,9 @@ def search_processes() -> Iterator["_Address"]:
     least, user = memory_size(1), os.geteuid()
     step = memory_size(2) - least  # bytes a joint
     with suppress(OSError):
-        for process in filter(str.isdecimal, os.listdir(PROCESSES)):
+        for process in filter(str.isdecimal, os.listdir(PROCESS_FOLDER)):
             with suppress(OSError):
-                descriptors = PROCESSES / process / "fd"
+                descriptors = PROCESS_FOLDER / process / "fd"
                 if descriptors.stat().st_uid != user:
                     continue
                 for memory in os.listdir(descriptors):
@@ -168,7 +168,7 @@ def _write(folder: int, name: str, text: str) -> None:
 
 def _connect(address: _Address) -> Channel | None:
     """The channel at an address, if a supervisor still writes it."""
-    memory = PROCESSES / str(address.process) / "fd" / str(address.memory)
+    memory = PROCESS_FOLDER / str(address.process) / "fd" / str(address.memory)
     with suppress(OSError, ValueError):
         octets = memory_size(address.joints)
         if not _is_channel(memory) or memory.stat().st_size != octets:
@@ -199,6 +199,6 @@ def _name(port: str | Path) -> str:
     """Return the file name for a port, unique to this boot."""
     boot = b""
     with suppress(OSError):
-        boot = (PROCESSES / "sys" / "kernel" / "random" / "boot_id").read_bytes()
+        boot = (PROCESS_FOLDER / "sys" / "kernel" / "random" / "boot_id").read_bytes()
     name = stable_name(Path(os.path.abspath(port)))  # a link of the user's own outlives unplugging
     return sha256(boot + str(name).encode()).hexdigest()[:16]

@@ -39,7 +39,7 @@ def load_looks(
     describe: Callable[[ElementTree.Element, RobotFiles], mujoco.MjSpec],
     compiled: Callable[[mujoco.MjSpec], mujoco.MjModel],
 ) -> Looks:
-    """Read the meshes of a robot; nothing where it has none.
+    """Read the meshes of a robot, if it has any.
 
     Args:
         files: of the robot.
@@ -115,7 +115,7 @@ class _Reader:
         return simplify(read_mesh(path, folder=self._folder), MOST_TRIANGLES)
 
     def _find(self, mesh: MeshReference) -> Path:
-        """Find the file in the robot's folder whose path ends as the reference does, the longest end first."""
+        """Find the file whose path shares the longest ending with a reference."""
         parts = Path(mesh.file.replace("\\", "/").rsplit("://", maxsplit=1)[-1]).parts
         for k in range(len(parts)):
             for start in (self._folder / mesh.below, self._folder):

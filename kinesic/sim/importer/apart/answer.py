@@ -1,4 +1,4 @@
-"""Answer an import with plain data: the text of the robot's TOML, its shell, and what to tell about it."""
+"""Answer an import with plain data: TOML text, shell and notes."""
 
 from pathlib import Path
 from tempfile import TemporaryDirectory

@@ -1,4 +1,4 @@
-"""Import a foreign robot in a process of its own, with bounds on its memory and processor time.
+"""Import a foreign robot in a process with bounded memory and time.
 
     python -P -m kinesic.sim.importer.apart.import_process FILE MEMORY CPU_TIME
 
@@ -14,7 +14,7 @@ KILL_DELAY = 5  # [s] of processor time between the signal that names the cause 
 
 
 def bound_process(*, memory: int, cpu_time: int) -> None:
-    """Bound the memory [bytes] and processor time [s] of this process, where the system can."""
+    """Bound the memory [bytes] and processor time [s] of this process."""
     try:
         import resource  # noqa: PLC0415 - Windows has none
     except ImportError:

@@ -1,4 +1,4 @@
-"""Import a foreign robot without trusting its file: another process reads it, bounded, and answers with plain data."""
+"""Import an untrusted robot file in a separate, bounded process."""
 
 import os
 import signal
@@ -18,7 +18,7 @@ THREAD_VARIABLES = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"
 
 @dataclass(frozen=True)
 class Bounds:
-    """How much one import may take; the largest robots that were tried take a tenth."""
+    """Bounds on one import, ten times the needs of the largest tested robot."""
 
     duration: float = 300.0  # [s]
     cpu_time: int = 120  # [s]
@@ -29,7 +29,7 @@ USUAL_BOUNDS = Bounds()
 
 
 class ImportedRobot(msgspec.Struct, frozen=True, tag=True):
-    """A foreign robot as files to write, and what to tell about it."""
+    """A foreign robot as files to write, with notes for the user."""
 
     text: str  # of its TOML
     mapping: tuple[tuple[str, str, str, str], ...]  # hinge, joint of the file, range [deg], rest [deg]

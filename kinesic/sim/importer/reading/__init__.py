@@ -1,1 +1,1 @@
-"""Reads the files of foreign robots and bounds what they make."""
+"""Read the files of foreign robots within bounds."""

@@ -1,4 +1,4 @@
-"""Parse the XML of one model: its file, and in their places those that it includes."""
+"""Parse the XML of one model and expand its includes."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -84,7 +84,7 @@ class ModelText:
         return {token: MeshReference(file, name, self._below) for (file, name), token in self._meshes.items()}
 
     def parse(self, file: Path, data: bytes, *, is_included: bool = False) -> None:
-        """Parse a file; the root of an included one is left out.
+        """Parse a file, without the root if it is included.
 
         Raises:
             ConfigError: the file holds or makes what no robot needs.
@@ -180,7 +180,7 @@ class ModelText:
         self.parse(place, data, is_included=True)
 
     def _token(self, file: str, name: str) -> str:
-        """Return what stands for a mesh; a URDF names the same file several times."""
+        """Return the token of a mesh file, one per file."""
         if (file, name) not in self._meshes:
             self._meshes[file, name] = f"mesh-{next(self._tokens)}.stl"
         return self._meshes[file, name]

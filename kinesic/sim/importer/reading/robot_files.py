@@ -1,4 +1,4 @@
-"""Read a foreign robot's MJCF or URDF, once, into XML that refers to no file.
+"""Read a foreign robot's MJCF or URDF into self-contained XML.
 
 MuJoCo opens files by rules of its own. It therefore gets text alone: includes are expanded here, attached models are
 handed over as bytes, and meshes have tokens in place of their files.
@@ -34,7 +34,7 @@ class RobotFiles:
 
 
 def read_robot_files(path: Path) -> RobotFiles:
-    """Read a robot's file and what it includes; leave meshes alone.
+    """Read a robot's file and its includes, but no meshes.
 
     Raises:
         ConfigError: a file is outside the robot's folder or missing, or they make more than any robot needs.
@@ -70,7 +70,7 @@ class _Reader:
             raise ConfigError(f"{self.path}: consists of more than {MAX_FILES} files")
 
     def read(self, name: str, starts: tuple[Path, ...], named_at: str) -> tuple[Path, bytes]:
-        """Read a file that another one names, from the first of several folders that has it."""
+        """Read a referenced file from the first folder that has it."""
         place = self._locate(name, starts, named_at)
         try:
             data = read_inside(self.path.parent, place, max_size=MAX_MODEL_SIZE)
@@ -92,7 +92,7 @@ class _Reader:
         return self._attached[place]
 
     def parse(self, path: Path, data: bytes) -> tuple[Element, int]:
-        """Parse a model; return its root, and how many elements it makes."""
+        """Parse a model and return its root and element count."""
         self._open.append(path)
         text = ModelText(path, self.read, self.attach, self._tokens)
         text.parse(path, data)
@@ -101,7 +101,7 @@ class _Reader:
         return text.root(), text.count
 
     def _locate(self, name: str, starts: tuple[Path, ...], named_at: str) -> Path:
-        """Find the file of a reference; backslashes separate folders, as MuJoCo reads them."""
+        """Find the file of a reference, with backslashes as separators."""
         spelled, home = name.replace("\\", "/"), self.path.parent.resolve()
         is_foreign = "://" in spelled or spelled.startswith("/") or bool(PureWindowsPath(spelled).drive)
         try:

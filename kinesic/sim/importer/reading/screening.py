@@ -1,4 +1,4 @@
-"""Screen the elements of a foreign MJCF or URDF: how many they make, and how large.
+"""Bound the number and size of elements in a foreign robot file.
 
 What only a simulation or a picture needs is left out, so that MuJoCo makes nothing of it: sensors, key frames, height
 fields, textures, and sizes of memory. What remains is bounded.
@@ -25,7 +25,7 @@ REPEATED_NAMES = ("name", "prefix", "sep", "class", "childclass", "model")
 
 
 class UnfitError(Exception):
-    """An element that no robot needs; the text says why, and what to do."""
+    """An element beyond the bounds, with the reason and a remedy."""
 
 
 def is_unused(tag: str, parents: Iterable[str]) -> bool:
@@ -68,7 +68,7 @@ def screen_element(tag: str, attributes: dict[str, str]) -> dict[str, str]:
 
 
 def copies_of(attributes: dict[str, str]) -> int:
-    """Return how many copies a <replicate> makes of what it holds.
+    """Return the number of copies that a <replicate> makes.
 
     Raises:
         UnfitError: the count is missing or not a whole number.
