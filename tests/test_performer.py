@@ -1,8 +1,6 @@
 """The front door: what a user of `import kinesic` meets."""
 
 import json
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,11 +10,8 @@ import pytest
 import kinesic
 from kinesic import performer as front_door
 from kinesic.body.command import Command
-from kinesic.body.config import CONFIGS
-from kinesic.controller.perform import dry_run, facts
+from kinesic.controller.perform import dry_run
 from kinesic.controller.play import command_times
-from kinesic.expressivity.idle import Idling
-from kinesic.expressivity.variation import Variation
 from kinesic.planning.bap import read_bap
 from kinesic.sim.servo_factors import NOMINAL, Factors
 
@@ -53,20 +48,6 @@ def plan(performer) -> kinesic.Plan:
 @pytest.fixture(scope="module")
 def run(performer, plan) -> kinesic.Performance:
     return performer.perform(plan)
-
-
-def test_everything_public_is_there_and_is_named():
-    assert all(getattr(kinesic, name) is not None for name in kinesic.__all__)
-    assert {"Performer", "Plan", "Performance", "Robot", "Style", "Client", "solve_ik", "track_ik"} <= {*dir(kinesic)}
-    assert kinesic.solve_ik is kinesic.ik.solve
-    with pytest.raises(AttributeError, match="no attribute performe"):
-        kinesic.performe  # noqa: B018 - asking for it is what is tested
-
-
-def test_importing_kinesic_imports_nothing_heavy():
-    code = "import sys, kinesic; print([name for name in ('numpy', 'mujoco', 'msgspec') if name in sys.modules])"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
 
 
 def test_a_plan_prints_in_a_line(plan):
@@ -195,84 +176,6 @@ def test_servos_without_ports_are_refused_before_anything_performs(performer, pl
     assert not mine.commands
 
 
-def test_options_are_those_of_the_command_line(tmp_path: Path):
-    performer = kinesic.Performer(
-        style="calm",
-        settings={"power": 0.5, "head.spatial": -0.5},
-        targets={"screen": [1.0, 0.2, 0.4]},
-        gather="complex",
-        idle=0.5,
-        variation=2,
-        seed=7,
-        pause=0.5,
-    )
-    assert repr(performer) == "Performer('upper22', style='calm')"
-    assert (performer.style.gesture.power, performer.style.head.spatial) == (0.5, -0.5)
-    assert performer.setup.targets["screen"].tolist() == [1.0, 0.2, 0.4]
-    assert performer.setup.idling == Idling(0.5, 7)
-    assert performer.setup.variation == Variation(2, 7)
-    file = tmp_path / "targets.toml"
-    file.write_text("door = [2.0, -1.0, 0.5]", encoding="utf-8")
-    assert kinesic.Performer(targets=file).setup.targets["door"].tolist() == [2.0, -1.0, 0.5]
-
-
-@pytest.mark.parametrize(
-    ("wrong", "error", "said"),
-    [
-        ({"robot": "uper22"}, kinesic.ConfigError, "did you mean upper22"),
-        ({"style": "joyfull"}, kinesic.ConfigError, "did you mean joyful"),
-        ({"gathr": "lazy"}, TypeError, "no option gathr; did you mean gather"),
-        ({"xyz": 1}, TypeError, "no option xyz; known: settings, lexicon"),
-        ({"gather": "complx"}, kinesic.ConfigError, "gather is 'complx'; did you mean complex"),
-        ({"idle": "calm"}, kinesic.ConfigError, "idle is 'calm'; it must be from 0 to 2"),
-        ({"variation": 2.1}, kinesic.ConfigError, r"variation is 2\.1; it must be from 0 to 2"),
-        ({"seed": -1}, kinesic.ConfigError, "seed is -1; it must be a whole number, 0 or more"),
-        ({"pause": -1.0}, kinesic.ConfigError, "pause is -1.0; it must be from 0 to 60 seconds"),
-        ({"settings": {"pwer": 1.0}}, kinesic.ConfigError, "no pwer; did you mean power"),
-        ({"targets": {"door": [1.0]}}, kinesic.ConfigError, "target door is .* three finite numbers"),
-    ],
-)
-def test_wrong_options_are_told_what_would_have_worked(wrong, error, said):
-    with pytest.raises(error, match=said):
-        kinesic.Performer(**wrong)
-
-
-@pytest.mark.parametrize(
-    ("wrong", "said"),
-    [
-        ({"on": "servo"}, "did you mean servos"),
-        ({"twin": "nominl"}, "did you mean nominal"),
-        ({"on": "servos", "feedforward": "none"}, "servos are led with 'full' alone"),
-    ],
-)
-def test_wrong_ways_to_perform_are_told_what_would_have_worked(performer, plan, wrong, said):
-    with pytest.raises(kinesic.ConfigError, match=said):
-        performer.perform(plan, **wrong)
-
-
-def test_a_document_is_a_path_or_a_text(performer):
-    path = CONFIGS / "bml" / "welcome.bml"
-    assert str(performer.plan(str(path))).startswith(f"plan of {path} on upper22")
-    with pytest.raises(kinesic.BmlError, match=r"nowhere.bml: No such file or directory; give a path, or BML text"):
-        performer.plan("nowhere.bml")
-    with pytest.raises(kinesic.BmlError, match=r"nowhere.*null byte; give a path"):
-        performer.plan("nowhere\0.bml")
-    with pytest.raises(kinesic.BmlError, match=r"^greeting:1"):
-        performer.plan("<bml", source="greeting")
-
-
-def test_one_liners_stay():
-    run = kinesic.perform(NOD)
-    assert isinstance(run, kinesic.Performance)
-    assert str(kinesic.plan(NOD)).startswith("plan of block b on upper22 (neutral)")
-
-
-def test_facts_still_work_and_say_that_they_go():
-    with pytest.warns(DeprecationWarning, match=r"facts is deprecated: use kinesic\.Performer"):
-        known = facts("upper22", style="calm")
-    assert (known.robot.name, known.style.name) == ("upper22", "calm")
-
-
 @pytest.mark.parametrize("saved", ["plan", "run"])
 def test_saving_replaces_what_was_saved_nothing_of_somebody_and_through_no_link(saved: str, request, tmp_path: Path):
     motion = request.getfixturevalue(saved)
@@ -297,29 +200,6 @@ def test_a_report_replaces_no_folder_of_somebody(run, tmp_path: Path):
     with pytest.raises(kinesic.ConfigError, match="not marked as kinesic's own"):
         run.report(tmp_path, film=False)
     assert (tmp_path / "report.json").read_text() == "dear"
-
-
-def test_a_performer_may_be_one_of_several_characters():
-    text = (
-        '<bml id="b" agent="Anna"><head id="h" lexeme="NOD"/><head id="i" lexeme="NOD" agent="Bert" start="1"/></bml>'
-    )
-    plans = {name: kinesic.Performer(character=name).plan(text) for name in (None, "Anna", "bert", "Cleo")}
-    performed = {
-        name: [id for id, outcome in plan.keyframes.outcomes.items() if outcome.kind == "realised"]
-        for name, plan in plans.items()
-    }
-    assert performed == {None: ["h"], "Anna": ["h"], "bert": ["i"], "Cleo": []}
-
-
-def test_what_others_say_is_neither_spoken_nor_remarked():
-    text = '<bml agent="Anna"><speech id="s">one</speech><speech id="t" agent="Bert">two \u79c1</speech></bml>'
-    plan = kinesic.Performer(voice="auto").plan(text)
-    assert [timed.behaviour.id for timed in plan.timeline.timed] == ["s"]
-    assert (plan.utterances["t"].sound, plan.utterances["t"].phonemes) == (None, ())
-    assert plan.utterances["t"].duration > 0.0
-    assert [notice.text for notice in plan.notices if notice.id.endswith(":t")] == [
-        "speech 't' is skipped: Bert performs it"
-    ]
 
 
 @pytest.fixture
@@ -368,15 +248,6 @@ def test_goals_are_led_and_corrected_as_requested(performer, plan):
     assert any(np.abs(command.goals - command.angles).max() > 1e-4 for command in mine.commands)
     runs = [performer.perform(plan, feedforward="none", correction=correction) for correction in (True, False)]
     assert not np.array_equal(runs[0].measured.angles, runs[1].measured.angles)
-
-
-def test_text_that_begins_like_a_document_is_one(performer):
-    for text in (NOD, "\ufeff \n" + NOD, NOD.encode()):
-        assert performer.plan(text).timeline.block.source == "<text>"
-    with pytest.raises(kinesic.BmlError, match="give a path"):
-        performer.plan("nod.bml")
-    with pytest.raises(kinesic.BmlError, match="the document is empty"):
-        performer.plan("")
 
 
 def test_a_sink_without_close_is_refused(performer, plan):

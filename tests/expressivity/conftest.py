@@ -51,6 +51,12 @@ def phases() -> Callable[..., dict[str, float]]:
 
 
 @pytest.fixture(scope="session")
+def nod_times(phases) -> dict[str, float]:
+    """The sync points of a nod of a second."""
+    return phases(0.0, 0.1, 0.2, 0.5, 0.8, 0.9, 1.0)
+
+
+@pytest.fixture(scope="session")
 def timeline() -> Callable[..., Timeline]:
     """A timeline from (id, action, times), ids in `required` being required."""
 

@@ -1,33 +1,11 @@
-from dataclasses import replace
-from math import atan2, degrees, radians
+from math import degrees
 
 import pytest
 
-from kinesic.bml.block import GAZE_SYNCS, SHIFT_SYNCS, Block, Gaze, Head, HeadDirectionShift, NoticeType
-from kinesic.body.action_units import ASIDE
-from kinesic.expressivity.gaze import aim
+from kinesic.bml.block import Head, HeadDirectionShift
 from kinesic.expressivity.head import MORE, NOD_TIME, HeadForm, head_form, head_layer, swing_time
-from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import Expressivity, passage_of
 from kinesic.expressivity.turns import UPRIGHT, room, turn_at
-
-
-@pytest.fixture
-def nod_times(phases):
-    return phases(0.0, 0.1, 0.2, 0.5, 0.8, 0.9, 1.0)
-
-
-@pytest.fixture
-def looks(robot, pace, context):
-    def of(action, dialect="bml-1.0", **changes):
-        changed = Pace(replace(robot, **changes), pace.limits)
-        return aim(action, context(Block("bml1", (), dialect=dialect), pace=changed))
-
-    return of
-
-
-def gaze_times(*times):
-    return dict(zip(GAZE_SYNCS, times, strict=True))
 
 
 def frame_at(frames, time):
@@ -161,113 +139,9 @@ def test_spatial_extent_widens_head_movements(robot):
     assert peaks[0] > 0
 
 
-def test_a_gaze_turns_to_its_target_and_back(perform):
-    frames = perform(("g", Gaze("0.07 0.5 1.13", influence="HEAD"), gaze_times(0.0, 1.0, 2.0, 3.0)))
-    assert degrees(frame_at(frames, 1.0).head.torsion) == pytest.approx(75)  # 90 deg is beyond the neck
-    assert frame_at(frames, 2.0).head == frame_at(frames, 1.0).head
-    assert frames.frames[0].head.torsion == frames.frames[-1].head.torsion == 0
-    assert frames.uses["g"] == {"head"}
-
-
-def test_a_gaze_meets_the_eyes_line(looks):
-    look = looks(Gaze("1.07 1.0 1.13", influence="HEAD"))
-    assert degrees(look.head.torsion) == pytest.approx(45)
-    assert look.head.tilt == pytest.approx(0, abs=1e-12)
-    assert looks(Gaze("1.07 0 0.13", influence="HEAD")).head.tilt == pytest.approx(radians(40))
-
-
-def test_the_trunk_helps_beyond_45_degrees(looks):
-    look = looks(Gaze("0.07 1.0 1.13"))
-    assert degrees(look.torso.torsion) == pytest.approx(45)
-    assert degrees(look.head.torsion) == pytest.approx(90)
-    assert looks(Gaze("0.07 1.0 1.13", influence="NECK")).torso.torsion == 0
-    assert looks(Gaze("0.5 0.1 1.13")).torso.torsion == 0
-    asked = looks(Gaze("0.5 0.1 1.13", influence="WAIST"))
-    assert asked.torso.torsion == pytest.approx(0.4 * asked.head.torsion)
-
-
-def test_eyes_asked_alone_leave_the_head_until_they_can_no_more(perform, looks):
-    near, far = looks(Gaze("1.07 0.3 1.13", influence="EYES")), looks(Gaze("1.07 1.0 1.13", influence="EYES"))
-    assert near.head == near.torso == UPRIGHT
-    assert near.eyes.torsion == pytest.approx(atan2(0.3, 1.0))
-    assert far.eyes.torsion == ASIDE
-    assert far.head.torsion == pytest.approx(radians(45) - ASIDE)
-    frames = perform(("g", Gaze("left", influence="EYES"), gaze_times(0.0, 1.0, 2.0, 3.0)))
-    assert frames.outcomes["g"].kind == "realised"
-
-
-def test_eyes_go_on_where_the_neck_ends(looks):
-    look = looks(Gaze("-0.17 1.0 1.13", influence="NECK"))
-    assert degrees(look.head.torsion + look.eyes.torsion) == pytest.approx(103.5, abs=0.1)
-    assert look.eyes.torsion > 0.1
-    assert not look.clipped
-
-
-def test_a_robot_without_eyes_looks_with_its_head(robot, looks):
-    blind = {name: site for name, site in robot.sites.items() if name != "eyes"}
-    found = looks(Gaze("left", influence="EYES"), sites=blind)
-    assert found.eyes == UPRIGHT
-    assert found.head.torsion > 0.5
-    assert "no eyes" in found.substitute
-
-
-def test_an_unknown_target_is_the_audience(perform, looks):
-    frames = perform(("g", Gaze("bluebox"), gaze_times(0.0, 1.0, 2.0, 3.0)))
-    assert frames.outcomes["g"].kind == "substituted"
-    assert [notice.type for notice in frames.notices] == [NoticeType.NO_SUCH_TARGET]
-    assert looks(Gaze("bluebox")).head == looks(Gaze("audience")).head
-    assert looks(Gaze("bluebox"), targets={}) is None
-
-
-def test_offsets(looks):
-    up = looks(Gaze("1.07 0 1.13", offset_angle=10, offset_direction="UP")).head
-    assert degrees(up.tilt) == pytest.approx(-10)
-    diagonal = looks(Gaze(offset_angle=20, offset_direction="DOWNLEFT")).head
-    assert degrees(diagonal.tilt) == degrees(diagonal.torsion) == pytest.approx(20 / 2**0.5)
-    assert looks(Gaze(offset_angle=20)).head.torsion == 0
-
-
-def test_offsets_of_drafts_are_shares(looks):
-    assert degrees(looks(Gaze(offset_angle=0.2, offset_direction="DOWN"), dialect="none").head.tilt) == pytest.approx(
-        10
-    )
-    assert degrees(looks(Gaze(offset_angle=0.2, offset_direction="DOWN")).head.tilt) == pytest.approx(0.2)
-
-
-def test_a_shift_stays_and_gazes_return_to_it(perform):
-    frames = perform(
-        ("s", Gaze("1.07 0.5 1.13", shift=True), dict(zip(SHIFT_SYNCS, (0.0, 1.0), strict=True))),
-        ("g", Gaze("audience"), gaze_times(2.0, 3.0, 4.0, 5.0)),
-    )
-    shifted = frame_at(frames, 1.0).head
-    assert shifted.torsion > 0.4
-    assert frame_at(frames, 3.0).head.torsion == pytest.approx(0, abs=1e-9)
-    assert frames.frames[-1].head.torsion == pytest.approx(shifted.torsion)
-
-
 def test_a_head_direction_stays(perform, phases):
     frames = perform(("s", HeadDirectionShift("Aside_Left"), phases(0, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5)))
     assert degrees(frames.frames[-1].head.roll) == pytest.approx(-15)
-
-
-def test_the_later_gaze_wins_and_the_earlier_says_so(perform):
-    frames = perform(
-        ("g1", Gaze("1.07 0.5 1.13"), gaze_times(0.0, 1.0, 3.0, 4.0)),
-        ("g2", Gaze("1.07 -0.5 1.13"), gaze_times(2.0, 2.5, 4.5, 5.0)),
-    )
-    assert frame_at(frames, 2.5).head.torsion == frame_at(frames, 4.5).head.torsion < -0.4
-    assert [(notice.id, "g2" in notice.text) for notice in frames.notices] == [("bml1:g1", True)]
-    assert {outcome.kind for outcome in frames.outcomes.values()} == {"realised"}
-
-
-def test_a_nod_adds_to_a_gaze(perform, nod_times):
-    frames = perform(
-        ("g", Gaze("1.07 0.5 1.13"), gaze_times(-1.0, 0.0, 2.0, 3.0)),
-        ("h", Head("NOD", amount=1.0), nod_times),
-    )
-    head = frame_at(frames, 0.5).head
-    assert degrees(head.tilt) == pytest.approx(20)
-    assert head.torsion > 0.4
 
 
 def test_repetition_nods_more_as_far_as_there_is_time(robot, pace, phases):
