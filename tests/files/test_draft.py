@@ -1,5 +1,7 @@
 """Drafts: removed when their process was killed, and only then."""
 
+import errno
+import fcntl
 import os
 import signal
 import subprocess
@@ -10,7 +12,15 @@ from pathlib import Path
 
 import pytest
 
-from kinesic.files.draft import DRAFT_FILE, DRAFT_TEXT, hold_draft, remove_abandoned
+from kinesic.files.draft import (
+    DRAFT_FILE,
+    DRAFT_TEXT,
+    hold_draft,
+    is_same,
+    mark_as_abandoned,
+    remove_abandoned,
+    remove_folder,
+)
 from kinesic.files.held_folder import hold_folder
 from kinesic.files.output_folder import MARK, MARKER
 
@@ -167,3 +177,80 @@ def test_a_draft_that_cannot_be_begun_leaves_nothing(tmp_path: Path, monkeypatch
         with pytest.raises(OSError, match="No space left"), hold_draft("rep", parent=parent):
             pass
     assert os.listdir(tmp_path) == []
+
+
+def test_only_the_folder_that_is_held_is_removed(tmp_path: Path):
+    """Another folder that has taken its name, or a link to the folder itself, stays."""
+    (tmp_path / "draft").mkdir()
+    (tmp_path / "draft" / "half").write_text("half")
+    with hold_folder(tmp_path) as parent, hold_folder("draft", inside=parent) as held:
+        (tmp_path / "draft").rename(tmp_path / "away")
+        assert not is_same("draft", held, parent=parent)
+        (tmp_path / "draft").symlink_to("away")
+        assert not is_same("draft", held, parent=parent)
+        remove_folder("draft", held, parent=parent)
+        assert (tmp_path / "away" / "half").read_text() == "half"
+        assert is_same("away", held, parent=parent)
+        remove_folder("away", held, parent=parent)
+    assert os.listdir(tmp_path) == ["draft"]
+
+
+def test_folders_in_an_abandoned_draft_go_with_it(abandoned: Path):
+    (abandoned / "deep" / "deeper").mkdir(parents=True)
+    (abandoned / "deep" / "deeper" / "half").write_text("half")
+    assert sweep(abandoned.parent) == []
+
+
+def test_folder_that_stood_there_before_is_removed_by_the_next_run_once_it_is_marked(tmp_path: Path):
+    aside = tmp_path / ".rep-0123456789ab"
+    aside.mkdir()
+    (aside / "old").write_text("old")
+    with hold_folder(aside) as folder:
+        mark_as_abandoned(folder)
+        mark_as_abandoned(folder)  # a mark that is there stays
+    assert (aside / DRAFT_FILE).read_bytes() == DRAFT_TEXT
+    assert (aside / DRAFT_FILE).stat().st_mode & 0o777 == 0o600
+    assert sweep(tmp_path) == []
+
+
+def test_draft_file_is_private_and_says_what_it_is(tmp_path: Path):
+    with hold_folder(tmp_path) as parent, hold_draft("rep", parent=parent) as draft:
+        file = tmp_path / draft.name / DRAFT_FILE
+        assert file.stat().st_mode & 0o777 == 0o600
+        assert file.read_bytes() == DRAFT_TEXT
+
+
+def test_draft_on_a_disk_without_locks_has_no_draft_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Nothing would tell it from the draft of a killed process."""
+
+    def refuse(*arguments: object) -> None:
+        raise OSError(errno.ENOLCK, "No locks available")
+
+    monkeypatch.setattr(fcntl, "flock", refuse)
+    with hold_folder(tmp_path) as parent:
+        with hold_draft("rep", parent=parent) as draft:
+            assert os.listdir(tmp_path / draft.name) == []
+            assert sweep(tmp_path) == [draft.name]
+        assert os.listdir(tmp_path) == []
+
+
+@pytest.mark.parametrize("mode", [0o700, 0o777])
+def test_draft_has_the_permissions_asked_for(tmp_path: Path, mode: int):
+    usual = os.umask(0o022)
+    try:
+        with hold_folder(tmp_path) as parent, hold_draft("rep", parent=parent, mode=mode) as draft:
+            assert (tmp_path / draft.name).stat().st_mode & 0o777 == mode & ~0o022
+    finally:
+        os.umask(usual)
+
+
+def test_every_folder_is_swept_once_by_a_process(tmp_path: Path):
+    for place in ("first", "second"):
+        (tmp_path / place).mkdir()
+        for count, kept in enumerate(([], [".rep-0123456789ab"])):
+            left = tmp_path / place / ".rep-0123456789ab"
+            left.mkdir()
+            (left / DRAFT_FILE).write_bytes(DRAFT_TEXT)
+            with hold_folder(tmp_path / place) as parent, hold_draft("rep", parent=parent):
+                pass
+            assert os.listdir(tmp_path / place) == kept, count
