@@ -4,7 +4,18 @@ import pytest
 from kinesic.body.robot import Robot
 from kinesic.expressivity.hands.poses import resting_hands
 from kinesic.expressivity.keyframes import Hand
-from kinesic.planning.collision import EXACT, HOVER, NEAR_ENOUGH, SLACK, Spacing, clear_hands, separate, touched_pair
+from kinesic.planning.collision import (
+    EXACT,
+    HOVER,
+    NEAR_ENOUGH,
+    SLACK,
+    STRIDE,
+    Spacing,
+    _smallest,
+    clear_hands,
+    separate,
+    touched_pair,
+)
 from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.worst_postures import random_postures
 
@@ -143,3 +154,42 @@ def test_a_hand_with_fingers_touches_with_what_is_nearer(touch, seed):
     counted = [k for k, names in enumerate(robot.counted_pairs) if set(names) & hand and set(names) & others]
     assert len(counted) > 1
     assert gaps[pair] == gaps[counted].min()
+
+
+def test_smallest_step_meets_its_rows_and_no_more():
+    step = _smallest(np.array([[1.0, 1.0]]), np.array([0.2]), np.eye(2))
+    np.testing.assert_allclose(step, [0.1, 0.1], atol=1e-9)
+    dear = _smallest(np.array([[1.0, 1.0]]), np.array([0.2]), np.diag([4.0, 1.0]))
+    np.testing.assert_allclose(dear, [0.04, 0.16], atol=1e-9)
+    np.testing.assert_allclose(_smallest(np.array([[1.0]]), np.array([-0.2]), np.eye(1)), [0.0], atol=1e-9)
+
+
+@pytest.mark.parametrize(("most", "share"), [(0.6, 0.5), (0.3, 0.25), (0.15, 0.125)])
+def test_rows_that_contradict_a_bound_are_met_by_halves(most: float, share: float):
+    """A hinge has to turn by 1 rad and may turn by less."""
+    rows, needed = np.array([[1.0], [-1.0]]), np.array([1.0, -most])
+    np.testing.assert_allclose(_smallest(rows, needed, np.eye(1)), [share], atol=1e-6)
+
+
+def test_rows_that_no_eighth_meets_have_no_step():
+    assert _smallest(np.array([[1.0], [-1.0]]), np.array([1.0, -0.1]), np.eye(1)) is None
+
+
+def test_no_hinge_turns_farther_in_a_round_than_a_stride():
+    """A long step is made shorter as a whole, so that it keeps its direction; a short one is made whole."""
+    seen = []
+
+    class Watched:
+        def gaps(self, postures):
+            seen.append(postures[0].copy())
+            return DISTANCES.gaps(postures)
+
+    deep = random_postures(ROBOT.skeleton, 2000, seed=5)
+    deep = deep[DISTANCES.clearance(deep).distances < -0.03][:5]
+    longest = 0.0
+    for posture in deep:
+        seen.clear()
+        separate(posture, ARMS, ROBOT, Watched(), Spacing(LEAST))
+        steps = np.abs(np.diff(seen, axis=0)).max(axis=1)
+        longest = max(longest, float(steps.max()))
+    assert longest == pytest.approx(STRIDE)

@@ -238,3 +238,82 @@ def test_what_nothing_helps_is_left(monkeypatch):
     monkeypatch.setattr(detour, "separate", lambda *given: None)
     together = course(key(0.0), key(1.0, left=IN_FRONT), key(1.4, right=IN_FRONT), key(1.8, left=HIGHER), key(3.0))
     assert lead_around(together, DISTANCES, least=LEAST) is together
+
+
+def test_worst_sample_of_each_stretch_is_looked_at():
+    lacking = np.array([0.0, 1.0, 3.0, 2.0, 0.0, 0.0, 2.0, 1.0, 0.0])
+    assert list(detour._closest(lacking)) == [2, 6]
+    assert list(detour._closest(lacking[1:8])) == [1, 5]
+    assert list(detour._closest(np.zeros(4))) == []
+
+
+def test_stretch_that_nothing_helps_keeps_none_of_the_later_ones_from_help(monkeypatch):
+    usual = detour._changes
+    monkeypatch.setattr(
+        detour, "_changes", lambda course, time, *more: usual(course, time, *more) if time > 5.0 else iter(())
+    )
+    first, second = (
+        (key(at, left=IN_FRONT + off), key(at + 0.4, right=IN_FRONT + off), key(at + 0.8, left=HIGHER))
+        for at, off in ((1.0, 0.0), (11.0, 0.001))  # in other postures, so that no key moves with those of the other
+    )
+    made = course(key(0.0), *first, key(3.0), key(10.0), *second, key(13.0))
+    led = lead_around(made, DISTANCES, least=LEAST)
+    assert led is not made
+    angles = led.samples()
+    clearance = DISTANCES.clearance(angles).distances
+    assert clearance[:500].min() < LEAST
+    assert clearance[500:].min() >= LEAST - 1e-3
+
+
+class Asked:
+    """A room that is clear everywhere, and remembers the postures that it is asked for."""
+
+    def __init__(self):
+        self.distances, self.near_to = DISTANCES, []
+
+    def near(self, angles, joints, spacing):
+        self.near_to.append((angles, joints, spacing))
+        return angles
+
+
+def test_new_key_is_looked_for_at_the_motion_and_then_nearer_to_rest():
+    room, arm = Asked(), tuple(LEFT)
+    before = course(key(0.0), key(1.0, left=IN_FRONT), key(3.0))
+    changes = list(detour._with_a_key(before, 1.5, [arm], room, LEAST))
+    here = before.at(1.5)
+    for share, (start, joints, spacing), change in zip(detour.WITHDRAWALS, room.near_to, changes, strict=True):
+        np.testing.assert_allclose(start[LEFT], here[LEFT] + share * (REST[LEFT] - here[LEFT]))
+        np.testing.assert_array_equal(start[RIGHT], here[RIGHT])
+        assert joints == arm
+        assert (spacing.least, spacing.room) == (LEAST, LEAST + detour.DETOUR_ROOM)
+        (added,) = set(change.postures) - set(before.postures)
+        np.testing.assert_array_equal(added.angles, start)
+
+
+def test_key_that_moves_goes_away_from_where_it_is_and_rest_stays_rest():
+    room = Asked()
+    before = course(key(0.0), key(1.0, left=IN_FRONT, right=REST[RIGHT]), key(3.0))
+    assert len(list(detour._with_a_key_away(before, 1, [tuple(LEFT), tuple(RIGHT)], room, LEAST))) == len(detour.AWAY)
+    gap = DISTANCES.gaps(before.at(1.0)[None])[0].min()
+    for more, (start, joints, spacing) in zip(detour.AWAY, room.near_to, strict=True):
+        np.testing.assert_array_equal(start, before.at(1.0))
+        assert joints == tuple(LEFT)
+        assert spacing.least == pytest.approx(max(gap, LEAST) + more)
+    assert list(detour._with_a_key_away(before, 0, [tuple(LEFT)], room, LEAST)) == []
+
+
+def test_only_the_lively_keys_on_both_sides_of_a_time_are_calmed():
+    def lively(time):
+        return replace(key(time, left=IN_FRONT), passages=(KeyPassage(swing=1.0),) * len(REST))
+
+    made = course(key(0.0), *map(lively, (1.0, 2.0, 3.0, 4.0)), key(5.0))
+    calm = made.calmed(2.5)
+    assert [bool(each.passages) and each.passages[LEFT[0]].swing for each in calm.postures] == [
+        False,
+        1.0,
+        0.0,
+        0.0,
+        1.0,
+        False,
+    ]
+    assert all(calm.postures[2].passages[joint] == KeyPassage(swing=1.0) for joint in RIGHT)

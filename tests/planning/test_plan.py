@@ -48,6 +48,7 @@ keys = [
 """
 
 Planner = Callable[..., Plan]
+KINESIC = 'xmlns:kinesic="urn:kinesic"'
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +58,7 @@ def planned(known: Setup, tmp_path_factory: pytest.TempPathFactory) -> Planner:
     setup = replace(known, lexicon=Lexicon.load(path))
 
     def of(inside: str, *settings: str) -> Plan:
-        block = parse(f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{inside}</bml>')
+        block = parse(f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" {KINESIC} id="b">{inside}</bml>')
         return plan_block(block, replace(setup, style=setup.style.changed(settings)))
 
     return of
@@ -208,3 +209,76 @@ def test_a_held_pose_is_not_frozen_where_the_body_idles():
     angles, speeds, _ = found.trajectory.sample(times)
     assert np.ptp(angles, axis=0).max() > 1e-3
     assert np.abs(speeds).max() < 0.3
+
+
+def test_plan_answers_for_a_time_and_for_a_sync_point(planned):
+    made = planned('<head id="h" lexeme="NOD" stroke="1"/>')
+    np.testing.assert_array_equal(made.at(0.7).angles, made.trajectory.at(0.7).angles)
+    at = made.trajectory.zero + made.syncs["h:stroke"].planned
+    np.testing.assert_array_equal(made.at("h:stroke").angles, made.trajectory.at(at).angles)
+
+
+@pytest.mark.parametrize(("work", "repairs"), [(-1, 0), (300_000, plan_module.REPAIRS)])
+def test_motion_is_repaired_as_long_as_there_is_a_budget(planned, monkeypatch, work, repairs):
+    usual, asked = plan_module.keep_clear, []
+
+    def spied(*given, **named):
+        asked.append(named["repairs"])
+        return usual(*given, **named)
+
+    monkeypatch.setattr(plan_module, "keep_clear", spied)
+    monkeypatch.setattr(plan_module, "WORK", work)
+    planned('<head id="h" lexeme="NOD" stroke="1"/>')
+    assert asked == [repairs]
+
+
+@pytest.mark.parametrize(("work", "gone"), [(300_000, {"b"}), (-1, {"b", "c"})])
+def test_what_cannot_be_kept_clear_is_dropped_by_name_and_the_rest_planned_again(planned, monkeypatch, work, gone):
+    """Where the budget is spent, half of those that overlap it go, too."""
+    monkeypatch.setattr(plan_module, "WORK", work)
+    monkeypatch.setattr(
+        plan_module, "culprits", lambda frames, *_: {"b": "it is in the way"} if frames.uses.get("b") else {}
+    )
+    nods = (f'<head id="{id}" lexeme="NOD" start="{k}" end="{k + 2}"/>' for k, id in enumerate("abc"))
+    outcomes = planned("".join(nods) + '<head id="z" lexeme="NOD" start="9"/>').keyframes.outcomes
+    assert {id for id, outcome in outcomes.items() if outcome.kind == "dropped"} == gone
+    assert outcomes["b"].why == "it is in the way"
+
+
+SPOKEN = (
+    '<speech id="s" kinesic:pause="true"><text>See <sync id="a"/>this, <sync id="b"/>this and that one.</text></speech>'
+    '<gesture id="g1" lexeme="offer" mode="RIGHT_HAND" stroke="s:a"/>'
+    '<gesture id="g2" lexeme="large" mode="BOTH_HANDS" stroke="s:b"/>'
+)
+
+
+@pytest.fixture
+def rounds(monkeypatch) -> list[bool]:
+    """Whether clashes are weighed in each round of planning."""
+    once, found = plan_module._plan_once, []
+
+    def spied(*given, weighing=True):
+        found.append(weighing)
+        return once(*given, weighing=weighing)
+
+    monkeypatch.setattr(plan_module, "_plan_once", spied)
+    return found
+
+
+def test_no_gesture_gives_way_while_words_may_still_wait(planned, rounds):
+    made = planned(SPOKEN)
+    assert any(notice.text.startswith("a pause of") for notice in made.notices)
+    assert len(rounds) >= 3
+    assert rounds == [False] * (len(rounds) - 1) + [True]
+
+
+def test_no_word_waits_where_the_budget_is_spent(planned, rounds, monkeypatch):
+    monkeypatch.setattr(plan_module, "WORK", -1)
+    made = planned(SPOKEN)
+    assert not any(notice.text.startswith("a pause of") for notice in made.notices)
+    assert rounds == [False, True]
+
+
+def test_words_that_need_not_wait_are_planned_twice(planned, rounds):
+    planned('<speech id="s" kinesic:pause="true"><text>See <sync id="a"/>this.</text></speech>')
+    assert rounds == [False, True]

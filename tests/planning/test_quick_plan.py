@@ -1,4 +1,5 @@
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -7,7 +8,7 @@ from kinesic.bml.parse import parse
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.limit_check import check_limits
-from kinesic.planning.quick_plan import plan_quickly, quintic_duration
+from kinesic.planning.quick_plan import RESERVE, plan_quickly, quintic_duration
 
 from ..passage import passage_text
 
@@ -37,6 +38,24 @@ def test_a_quintic_of_its_duration_keeps_every_limit():
         used = [np.abs(values).max() / limit for values, limit in zip(rows, (4, 40, 1e3, 0.7), strict=True)]
         assert 0.2 < max(used) <= 1.0, "and not much longer than some limit asks for"
     assert quintic_duration(0.0, LIMITS, 0) == 0.0
+
+
+@pytest.mark.parametrize("way", [0.4, 3.9])
+@pytest.mark.parametrize(
+    ("binding", "peak", "order"),
+    [("speed", 1.875, 1), ("acceleration", 10 / 3**0.5, 2), ("jerk", 60.0, 3), ("duty", None, 0)],
+)
+def test_a_quintic_takes_just_as_long_as_the_limit_that_binds_it_asks_for(way, binding, peak, order):
+    """Its greatest speed, acceleration or jerk, or the duty of the first two together, is at its limit."""
+    wide = {
+        name: sealed(np.full_like(getattr(LIMITS, name), 1e9)) for name in ("speed", "acceleration", "jerk", "duty")
+    }
+    found = quintic_duration(way, replace(LIMITS, **wide | {binding: getattr(LIMITS, binding)}), 0) / RESERVE
+    if binding == "duty":
+        used = LIMITS.viscous[0] * 1.875 * way / found + LIMITS.inertial[0] * 10 / 3**0.5 * way / found**2
+        assert used == pytest.approx(LIMITS.duty[0], rel=1e-3)
+    else:
+        assert peak * way / found**order == pytest.approx(getattr(LIMITS, binding)[0], rel=1e-3)
 
 
 def test_the_opening_is_certified_and_begins_with_the_block(slow, known):

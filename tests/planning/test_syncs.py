@@ -117,3 +117,18 @@ def test_a_wrong_name_is_told_the_points_of_its_own_behaviour_alone(known) -> No
         syncs["h:xyzzy"]
     assert "stroke" in str(refused.value)
     assert "attackPeak" not in str(refused.value)
+
+
+def test_points_of_one_behaviour_are_not_bound_to_one_another():
+    block = parse(
+        ROOT.format(
+            '<gesture id="one" lexeme="BEAT" start="0" relax="one:stroke+0.5"/><head id="h" lexeme="NOD" '
+            'stroke="one:stroke"/>'
+        )
+    )
+    natural = {name: {"ready": 0.3, "stroke": 0.2, "relax": 0.1, "end": 0.3} for name in ("one", "h")}
+    bonds = find_bonds(schedule(block, {}, natural))
+    assert {(bond.earlier, bond.later) for bond in bonds} == {
+        (("one", "stroke"), ("h", "stroke")),
+        (("h", "stroke"), ("one", "stroke")),
+    }

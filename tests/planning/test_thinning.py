@@ -1,6 +1,7 @@
 """Crowds: whoever has no hand goes first, then the newest; required behaviours and those aside stay."""
 
 import re
+from dataclasses import replace
 
 import pytest
 
@@ -58,3 +59,37 @@ def test_the_reason_says_how_many_when_and_how_many_are_kept(share):
     (why,) = reasons
     assert re.match(r"\d behaviours overlap from 2\.50 to 5\.00 s", why)
     assert f"{round(2 * share)} of them are kept, the others need times of their own" in why
+
+
+def test_crowd_of_one_is_left_alone_and_a_share_is_rounded_up():
+    assert thin_out(frames({"a": (0.0, 1.0)}), {"a"}, 0.0) == {}
+    three = {id: SPANS[id] for id in "abc"}
+    assert thin_out(frames(three), {"a"}, 0.5).keys() == {"c"}
+    assert thin_out(frames(three), {"a"}, 0.0).keys() == {"a", "b", "c"}
+
+
+def test_behaviours_that_only_touch_are_no_crowd():
+    spans = {"a": (0.0, 1.0), "b": (1.0, 2.0), "c": (1.5, 3.0)}
+    assert thin_out(frames(spans), {"a"}, 0.0) == {}
+    assert thin_out(frames(spans), {"c"}, 0.0).keys() == {"b", "c"}
+
+
+def test_long_behaviour_joins_all_that_begin_before_it_ends():
+    spans = {"long": (0.0, 5.0), "a": (1.0, 2.0), "b": (3.0, 4.0), "c": (5.0, 6.0)}
+    assert thin_out(frames(spans), {"b"}, 0.0).keys() == {"long", "a", "b"}
+
+
+def test_who_found_no_hand_beside_the_crowd_stays():
+    spans = {"before": (0.0, 1.0), "a": (1.0, 2.0), "b": (1.5, 3.0), "after": (3.0, 4.0)}
+    assert thin_out(frames(spans, waiting=("before", "after")), {"a"}, 0.5).keys() == {"b"}
+    spans["after"] = (2.9, 4.0)
+    assert thin_out(frames(spans, waiting=("before", "after")), {"a"}, 0.5).keys() == {"b", "after"}
+
+
+def test_who_was_dropped_for_another_reason_than_its_hand_stays():
+    found = frames(SPANS, waiting=("b",))
+    other = replace(found, notices=())
+    assert thin_out(other, {"c"}).keys() == set()
+    assert thin_out(found, {"c"}).keys() == {"b"}
+    told = replace(found, outcomes={**found.outcomes, "b": Outcome("substituted", "other hand")})
+    assert thin_out(told, {"c"}).keys() == set()

@@ -1,0 +1,110 @@
+"""Which of many clashes count in one round, and what a hand is timed between."""
+
+import numpy as np
+import pytest
+
+from kinesic.body.arrays import sealed
+from kinesic.motion.keys import KeyPosture
+from kinesic.planning import clashes
+from kinesic.planning.clashes import MANY, NEGLIGIBLE_CLASH, VISIBLE_CLASH, WORK, ClashFinder, Neighbours
+
+ROW = {"ab": 0.3, "bc": 0.5, "cd": 0.4, "de": 0.45, "ef": 0.3}
+
+
+@pytest.fixture
+def row(monkeypatch, known):
+    """A finder whose neighbours lack the times [s] that are given; nothing is measured."""
+
+    def of(lacking: dict[str, float], brief: str = "") -> ClashFinder:
+        def lack(pair: Neighbours) -> float:
+            return lacking["".join(pair.behaviours)]
+
+        every = [Neighbours((a, b), (k, k + 1), (0,), a + b in brief.split()) for k, (a, b) in enumerate(lacking)]
+        monkeypatch.setattr(clashes, "_neighbours", lambda *_: every)
+        monkeypatch.setattr(
+            ClashFinder,
+            "_suspects",
+            lambda _, coming, __: [(pair, lacking["".join(pair.behaviours)]) for pair in coming],
+        )
+        monkeypatch.setattr(clashes, "_search", lambda pair, *_: lacking["".join(pair.behaviours)])
+        return ClashFinder(known)
+
+    return of
+
+
+def look(finder: ClashFinder) -> str:
+    return "".join(sorted(finder.look(None, ())))
+
+
+def test_worst_of_a_row_counts_and_what_is_beside_it_waits(row):
+    finder = row(ROW)
+    assert look(finder) == "bcef"
+    assert {"".join(sorted(pair)): clash.late for pair, clash in finder.clashes.items()} == {"bc": 0.5, "ef": 0.3}
+
+
+def test_every_second_one_of_a_row_gives_way_where_the_budget_is_spent(row):
+    finder = row(ROW)
+    finder._budget.spend(2 * WORK)
+    assert finder.spent
+    assert look(finder) == "bcde"
+
+
+def test_what_is_known_to_clash_is_looked_at_again_only_once_it_is_brief(row):
+    finder = row({"ab": 0.5})
+    assert look(finder) == "ab"
+    assert look(finder) == ""
+    (clash,) = finder.clashes.values()
+    assert not clash.brief
+    brief = row({"ab": 0.5}, brief="ab")
+    brief.clashes |= finder.clashes
+    assert look(brief) == "ab"
+    assert brief.clashes[frozenset("ab")].brief
+    assert look(brief) == ""
+
+
+def test_little_is_no_clash_unless_a_chain_adds_up(row):
+    assert look(row({"ab": 0.9 * VISIBLE_CLASH})) == ""
+    assert look(row({"ab": 1.1 * VISIBLE_CLASH})) == "ab"
+    assert look(row({"ab": 0.6 * VISIBLE_CLASH, "bc": 0.7 * VISIBLE_CLASH})) == "bc"
+    assert look(row({"ab": 0.9 * NEGLIGIBLE_CLASH, "bc": VISIBLE_CLASH - NEGLIGIBLE_CLASH / 2})) == ""
+
+
+def test_so_many_are_a_crowd_on_which_no_budget_is_left(row):
+    few = {chr(k) + chr(k + 1): 0.3 for k in range(200, 200 + MANY)}
+    finder = row(few)
+    look(finder)
+    assert not finder.crowded
+    assert not finder.spent
+    finder = row(few | {chr(900) + chr(901): 0.3})
+    look(finder)
+    assert finder.crowded
+    assert finder.spent
+
+
+def keyed(time: float, *syncs: str, firm: bool = True) -> KeyPosture:
+    return KeyPosture(time, sealed([0.0]), (True,), tuple((id, "stroke") for id in syncs), (), firm)
+
+
+@pytest.mark.parametrize(
+    ("moving", "firm", "around"),
+    [
+        ("1111111", "1111111", (2, 4)),
+        ("1101011", "1111111", (1, 5)),
+        ("1111111", "1101011", (1, 5)),
+        ("0011100", "1111111", (2, 4)),
+        ("0001000", "1111111", (3, 3)),
+    ],
+)
+def test_hand_is_timed_between_the_nearest_keys_that_hold_it(moving: str, firm: str, around: tuple[int, int]):
+    strokes = {2: "a", 4: "b"}
+    postures = [keyed(float(k), *strokes.get(k, ""), firm=each == "1") for k, each in enumerate(firm)]
+    own = np.array([each == "1" for each in moving])
+    assert clashes._around(Neighbours(("a", "b"), (2, 4), (0,)), postures, own) == around
+
+
+def test_part_of_a_key_has_the_hinges_of_one_hand_alone():
+    whole = KeyPosture(1.5, sealed([0.1, 0.2, 0.3]), (True, False, False), (("a", "stroke"),), (), firm=False)
+    part = clashes._part(whole, np.array([2, 0]), whole=False)
+    assert (part.time, part.angles.tolist(), part.keyed) == (1.5, [0.3, 0.1], (False, True))
+    assert (part.syncs, part.passages, part.firm) == ((("a", "stroke"),), (), False)
+    assert clashes._part(whole, np.array([2, 0]), whole=True).keyed == (True, True)
