@@ -12,11 +12,21 @@ class Budget:
         Args:
             work: pieces that may be measured, and what takes as long as so many.
         """
-        self._left = work
+        self._work = self._left = work
 
     def spend(self, work: float) -> None:
         """Counts work that is done."""
         self._left -= work
+
+    @property
+    def left(self) -> float:
+        """Work that may still be done."""
+        return max(self._left, 0.0)
+
+    @property
+    def overdraft(self) -> float:
+        """Work beyond the budget, as a multiple of the budget."""
+        return max(-self._left, 0.0) / max(self._work, 1.0)
 
     @property
     def spent(self) -> bool:

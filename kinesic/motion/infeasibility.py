@@ -62,15 +62,21 @@ def guess_share(segment: SplineSegment, limits: Limits) -> float:
     return segment.grid.largest(smoothest(segment), limits, segment.hinge)
 
 
-def measure_shortage(segment: SplineSegment, limits: Limits, *, target: float | None = None) -> Infeasibility | None:
-    """Measures how much time a segment lacks; None when the program cannot be solved.
+def measure_shortage(
+    segment: SplineSegment, limits: Limits, *, target: float | None = None, max_work: float = np.inf
+) -> Infeasibility | None:
+    """Measure the time that a segment lacks.
 
     Args:
         segment: whose keys are to be passed.
         limits: of all hinges.
         target: amount below which a bound on it does; None: it is asked for exactly.
+        max_work: pieces that all programs together may have.
+
+    Returns:
+        None when the program cannot be solved, or the programs would have more pieces than `max_work`.
     """
-    found = _least(segment, limits, target)
+    found = None if segment.grid.pieces > max_work else _least(segment, limits, target)
     if found is None:
         return None
     if found.bound:
@@ -80,6 +86,8 @@ def measure_shortage(segment: SplineSegment, limits: Limits, *, target: float | 
     if found.amount > SPARE and (abs(slopes.sum()) > UNEVEN * np.abs(slopes).sum() or np.abs(slopes).max() < FLAT):
         beside = [key for key, pair in enumerate(pairwise(found.binding)) if pair != (None, None)]
         programs += len(beside)
+        if programs * segment.grid.pieces > max_work:
+            return None
         for key in beside:
             slopes[key + 1] = _difference(segment, limits, key, found.amount)
     total = float(np.abs(slopes).sum())

@@ -10,7 +10,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.dynamics import Clearance, Distances
 from kinesic.body.robot import SIDES, Robot
 from kinesic.expressivity.keyframes import KeyFrames
-from kinesic.motion.budget import Budget
+from kinesic.motion.budget import ENDLESS, Budget
 from kinesic.motion.condition import Conditioned
 from kinesic.motion.key_time_lp import KeyTimeProblem, relax_key_times
 from kinesic.motion.keys import Bond, KeyPosture, Keys
@@ -43,6 +43,7 @@ class Conditioner(Protocol):
 LAG_RESERVE = 0.004  # [m] kept in the plan for what the servos lag behind it
 LEAST_RESERVE = 0.002  # [m] of it that has to be there: less is not worth a behaviour
 REPAIRS = 2  # times that a motion is conditioned again because it comes nearer than it should
+SAMPLE_COST = 3.0  # budget units per sample of a motion that is conditioned and scanned again
 REPAIR = 0.002  # [m] that a second detour keeps over what the first one lacked
 EASIER = 0.8  # times the limits, where no detour helps a motion that strays from the desired one
 TOGETHER = 2.0  # [s] within which one behaviour may be what brings segments too near at all times
@@ -55,6 +56,7 @@ def keep_clear(
     *,
     conditioned: Conditioner = certify,
     repairs: int = REPAIRS,
+    budget: Budget = ENDLESS,
 ) -> tuple[Postures, Conditioned, Floats, Clearance]:
     """Conditions the postures, and leads the motion around the body where it comes too near.
 
@@ -67,6 +69,7 @@ def keep_clear(
         bonds: between sync points of different behaviours.
         conditioned: makes a motion one that the servos can follow.
         repairs: how many times at most it is conditioned again.
+        budget: for the length of all motions; once it is spent, no motion is conditioned again.
 
     Returns:
         The postures with detours, the motion, performance times (m,) [s] and the clearance at them.
@@ -86,6 +89,9 @@ def keep_clear(
     for _ in range(repairs):
         lacking = least - float(clearance.distances[clearance.worst])
         if lacking <= 0.0:
+            break
+        budget.spend(SAMPLE_COST * len(times))
+        if budget.spent:
             break
         course = _course(postures, motion.planned, setup).straying(motion.trajectory)
         changed = around(course, least=wanted).postures

@@ -104,3 +104,10 @@ def test_the_limit_is_named(quantity, change):
 
 def test_a_gap_with_time_to_spare_has_no_limit():
     assert measure_shortage(way(200, 20.0), LIMITS).binding == ("speed", None)
+
+
+def test_a_program_with_more_pieces_than_allowed_is_not_solved():
+    assert measure_shortage(way(40, 20.0), LIMITS, max_work=39) is None
+    allowed, free = measure_shortage(way(40, 20.0), LIMITS, max_work=40), measure_shortage(way(40, 20.0), LIMITS)
+    assert allowed is not None
+    assert allowed.amount == free.amount

@@ -1,6 +1,7 @@
 """Whole plans: paths of hands, and gestures that overlap."""
 
-from collections.abc import Callable
+import random
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,17 +10,22 @@ import pytest
 
 from kinesic.bench.blocks import crowd
 from kinesic.bench.plan import violations
+from kinesic.bml.block import Timeline
 from kinesic.bml.parse import parse
 from kinesic.body.arrays import Floats
 from kinesic.body.limits import Limits
 from kinesic.controller.perform import plan, set_up
+from kinesic.expressivity.context import BlockContext
+from kinesic.expressivity.hands.engaged import Clashes
 from kinesic.expressivity.hands.poses import poses
+from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.expressivity.lexicon.lexicon import Lexicon
-from kinesic.motion import key_time_lp, key_times
+from kinesic.motion import infeasibility, key_time_lp, key_times
 from kinesic.motion.infeasibility import Infeasibility
 from kinesic.motion.key_time_lp import KeyTimeProblem
 from kinesic.motion.plane_memory import PlaneMemory
 from kinesic.motion.segments import SplineSegment
+from kinesic.motion.spline_program import Relaxation
 from kinesic.planning import clashes
 from kinesic.planning import plan as plan_module
 from kinesic.planning.plan import Plan, plan_block
@@ -138,9 +144,11 @@ def measured(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     pieces: list[int] = []
     measure = key_times.measure_shortage
 
-    def count(segment: SplineSegment, limits: Limits, *, target: float | None = None) -> Infeasibility | None:
+    def count(
+        segment: SplineSegment, limits: Limits, *, target: float | None = None, max_work: float = np.inf
+    ) -> Infeasibility | None:
         pieces.append(segment.grid.pieces)
-        return measure(segment, limits, target=target)
+        return measure(segment, limits, target=target, max_work=max_work)
 
     monkeypatch.setattr(key_times, "measure_shortage", count)
     return pieces
@@ -180,6 +188,71 @@ def test_what_is_within_its_budget_is_planned_as_without(planned, monkeypatch):
     monkeypatch.setattr(plan_module, "WORK", np.inf)
     monkeypatch.setattr(clashes, "WORK", np.inf)
     np.testing.assert_array_equal(planned(row).motion.planned, usual.motion.planned)
+
+
+def test_slopes_of_long_repeated_nods_stay_within_the_budget(planned, monkeypatch):
+    work = 3000
+    monkeypatch.setattr(plan_module, "WORK", work)
+    pieces: list[int] = []
+    relax = infeasibility.relax_limits
+
+    def counted(segment: SplineSegment, limits: Limits, *, easy: float, target: float) -> Relaxation | None:
+        pieces.append(segment.grid.pieces)
+        return relax(segment, limits, easy=easy, target=target)
+
+    monkeypatch.setattr(infeasibility, "relax_limits", counted)
+
+    def count_pieces(heads: int) -> int:
+        pieces.clear()
+        nods = (
+            f'<head id="h{k}" lexeme="NOD" repetition="100" start="{5 * k}" end="{5 * k + 5}"/>' for k in range(heads)
+        )
+        made = planned("".join(nods))
+        assert {notice.id for notice in made.notices} == {f"b:h{k}" for k in range(heads)}
+        return sum(pieces)
+
+    assert max(count_pieces(2), count_pieces(4)) <= work
+
+
+def mixed_crowd(count: int) -> str:
+    """Write so many behaviours of six kinds at random times, nine per second."""
+    chance = random.Random(1)
+    kinds = (
+        '<head id="x{k}" lexeme="NOD" start="{start:.2f}"/>',
+        '<gesture id="x{k}" lexeme="BEAT" start="{start:.2f}"/>',
+        '<gaze id="x{k}" target="left" start="{start:.2f}" end="{end:.2f}"/>',
+        '<gazeShift id="x{k}" target="right" start="{start:.2f}"/>',
+        '<posture id="x{k}" start="{start:.2f}" end="{end:.2f}"><pose part="ARMS" lexeme="ARMS_AKIMBO"/></posture>',
+        '<pointing id="x{k}" target="front" start="{start:.2f}"/>',
+    )
+    starts = ((k, chance.uniform(0, count / 9)) for k in range(count))
+    return "".join(kinds[k % len(kinds)].format(k=k, start=start, end=start + 2) for k, start in starts)
+
+
+def test_a_crowd_four_times_as_large_takes_at_most_one_more_round(known: Setup, monkeypatch):
+    monkeypatch.setattr(plan_module, "WORK", 3000)
+    monkeypatch.setattr(clashes, "WORK", 3000)
+    rounds: list[int] = []
+    make = plan_module.keyframes
+
+    def counted(
+        timeline: Timeline, context: BlockContext, *, without: Mapping[str, str], clashes: Clashes
+    ) -> KeyFrames:
+        rounds.append(len(timeline.timed))
+        return make(timeline, context, without=without, clashes=clashes)
+
+    monkeypatch.setattr(plan_module, "keyframes", counted)
+
+    def count_rounds(count: int) -> int:
+        rounds.clear()
+        text = f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{mixed_crowd(count)}</bml>'
+        made = plan_block(parse(text), known)
+        dropped = {id: outcome.why for id, outcome in made.keyframes.outcomes.items() if outcome.kind == "dropped"}
+        assert dropped
+        assert all(dropped.values())
+        return len(rounds)
+
+    assert count_rounds(120) <= count_rounds(30) + 1
 
 
 def test_repeated_nods_at_the_same_time_never_start_a_long_linear_program(known: Setup, monkeypatch):
