@@ -13,8 +13,6 @@ from kinesic.bml.block import BmlError
 from kinesic.body.choices import Terms
 from kinesic.body.config import names_of
 from kinesic.cli.ending_signals import STOPPED, STOPPED_LINE, ended_on_the_spot
-from kinesic.cli.token import token_option
-from kinesic.client import PORT
 from kinesic.controller.options import CHOICES, Offer, PlanningOptions, offers
 from kinesic.importing import import_at_once
 
@@ -29,10 +27,6 @@ CELL, STRIP = 176, 192  # pixels of each picture of a sheet of faces, and of a s
 SIDE = 512  # pixels of any other
 
 STYLE_HELP = f"Manner, unless documents say otherwise: {', '.join(names_of('style'))}, or a TOML file."
-LISTEN_HELP = "Address for TCP and WebSocket; 'none' for standard input alone. Port 0: any that is free."
-TOKEN_HELP = "That clients must show; needed where others can connect. Better --token-file or KINESIC_TOKEN."
-ORIGIN_HELP = "Whose pages may connect beside the server's own, such as http://localhost:5173; repeat it."
-TEXT_HELP = "Says messages that are neither XML nor JSON, with gestures that fit their words."
 FORCE_HELP = "Replaces a folder that kinesic has made."
 TWIN_HELP = "nominal, pessimistic, both (checks of the nominal one, errors of both), or a TOML file of factors."
 LEARN_HELP = (
@@ -101,22 +95,6 @@ class Performers:
 
     sinks: frozenset[str]
     ports: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class Door:
-    """Where clients come in, and who may."""
-
-    listen: Annotated[
-        str,
-        click.option("--listen", default=f"127.0.0.1:{PORT}", show_default=True, metavar="HOST:PORT", help=LISTEN_HELP),
-    ]
-    token: Annotated[str | None, token_option(TOKEN_HELP)]
-    origins: Annotated[
-        tuple[str, ...],
-        click.option("--allow-origin", "origins", multiple=True, metavar="ORIGIN", help=ORIGIN_HELP),
-    ]
-    texts: Annotated[bool, click.option("--text", "texts", is_flag=True, help=TEXT_HELP)]
 
 
 @dataclass(frozen=True)
@@ -290,7 +268,6 @@ def output(out_help: str, force_help: str, json_help: str, *between: Decorator) 
     )
 
 
-door = together("door", Door)
 twin_options = together("way", TwinOptions)
 servo_options = together("servos", ServoOptions)
 expression = together("expression", ExpressionOptions)

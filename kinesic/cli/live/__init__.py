@@ -5,8 +5,9 @@ from pathlib import Path
 
 import click
 
-from kinesic.cli.options import done_by, door, performers, planning, servo_options
-from kinesic.cli.token import token_option
+from kinesic.cli.live.door import door
+from kinesic.cli.live.token import token_option
+from kinesic.cli.options import done_by, performers, planning, servo_options
 from kinesic.serve.wire.quotas import USUAL, Quotas
 
 RULE_HELP = (

@@ -7,9 +7,10 @@ from xml.sax.saxutils import unescape
 import click
 
 from kinesic.body.config import ConfigError
+from kinesic.cli.live.door import Door
 from kinesic.cli.live.frozen import FrozenPlanning
 from kinesic.cli.live.serve import open_and_serve
-from kinesic.cli.options import Door, Output, Performers, Planning
+from kinesic.cli.options import Output, Performers, Planning
 from kinesic.cli.plain_words import printable
 from kinesic.serve.wire.transport import WordConsole
 

@@ -14,8 +14,9 @@ import click
 
 from kinesic.body.config import ConfigError, suggestion
 from kinesic.cli.ending_signals import leave_closed_terminal
+from kinesic.cli.live.door import Door
 from kinesic.cli.live.frozen import FrozenPlanning
-from kinesic.cli.options import FAULT, Door, Performers, Planning, ServoOptions
+from kinesic.cli.options import FAULT, Performers, Planning, ServoOptions
 from kinesic.cli.progress import show_stages
 from kinesic.cli.servos.memory import UNKNOWN, ServoMemory
 from kinesic.cli.servos.ports import all_ports

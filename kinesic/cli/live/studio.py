@@ -10,10 +10,11 @@ import click
 
 from kinesic.body.config import ConfigError
 from kinesic.cli.live.attached import ask_robot, read_server, set_up_like, show_page
+from kinesic.cli.live.door import Door
 from kinesic.cli.live.folder_gestures import read_folder
 from kinesic.cli.live.frozen import FrozenPlanning
 from kinesic.cli.live.serve import open_and_serve, read_address
-from kinesic.cli.options import Door, Performers, Planning
+from kinesic.cli.options import Performers, Planning
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.face.show.window import has_display
 from kinesic.planning.setup import Setup

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from kinesic.cli.token import _without_token
+from kinesic.cli.live.token import _without_token
 from kinesic.client import Client
 
 pytestmark = pytest.mark.realtime

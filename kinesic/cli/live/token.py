@@ -1,15 +1,16 @@
 """The token of a server as an option: from a file, from the environment, or hidden where the command line has it."""
 
+import os
 import re
 from collections.abc import Callable
+from functools import wraps
 from pathlib import Path
 
 import click
-from click.core import ParameterSource
 
 from kinesic.files.private_file import read_secret
 
-TOKEN_KEY = "kinesic.token"  # of the context, where --token-file leaves its content for --token
+TOKEN_VARIABLE = "KINESIC_TOKEN"  # of the environment
 FILE_HELP = "FILE whose first line is the token; no other user may be able to read it."
 SHOWN_WARNING = (
     "warn: --token: other users may have seen it in the list of processes; give --token-file FILE, or set KINESIC_TOKEN"
@@ -28,16 +29,12 @@ def token_option(help_text: str) -> Callable[[Verb], Verb]:
     """
 
     def decorate(verb: Verb) -> Verb:
-        from_file = click.option(
-            "--token-file",
-            type=click.Path(path_type=Path),
-            metavar="FILE",
-            is_eager=True,
-            expose_value=False,
-            callback=_read_token,
-            help=FILE_HELP,
-        )
-        return click.option("--token", envvar="KINESIC_TOKEN", callback=_choose_token, help=help_text)(from_file(verb))
+        @wraps(verb)
+        def begin(*, token: str | None, token_file: Path | None, **given: object) -> int:
+            return verb(token=_choose_token(token, token_file), **given)
+
+        from_file = click.option("--token-file", type=click.Path(path_type=Path), metavar="FILE", help=FILE_HELP)
+        return click.option("--token", help=help_text)(from_file(begin))
 
     return decorate
 
@@ -61,17 +58,19 @@ def _without_token(arguments: bytes) -> bytes:
     return re.sub(rb"(?<=\0--token[\0=])[^\0]+", lambda found: b"x" * len(found[0]), arguments)
 
 
-def _read_token(context: click.Context, _option: click.Parameter, path: Path | None) -> None:
-    if path is not None:
-        context.meta[TOKEN_KEY] = read_secret(path, "--token-file")
+def _choose_token(token: str | None, token_file: Path | None) -> str | None:
+    """Return the token of the command line, else of the file, else of the environment; None if there is none.
 
-
-def _choose_token(context: click.Context, option: click.Parameter, token: str | None) -> str | None:
-    from_file: str | None = context.meta.get(TOKEN_KEY)
-    if context.get_parameter_source(option.name or "") is not ParameterSource.COMMANDLINE:
-        return from_file or token or None
-    hide_token()
-    if from_file is not None:
-        raise click.UsageError("--token and --token-file: give one of them")
-    click.echo(SHOWN_WARNING, err=True)
-    return token or None
+    Raises:
+        UsageError: --token and --token-file are both given.
+        ConfigError: the file is missing, or others can read it.
+    """
+    if token is not None:
+        hide_token()
+        if token_file is not None:
+            raise click.UsageError("--token and --token-file: give one of them")
+        click.echo(SHOWN_WARNING, err=True)
+        return token or None
+    if token_file is not None:
+        return read_secret(token_file, "--token-file")
+    return os.environ.get(TOKEN_VARIABLE) or None
