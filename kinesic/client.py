@@ -15,14 +15,31 @@ import re
 import socket
 from collections import deque
 from collections.abc import Iterator, Mapping
+from html import unescape
 from selectors import EVENT_READ, DefaultSelector
 from types import TracebackType
 from typing import Self
+from xml.parsers import expat
 
 PORT = 8864
 _END = b"\0"
 _CHUNK = 65_536  # [bytes] read at once
-_ID = re.compile(r"""<(?:\w+:)?bml\b[^<>]*?\sid\s*=\s*["']([^"']+)["']""")
+_UNNAMED_BLOCK = "block"  # id that the server gives to a block without one
+_ID_SEARCH = 65_536  # [letters] of a broken document in which its id is looked for, as the server does
+# Comments and CDATA, which end with the text at the latest, so that each letter is read once; or the id of a <bml>.
+_BROKEN_ID = re.compile(
+    r"""<!--(?:.*?-->|.*)|<!\[CDATA\[(?:.*?\]\]>|.*)|<(?:\w+:)?bml\b[^<>]*?\sid\s*=\s*(?:"([^"]+)"|'([^']+)')""",
+    re.DOTALL | re.ASCII,
+)
+_ATTRIBUTE_ESCAPES = {
+    "&": "&amp;",
+    "<": "&lt;",
+    ">": "&gt;",
+    '"': "&quot;",
+    "\r": "&#13;",
+    "\n": "&#10;",
+    "\t": "&#09;",
+}
 
 
 class Client:
@@ -112,7 +129,7 @@ class Client:
         Raises:
             ConnectionError: the server is gone.
         """
-        name = _block_id(bml)
+        name = _block_id(bml).translate(str.maketrans(_ATTRIBUTE_ESCAPES))
         ends = (f'<blockProgress xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{name}:end"',)
         self.send(bml)
         while True:
@@ -211,14 +228,41 @@ def _expect(told: str, answer: Mapping[str, str]) -> None:
 
 
 def _block_id(bml: str) -> str:
-    """The id of a document's block; `block` where it has none, or is no document."""
+    """Return the id of a document's block, or `block` without one."""
     if bml.lstrip().startswith("{"):
         try:
-            return str(json.loads(bml).get("id", "block"))
+            return str(json.loads(bml).get("id", _UNNAMED_BLOCK))
         except ValueError:
-            return "block"
-    found = _ID.search(bml)
-    return found[1] if found else "block"
+            return _UNNAMED_BLOCK
+    try:
+        return _xml_id(bml)
+    except expat.ExpatError:
+        found = (each[1] or each[2] for each in _BROKEN_ID.finditer(bml, 0, _ID_SEARCH))
+        return unescape(next(filter(None, found), "")).strip() or _UNNAMED_BLOCK
+
+
+class _BlockFound(Exception):  # noqa: N818 - ends the parser, and is no error
+    """The id of the first <bml>."""
+
+
+def _xml_id(bml: str) -> str:
+    """Return the id of the first <bml> of a document in XML.
+
+    Raises:
+        ExpatError: the document is broken before its <bml>.
+    """
+
+    def begin(name: str, attributes: dict[str, str]) -> None:
+        if name.rpartition(":")[2] == "bml":
+            raise _BlockFound(attributes.get("id", ""))
+
+    parser = expat.ParserCreate()  # the server decodes as the declaration says, too
+    parser.StartElementHandler = begin
+    try:
+        parser.Parse(bml.encode(errors="replace"), True)
+    except _BlockFound as found:
+        return str(found).strip() or _UNNAMED_BLOCK
+    return _UNNAMED_BLOCK
 
 
 def _refuses(message: str, name: str) -> bool:

@@ -8,6 +8,7 @@ import pytest
 
 from kinesic import client as module
 from kinesic.client import PORT, Client, StopLine
+from kinesic.realizer.request import block_id
 
 END = '<blockProgress xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}:end" globalTime="1"/>'
 
@@ -140,6 +141,12 @@ def test_a_stop_is_one_message(server: Server):
         ("{", "block"),
         ('<bml><head id="h"/></bml>', "block"),
         ("words", "block"),
+        ('<!-- <bml id="old"/> --><bml id="b1"/>', "b1"),
+        ("<bml id='a&amp;b'/>", "a&amp;b"),
+        ("<bml id=' it&apos;s &#65; \"B\" '/>", "it's A &quot;B&quot;"),
+        ('<!DOCTYPE bml [<!ENTITY e "b1">]><bml id="&e;"/>', "b1"),
+        ('<a><![CDATA[<bml id="old">]]><bml title=\'x id="y"\' id="b1"/></a>', "b1"),
+        ('<bml <!-- <bml id="old"> --><bml id="b1', "block"),
     ],
 )
 def test_performing_ends_with_the_end_of_the_block(server: Server, document: str, name: str):
@@ -149,6 +156,40 @@ def test_performing_ends_with_the_end_of_the_block(server: Server, document: str
     assert list(client.perform(document)) == [*others, END.format(name)]
     assert server.heard() == [document]
     assert client.receive(0.0) == "<later/>"
+
+
+DOCUMENTS = (
+    *(
+        '<bml id="b"/>',
+        "<bml id='it\"s'/>",
+        "<bml id='a&amp;b'/>",
+        '<bml id=" "/>',
+        "<bml/>",
+        "",
+        "words",
+        "{",
+        '{"id": "j"}',
+    ),
+    *('<!-- <bml id="old"> --><bml id="new">', '<!-- <bml id="old">', '<a><![CDATA[<bml id="old">]]><bml id="b"></a>'),
+    *(
+        '<x:bml id="b">',
+        "<bml " * 10 + ' id="late">',
+        '<bml id="&#65;&unknown;"/>',
+        '<bml id="b" id="c"/>',
+        '<bml id="b"',
+    ),
+    *(
+        "<a/>" * 100_000 + '<bml id="far">',
+        '<bml id="b"><head',
+        '<fml-apml><bml id="b"/></fml-apml>',
+        '<?xml version="1.0"',
+    ),
+)
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda text: text[:40])
+def test_client_and_server_agree_on_the_id_of_a_block(document: str):
+    assert module._block_id(document) == block_id(document)
 
 
 WARNING = '<warningFeedback xmlns="u" id="{}" type="{}">{}</warningFeedback>'

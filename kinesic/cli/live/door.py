@@ -1,4 +1,4 @@
-"""Options of verbs to which clients connect: the address, and which clients are admitted."""
+"""Options that set the server's address and admit clients."""
 
 from dataclasses import dataclass
 from typing import Annotated

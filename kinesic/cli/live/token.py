@@ -59,7 +59,7 @@ def _without_token(arguments: bytes) -> bytes:
 
 
 def _choose_token(token: str | None, token_file: Path | None) -> str | None:
-    """Return the token of the command line, else of the file, else of the environment; None if there is none.
+    """Return the token of the command line, the file or the environment.
 
     Raises:
         UsageError: --token and --token-file are both given.
