@@ -31,15 +31,17 @@ _BROKEN_ID = re.compile(
     r"""<!--(?:.*?-->|.*)|<!\[CDATA\[(?:.*?\]\]>|.*)|<(?:\w+:)?bml\b[^<>]*?\sid\s*=\s*(?:"([^"]+)"|'([^']+)')""",
     re.DOTALL | re.ASCII,
 )
-_ATTRIBUTE_ESCAPES = {
-    "&": "&amp;",
-    "<": "&lt;",
-    ">": "&gt;",
-    '"': "&quot;",
-    "\r": "&#13;",
-    "\n": "&#10;",
-    "\t": "&#09;",
-}
+_ATTRIBUTE_ESCAPES = str.maketrans(
+    {
+        "&": "&amp;",
+        "<": "&lt;",
+        ">": "&gt;",
+        '"': "&quot;",
+        "\r": "&#13;",
+        "\n": "&#10;",
+        "\t": "&#09;",
+    }
+)
 
 
 class Client:
@@ -129,7 +131,7 @@ class Client:
         Raises:
             ConnectionError: the server is gone.
         """
-        name = _block_id(bml).translate(str.maketrans(_ATTRIBUTE_ESCAPES))
+        name = _block_id(bml).translate(_ATTRIBUTE_ESCAPES)
         ends = (f'<blockProgress xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{name}:end"',)
         self.send(bml)
         while True:
