@@ -18,10 +18,10 @@ from kinesic.files.private_file import check_private
 if TYPE_CHECKING:
     from distributed import Client, Security
 
-LOCAL = "local:"
-ENCRYPTED = ("tls://", "wss://")  # schemes of dask that authenticate both ends
-FORMS = "ADDRESS of a dask scheduler, such as tls://10.0.0.2:8786, or local:N for N workers on this machine"
-REMEDY = (
+LOCAL_PREFIX = "local:"
+ENCRYPTED_SCHEMES = ("tls://", "wss://")  # schemes of dask that authenticate both ends
+ADDRESS_FORMS = "ADDRESS of a dask scheduler, such as tls://10.0.0.2:8786, or local:N for N workers on this machine"
+ENCRYPTION_REMEDY = (
     "give tls:// with --tls-ca, --tls-cert and --tls-key (docs/many.md), or --insecure in a network that you alone use"
 )
 NO_ROUTES: dict[str, object] = {  # dask opens HTTP ports in any case, and TLS does not cover them
@@ -78,18 +78,22 @@ def open_client(
     with ExitStack() as stack:
         security = certificates.security() if certificates else None
         where: object = address
-        if address.startswith(LOCAL):
+        if address.startswith(LOCAL_PREFIX):
             if certificates or insecure:
                 raise ConfigError(f"--cluster {address}: these workers get certificates of their own; leave out others")
             where = stack.enter_context(_local_workers(_count(address)))
-        elif not address.startswith(ENCRYPTED) and not insecure:
-            raise ConfigError(f"--cluster {address}: without TLS whoever reaches its ports runs code there; {REMEDY}")
+        elif not address.startswith(ENCRYPTED_SCHEMES) and not insecure:
+            raise ConfigError(
+                f"--cluster {address}: without TLS whoever reaches its ports runs code there; {ENCRYPTION_REMEDY}"
+            )
         try:
             client = distributed.Client(where, timeout=timeout, security=security)
         except (OSError, ValueError) as error:
-            raise ConfigError(f"--cluster {address}: no scheduler answers ({error}); it takes {FORMS}") from None
+            raise ConfigError(
+                f"--cluster {address}: no scheduler answers ({error}); it takes {ADDRESS_FORMS}"
+            ) from None
         except TypeError as error:  # dask's complaint where it finds no certificate
-            raise ConfigError(f"--cluster {address}: no certificate ({error}); {REMEDY}") from None
+            raise ConfigError(f"--cluster {address}: no certificate ({error}); {ENCRYPTION_REMEDY}") from None
         yield stack.enter_context(client)
 
 
@@ -122,7 +126,7 @@ def _local_workers(count: int) -> Iterator[object]:
 
 
 def _count(address: str) -> int:
-    text = address.removeprefix(LOCAL)
+    text = address.removeprefix(LOCAL_PREFIX)
     if not text.isdecimal() or int(text) < 1:
-        raise ConfigError(f"--cluster {address}: {text or 'nothing'} is no number of workers; it takes {FORMS}")
+        raise ConfigError(f"--cluster {address}: {text or 'nothing'} is no number of workers; it takes {ADDRESS_FORMS}")
     return int(text)
