@@ -8,9 +8,9 @@ from dataclasses import replace
 import pytest
 
 from kinesic.body.config import CONFIGS, ConfigError
+from kinesic.cli.live.door import Door
 from kinesic.cli.live.folder_gestures import read_folder
 from kinesic.cli.live.studio import StudioPlanning, open_studio
-from kinesic.cli.live.door import Door
 from kinesic.cli.options import Performers, Planning
 from kinesic.controller.perform import set_up
 from kinesic.studio.page import page_files
