@@ -1,14 +1,17 @@
 """Child processes: how a server, a pool of workers and a window begin, watch and end theirs."""
 
+import gc
 import multiprocessing
 import os
 import signal
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from multiprocessing import forkserver, resource_tracker
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import ForkServerContext, SpawnContext
-from multiprocessing.process import parent_process
+from multiprocessing.process import current_process, parent_process
+from pathlib import Path
 from threading import Thread
 from typing import TypeVarTuple
 
@@ -21,6 +24,7 @@ SLOW = (  # to import: plans need the first three where times move, and the last
     "kinesic.expressivity.lexicon.read_ahead",
 )
 
+NAME_FILE = Path("/proc/self/comm")  # Linux only
 ORPHANED = 1  # the exit code of a child whose parent has gone
 
 Arguments = TypeVarTuple("Arguments")
@@ -110,8 +114,16 @@ def _work_apart(work: Callable[[*Arguments], None], *arguments: *Arguments) -> N
     """Works in a group of its own, which no terminal signals, and ends with its parent whatever it is doing."""
     os.setpgid(0, 0)
     bound_heap()
+    gc.freeze()  # what was preloaded: marking it would copy every page that forks share
+    _show_name(current_process().name)
     Thread(target=_end_with_parent, name="end with parent", daemon=True).start()
     work(*arguments)
+
+
+def _show_name(name: str) -> None:
+    """Show the name of this process in lists, such as `top`."""
+    with suppress(OSError):  # another system
+        NAME_FILE.write_text(name)
 
 
 def _end_with_parent() -> None:

@@ -6,12 +6,17 @@ server that has once read a document of 4 MB then never returns memory, and its 
 
 import ctypes
 import sys
+from collections.abc import Callable
 from contextlib import suppress
+from functools import cache
+from threading import Thread
+from time import sleep
 
 TRIM_THRESHOLD, MMAP_THRESHOLD, ARENA_MAX = -1, -3, -8  # parameters of mallopt in <malloc.h>
 MAX_UNUSED_TOP = 1 << 20  # [bytes] free at the end of the heap before it is returned
-MIN_MAPPED_BLOCK = 1 << 17  # [bytes] from which a block is mapped alone, and returned when it is freed
+MIN_MAPPED_BLOCK = 1 << 16  # [bytes] from which a block is mapped alone, and returned when it is freed
 MAX_ARENAS = 2  # heaps that threads share
+TRIM_PERIOD = 10.0  # [s] between two returns of free pages amid the heap, which the thresholds leave
 
 
 def bound_heap() -> None:
@@ -23,3 +28,17 @@ def bound_heap() -> None:
         configure(ARENA_MAX, MAX_ARENAS)
         configure(MMAP_THRESHOLD, MIN_MAPPED_BLOCK)
         configure(TRIM_THRESHOLD, MAX_UNUSED_TOP)
+        _start_trimming()
+
+
+@cache  # one thread in each process
+def _start_trimming() -> None:
+    trim = ctypes.CDLL(None).malloc_trim
+    Thread(target=_trim_periodically, args=(trim,), name="trim heap", daemon=True).start()
+
+
+def _trim_periodically(trim: Callable[[int], int]) -> None:
+    """Return free pages amid the heap to the system, again and again."""
+    while True:
+        sleep(TRIM_PERIOD)
+        trim(0)  # takes a tenth of a millisecond, without the interpreter's lock

@@ -1,5 +1,6 @@
 """Child processes: begun, watched and ended."""
 
+import gc
 import multiprocessing
 import os
 import signal
@@ -7,6 +8,7 @@ import subprocess
 import sys
 import time
 from multiprocessing.connection import Connection
+from pathlib import Path
 
 import pytest
 
@@ -35,6 +37,16 @@ def tell_gestures(line: Connection) -> None:
     line.send((sum("_entry" in vars(entry) for entry in entries), len(entries)))
 
 
+def tell_frozen(line: Connection) -> None:
+    """Send how many objects garbage collection leaves alone."""
+    line.send(gc.get_freeze_count())
+
+
+def tell_name(line: Connection) -> None:
+    """Send the name that the system shows."""
+    line.send(Path("/proc/self/comm").read_text())
+
+
 def test_a_child_ends_when_its_work_is_done():
     ours, theirs = CONTEXT.Pipe()
     child = Child(CONTEXT, answer, theirs, "ready", name="answer")
@@ -50,6 +62,21 @@ def test_what_a_terminal_signals_is_for_whoever_began_a_child_alone():
     ours, theirs = CONTEXT.Pipe()
     child = Child(CONTEXT, tell_group, theirs)
     assert ours.recv() not in (os.getpgrp(), 0)
+    assert child.wait() == 0
+
+
+def test_a_child_marks_nothing_that_forks_share():
+    ours, theirs = CONTEXT.Pipe()
+    child = Child(CONTEXT, tell_frozen, theirs)
+    assert ours.recv() > 1000
+    assert child.wait() == 0
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="names of processes are for Linux only")
+def test_the_list_of_processes_shows_the_name_of_a_child():
+    ours, theirs = CONTEXT.Pipe()
+    child = Child(CONTEXT, tell_name, theirs, name="drafter of many words")
+    assert ours.recv() == "drafter of many\n"  # as much as the system shows
     assert child.wait() == 0
 
 

@@ -1,5 +1,8 @@
 """Load a server with six clients, and record feedback and memory.
 
+Every kind of deed, question and flood comes first within four minutes, and at the same rate until the end. All
+processes thus begin before memory counts, and growth afterwards is growth (the rule is in `memory_log`).
+
 Started as a program, `python -m tests.soak.crowd SECONDS [OPTIONS OF SERVE]`, it prints both.
 """
 
@@ -8,26 +11,26 @@ import random
 import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, suppress
-from dataclasses import dataclass, field
-from pathlib import Path
+from dataclasses import dataclass
+from itertools import cycle
 from socket import create_connection
-from statistics import median
 from subprocess import DEVNULL, Popen
 from threading import Event, Thread
 from time import monotonic
 
 from kinesic.bench.bml import flood
-from kinesic.bench.bml.server import Server, _family, open_server
+from kinesic.bench.bml.server import Server, open_server
 from kinesic.client import Client
 from tests.soak.feedback_journal import FeedbackJournal
+from tests.soak.memory_log import SETTLED, MemoryLog
 
 CLIENTS = 6
-SETTLED = 300.0  # [s] after which memory is to stay
 LOOK = 5.0  # [s] between two samples of memory
 PAUSE = 1.2  # [s] between two deeds of a client, on average
 SYNCHRONIZED = 2.0  # [s] between two questions for the server's time
 FLOOD_DURATION = 4.0  # [s]
-FLOOD_PERIOD = 50.0  # [s]
+FLOOD_PERIOD = 30.0  # [s] of one kind after the other: each comes every 150 s
+QUESTION_PERIOD = 12.0  # [s] between two questions of one client
 LAST_BLOCKS = 40.0  # [s] in which the last blocks end
 COMPOSITIONS = ("MERGE", "MERGE", "APPEND", "APPEND", "REPLACE")
 BEHAVIOURS = (
@@ -40,6 +43,13 @@ BEHAVIOURS = (
     "".join(f'<gesture id="g{k}" lexeme="BEAT" stroke="{1 + 0.9 * k:g}"/>' for k in range(5)),
     '<faceLexeme id="f" lexeme="SMILE" amount="0.8" start="0" end="1"/>',
 )
+QUESTIONS: tuple[tuple[str, dict[str, object]], ...] = (
+    ("plan", {"bml": '<bml id="asked"><gesture id="g" lexeme="BEAT" start="0"/></bml>'}),
+    ("reach", {"side": "right", "target": [0.05, 0.25, 0.3]}),
+    ("gesture", {"toml": flood.GESTURE % 0.3}),
+    ("export", {"format": "csv", "bml": '<bml id="asked"><head id="h" lexeme="NOD" start="0"/></bml>'}),
+)
+FAULTS = ("duplicate", "lost", "no end", "disorder", "early")  # words of the journal
 BML = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}" composition="{}">{}</bml>'
 
 
@@ -50,18 +60,7 @@ class Report:
     blocks: int
     messages: int
     faults: list[str]
-    memory: dict[int, list[tuple[float, int]]] = field(default_factory=dict)  # by process: [s] and [bytes]
-
-    def growth(self, settled: float, duration: float) -> float:
-        """Return the growth [%] of all memory from the first settled fifth to the last."""
-        total: dict[float, int] = {}
-        for samples in self.memory.values():
-            for time, size in samples:
-                total[time] = total.get(time, 0) + size
-        width = (duration - settled) / 5
-        first = [size for time, size in total.items() if settled <= time <= settled + width]
-        last = [size for time, size in total.items() if duration - width <= time <= duration]
-        return 100.0 * (median(last) / median(first) - 1.0)
+    memory: MemoryLog
 
 
 class _Member(Thread):
@@ -70,13 +69,15 @@ class _Member(Thread):
     def __init__(self, number: int, port: int, done: Event) -> None:
         super().__init__(name=f"client {number}", daemon=True)
         self.number, self.journal = number, FeedbackJournal()
+        self.is_complete = False  # whether it has read its last feedback
         self._port, self._done = port, done
         self._chance = random.Random(number)
         self._asked: dict[int, float] = {}
+        self._questions = cycle(QUESTIONS[number % len(QUESTIONS) :] + QUESTIONS[: number % len(QUESTIONS)])
 
     def run(self) -> None:
         with Client(port=self._port) as client:
-            coming = asking = 0.0
+            coming = asking = questioning = 0.0
             while not self._done.is_set():
                 now = monotonic()
                 if now >= asking:
@@ -86,9 +87,20 @@ class _Member(Thread):
                 if now >= coming:
                     coming = now + self._chance.expovariate(1.0 / PAUSE)
                     self._act(client)
-                self._hear(client, min(asking, coming))
+                if now >= questioning:
+                    questioning = now + QUESTION_PERIOD
+                    verb, values = next(self._questions)
+                    client.do(verb, **values)
+                self._hear(client, min(asking, coming, questioning))
             client.do("interrupt")
             self._hear(client, monotonic() + LAST_BLOCKS, quiet=8.0)
+        self.is_complete = True
+
+    def faults(self) -> Iterator[str]:
+        """Yield the broken promises of feedback, and a premature end."""
+        if not self.is_complete:
+            yield f"{self.name}: lost, it ended before its time"
+        yield from self.journal.faults()
 
     def _act(self, client: Client) -> None:
         deed = self._chance.random()
@@ -126,7 +138,7 @@ def crowd(server: Server, seconds: float) -> Report:
     """Load a server with clients, floods and unfinished connections for some time [s]."""
     done = Event()
     members = [_Member(number, server.port, done) for number in range(CLIENTS)]
-    memory: dict[int, list[tuple[float, int]]] = {}
+    memory = MemoryLog()
     began = monotonic()
     with ExitStack() as closing:
         closing.callback(done.set)
@@ -135,10 +147,7 @@ def crowd(server: Server, seconds: float) -> Report:
         hostile = Thread(target=_annoy, args=(server.port, done), daemon=True)
         hostile.start()
         while (time := monotonic() - began) < seconds:
-            for pid in _family(server.process.pid):
-                with suppress(OSError, StopIteration):  # it ends just now
-                    size = _proportional(pid)
-                    memory.setdefault(pid, []).append((round(time, 2), size))
+            memory.record(round(time, 2), server.process.pid)
             done.wait(max(0.0, min(LOOK, seconds - (monotonic() - began))))
     for each in members:
         each.join(LAST_BLOCKS + 10.0)
@@ -146,7 +155,7 @@ def crowd(server: Server, seconds: float) -> Report:
     return Report(
         blocks=sum(len(each.journal.sent) for each in members),
         messages=sum(len(each.journal.arrivals) for each in members),
-        faults=[fault for each in members for fault in each.journal.faults()],
+        faults=[fault for each in members for fault in each.faults()],
         memory=memory,
     )
 
@@ -169,20 +178,12 @@ def _annoy(port: int, done: Event) -> None:
         number += 1
 
 
-def _proportional(pid: int) -> int:
-    """Return the proportional set size of a process [bytes]."""
-    lines = Path(f"/proc/{pid}/smaps_rollup").read_text().splitlines()
-    return 1024 * int(next(line for line in lines if line.startswith("Pss:")).split()[1])
-
-
 def _text(report: Report, settled: float, duration: float) -> Iterator[str]:
     """Yield the lines of a report."""
     yield f"{report.blocks} blocks, {report.messages} messages, {len(report.faults)} faults"
+    yield ", ".join(f"{word}: {sum(word in fault for fault in report.faults)}" for word in FAULTS)
     yield from report.faults[:60]
-    for pid, samples in report.memory.items():
-        sizes = [round(size / 1e6, 1) for _, size in samples]
-        yield f"{pid}: {samples[0][0]:.0f} to {samples[-1][0]:.0f} s, MB {sizes[:: max(1, len(sizes) // 24)]}"
-    yield f"growth after {settled:.0f} s: {report.growth(settled, duration):.2f} %"
+    yield from report.memory.lines(settled, duration)
 
 
 if __name__ == "__main__":

@@ -20,7 +20,8 @@ from kinesic.report.batch import documents
 from kinesic.serve.wire.quotas import USUAL
 
 from ..serve.mutations import mutate
-from .crowd import SETTLED, crowd
+from .crowd import crowd
+from .memory_log import SETTLED, growth
 
 DOCUMENTS = 10_000
 MINUTES = 10
@@ -43,7 +44,12 @@ def test_six_clients_are_told_everything_once_and_in_order_while_memory_stays():
     with open_server() as server:
         report = crowd(server, duration)
     assert not report.faults, report.faults
-    assert report.growth(min(SETTLED, duration / 4), duration) <= MAX_GROWTH, report.memory
+    window = min(SETTLED, duration / 4), duration
+    total = report.memory.total(*window)
+    assert growth(total) <= MAX_GROWTH, "\n".join(report.memory.lines(*window))
+    for role in report.memory.roles:
+        before, after = report.memory.private(*window, role)
+        assert after - before <= MAX_GROWTH / 100.0 * total[0], "\n".join(report.memory.lines(*window))
 
 
 @pytest.mark.parametrize("name", [IDLE, *FLOODS])

@@ -1,0 +1,109 @@
+"""Memory of a server's processes over time, judged by one rule.
+
+After `SETTLED` seconds memory stays: the median of the last fifth of the remaining time exceeds the median of its first
+fifth by at most 2 %. The sum counts anonymous and shared pages, each page once, however many forks share it; pages of
+program files are left out, because other programs on the machine share them. Each role is also judged alone, by the
+pages that only its processes hold, so that one that shrinks hides no other that grows.
+"""
+
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from statistics import median
+
+from kinesic.bench.bml.server import _family
+
+SETTLED = 300.0  # [s] in which every process is begun and every kind of request and flood comes
+WINDOW = 0.2  # share of the settled time, at its beginning and at its end
+KNOWN_PROGRAMS = ("forkserver", "resource_tracker", "espeak_process")  # in the command lines of other processes
+
+
+@dataclass(frozen=True)
+class ProcessSize:
+    """Memory of one process."""
+
+    pid: int
+    role: str
+    private: int  # [bytes] of pages that no other process holds
+    share: int  # [bytes] of anonymous and shared pages, divided by the number of their holders
+
+
+@dataclass
+class MemoryLog:
+    """Samples of a server and all its descendants."""
+
+    samples: list[tuple[float, tuple[ProcessSize, ...]]] = field(default_factory=list)  # by time [s]
+
+    def record(self, time: float, server: int) -> None:
+        """Record all processes of a server at a time [s]."""
+        self.samples.append((time, tuple(_sizes(server))))
+
+    @property
+    def roles(self) -> tuple[str, ...]:
+        """All roles, in order of first appearance."""
+        return tuple(dict.fromkeys(each.role for _, sizes in self.samples for each in sizes))
+
+    def total(self, settled: float, duration: float) -> tuple[float, float]:
+        """Return the memory [bytes] of all processes in both windows."""
+        return self._windows(settled, duration, lambda each: each.share)
+
+    def private(self, settled: float, duration: float, role: str | None = None) -> tuple[float, float]:
+        """Return the private memory [bytes] of a role, or of all processes, in both windows."""
+        return self._windows(settled, duration, lambda each: each.private if role in (None, each.role) else 0)
+
+    def _windows(self, settled: float, duration: float, size: Callable[[ProcessSize], int]) -> tuple[float, float]:
+        width = WINDOW * (duration - settled)
+        sums = [(time, sum(map(size, sizes))) for time, sizes in self.samples]
+        first = median(held for time, held in sums if settled <= time <= settled + width)
+        last = median(held for time, held in sums if duration - width <= time <= duration)
+        return first, last
+
+    def lines(self, settled: float, duration: float) -> Iterator[str]:
+        """Yield a report of all processes."""
+        for role in self.roles:
+            yield f"{role}: private {_change(self.private(settled, duration, role))}"
+        yield f"all: private {_change(self.private(settled, duration))}"
+        yield f"all: anonymous and shared {_change(self.total(settled, duration))}"
+        for pid in dict.fromkeys(each.pid for _, sizes in self.samples for each in sizes):
+            yield self._course(pid)
+
+    def _course(self, pid: int) -> str:
+        """Describe one process over time."""
+        own = [(time, each) for time, sizes in self.samples for each in sizes if each.pid == pid]
+        sizes = [round(each.private / 1e6, 1) for _, each in own]
+        return (
+            f"{own[-1][1].role} {pid}: {own[0][0]:.0f} to {own[-1][0]:.0f} s, "
+            f"private MB {sizes[:: max(1, len(sizes) // 24)]}"
+        )
+
+
+def growth(sizes: tuple[float, float]) -> float:
+    """Return the growth [%] from the first window to the last."""
+    before, after = sizes
+    return 100.0 * (after / before - 1.0) if before else 0.0
+
+
+def _change(sizes: tuple[float, float]) -> str:
+    return f"{sizes[0] / 1e6:.2f} -> {sizes[1] / 1e6:.2f} MB ({growth(sizes):+.2f} %)"
+
+
+def _sizes(server: int) -> Iterator[ProcessSize]:
+    """Yield the memory of a server and all its descendants."""
+    for pid in _family(server):
+        with suppress(OSError):  # it ends just now
+            rollup = Path(f"/proc/{pid}/smaps_rollup").read_text().splitlines()[1:]
+            held = {line.split()[0].rstrip(":"): 1024 * int(line.split()[1]) for line in rollup}
+            role = "server" if pid == server else _role(pid)
+            if held:
+                private = held["Private_Clean"] + held["Private_Dirty"]
+                yield ProcessSize(pid, role, private, held["Pss_Anon"] + held["Pss_Shmem"])
+
+
+def _role(pid: int) -> str:
+    """Return the name of a child process, or of its program."""
+    name = Path(f"/proc/{pid}/comm").read_text().strip()
+    command = Path(f"/proc/{pid}/cmdline").read_text()
+    if not name.startswith("python"):
+        return name
+    return next((known for known in reversed(KNOWN_PROGRAMS) if known in command), name)
