@@ -306,14 +306,15 @@ def test_only_the_lively_keys_on_both_sides_of_a_time_are_calmed():
     def lively(time):
         return replace(key(time, left=IN_FRONT), passages=(KeyPassage(swing=1.0),) * len(REST))
 
-    made = course(key(0.0), *map(lively, (1.0, 2.0, 3.0, 4.0)), key(5.0))
+    made = course(key(0.0), *map(lively, (0.5, 1.0, 2.0, 3.0, 4.0)), key(5.0))
     calm = made.calmed(2.5)
     assert [bool(each.passages) and each.passages[LEFT[0]].swing for each in calm.postures] == [
         False,
+        1.0,
         1.0,
         0.0,
         0.0,
         1.0,
         False,
     ]
-    assert all(calm.postures[2].passages[joint] == KeyPassage(swing=1.0) for joint in RIGHT)
+    assert all(calm.postures[3].passages[joint] == KeyPassage(swing=1.0) for joint in RIGHT)
