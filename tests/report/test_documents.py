@@ -1,0 +1,244 @@
+"""Many documents: what becomes of each, what is written, and the totals."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from kinesic.bml.block import BmlError
+from kinesic.report import batch
+from kinesic.report.batch import DocumentTask, DocumentVerdict, documents, judge, validate_documents
+from kinesic.report.batch_totals import counts, tallies, totals
+from kinesic.report.checks import Check
+from kinesic.report.verdict import format_number
+from kinesic.tasks.processes import WorkerCrash
+
+NOD = '<bml id="b"><head id="h" lexeme="NOD" start="1"/></bml>'
+UNKNOWN = '<bml id="b">\n <gesture id="x" lexeme="xyzzy" stroke="1"/><gesture id="y" lexeme="xyzzy" stroke="3"/></bml>'
+BROKEN = '<bml id="b"><head'
+
+
+class Here:
+    """An engine that does tasks in this process; documents of some names kill it."""
+
+    place = "here"
+
+    def __init__(self, kills: str = "") -> None:
+        self.kills, self.did = kills, []
+
+    def run(self, tasks, prepare, *, preload=""):
+        do = prepare()
+        for task in tasks:
+            name = Path(task.file).stem
+            self.did.append(name)
+            yield task, WorkerCrash("it was killed", "a trace") if name == self.kills else do(task)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    for name, text in {"nod": NOD, "unknown": UNKNOWN, "broken": BROKEN}.items():
+        (tmp_path / f"{name}.bml").write_text(text)
+    (tmp_path / "out").mkdir()
+    return tmp_path
+
+
+def run(folder: Path, known, *, engine: Here | None = None, settings: str = "", out: bool = True):
+    found = validate_documents(
+        documents((folder,)),
+        lambda: known,
+        engine=engine or Here(),
+        folder=folder / "out" if out else None,
+        settings=settings,
+    )
+    return {Path(verdict.file).stem: verdict for verdict in found}
+
+
+def test_each_document_has_its_verdict(folder: Path, known):
+    found = run(folder, known, out=False)
+    nod = found["nod"]
+    assert (nod.outcome, nod.exit, nod.error, nod.report) == ("performed", 0, "", None)
+    assert nod.behaviours == (("head", "realised"),)
+    assert nod.checks
+    assert (nod.count("realised"), nod.count("dropped")) == (1, 0)
+    broken = found["broken"]
+    assert (broken.outcome, broken.exit, broken.checks) == ("refused", 0, ())
+    assert broken.file == str(folder / "broken.bml")
+    assert broken.error.startswith(f"{folder / 'broken.bml'}:1")
+
+
+def test_document_of_which_nothing_is_left_is_refused_with_every_reason(folder: Path, known):
+    found, data = judge(folder / "unknown.bml", known)
+    assert (found.outcome, found.exit, found.checks) == ("refused", 0, ())
+    assert found.file == str(folder / "unknown.bml")
+    assert found.behaviours == (("gesture", "dropped"),) * 2
+    assert found.error.startswith(f"{folder / 'unknown.bml'}:2:2: upper22 can perform none of its behaviours (x: ")
+    assert "; y: " in found.error
+    assert data["input"] == str(folder / "unknown.bml")
+
+
+def test_document_that_cannot_be_read_ends_as_perform_would(tmp_path: Path, known):
+    found, data = judge(tmp_path / "none.bml", known)
+    assert found == DocumentVerdict(
+        str(tmp_path / "none.bml"), "refused", 2, error=f"{tmp_path / 'none.bml'}: No such file or directory"
+    )
+    assert data == {}
+    assert judge(tmp_path / "none.bml", known, content=NOD.encode())[0].outcome == "performed"
+
+
+def test_performance_that_is_not_ok_fails(folder: Path, known, monkeypatch):
+    usual = batch.report
+    monkeypatch.setattr(batch, "report", lambda *given, **named: usual(*given, **named) | {"ok": False})
+    assert (judge(folder / "nod.bml", known)[0].exit, judge(folder / "unknown.bml", known)[0].exit) == (1, 0)
+
+
+def test_reports_are_written_and_noted_so_that_the_next_run_takes_them_over(folder: Path, known):
+    first = run(folder, known)
+    (folder / "new.bml").write_text(NOD)
+    engine = Here()
+    again = run(folder, known, engine=engine)
+    assert engine.did == ["new"]
+    assert {name: again[name] for name in first} == first
+    report = Path(first["nod"].report)
+    assert report.parent == folder / "out"
+    assert report.name.startswith("nod-")
+    assert json.loads(report.read_text(encoding="utf-8"))["input"] == str(folder / "nod.bml")
+    assert first["broken"].report is None
+    report.unlink()
+    run(folder, known, engine=(lost := Here()))
+    assert lost.did == ["nod"]
+
+
+def test_changed_document_or_setting_is_done_again(folder: Path, known):
+    run(folder, known)
+    (folder / "nod.bml").write_text(NOD.replace("1", "2"))
+    run(folder, known, engine=(changed := Here()))
+    assert changed.did == ["nod"]
+    run(folder, known, engine=(other := Here()), settings="another style")
+    assert sorted(other.did) == ["broken", "nod", "unknown"]
+
+
+def test_without_a_folder_nothing_is_written_or_remembered(folder: Path, known):
+    before = sorted(folder.rglob("*"))
+    for _ in range(2):
+        run(folder, known, engine=(engine := Here()), out=False)
+        assert len(engine.did) == 3
+    assert sorted(folder.rglob("*")) == before
+
+
+@pytest.mark.parametrize("out", [True, False])
+def test_document_that_kills_its_process_is_named_and_the_others_go_on(folder: Path, known, out: bool):
+    found = run(folder, known, engine=Here(kills="nod"), out=out)
+    crashed = found["nod"]
+    assert (crashed.outcome, crashed.exit, crashed.file) == ("crashed", 1, str(folder / "nod.bml"))
+    assert crashed.error == f"{folder / 'nod.bml'}: it was killed"
+    assert found["unknown"].outcome == "refused"
+    traces = list(folder.glob("out/*.crash.txt"))
+    assert [path.read_text() for path in traces] == ["a trace"] * out
+    run(folder, known, engine=(again := Here()), out=out)
+    assert "nod" in again.did
+
+
+def test_missing_path_is_refused_and_each_file_comes_once(folder: Path):
+    with pytest.raises(BmlError, match=r"nowhere\.bml: no such file or folder"):
+        documents((folder / "nowhere.bml",))
+    nod = folder / "nod.bml"
+    assert documents((nod, folder, nod)) == [nod, folder / "broken.bml", folder / "unknown.bml"]
+
+
+def test_two_documents_of_one_name_have_two_reports(tmp_path: Path):
+    names = set()
+    for place in ("a", "b"):
+        (tmp_path / place).mkdir()
+        (tmp_path / place / "nod.bml").write_text(NOD)
+        names.add(DocumentTask.of(tmp_path / place / "nod.bml", "").name)
+    assert len(names) == 2
+
+
+def check(name: str, status: str, value: float, *, at_least: bool = False) -> Check:
+    return Check(name, status, value, 1.0, "m", f"at {value}", at_least=at_least)
+
+
+VERDICTS = [
+    DocumentVerdict(
+        "a/one.bml",
+        "performed",
+        0,
+        (("head", "realised"), ("gesture", "partly")),
+        (check("high", "pass", 0.5), check("low", "poor", 0.2, at_least=True)),
+    ),
+    DocumentVerdict(
+        "a/two.bml",
+        "performed",
+        1,
+        (("head", "dropped"),),
+        (check("high", "fail", 3.0), check("low", "pass", 2.0, at_least=True)),
+    ),
+    DocumentVerdict("b/three.bml", "refused", 0, (("head", "substituted"),), error="no"),
+    DocumentVerdict("b/four.bml", "refused", 2, error="no"),
+    DocumentVerdict("b/five.bml", "crashed", 1, error="no"),
+]
+
+
+def test_documents_and_behaviours_are_counted():
+    assert counts(VERDICTS) == {
+        "documents": 5,
+        "performed": 2,
+        "refused": 2,
+        "crashed": 1,
+        "failed": 1,
+        "poor": 1,
+        "realised": 1,
+        "partly": 1,
+        "substituted": 1,
+        "dropped": 1,
+    }
+
+
+def test_worst_value_of_each_check_is_named_with_its_document():
+    high, low = tallies(VERDICTS)
+    assert (high.name, high.worst.value, high.file) == ("high", 3.0, "a/two.bml")
+    assert (low.name, low.worst.value, low.file) == ("low", 0.2, "a/one.bml")
+    assert high.counts == {"pass": 1, "warn": 0, "poor": 0, "fail": 1}
+    assert list(high.counts) == ["pass", "warn", "poor", "fail"]
+    reverse = tallies(VERDICTS[::-1])
+    assert [(each.worst.value, each.file) for each in reverse] == [(3.0, "a/two.bml"), (0.2, "a/one.bml")]
+
+
+def test_totals_are_told_by_folder_and_type():
+    found = totals(VERDICTS)
+    assert found["documents"] == 5
+    assert list(found["folders"]) == ["a", "b"]
+    assert (found["folders"]["a"]["documents"], found["folders"]["b"]["documents"]) == (2, 3)
+    assert found["folders"]["a"]["types"] == {
+        "gesture": {"realised": 0, "partly": 1, "substituted": 0, "dropped": 0},
+        "head": {"realised": 1, "partly": 0, "substituted": 0, "dropped": 1},
+    }
+    assert found["checks"]["low"] == {
+        **{"pass": 1, "warn": 0, "poor": 1, "fail": 0},
+        **{"worst": 0.2, "limit": 1.0, "unit": "m", "where": "at 0.2", "file": "a/one.bml"},
+    }
+
+
+def test_an_empty_run_has_nothing_to_count():
+    assert totals([]) == counts([]) | {"folders": {}, "checks": {}}
+    assert tallies([replace(VERDICTS[0], checks=())]) == []
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [
+        (None, "\N{EN DASH}"),
+        (True, "True"),
+        ("x", "x"),
+        (0.012345, "0.0123"),
+        (-0.0, "0"),
+        (99.96, "100"),
+        (100, "100"),
+        (100.4, "100"),
+        (123456.7, "123457"),
+        (-250.4, "-250"),
+    ],
+)
+def test_numbers_have_three_digits_that_count(value, said: str):
+    assert format_number(value) == said

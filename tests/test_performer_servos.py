@@ -1,0 +1,102 @@
+"""What a performer does on servos: once, with its voice, and only as long as nobody stops it."""
+
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+import pytest
+
+import kinesic
+from kinesic import performer as front_door
+from kinesic.controller import servo_performance, soundtrack
+from kinesic.hardware import servos as hardware
+
+NOD = '<bml id="b"><head id="nod" lexeme="NOD" stroke="0.8"/></bml>'
+PORTS = {"body": "/dev/nowhere"}
+
+
+@dataclass
+class Hardware:
+    """Servos that are all there, and what was done with them."""
+
+    checked: list = field(default_factory=list)
+    performed: list = field(default_factory=list)
+    stopped: bool = False
+    said: list = field(default_factory=list)
+
+
+@pytest.fixture
+def servos(monkeypatch) -> Hardware:
+    found = Hardware()
+
+    @contextmanager
+    def speak_along(plan, warn):
+        found.said.append(plan)
+        warn("no loudspeaker")
+        yield f"voice of {len(found.said)}"
+
+    @contextmanager
+    def interrupted():
+        yield lambda: found.stopped
+
+    def perform_live(run, robot, *, requested, shown):
+        found.performed.append((run, robot, shown))
+        before = requested()
+        found.stopped = True
+        return before, requested()
+
+    monkeypatch.setattr(hardware, "check_ports", lambda robot, manifest, ports: found.checked.append((robot, ports)))
+    monkeypatch.setattr(hardware, "Servos", lambda robot, ports: (robot, ports))
+    monkeypatch.setattr(servo_performance, "interrupted", interrupted)
+    monkeypatch.setattr(servo_performance, "perform_live", perform_live)
+    monkeypatch.setattr(soundtrack, "speak_along", speak_along)
+    return found
+
+
+@pytest.fixture(scope="module")
+def performer() -> kinesic.Performer:
+    return kinesic.Performer("upper22")
+
+
+def test_servos_get_the_run_the_ports_and_the_voice_and_may_be_stopped(performer, servos, monkeypatch):
+    kept = []
+    monkeypatch.setattr("kinesic.report.run.performance_of", _kept(kept))
+    plan = performer.plan(NOD)
+    with pytest.warns(UserWarning, match="no loudspeaker"):
+        performer.perform(plan, on="servos", ports=PORTS)
+    assert servos.checked == [(performer.robot, PORTS)]
+    ((run, robot, shown),) = servos.performed
+    assert run.plan is plan
+    assert robot == (performer.robot, PORTS)
+    assert shown == "voice of 1"
+    assert servos.said == [plan]
+    assert [each.get("servos") for each in kept] == [None, ("go on", "end")]
+
+
+def _kept(kept: list):
+    from kinesic.report.run import performance_of  # noqa: PLC0415 - before it is replaced
+
+    def of(found, **named):
+        kept.append(named)
+        return performance_of(found, **{name: each for name, each in named.items() if name != "servos"})
+
+    return of
+
+
+def test_ports_are_checked_before_anything_performs(performer, servos, monkeypatch):
+    def refuse(robot, manifest, ports):
+        raise kinesic.BusError("no such port")
+
+    monkeypatch.setattr(hardware, "check_ports", refuse)
+    monkeypatch.setattr(front_door, "dry_runs", lambda *given, **named: pytest.fail("nothing may perform"))
+    with pytest.raises(kinesic.BusError, match="no such port"):
+        performer.perform(NOD, on="servos", ports=PORTS)
+    assert servos.performed == []
+
+
+@pytest.mark.parametrize("film", [True, False])
+def test_report_is_drawn_unless_told_otherwise(performer, monkeypatch, tmp_path, film: bool):
+    asked = []
+    monkeypatch.setattr(kinesic.Performance, "report", lambda run, folder, *, film: asked.append((folder, film)))
+    run = performer.perform(NOD)
+    assert performer.report(run, tmp_path, **({} if film else {"film": False})) is run
+    assert asked == [(tmp_path, film)]
