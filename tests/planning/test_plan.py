@@ -355,3 +355,25 @@ def test_no_word_waits_where_the_budget_is_spent(planned, rounds, monkeypatch):
 def test_words_that_need_not_wait_are_planned_twice(planned, rounds):
     planned('<speech id="s" kinesic:pause="true"><text>See <sync id="a"/>this.</text></speech>')
     assert rounds == [False, True]
+
+
+def test_planning_again_is_counted_as_work(planned, monkeypatch):
+    usual, asked = plan_module.keep_clear, []
+
+    def spied(*given, **named):
+        asked.append(named["repairs"])
+        return usual(*given, **named)
+
+    monkeypatch.setattr(plan_module, "keep_clear", spied)
+    monkeypatch.setattr(plan_module, "AGAIN", 10**9)
+    monkeypatch.setattr(
+        plan_module, "culprits", lambda frames, *_: {"b": "it is in the way"} if frames.uses.get("b") else {}
+    )
+    planned('<head id="a" lexeme="NOD" start="0"/><head id="b" lexeme="NOD" start="4"/>')
+    assert asked == [plan_module.REPAIRS, 0]
+
+
+def test_motion_that_nothing_asks_for_is_rest(planned):
+    motion = planned("").desired
+    assert motion.duration == pytest.approx(plan_module.STILL)
+    np.testing.assert_allclose(motion.angles(np.array([0.0]))[0], planned("").setup.robot.skeleton.rest, atol=1e-12)

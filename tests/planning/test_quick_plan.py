@@ -1,5 +1,6 @@
 import sys
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -7,7 +8,10 @@ import pytest
 from kinesic.bml.parse import parse
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
+from kinesic.motion.keys import KeyPosture
 from kinesic.motion.limit_check import check_limits
+from kinesic.motion.segments import SplineSegment
+from kinesic.planning import quick_plan
 from kinesic.planning.quick_plan import RESERVE, plan_quickly, quintic_duration
 
 from ..passage import passage_text
@@ -95,3 +99,24 @@ def test_what_was_asked_for_passes_its_keys(slow):
     asked = slow.asked[3]
     there = slow.desired.angles(np.array([asked.time + slow.desired.zero]))[0]
     np.testing.assert_allclose(there[list(asked.keyed)], asked.angles[list(asked.keyed)], atol=1.1e-3)
+
+
+def test_motion_that_misses_its_limits_gets_longer_gaps_until_it_keeps_them(known, monkeypatch):
+    rest, away = known.robot.skeleton.rest, known.robot.skeleton.rest.copy()
+    away[known.robot.joints("neck")[0]] += 0.5
+    keys = tuple(KeyPosture.whole(0.01 * k, sealed(each)) for k, each in enumerate((rest, away, rest)))
+    tried: list[np.ndarray] = []
+    usual = quick_plan.NearestFinder.find
+
+    def find(finder, times):
+        tried.append(np.array(times))
+        return object.__new__(SplineSegment) if len(tried) < 3 else usual(finder, times)
+
+    monkeypatch.setattr(quick_plan.NearestFinder, "find", find)
+    found = quick_plan.rest_at_keys(keys, known)
+    gaps = [np.diff(times) for times in tried]
+    assert len(gaps) == 3
+    for before, after in pairwise(gaps):
+        assert after == pytest.approx(quick_plan.LONGER * before)
+    np.testing.assert_array_equal(found.planned, tried[-1])
+    assert largest(found.trajectory, known.limits) <= 1.001

@@ -3,13 +3,23 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from kinesic.bml.block import TimedBehaviour
 from kinesic.bml.parse import parse
 from kinesic.bml.schedule import schedule
 from kinesic.controller.perform import plan, set_up
 from kinesic.controller.performance import Performance
 from kinesic.motion.infeasibility import Bottleneck
-from kinesic.motion.keys import Bond
-from kinesic.planning.syncs import SHIFT_TO_WARN, SMALLER_TO_WARN, find_bonds, limit_met, path_notices, shift_notices
+from kinesic.motion.keys import Bond, KeyPosture
+from kinesic.planning.syncs import (
+    SHIFT_TO_WARN,
+    SMALLER_TO_WARN,
+    _on_path,
+    find_bonds,
+    limit_met,
+    path_notices,
+    planned_spans,
+    shift_notices,
+)
 
 BLOCK = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">
   <gesture id="one" lexeme="BEAT" start="0" stroke="1" end="3"/>
@@ -132,3 +142,23 @@ def test_points_of_one_behaviour_are_not_bound_to_one_another():
         (("one", "stroke"), ("h", "stroke")),
         (("h", "stroke"), ("one", "stroke")),
     }
+
+
+def test_span_of_a_behaviour_is_from_its_first_point_to_its_last():
+    points = [("a", 1.0), ("b", 5.0), ("a", 3.0), ("a", -2.0), ("a", 0.5)]
+    assert planned_spans(points) == {"a": (-2.0, 3.0), "b": (5.0, 5.0)}
+    assert planned_spans([]) == {}
+
+
+def test_keys_of_a_path_are_those_of_its_stroke_with_both_ends(known):
+    rest, arm = known.robot.skeleton.rest, known.robot.arm("r").joints[0]
+    keyed = tuple(hinge == arm for hinge in range(len(rest)))
+
+    def postures(*firm: bool) -> list[KeyPosture]:
+        return [KeyPosture(float(k), rest, keyed, (), (), each) for k, each in enumerate(firm)]
+
+    action = parse(ROOT.format('<gesture id="g" lexeme="stir"/>')).behaviours[0]
+    timed = TimedBehaviour(action, {"strokeStart": 1.0, "strokeEnd": 3.0})
+    assert _on_path(postures(True, True, False, True, True), timed, known.robot, "r") == [1, 2, 3]
+    assert _on_path(postures(False, True, True, True, False), timed, known.robot, "r") == []
+    assert _on_path(postures(True, True, False, True, True), timed, known.robot, "l") == []
