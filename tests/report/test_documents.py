@@ -135,6 +135,7 @@ def test_document_that_kills_its_process_is_named_and_the_others_go_on(folder: P
     assert found["unknown"].outcome == "refused"
     traces = list(folder.glob("out/*.crash.txt"))
     assert [path.read_text() for path in traces] == ["a trace"] * out
+    assert run(folder, known, engine=Here(kills="nod"), out=out)["nod"] == crashed
     run(folder, known, engine=(again := Here()), out=out)
     assert "nod" in again.did
 

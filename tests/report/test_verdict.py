@@ -58,3 +58,13 @@ def test_documents_that_an_audience_would_not_bear_are_poor_by_name(known, docum
     line = verdict(report(dry_run(planned, twin=servos, correction=correction), source="b.bml"))
     assert line.startswith("poor: ")
     assert named in line
+
+
+def test_missed_goals_and_warnings_are_counted(data: dict[str, Json]) -> None:
+    def said(*statuses: str, warnings: int = 0) -> str:
+        checks: list[Json] = [{"name": "timing.shift", "status": each, "value": 1.0, "limit": 2.0} for each in statuses]
+        return verdict(data | {"checks": checks, "behaviours": [], "warnings": [{"text": "x"}] * warnings})
+
+    assert said("pass", "pass").endswith("nothing fails")
+    assert said("warn", "pass", "pass").endswith("nothing fails; 1 missed goal")
+    assert said("warn", "warn", "pass", warnings=1).endswith("; 2 missed goals, 1 warning")
