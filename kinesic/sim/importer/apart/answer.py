@@ -45,8 +45,8 @@ def _mapping(found: Mapped) -> tuple[tuple[str, str, str, str], ...]:
     """Tabulate which hinge of the file became which."""
     rows = []
     for hinge in found.hinges:
-        low, high = np.degrees([hinge.lower, hinge.upper])
-        rest = found.file.rest.get(hinge.name, 0.0) + 0.0  # no -0
+        low, high = np.degrees([hinge.lower, hinge.upper]).round() + 0.0  # no -0
+        rest = found.file.rest.get(hinge.name, 0.0) + 0.0
         ranges = f"{low:.0f}..{high:.0f}{' assumed' if hinge.assumed else ''}"
         rows.append((hinge.name, found.figure.tree.joints[hinge.joint].name, ranges, f"{rest:.0f}"))
     return tuple(rows)

@@ -1,0 +1,148 @@
+"""How another process is begun to import a robot, and what is made of its end."""
+
+import os
+import resource
+import subprocess
+import sys
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from kinesic.body.config import ConfigError
+from kinesic.sim.importer.apart import answer, import_process, imported
+from kinesic.sim.importer.apart.answer import answer_import
+from kinesic.sim.importer.apart.imported import Answer, Bounds, ImportedRobot, Refusal, import_apart
+
+ROBOT = ImportedRobot("text", (("l_elbow", "left", "0..90", "0"),), b"shell", ("mesh.stl",), "")
+
+
+@pytest.fixture
+def ended(monkeypatch):
+    """Lets the other process end in some way; says how it was begun."""
+    begun: dict = {}
+
+    def by(code: int = 0, output: bytes = b"", errors: bytes = b"") -> dict:
+        def run(command, **named):
+            begun.update(named, command=command, is_empty=os.listdir(named["cwd"]) == [])
+            return subprocess.CompletedProcess(command, code, output, errors)
+
+        monkeypatch.setattr(subprocess, "run", run)
+        return begun
+
+    return by
+
+
+def refused(path: Path) -> str:
+    with pytest.raises(ConfigError) as caught:
+        import_apart(path)
+    return str(caught.value)
+
+
+def test_process_is_bounded_alone_and_in_an_empty_folder_that_is_discarded(ended, tmp_path: Path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("OMP_NUM_THREADS", "64")
+    monkeypatch.setattr(sys, "path", ["", "/somewhere"])
+    begun = ended(output=msgspec.msgpack.encode(ROBOT))
+    assert import_apart(Path("robot.xml"), bounds=Bounds(duration=7.0, cpu_time=3, memory=1000)) == ROBOT
+    module = "kinesic.sim.importer.apart.import_process"
+    assert begun["command"] == [sys.executable, "-P", "-m", module, str(tmp_path / "robot.xml"), "1000", "3"]
+    assert begun["timeout"] == 7.0
+    assert begun["is_empty"]
+    assert not Path(begun["cwd"]).exists()
+    assert (begun["stdin"], begun["capture_output"], begun["start_new_session"], begun["check"]) == (
+        subprocess.DEVNULL,
+        True,
+        True,
+        False,
+    )
+    environment = begun["env"]
+    assert {environment[name] for name in imported.THREAD_VARIABLES} == {"1"}
+    assert environment["PYTHONPATH"] == f"{tmp_path}{os.pathsep}/somewhere"
+    assert environment["PATH"] == os.environ["PATH"]
+
+
+def test_usual_bounds_are_those_of_a_large_robot(ended):
+    begun = ended(output=msgspec.msgpack.encode(ROBOT))
+    import_apart(Path("robot.xml"))
+    assert (begun["timeout"], begun["command"][-2:]) == (300.0, ["2000000000", "120"])
+
+
+def test_refusal_names_the_file_as_it_was_given(ended, tmp_path: Path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    ended(output=msgspec.msgpack.encode(Refusal(f"{tmp_path / 'robot.xml'}:3: is no robot")))
+    assert refused(Path("robot.xml")) == "robot.xml:3: is no robot"
+
+
+@pytest.mark.parametrize(
+    ("code", "errors", "said"),
+    [
+        (-24, b"", "signal SIGXCPU: it takes more processor time than any robot needs"),
+        (-11, b"Trace\n", "signal 11: it takes too much memory, or MuJoCo fails"),
+        (1, b"Trace\nKeyError: x\n\n", "an error of kinesic's, please report it with the file: KeyError: x"),
+        (3, b" \n", "an error of kinesic's, please report it with the file: exit code 3"),
+        (1, b"\xff", "an error of kinesic's, please report it with the file: \N{REPLACEMENT CHARACTER}"),
+    ],
+)
+def test_early_end_is_told_in_one_line(ended, code: int, errors: bytes, said: str):
+    ended(code, msgspec.msgpack.encode(ROBOT), errors)
+    found = refused(Path("robot.xml"))
+    assert found.startswith(f"robot.xml: its import ended with {said}")
+    assert "\n" not in found
+
+
+@pytest.mark.parametrize("output", [b"", b"text", msgspec.msgpack.encode({"type": "Other"}), msgspec.msgpack.encode(3)])
+def test_answer_that_is_none_is_not_believed(ended, output: bytes):
+    ended(0, output)
+    assert refused(Path("robot.xml")).startswith("robot.xml: its import answers nothing that can be read: ")
+
+
+def test_process_bounds_its_data_its_time_and_its_core(monkeypatch):
+    """A bound that cannot be set leaves the others."""
+    set_bounds = {}
+
+    def setrlimit(kind: int, bounds: tuple[int, int]) -> None:
+        set_bounds[kind] = bounds
+        raise ValueError("a lower bound is set already")
+
+    monkeypatch.setattr(resource, "setrlimit", setrlimit)
+    import_process.bound_process(memory=1000, cpu_time=7)
+    assert set_bounds == {
+        resource.RLIMIT_DATA: (1000, 1000),
+        resource.RLIMIT_CPU: (7, 7 + import_process.KILL_DELAY),
+        resource.RLIMIT_CORE: (0, 0),
+    }
+
+
+def answered(path: Path) -> Answer:
+    return msgspec.msgpack.decode(answer_import(path), type=Answer)
+
+
+def test_answer_is_the_robot_as_text_with_what_became_of_its_hinges(hanging_path: Path, tmp_path: Path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    found = answered(hanging_path)
+    assert isinstance(found, ImportedRobot)
+    assert found.text.startswith("# ")
+    assert f"Mapped from {hanging_path.name} by `kinesic robots import`; confidence " in found.text
+    assert ("REVIEW before it moves" in found.text) is bool(found.doubt)
+    elbow = next(row for row in found.mapping if row[1] == "left_elbow_joint")
+    assert elbow[0].startswith("l_")
+    assert elbow[2] == "0..126"
+    assert all(row[3] != "-0" for row in found.mapping)
+    assert any("assumed" in row[2] for row in found.mapping)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_answer_to_a_file_that_is_no_robot_is_a_refusal(tmp_path: Path, monkeypatch):
+    (tmp_path / "broken.xml").write_text("<mujoco>")
+    found = answered(tmp_path / "broken.xml")
+    assert isinstance(found, Refusal)
+    assert found.reason.startswith(f"{tmp_path / 'broken.xml'}: neither MJCF nor URDF")
+
+    def fail(path: Path) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr(answer, "import_humanoid", fail)
+    assert answered(tmp_path / "large.xml") == Refusal(
+        f"{tmp_path / 'large.xml'}: its import takes more memory than any robot needs; simplify its meshes"
+    )
