@@ -1,12 +1,16 @@
 """Touches by the tip that is meant: it hovers, and nothing of the hand is nearer."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from kinesic.body.config import ConfigError
 from kinesic.controller.perform import set_up
+from kinesic.expressivity.hands.poses import resting_hands
 from kinesic.expressivity.keyframes import Hand
 from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.planning import collision
 from kinesic.planning.collision import EXACT, HOVER, SLACK, TipTouch
 from kinesic.sim.worst_postures import random_postures
 from kinesic.studies.gestures.isolated import plan_gesture
@@ -71,3 +75,25 @@ def test_the_gap_of_a_tip_is_its_distance_from_the_nearest_capsule(known, touch)
         radii = [capsule.radius for capsule, _ in pairs]
     apart = [np.linalg.norm(place - point, axis=1) - radius for point, radius in zip(points, radii, strict=True)]
     np.testing.assert_allclose(found.gaps(postures), np.min(apart, axis=0) - found.tip.radius, atol=2e-4)
+
+
+def test_tip_has_nothing_to_touch_where_the_robot_lacks_the_part(known):
+    robot = replace(known.robot, chains={name: each for name, each in known.robot.chains.items() if name != "neck"})
+    assert TipTouch.of("r", Hand(touch="head", tip="index"), robot) is None
+    assert TipTouch.of("r", Hand(touch="chest", tip="index"), robot) is not None
+
+
+@pytest.mark.parametrize("touch", ["head", "hand", "chest"])
+def test_tip_leads_first_and_then_the_hand_and_then_nothing_touches(known, monkeypatch, touch):
+    robot, rest = known.robot, known.robot.skeleton.rest
+    tried = []
+    monkeypatch.setattr(collision, "separate", lambda *given: tried.append(given[-1]))
+    near = np.full(len(robot.counted_pairs), HOVER / 2)
+    hand = Hand(resting_hands(robot)["r"], touch=touch, tip="index")
+    np.testing.assert_array_equal(collision.clear_hands(rest, {"r": hand}, robot, known.distances, near), rest)
+    pair = collision.touched_pair("r", touch, robot, near)
+    assert [(spacing.least, spacing.touching, len(spacing.tips)) for spacing in tried] == [
+        (HOVER, (), 1),
+        (HOVER, (pair,), 0),
+        (HOVER, (), 0),
+    ]

@@ -268,3 +268,24 @@ def test_memory_that_is_no_channel_is_not_mapped(held: Held):
         os.close(descriptor)
     publish([held.port], held.memory, JOINTS)
     assert held.found()
+
+
+def test_only_processes_of_this_user_are_searched(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Another user's process that holds such memory would hear what is meant for a supervisor."""
+    for process, memory in (("123", "4"), ("124", "5"), ("self", "6")):
+        (tmp_path / process / "fd").mkdir(parents=True)
+        (tmp_path / process / "fd" / memory).write_bytes(bytes(memory_size(JOINTS)))
+    (tmp_path / "125").mkdir()
+    monkeypatch.setattr(address, "PROCESSES", tmp_path)
+    monkeypatch.setattr(address, "_is_channel", lambda memory: memory.name != "5")
+    assert list(address.search_processes()) == [(123, 4, JOINTS)]
+    monkeypatch.setattr(os, "geteuid", lambda: NOBODY)
+    assert list(address.search_processes()) == []
+
+
+def test_user_without_a_home_has_no_folder_in_it(monkeypatch: pytest.MonkeyPatch):
+    def fail(user: int) -> None:
+        raise KeyError(user)
+
+    monkeypatch.setattr(address.pwd, "getpwuid", fail)
+    assert not address._home(NOBODY).is_dir()
