@@ -1,0 +1,70 @@
+"""What a browser gets of the page: its files with their types, and what it knows of robot, gestures and examples."""
+
+import json
+
+import numpy as np
+import pytest
+
+from kinesic.body.robot import Robot
+from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.report.scene import scene_data
+from kinesic.studio.page import PAGE, body_data, page_files
+
+ROBOT, LEXICON = Robot.load(), Lexicon.load()
+
+
+@pytest.fixture(scope="module")
+def files():
+    return page_files(ROBOT, LEXICON, style="joyful", document="mine.bml")
+
+
+def test_files_of_the_page_have_their_types_and_it_begins_at_the_root(files):
+    assert {*files} == {
+        "/",
+        "/studio.json",
+        *(f"/{path.name}" for path in PAGE.iterdir() if path.name != "index.html"),
+    }
+    assert files["/"].type == "text/html; charset=utf-8"
+    assert files["/"].body == (PAGE / "index.html").read_bytes()
+    scripts = [file for path, file in files.items() if path.endswith(".js")]
+    assert scripts
+    assert {file.type for file in scripts} == {"text/javascript; charset=utf-8"}
+    assert files["/studio.json"].type == "application/json"
+
+
+def test_page_knows_gestures_styles_examples_and_its_document(files):
+    about = json.loads(files["/studio.json"].body)
+    assert about["document"] == "mine.bml"
+    assert about["styles"][0] == "joyful"
+    assert about["styles"][1:] == sorted(about["styles"][1:])
+    assert [each["id"] for each in about["gestures"]] == [form.id for form in LEXICON.forms]
+    assert about["gestures"][0] == {
+        "id": LEXICON.forms[0].id,
+        "category": LEXICON.forms[0].category,
+        "says": LEXICON.senses[0].says,
+    }
+    assert about["examples"][0]["name"] == "welcome"
+    assert len(about["examples"]) > 8
+    assert all("<bml" in each["text"] for each in about["examples"])
+    assert about["robot"] == json.loads(json.dumps(body_data(ROBOT)))
+
+
+def test_body_is_the_robots_own_to_a_tenth_of_a_milliradian():
+    found = body_data(ROBOT)
+    skeleton = ROBOT.skeleton
+    for name in ("rest", "lower", "upper"):
+        np.testing.assert_allclose(found[name], getattr(skeleton, name), atol=5.1e-5)
+        assert found[name] == [round(angle, 4) for angle in found[name]]
+        assert any(angle != round(angle, 3) for angle in found[name]) or name == "lower"
+    assert found["hinges"] == list(skeleton.names)
+    assert found["names"] == [segment.name for segment in skeleton.segments]
+    assert found["hands"] == {side: ROBOT.arm(side).wrist for side in ("l", "r")}
+    assert found["elbows"] == {side: ROBOT.arm(side).elbow for side in ("l", "r")}
+    assert found["neck"] == skeleton.segment(ROBOT.chains["neck"][0])
+    assert found["arm_length"] == round(ROBOT.arm_length, 4)
+    np.testing.assert_allclose(found["gesture_origin"], ROBOT.gesture_origin, atol=5.1e-5)
+    eyes = ROBOT.sites["eyes"]
+    assert found["eyes"]["segment"] == skeleton.segment(eyes.segment)
+    np.testing.assert_allclose(found["eyes"]["at"], eyes.position, atol=5.1e-5)
+    np.testing.assert_allclose(found["eyes"]["facing"], eyes.facing, atol=5.1e-5)
+    assert found.items() >= scene_data(ROBOT).items()
