@@ -42,7 +42,7 @@ def read_wav(path: Path) -> Sound:
     except OSError as error:
         raise RecordingError(f"{path}: {error.strerror}") from None
     except (wave.Error, EOFError, RuntimeError) as error:  # the last of chunks that end before their header says
-        raise RecordingError(f"{path} is no WAV file of plain samples ({error or 'it ends too soon'})") from None
+        raise RecordingError(f"{path} is no WAV file of plain samples ({str(error) or 'it ends too soon'})") from None
 
 
 def _check_header(path: Path, recording: wave.Wave_read, file: BinaryIO) -> int:

@@ -94,3 +94,34 @@ def test_a_file_of_300_megabytes_takes_bounded_memory(rate: int, bits: int, most
     run = subprocess.run([sys.executable, "-c", PEAK, path], capture_output=True, text=True, check=True)
     *_, peak = run.stdout.splitlines()
     assert float(peak) < most, run.stdout
+
+
+@pytest.mark.parametrize(
+    ("content", "why"),
+    [
+        (b"", "it ends too soon"),
+        (b"RIFF", "it ends too soon"),
+        (b"no recording at all, but a letter", "file does not start with RIFF id"),
+        (b"RIFF\x24\0\0\0WAVEdata\0\0\0\0", "data chunk before fmt chunk"),
+    ],
+)
+def test_what_is_no_recording_is_refused_with_the_reason(content: bytes, why: str, tmp_path: Path):
+    path = tmp_path / "letter.wav"
+    path.write_bytes(content)
+    with pytest.raises(RecordingError, match=rf"letter\.wav is no WAV file of plain samples \({why}\)"):
+        read_wav(path)
+    with pytest.raises(RecordingError, match=r"none\.wav: No such file or directory"):
+        read_wav(tmp_path / "none.wav")
+    with pytest.raises(RecordingError, match="no ordinary file"):
+        read_wav(Path("/dev/null"))
+
+
+@pytest.mark.parametrize("bits", [8, 16, 24, 32])
+def test_zeros_of_every_width_are_silence(bits: int, tmp_path: Path):
+    path = written(tmp_path / "still.wav", bits=bits, data=400 * bits // 8)
+    silence = 0x80 if bits == 8 else 0
+    path.write_bytes(path.read_bytes()[:44] + bytes([silence]) * (400 * bits // 8))
+    found = read_wav(path)
+    assert found.rate == 8000
+    assert len(found.samples) == 400
+    assert not np.any(found.samples)
