@@ -13,6 +13,7 @@ from kinesic.motion.keys import Bond, KeyPosture
 from kinesic.planning.syncs import (
     SHIFT_TO_WARN,
     SMALLER_TO_WARN,
+    SyncTime,
     _on_path,
     find_bonds,
     limit_met,
@@ -162,3 +163,11 @@ def test_keys_of_a_path_are_those_of_its_stroke_with_both_ends(known):
     assert _on_path(postures(True, True, False, True, True), timed, known.robot, "r") == [1, 2, 3]
     assert _on_path(postures(False, True, True, True, False), timed, known.robot, "r") == []
     assert _on_path(postures(True, True, False, True, True), timed, known.robot, "l") == []
+
+
+@pytest.mark.parametrize(
+    ("point", "is_stroke"),
+    [("stroke", True), ("stroke:2", True), ("strokeStart", False), ("strokeEnd", False), ("ready", False)],
+)
+def test_strokes_are_the_first_and_its_repetitions(point: str, is_stroke: bool):
+    assert SyncTime("g", point, 1.0, 1.0).is_stroke is is_stroke

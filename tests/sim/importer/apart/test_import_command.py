@@ -13,6 +13,7 @@ from kinesic.body.config import ConfigError
 from kinesic.sim.importer.apart import answer, import_process, imported
 from kinesic.sim.importer.apart.answer import answer_import
 from kinesic.sim.importer.apart.imported import Answer, Bounds, ImportedRobot, Refusal, import_apart
+from kinesic.sim.importer.convert import import_humanoid
 
 ROBOT = ImportedRobot("text", (("l_elbow", "left", "0..90", "0"),), b"shell", ("mesh.stl",), "")
 
@@ -109,7 +110,7 @@ def test_process_bounds_its_data_its_time_and_its_core(monkeypatch):
     import_process.bound_process(memory=1000, cpu_time=7)
     assert set_bounds == {
         resource.RLIMIT_DATA: (1000, 1000),
-        resource.RLIMIT_CPU: (7, 7 + import_process.KILL_DELAY),
+        resource.RLIMIT_CPU: (7, 12),
         resource.RLIMIT_CORE: (0, 0),
     }
 
@@ -146,3 +147,62 @@ def test_answer_to_a_file_that_is_no_robot_is_a_refusal(tmp_path: Path, monkeypa
     assert answered(tmp_path / "large.xml") == Refusal(
         f"{tmp_path / 'large.xml'}: its import takes more memory than any robot needs; simplify its meshes"
     )
+
+
+def test_import_that_takes_long_says_how_long(monkeypatch):
+    def wait(command, *, timeout, **named):
+        raise subprocess.TimeoutExpired(command, timeout)
+
+    monkeypatch.setattr(subprocess, "run", wait)
+    assert refused(Path("robot.xml")) == "robot.xml: its import takes longer than 300 s; simplify its meshes"
+
+
+def test_robot_that_may_be_wrong_is_to_be_reviewed_first(hanging_path: Path):
+    found = import_humanoid(hanging_path)
+    sure, doubted = answer._heading(found, "a.xml", ""), answer._heading(found, "a.xml", "its sides may be wrong")
+    assert doubted[:2] == ["REVIEW before it moves: its sides may be wrong.", ""]
+    assert doubted[2:] == sure
+    said = answer._doubt(found)
+    assert said.startswith(f"confidence {found.confidence:.2f} is below {answer.REVIEW_BELOW:g}, so ")
+
+
+def test_rest_of_each_hinge_is_that_of_the_text(hanging_path: Path):
+    found = import_humanoid(hanging_path)
+    rests = {row[0]: row[3] for row in answer._mapping(found)}
+    assert rests == {hinge.name: f"{found.file.rest.get(hinge.name, 0.0) + 0.0:.0f}" for hinge in found.hinges}
+    assert "0" in rests.values()
+
+
+def test_shell_comes_with_the_robot_where_it_has_meshes(hanging_path: Path, tmp_path: Path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert answered(hanging_path).shell == b""
+    monkeypatch.setattr(answer, "own_shell", lambda found, robot: f"shell of {robot.name}")
+    monkeypatch.setattr(answer, "write_shell", lambda shell, path: path.write_text(shell))
+    assert answered(hanging_path).shell.startswith(b"shell of ")
+
+
+def test_answer_is_alone_on_standard_output(monkeypatch):
+    """What libraries print goes to the other stream."""
+
+    def noisy(path: Path) -> bytes:
+        os.write(1, b"noise of a library")
+        return f"answer for {path}".encode()
+
+    monkeypatch.setattr(answer, "answer_import", noisy)
+    bound = "%d %d;"
+    monkeypatch.setattr(
+        import_process, "bound_process", lambda *, memory, cpu_time: os.write(2, (bound % (memory, cpu_time)).encode())
+    )
+    (output, out), (errors, err) = os.pipe(), os.pipe()
+    child = os.fork()
+    if child == 0:
+        os.dup2(out, 1)
+        os.dup2(err, 2)
+        import_process.main("robot.xml", "1000", "7")
+        os._exit(0)
+    os.close(out)
+    os.close(err)
+    with os.fdopen(output, "rb") as stream, os.fdopen(errors, "rb") as others:
+        assert stream.read() == b"answer for robot.xml"
+        assert others.read() == b"1000 7;noise of a library"
+    assert os.waitpid(child, 0)[1] == 0
