@@ -11,6 +11,7 @@ from kinesic.bml.parse import parse
 from kinesic.body.utterance import Mark, Pause, Script, Sound, Utterance
 from kinesic.controller.perform import plan, set_up
 from kinesic.expressivity.style.style import Expressivity, Style
+from kinesic.planning import speech
 from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.setup import Setup
 from kinesic.planning.speech import SpeechPause, choose_rate_and_pitch, insert_pauses
@@ -156,6 +157,25 @@ def test_speech_at_the_same_time_takes_no_more_memory_than_the_longest_block_can
     warned = {notice.id for notice in planned.notices if "nothing is heard" in notice.text}
     assert warned == {f"b:s{k}" for k in range(4, 40)}
     assert all(said.duration == 700.0 for said in planned.utterances.values())
+
+
+class SilentThenLoudVoice(LongVoice):
+    """A voice whose first hundred speeches are silent."""
+
+    def __init__(self) -> None:
+        self.said = 0
+
+    def say(self, script: Script, /, *, rate: float = 1.0, pitch: float = 1.0) -> Utterance:
+        self.said += 1
+        return Utterance(700.0) if self.said <= 100 else super().say(script, rate=rate, pitch=pitch)
+
+
+def test_speech_that_makes_no_sound_takes_none_of_the_room(known: Setup, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(speech, "MAX_SOUND_DURATION", 50.0)
+    speeches = "".join(f'<speech id="s{k}" start="0"><text>Yes.</text></speech>' for k in range(103))
+    block = parse(f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{speeches}</bml>')
+    said = speech.synthesise_block(block, replace(known, voice=SilentThenLoudVoice()))
+    assert [id for id, utterance in said.items() if utterance.sound is not None] == ["s100"]
 
 
 def test_quick_styles_speak_up_to_a_quarter_faster_and_forceful_ones_up_to_three_semitones_higher(known):

@@ -1,0 +1,79 @@
+"""By how much words wait for the body, one after the other."""
+
+import pytest
+
+from kinesic.bml.block import TimedBehaviour, Timeline
+from kinesic.bml.parse import parse
+from kinesic.body.utterance import Utterance
+from kinesic.planning import speech
+from kinesic.planning.speech import SpeechPause, lengthen_pauses, required_pauses
+from kinesic.planning.syncs import SHIFT_TO_WARN
+
+TEXT = (
+    '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><speech id="s"><text>See <sync id="a"/>this, '
+    '<sync id="b"/>this and <sync id="c"/>that.</text></speech></bml>'
+)
+STROKE = ("g", "stroke")
+MARKS = {"a": 1.0, "b": 2.0, "c": 3.0}
+
+
+@pytest.fixture
+def pauses(monkeypatch):
+    """Pauses of a speech that begins at 10 s, whose marks are missed by some seconds."""
+
+    def of(missed: dict[str, float], most: float = 9.0, before: tuple[SpeechPause, ...] = ()):
+        block = parse(TEXT)
+        times = {"start": 10.0, "end": 14.0} | {mark: 10.0 + time for mark, time in MARKS.items()}
+        timeline = Timeline(block, (TimedBehaviour(block.behaviours[0], times),))
+        delays = {("s", mark): (late, STROKE) for mark, late in missed.items()}
+        monkeypatch.setattr(speech, "mark_delays", lambda *_: delays)
+        return required_pauses(timeline, (), {"s": most}, before)
+
+    return of
+
+
+def told(found: tuple[SpeechPause, ...]) -> dict[str, tuple[float, float]]:
+    return {each.mark: (pytest.approx(each.until), pytest.approx(each.later)) for each in found}
+
+
+def test_each_mark_waits_for_what_those_before_it_do_not_give(pauses):
+    assert told(pauses({"a": 0.5, "b": 0.7, "c": 0.6})) == {"a": (1.5, 0.5), "b": (2.7, 0.2)}
+    assert told(pauses({"b": 0.4})) == {"b": (2.4, 0.4)}
+    assert pauses({}) == ()
+
+
+def test_new_pause_is_begun_without_a_duration(pauses):
+    (found,) = pauses({"b": 0.4})
+    assert (found.speech, found.mark, found.duration) == ("s", "b", 0.0)
+
+
+def test_little_is_not_waited_for(pauses):
+    assert pauses({"a": SHIFT_TO_WARN}) == ()
+    assert len(pauses({"a": 1.01 * SHIFT_TO_WARN})) == 1
+
+
+def test_no_pause_holds_back_more_than_it_may(pauses):
+    assert told(pauses({"a": 0.5, "b": 1.5}, most=0.3)) == {"a": (1.3, 0.3), "b": (2.6, 0.3)}
+    (first,) = pauses({"a": 0.5}, most=0.6)
+    (again,) = pauses({"a": 0.5}, most=0.6, before=(first,))
+    assert again.later == pytest.approx(0.6)
+
+
+def test_pause_that_was_made_stays_though_its_mark_is_in_time(pauses):
+    made = SpeechPause("s", "b", 2.4, STROKE, later=0.4, duration=0.4)
+    assert told(pauses({}, before=(made,))) == {"b": (2.0, 0.4)}
+
+
+def lengthened(waiting: tuple[SpeechPause, ...], **marks: float) -> list[float]:
+    return [each.duration for each in lengthen_pauses(waiting, {"s": Utterance(5.0, marks=marks)})]
+
+
+def test_pauses_get_longer_by_what_their_marks_lack_in_whole_milliseconds():
+    waiting = tuple(SpeechPause("s", mark, until, STROKE, duration=0.1) for mark, until in (("a", 1.5), ("b", 2.75)))
+    assert lengthened(waiting, a=1.0, b=2.0) == pytest.approx([0.6, 0.35])
+    assert lengthened(waiting, a=1.4921, b=2.75) == pytest.approx([0.108, 0.1])
+
+
+def test_pause_of_a_mark_that_comes_late_enough_is_not_made_shorter():
+    waiting = (SpeechPause("s", "a", 1.5, STROKE, duration=0.1),)
+    assert lengthened(waiting, a=1.5) == lengthened(waiting, a=1.9) == [0.1]
