@@ -125,3 +125,16 @@ def test_zeros_of_every_width_are_silence(bits: int, tmp_path: Path):
     assert found.rate == 8000
     assert len(found.samples) == 400
     assert not np.any(found.samples)
+
+
+@pytest.mark.parametrize("bits", [8, 16, 24, 32])
+@pytest.mark.parametrize("block", [1, 3, 1 << 20])
+def test_samples_of_every_width_are_shares_of_the_loudest(bits: int, block: int, tmp_path: Path, monkeypatch):
+    monkeypatch.setattr(recording, "BLOCK_SIZE", block)
+    shares = [0.5, -0.5, 0.25, -1.0, 0.0]
+    width, offset = bits // 8, 128 if bits == 8 else 0
+    whole = [round(share * 2 ** (bits - 1)) + offset for share in shares]
+    data = b"".join(each.to_bytes(width, "little", signed=bits > 8) for each in whole)
+    path = written(tmp_path / "steps.wav", bits=bits, data=len(data))
+    path.write_bytes(path.read_bytes()[:44] + data)
+    np.testing.assert_allclose(read_wav(path).samples, shares, atol=1e-6)
