@@ -112,19 +112,25 @@ async def open_serving(
 
 
 async def until_done(
-    open_: Serving, enough: Event, *, console: bool, make_console: Callable[[Quotas], Console] = Console
+    open_: Serving,
+    enough: Event,
+    *,
+    console: bool,
+    ends_with_input: bool = False,
+    make_console: Callable[[Quotas], Console] = Console,
 ) -> None:
-    """Waits until the end is requested, the loop has failed, or nothing can come any more.
+    """Wait until the end is requested, the loop fails, or all input ends.
 
     Args:
         open_: the server.
         enough: set by whoever requests the end.
         console: whether standard input is read.
+        ends_with_input: whether the end of standard input ends the server although other clients may come.
         make_console: makes what reads it, by the rules of clients.
     """
     tasks = {create_task(enough.wait()), create_task(_failed(open_.clients.session))}
     reading = create_task(attend_console(open_.clients, make_console)) if console else None
-    if reading is not None and open_.address is None:
+    if reading is not None and (open_.address is None or ends_with_input):
         tasks.add(reading)
     await wait(tasks, return_when=FIRST_COMPLETED)
     ending = (*tasks, *((reading,) if reading else ()))

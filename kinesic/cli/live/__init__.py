@@ -24,6 +24,7 @@ FOLDER_HELP = "Where documents are opened and saved (default: that of FILE, or t
 @servo_options
 @click.option("--sound/--no-sound", default=None, help="Speech is heard (default: where that works).")
 @click.option("--rule", "rules", multiple=True, metavar="NAME=VALUE", help=RULE_HELP)
+@click.option("--end-with-input", is_flag=True, help="End when standard input ends, also where others may connect.")
 @done_by("live.serve:serve_blocks")
 def serve_verb() -> None:
     """Performs blocks of BML as they come, and answers with BML feedback.

@@ -60,7 +60,8 @@ def _server(connect: str | None, planning: Planning, performers: Performers, tok
             raise ConfigError(f"--connect {connect}: give HOST:PORT, such as 127.0.0.1:8864")
         yield Address(host.strip("[]"), int(port))
         return
-    own = [sys.executable, "-m", "kinesic", "serve", "--listen", "127.0.0.1:0", *_arguments(planning, performers)]
+    own = [sys.executable, "-m", "kinesic", "serve", "--listen", "127.0.0.1:0", "--end-with-input"]
+    own += _arguments(planning, performers)
     # Its standard input closes with this process, whatever becomes of it: then the server folds the arms and ends.
     environment = {**os.environ, "KINESIC_TOKEN": token or ""}  # arguments are for everybody to see
     with subprocess.Popen(

@@ -50,10 +50,11 @@ def serve_blocks(
     servos: ServoOptions,
     sound: bool | None,
     rules: tuple[str, ...],
+    end_with_input: bool,
 ) -> int:
-    """Performs blocks as they come by TCP, WebSocket and standard input, until somebody ends it."""
-    memory = ServoMemory.of(servos)
-    return open_and_serve(FrozenPlanning.of(planning), door, performers, sound, rules, memory=memory)
+    """Perform blocks from TCP, WebSocket and standard input until the end."""
+    memory, frozen = ServoMemory.of(servos), FrozenPlanning.of(planning)
+    return open_and_serve(frozen, door, performers, sound, rules, memory=memory, ends_with_input=end_with_input)
 
 
 def open_and_serve(
@@ -69,6 +70,7 @@ def open_and_serve(
     armed: bool = True,
     opened: Callable[[Address], None] = lambda _address: None,
     console: Callable[[Quotas], Console] | None = None,
+    ends_with_input: bool = False,
 ) -> int:
     """Opens a server, and waits until it has ended.
 
@@ -84,6 +86,7 @@ def open_and_serve(
         armed: whether servos have torque from the beginning; else a client arms them.
         opened: called with the address once clients may come.
         console: makes what reads standard input, a terminal too; None: messages are read there, unless it is one.
+        ends_with_input: whether the end of standard input ends the server although it listens.
     """
     why = audio_fault() if sound is not False else "not wanted"
     if sound and why:
@@ -102,7 +105,7 @@ def open_and_serve(
         folder=folder,
         writers=WRITERS,
     )
-    return asyncio.run(_serve(server, sinks, memory, opened, console))
+    return asyncio.run(_serve(server, sinks, memory, opened, console, ends_with_input=ends_with_input))
 
 
 def _write_scene(planned: Plan, path: Path) -> None:
@@ -185,6 +188,8 @@ async def _serve(
     memory: ServoMemory,
     opened: Callable[[Address], None],
     console: Callable[[Quotas], Console] | None,
+    *,
+    ends_with_input: bool,
 ) -> int:
     end_requested = asyncio.Event()
 
@@ -204,7 +209,13 @@ async def _serve(
             opened(open_.address)
         telling = asyncio.create_task(_tell_of_servos(sinks, memory))
         is_read = console is not None or not sys.stdin.isatty()
-        await until_done(open_, end_requested, console=is_read, make_console=console or Console)
+        await until_done(
+            open_,
+            end_requested,
+            console=is_read,
+            ends_with_input=ends_with_input,
+            make_console=console or Console,
+        )
         telling.cancel()
     session = open_.clients.session
     if session.loop.error is not None:

@@ -276,7 +276,7 @@ def test_only_processes_of_this_user_are_searched(tmp_path: Path, monkeypatch: p
         (tmp_path / process / "fd").mkdir(parents=True)
         (tmp_path / process / "fd" / memory).write_bytes(bytes(memory_size(JOINTS)))
     (tmp_path / "125").mkdir()
-    monkeypatch.setattr(address, "PROCESSES", tmp_path)
+    monkeypatch.setattr(address, "PROCESS_FOLDER", tmp_path)
     monkeypatch.setattr(address, "_is_channel", lambda memory: memory.name != "5")
     assert list(address.search_processes()) == [(123, 4, JOINTS)]
     monkeypatch.setattr(os, "geteuid", lambda: NOBODY)
