@@ -1,0 +1,176 @@
+"""Documents that ask for far more than can be planned: bounded work, and everything left out by name."""
+
+import random
+from collections.abc import Callable, Mapping
+
+import numpy as np
+import pytest
+
+from kinesic.bench.blocks import crowd
+from kinesic.bench.plan import violations
+from kinesic.bml.block import Timeline
+from kinesic.bml.parse import parse
+from kinesic.body.arrays import Floats
+from kinesic.body.limits import Limits
+from kinesic.controller.perform import plan
+from kinesic.expressivity.context import BlockContext
+from kinesic.expressivity.hands.engaged import Clashes
+from kinesic.expressivity.keyframes import KeyFrames
+from kinesic.motion import infeasibility, key_time_lp, key_times
+from kinesic.motion.infeasibility import Infeasibility
+from kinesic.motion.key_time_lp import KeyTimeProblem
+from kinesic.motion.plane_memory import PlaneMemory
+from kinesic.motion.segments import SplineSegment
+from kinesic.motion.spline_program import Relaxation
+from kinesic.planning import clashes
+from kinesic.planning import plan as plan_module
+from kinesic.planning.plan import Plan, plan_block
+from kinesic.planning.setup import Setup
+
+NAMESPACE = "http://www.bml-initiative.org/bml/bml-1.0"
+
+
+@pytest.fixture
+def planned(known: Setup) -> Callable[[str], Plan]:
+    """Plan behaviours as one block."""
+    return lambda behaviours: plan_block(parse(f'<bml xmlns="{NAMESPACE}" id="b">{behaviours}</bml>'), known)
+
+
+PILE = "".join(
+    f'<gesture id="g{k}" lexeme="{("offer", "large")[k % 2]}" stroke="{1 + 0.11 * k:.2f}"/>' for k in range(24)
+)
+
+
+@pytest.fixture
+def measured(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Pieces of segments, as their shortage is measured."""
+    pieces: list[int] = []
+    measure = key_times.measure_shortage
+
+    def count(
+        segment: SplineSegment, limits: Limits, *, target: float | None = None, max_work: float = np.inf
+    ) -> Infeasibility | None:
+        pieces.append(segment.grid.pieces)
+        return measure(segment, limits, target=target, max_work=max_work)
+
+    monkeypatch.setattr(key_times, "measure_shortage", count)
+    return pieces
+
+
+def test_what_shows_whether_gestures_clash_is_known_to_the_whole(
+    known: Setup, measured: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = crowd(84, [form.id for form in known.lexicon.forms])
+    plan(text, known)
+    taken = sum(measured)
+    measured.clear()
+    monkeypatch.setattr(PlaneMemory, "learn", lambda *given: None)
+    plan(text, known)
+    assert 0 < taken < 0.8 * sum(measured)
+
+
+def test_a_pile_is_planned_within_its_budget_and_what_is_left_out_is_named(planned, monkeypatch, measured):
+    monkeypatch.setattr(plan_module, "WORK", 0)
+    monkeypatch.setattr(clashes, "WORK", 0)
+    made, again = planned(PILE), planned(PILE)
+    outcomes = made.keyframes.outcomes
+    kinds = [outcome.kind for outcome in outcomes.values()]
+    assert 0 < kinds.count("dropped") < len(kinds)
+    assert outcomes["g0"].kind != "dropped"
+    assert any("more than can be planned together with the work" in outcome.why for outcome in outcomes.values())
+    assert sum(measured) < 2 * key_times.LOOKS
+    assert {id: one.why for id, one in outcomes.items()} == {
+        id: one.why for id, one in again.keyframes.outcomes.items()
+    }
+    assert violations(made) == 0
+
+
+def test_what_is_within_its_budget_is_planned_as_without(planned, monkeypatch):
+    row = "".join(f'<gesture id="g{k}" lexeme="large" stroke="{1 + 0.5 * k:.2f}"/>' for k in range(3))
+    usual = planned(row)
+    monkeypatch.setattr(plan_module, "WORK", np.inf)
+    monkeypatch.setattr(clashes, "WORK", np.inf)
+    np.testing.assert_array_equal(planned(row).motion.planned, usual.motion.planned)
+
+
+def test_slopes_of_long_repeated_nods_stay_within_the_budget(planned, monkeypatch):
+    work = 3000
+    monkeypatch.setattr(plan_module, "WORK", work)
+    pieces: list[int] = []
+    relax = infeasibility.relax_limits
+
+    def counted(segment: SplineSegment, limits: Limits, *, easy: float, target: float) -> Relaxation | None:
+        pieces.append(segment.grid.pieces)
+        return relax(segment, limits, easy=easy, target=target)
+
+    monkeypatch.setattr(infeasibility, "relax_limits", counted)
+
+    def count_pieces(heads: int) -> int:
+        pieces.clear()
+        nods = (
+            f'<head id="h{k}" lexeme="NOD" repetition="100" start="{5 * k}" end="{5 * k + 5}"/>' for k in range(heads)
+        )
+        made = planned("".join(nods))
+        assert {notice.id for notice in made.notices} == {f"b:h{k}" for k in range(heads)}
+        return sum(pieces)
+
+    assert max(count_pieces(2), count_pieces(4)) <= work
+
+
+def mixed_crowd(count: int) -> str:
+    """Write so many behaviours of six kinds at random times, nine per second."""
+    chance = random.Random(1)
+    kinds = (
+        '<head id="x{k}" lexeme="NOD" start="{start:.2f}"/>',
+        '<gesture id="x{k}" lexeme="BEAT" start="{start:.2f}"/>',
+        '<gaze id="x{k}" target="left" start="{start:.2f}" end="{end:.2f}"/>',
+        '<gazeShift id="x{k}" target="right" start="{start:.2f}"/>',
+        '<posture id="x{k}" start="{start:.2f}" end="{end:.2f}"><pose part="ARMS" lexeme="ARMS_AKIMBO"/></posture>',
+        '<pointing id="x{k}" target="front" start="{start:.2f}"/>',
+    )
+    starts = ((k, chance.uniform(0, count / 9)) for k in range(count))
+    return "".join(kinds[k % len(kinds)].format(k=k, start=start, end=start + 2) for k, start in starts)
+
+
+def test_a_crowd_four_times_as_large_takes_at_most_one_more_round(known: Setup, monkeypatch):
+    monkeypatch.setattr(plan_module, "WORK", 3000)
+    monkeypatch.setattr(clashes, "WORK", 3000)
+    rounds: list[int] = []
+    make = plan_module.keyframes
+
+    def counted(
+        timeline: Timeline, context: BlockContext, *, without: Mapping[str, str], clashes: Clashes
+    ) -> KeyFrames:
+        rounds.append(len(timeline.timed))
+        return make(timeline, context, without=without, clashes=clashes)
+
+    monkeypatch.setattr(plan_module, "keyframes", counted)
+
+    def count_rounds(count: int) -> int:
+        rounds.clear()
+        text = f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{mixed_crowd(count)}</bml>'
+        made = plan_block(parse(text), known)
+        dropped = {id: outcome.why for id, outcome in made.keyframes.outcomes.items() if outcome.kind == "dropped"}
+        assert dropped
+        assert all(dropped.values())
+        return len(rounds)
+
+    assert count_rounds(120) <= count_rounds(30) + 1
+
+
+def test_repeated_nods_at_the_same_time_never_start_a_long_linear_program(known: Setup, monkeypatch):
+    solved: list[int] = []
+    exact = key_time_lp.solve_exactly
+
+    def counted(problem: KeyTimeProblem) -> Floats:
+        times = problem.keys.asked.tolist()
+        solved.append(len(times) * sum(1 for (i, j), gap in problem.gaps.items() if times[j] - times[i] < gap))
+        return exact(problem)
+
+    monkeypatch.setattr(key_time_lp, "solve_exactly", counted)
+    nods = "".join(f'<head id="h{k}" lexeme="NOD" repetition="100" start="{0.5 * k}"/>' for k in range(60))
+    made = plan_block(parse(f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{nods}</bml>'), known)
+    assert max(solved, default=0) <= key_time_lp.MAX_PUSHED_KEYS
+    late = {notice.id for notice in made.notices}
+    assert late >= {f"b:h{k}" for k in range(1, 60)}  # each is warned of, or left out by name
+    assert {sync.behaviour for sync in made.syncs} == {f"h{k}" for k in range(60)}
