@@ -72,6 +72,7 @@ def test_another_user_runs_no_code_at_any_port(local, kind):
 
 
 @needs_fork
+@pytest.mark.soak
 def test_the_intruder_gets_into_a_cluster_without_certificates():
     from distributed import LocalCluster  # noqa: PLC0415 - an extra
 
@@ -147,6 +148,7 @@ def test_missing_files_and_keys_that_others_can_read_are_refused(tmp_path):
 
 @needs_openssl
 @needs_fork
+@pytest.mark.soak
 def test_a_scheduler_with_the_guide_s_certificates_works_and_lets_nobody_else_in(tmp_path):
     files = make_certificates(tmp_path)
     with dask_scheduler(tmp_path, files) as address, dask_workers(address, tmp_path, certificates=files):
