@@ -1,4 +1,4 @@
-"""Connects to a dask scheduler so that nobody else can have its workers run code.
+"""Connect to a dask scheduler that accepts only its own user.
 
 Whoever reaches a port of dask without TLS runs code as the owner of that process, loopback included. Workers of this
 machine get certificates that exist for one run, in memory. A scheduler elsewhere must show a certificate.

@@ -1,4 +1,4 @@
-"""The token of a server as an option: from a file, from the environment, or hidden where the command line has it."""
+"""Read the token of a server from an option, a file or the environment."""
 
 import os
 import re
@@ -40,7 +40,7 @@ def token_option(help_text: str) -> Callable[[Verb], Verb]:
 
 
 def hide_token() -> None:
-    """Overwrite the value of --token in the list of processes, where the system allows that."""
+    """Overwrite the value of --token in the list of processes."""
     try:
         fields = Path("/proc/self/stat").read_text(encoding="ascii").rpartition(")")[2].split()
         start, end = (int(fields[number - 2]) for number in (ARGUMENT_START_FIELD, ARGUMENT_END_FIELD))
@@ -54,7 +54,7 @@ def hide_token() -> None:
 
 
 def _without_token(arguments: bytes) -> bytes:
-    """Return the arguments, each of which ends with NUL, in the same length with another token."""
+    """Replace the token in NUL-terminated arguments without changing their length."""
     return re.sub(rb"(?<=\0--token[\0=])[^\0]+", lambda found: b"x" * len(found[0]), arguments)
 
 
