@@ -12,7 +12,9 @@ from functools import cache
 from threading import Thread
 from time import sleep
 
-TRIM_THRESHOLD, MMAP_THRESHOLD, ARENA_MAX = -1, -3, -8  # parameters of mallopt in <malloc.h>
+TRIM_THRESHOLD = -1  # M_TRIM_THRESHOLD of mallopt in <malloc.h>
+MMAP_THRESHOLD = -3  # M_MMAP_THRESHOLD
+ARENA_MAX = -8  # M_ARENA_MAX
 MAX_UNUSED_TOP = 1 << 20  # [bytes] free at the end of the heap before it is returned
 MIN_MAPPED_BLOCK = 1 << 16  # [bytes] from which a block is mapped alone, and returned when it is freed
 MAX_ARENAS = 2  # heaps that threads share

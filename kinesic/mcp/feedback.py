@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 from xml.etree import ElementTree
 
-_REFUSALS = ("rule ", "not performed")  # first words of a warning about a block that does not begin
+REFUSAL_PREFIXES = ("rule ", "not performed")  # first words of a warning about a block that does not begin
 # First words of a warning after which a block sends no end, although it was predicted.
-_ENDINGS = (*_REFUSALS, "revoked", "a block of this id", "it is for ")
-_CROWDED = "blocks play and wait already"
-_END = ":end"
+FINAL_PREFIXES = (*REFUSAL_PREFIXES, "revoked", "a block of this id", "it is for ")
+CROWDED_SERVER = "blocks play and wait already"
+BLOCK_END = ":end"
 
 
 @dataclass(frozen=True)
@@ -23,14 +23,14 @@ class Feedback:
     def is_refusal(self) -> bool:
         """Whether this refuses a block that has no prediction yet."""
         is_warning = self.kind == "warningFeedback"
-        return is_warning and (self.type == "PARSING_FAILURE" or self.text.startswith(_REFUSALS))
+        return is_warning and (self.type == "PARSING_FAILURE" or self.text.startswith(REFUSAL_PREFIXES))
 
     @property
     def ended_block(self) -> str:
         """Block that ends with this feedback, or an empty string."""
-        if self.kind == "blockProgress" and self.subject.endswith(_END):
-            return self.subject.removesuffix(_END)
-        is_over = self.text.startswith(_ENDINGS) or _CROWDED in self.text
+        if self.kind == "blockProgress" and self.subject.endswith(BLOCK_END):
+            return self.subject.removesuffix(BLOCK_END)
+        is_over = self.text.startswith(FINAL_PREFIXES) or CROWDED_SERVER in self.text
         return self.subject if self.kind == "warningFeedback" and is_over else ""
 
     def begins(self, block: str) -> bool:

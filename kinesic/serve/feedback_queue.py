@@ -58,7 +58,7 @@ class FeedbackQueue:
         self._agenda = {message.key for message in known}
 
     def due(self, now: float) -> ScheduledFeedback | None:
-        """Return the next message if its time has come, else None."""
+        """Return the next message if it is due."""
         return self.messages[0] if self.messages and self.messages[0].time <= now else None
 
     def sent(self) -> ScheduledFeedback:

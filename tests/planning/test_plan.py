@@ -209,7 +209,7 @@ def test_planning_again_is_counted_as_work(planned, monkeypatch):
         return usual(*given, **named)
 
     monkeypatch.setattr(plan_module, "keep_clear", spied)
-    monkeypatch.setattr(plan_module, "AGAIN", 10**9)
+    monkeypatch.setattr(plan_module, "REPLAN_COST_PER_BEHAVIOUR", 10**9)
     monkeypatch.setattr(
         plan_module, "culprits", lambda frames, *_: {"b": "it is in the way"} if frames.uses.get("b") else {}
     )

@@ -77,7 +77,7 @@ class LateReplies:
         self._set_aside = False
 
     def keep_alone(self, question: Query, places: Place, *, sent_at: float) -> None:
-        """Expect the late answer of a servo asked alone at a time [s]."""
+        """Expect the late answer of one servo, queried at a time [s]."""
         self._alone = (question, places, b"", sent_at)
 
     def catch_up(self, more: bytes, time: float) -> None:

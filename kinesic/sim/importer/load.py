@@ -102,7 +102,7 @@ def _unheard(_: str) -> None:
 
 
 def _read_spec(root: ElementTree.Element, files: RobotFiles) -> mujoco.MjSpec:
-    """Describe a robot to MuJoCo, which gets text and bytes and opens no file."""
+    """Describe a robot to MuJoCo by text and bytes alone."""
     return mujoco.MjSpec.from_string(ElementTree.tostring(root, encoding="unicode"), include=dict(files.models))
 
 

@@ -115,7 +115,7 @@ class _Reader:
         return simplify(read_mesh(path, folder=self._folder), MOST_TRIANGLES)
 
     def _find(self, mesh: MeshReference) -> Path:
-        """Find the file whose path shares the longest ending with a reference."""
+        """Find the file whose path best matches the end of a reference."""
         parts = Path(mesh.file.replace("\\", "/").rsplit("://", maxsplit=1)[-1]).parts
         for k in range(len(parts)):
             for start in (self._folder / mesh.below, self._folder):

@@ -48,13 +48,13 @@ def altered(tables: Tables, choose: random.Random) -> Tables:
         *way, last = choose.choice(list(places(found)) or [("x",)])
         inside: object = found
         for key in way:
-            inside = inside[key]  # type: ignore[index]
+            inside = inside[key]
         assert isinstance(inside, dict | list)
         match choose.choice(("value", "value", "value", "value", "missing", "twice", "renamed", "shape")):
             case "missing" if last in inside or isinstance(inside, list):
-                del inside[last]  # type: ignore[arg-type]
+                del inside[last]
             case "twice" if isinstance(inside, list):
-                inside.append(inside[last])  # type: ignore[call-overload]
+                inside.append(inside[last])
             case "renamed" if isinstance(inside, dict):
                 inside[choose.choice(("x", "", "name", "l_arm", f"{last}x"))] = inside.pop(last, 1)
             case "shape":
@@ -62,9 +62,9 @@ def altered(tables: Tables, choose: random.Random) -> Tables:
                     choose.choice(([inside[last]], {"x": inside[last]}, [inside[last]] * 2))
                     if last in inside or isinstance(inside, list)
                     else 1
-                )  # type: ignore
+                )
             case _:
-                inside[last] = deepcopy(choose.choice(ODD_VALUES))  # type: ignore[index]
+                inside[last] = deepcopy(choose.choice(ODD_VALUES))
     return found
 
 

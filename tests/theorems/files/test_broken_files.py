@@ -67,11 +67,11 @@ def _own(name: str) -> Tables:
 
 def _extension() -> Tables:
     robot = _own("robots/upper22.toml")
-    hinge = robot["hinge"][0]  # type: ignore[index]
+    hinge = robot["hinge"][0]
     return {
         "robot": {"name": "own", "extends": "upper22"},
         "hinge": [hinge],
-        "body": [robot["body"][1]],  # type: ignore[index]
+        "body": [robot["body"][1]],
         "chains": robot["chains"],
         "targets": {"cup": [0.3, 0.0, 0.1]},
         "rest": {hinge["name"]: 0.0},
@@ -223,7 +223,7 @@ def test_arrays_of_other_types_and_shapes_are_refused(kind: str, seed: int):
     choose, arrays = random.Random(seed), dict(entries(valid()))
     for _ in range(choose.choice((1, 1, 2))):
         key = choose.choice(list(arrays))
-        arrays[key] = choose.choice(ODD_ARRAYS)  # type: ignore[assignment]
+        arrays[key] = choose.choice(ODD_ARRAYS)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / name
         path.write_bytes(_arrays(**arrays))

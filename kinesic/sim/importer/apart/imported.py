@@ -18,7 +18,7 @@ THREAD_VARIABLES = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"
 
 @dataclass(frozen=True)
 class Bounds:
-    """Bounds on one import, ten times the needs of the largest tested robot."""
+    """Bounds on the memory and time of one import."""
 
     duration: float = 300.0  # [s]
     cpu_time: int = 120  # [s]
