@@ -1,4 +1,4 @@
-"""The source archive: two people who build it get the same bytes."""
+"""Reproducible source archive."""
 
 import hashlib
 import os
@@ -10,13 +10,14 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
+SETUP = "import setuptools; setuptools.setup(long_description='', long_description_content_type='text/markdown')"
 BUILD = "import sys, build_backend; print(build_backend.build_sdist(sys.argv[1]))"
 
 pytest.importorskip("setuptools", minversion="77", reason="a setuptools that can build is not installed")
 
 
 def small_project(folder: Path, *, umask: int) -> Path:
-    """Copy what the archive is made of, with a few sources, as somebody with this umask would have it."""
+    """Copy the archive's content with a few sources, using a given umask."""
     before = os.umask(umask)
     try:
         (folder / "kinesic").mkdir(parents=True)
@@ -24,13 +25,14 @@ def small_project(folder: Path, *, umask: int) -> Path:
             shutil.copyfile(ROOT / "kinesic" / name, folder / "kinesic" / name)
         for name in ("pyproject.toml", "build_backend.py", "README.md", "LICENSE", "NOTICE", "MANIFEST.in", "Makefile"):
             shutil.copyfile(ROOT / name, folder / name)
+        (folder / "setup.py").write_text(SETUP, encoding="utf-8")
     finally:
         os.umask(before)
     return folder
 
 
 def build(folder: Path, *, umask: int) -> str:
-    """Return the hash of the archive that is built in a folder."""
+    """Build the archive in a folder and return its hash."""
     command = [sys.executable, "-c", BUILD, "out"]
     (folder / "out").mkdir()
     subprocess.run(command, cwd=folder, check=True, capture_output=True, umask=umask)
@@ -38,7 +40,7 @@ def build(folder: Path, *, umask: int) -> str:
     return hashlib.sha256(archive.read_bytes()).hexdigest()
 
 
-def test_two_folders_times_and_umasks_give_the_same_bytes(tmp_path: Path):
+def test_source_archive_is_independent_of_folder_time_and_umask(tmp_path: Path):
     first, second = small_project(tmp_path / "a", umask=0o022), small_project(tmp_path / "longer name", umask=0o077)
     for path in second.rglob("*"):
         os.utime(path, (1e9, 1e9))

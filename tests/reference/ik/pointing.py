@@ -1,0 +1,81 @@
+"""Swing of the elbow for pointing and palm, step by step outward."""
+
+from collections.abc import Callable
+from math import inf, pi
+
+import numpy as np
+from msgspec.structs import replace
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.chain import Chain
+from kinesic.body.reach import Reach
+from kinesic.ik.arm.linkage import Linkage, linkage_of
+from kinesic.ik.arm.mirror import is_right, mirror_chain, mirror_reach
+from kinesic.ik.pointing import SATISFIED_ERROR, _direction_error
+from kinesic.ik.scalar3 import Rotation, vector
+from kinesic.ik.solve import Solution
+
+from .shoulder_elbow import place_of
+from .solve import hand_directions, solve
+from .swivel import bisect_edge
+from .swivel_search import Cell, cell_at, present_swivel
+from .wrist import direction_errors, orient
+
+Swing = tuple[Floats, float, float | None, float | None]  # angles, residual, errors of pointing and palm
+
+SEARCH_STEPS = 12  # of the search to either side
+PRICE = 0.03  # [rad] of error that a radian of swing has to win
+BISECTIONS = 8
+OFF = 1e-6  # of the reach: a swing that takes the hand farther off its place does not count
+
+
+def best_swivel(chain: Chain, reach: Reach, *, start: Floats, rest: Floats | None = None, max_swivel: float = pi):
+    """Compute the result of `ik.pointing.best_swivel` for valid arguments."""
+    first = solve(chain, reach, start=start, rest=rest)
+    if reach.swivel is not None or not first.reached or _direction_error(first) <= SATISFIED_ERROR:
+        return first
+    home = sealed(np.clip(chain.rest if rest is None else rest, chain.lower, chain.upper))
+    angles, residual, pointing_error, palm_error = _swing(chain, reach, home, first.angles, max_swivel)
+    swung: Solution = replace(
+        first, angles=angles, residual=residual, pointing_error=pointing_error, palm_error=palm_error
+    )
+    return swung if _direction_error(swung) < _direction_error(first) else first
+
+
+def _swing(chain: Chain, reach: Reach, home: Floats, angles: Floats, max_swivel: float) -> Swing:
+    """Swing the elbow from a solved posture [rad]."""
+    if is_right(chain):
+        chain, reach = mirror_chain(chain), mirror_reach(reach)
+    linkage, directions, near = linkage_of(chain), hand_directions(chain, reach), angles.tolist()
+    last = linkage.links[-1]
+
+    def hand(frame: Rotation) -> tuple[tuple[float, ...], float]:
+        own = orient(last, frame, directions, home[last.first :].tolist())
+        return own, sum(direction_errors(last.turn(frame, own), directions).values())
+
+    place, begin = place_of(linkage, near, vector(reach.position)), present_swivel(linkage, near)
+    found = _swung(linkage, lambda offset: cell_at(linkage, place, begin + offset, hand, near=near), max_swivel)
+    frame = linkage.walk(found.angles, len(linkage.links) - 1)[0]
+    errors = direction_errors(last.turn(frame, found.angles[last.first :]), directions)
+    return sealed(found.angles), found.miss, errors.get("pointing"), errors.get("palm")
+
+
+def _swung(linkage: Linkage, at: Callable[[float], Cell], max_swivel: float) -> Cell:
+    """Return the smallest satisfying swing, or the best trade-off."""
+
+    def fits(cell: Cell) -> bool:
+        return cell.miss <= OFF * linkage.farthest and cell.error <= SATISFIED_ERROR
+
+    best, least = at(0.0), inf
+    for step in range(SEARCH_STEPS + 1):
+        for side in (1.0, -1.0):
+            outside, offset = side * (step - 1) * max_swivel / SEARCH_STEPS, side * step * max_swivel / SEARCH_STEPS
+            cell = at(offset)
+            if cell.miss > OFF * linkage.farthest:
+                continue
+            if fits(cell):
+                return bisect_edge(at, outside, offset, cell, fits=fits, rounds=BISECTIONS)
+            price = cell.error + PRICE * abs(offset)
+            if price < least:
+                best, least = cell, price
+    return best

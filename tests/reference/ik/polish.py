@@ -1,0 +1,133 @@
+"""Levenberg-Marquardt with an active set for one hand.
+
+A hinge that meets its stop stays there and the others take over what it cannot give: the thesis' rule of pushing
+the excess to the parent (algorithm 3), for all hinges at once and to second order.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from kinesic.ik.arm.linkage import Linkage
+from kinesic.ik.scalar3 import Vector, cross, dot, minus, norm, scaled
+
+ROUNDS = 24
+TOLERANCE = 1e-7  # of the arm's length
+DAMPING = 0.3  # lambda^2 = DAMPING e^2 + LEAST_DAMPING size^2 (after Sugihara)
+LEAST_DAMPING = 1e-7
+POSTURE = 0.4  # share of the way back to the posture in a round, as far as the hand does not notice ...
+FADING = 0.7  # ... less from round to round: the last ones belong to the target
+STALL = 0.98  # a round that leaves more than this share of the error ...
+STALLED_STEPS = 6  # ... so many times in a row has come to a rest
+CAUTION = 8.0  # times the damping after a round that lost ground
+
+
+@dataclass(frozen=True)
+class Polished:
+    """Angles in range with their residual."""
+
+    angles: tuple[float, ...]  # [rad] of the hinges before the hand's own
+    miss: float  # [m]
+    rounds: int
+
+
+@dataclass(frozen=True)
+class HandSlope:
+    """Linear model of the hand's motion over its hinges."""
+
+    moves: Sequence[Vector]  # [m] per radian of each hinge
+    pulls: Sequence[float]  # [rad] by which each hinge would go back to the posture
+    mobility: Sequence[float]  # 1 for an ordinary hinge, 0 for one that is fixed
+    damping: float  # [m^2]
+
+
+def polish(
+    linkage: Linkage,
+    target: Vector,
+    angles: Sequence[float],
+    *,
+    posture: Sequence[float],
+    mobility: Sequence[float],
+    rounds: int = ROUNDS,
+) -> Polished:
+    """Move the hand to a target by damped least squares.
+
+    Args:
+        linkage: the arm.
+        target: [m] of the wrist's centre, in the base.
+        angles: [rad] to begin with, inside the ranges.
+        posture: [rad] to which springs pull what the hand does not need.
+        mobility: how readily each hinge moves; 1 for an ordinary one, 0 for one that is fixed.
+        rounds: at most.
+
+    Returns:
+        The best angles met.
+    """
+    size = linkage.farthest
+    now = list(angles[: linkage.links[-1].first])
+    hand, moves = columns(linkage, now)
+    error = minus(target, hand)
+    caution, fading, stalled, done = 1.0, 1.0, 0, 0
+    while norm(error) > TOLERANCE * size and stalled < STALLED_STEPS and done < rounds:
+        done += 1
+        fading *= FADING
+        damping = caution * (DAMPING * dot(error, error) + LEAST_DAMPING * size * size)
+        share = POSTURE * fading / caution
+        pulls = [share * (home - angle) for home, angle in zip(posture, now, strict=False)]
+        tried = polish_step(linkage, now, error, HandSlope(moves, pulls, mobility, damping))
+        hand, tried_moves = columns(linkage, tried)
+        tried_error = minus(target, hand)
+        gain = norm(tried_error) / norm(error)
+        stalled = stalled + 1 if gain > STALL else 0
+        caution = CAUTION * caution if gain >= 1.0 else max(1.0, caution / CAUTION)
+        if gain < 1.0:
+            now, error, moves = tried, tried_error, tried_moves
+    return Polished(tuple(now), norm(error), done)
+
+
+def columns(linkage: Linkage, angles: Sequence[float]) -> tuple[Vector, list[Vector]]:
+    """Return the hand [m] and the columns of its Jacobian."""
+    hand, lines = linkage.hinge_lines(angles)
+    return hand, [cross(axis, minus(hand, pole)) for axis, pole in lines]
+
+
+def polish_step(linkage: Linkage, angles: Sequence[float], error: Vector, slope: HandSlope) -> list[float]:
+    """Return the angles after one damped step within the ranges.
+
+    Args:
+        linkage: the arm.
+        angles: [rad] of the hinges before the hand's own, inside the ranges.
+        error: [m] from the hand to its target.
+        slope: at these angles.
+    """
+    moved, pivots = list(angles), linkage.pivots
+    moves, pulls, mobility = slope.moves, slope.pulls, slope.mobility
+    free = [k for k in range(len(moved)) if mobility[k] > 0.0]
+    while free:
+        left = error
+        for k in free:
+            left = minus(left, scaled(moves[k], pulls[k]))
+        push = _solved([moves[k] for k in free], [mobility[k] for k in free], slope.damping, left)
+        wanted = {k: angles[k] + pulls[k] + mobility[k] * dot(moves[k], push) for k in free}
+        stopped = [k for k in free if not pivots[k].lower <= wanted[k] <= pivots[k].upper]
+        for k in stopped or list(free):
+            moved[k] = min(max(wanted[k], pivots[k].lower), pivots[k].upper)
+            error = minus(error, scaled(moves[k], moved[k] - angles[k]))
+            free.remove(k)
+    return moved
+
+
+def _solved(columns: Sequence[Vector], mobility: Sequence[float], damping: float, error: Vector) -> Vector:
+    """Solve the 3 x 3 damped normal equations by Cramer's rule."""
+    xx = yy = zz = damping
+    xy = xz = yz = 0.0
+    for (x, y, z), w in zip(columns, mobility, strict=True):
+        xx, yy, zz = xx + w * x * x, yy + w * y * y, zz + w * z * z
+        xy, xz, yz = xy + w * x * y, xz + w * x * z, yz + w * y * z
+    first, second, third = (xx, xy, xz), (xy, yy, yz), (xz, yz, zz)
+    a, b, c = cross(second, third), cross(third, first), cross(first, second)
+    volume = dot(first, a)
+    return (
+        (a[0] * error[0] + b[0] * error[1] + c[0] * error[2]) / volume,
+        (a[1] * error[0] + b[1] * error[1] + c[1] * error[2]) / volume,
+        (a[2] * error[0] + b[2] * error[1] + c[2] * error[2]) / volume,
+    )

@@ -1,0 +1,171 @@
+"""Positions of shoulder and elbow for a target, before limits."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import inf, pi, remainder, tau
+
+from kinesic.ik.angles import arccosine, cosine_sine
+from kinesic.ik.arm.linkage import Linkage
+from kinesic.ik.arm.swivel import swivel_of
+from kinesic.ik.scalar3 import Vector, clamp, distance, minus, plus, scaled, unit
+
+from .hinges import Extraction, extract
+from .masses import ROUNDS, SWUNG, settle_masses
+from .swivel import bisect_edge, elbow_at, elbow_radius
+
+STRETCH = 0.9999  # of the reach, to which targets beyond it come: the elbow keeps a side to bend to
+TAUT = 0.97  # of the reach, at which the arm begins to pull the shoulder along
+EXACT = 1e-6  # of the reach: a miss that counts as none
+NATURAL_SWIVEL = 0.35  # [rad] elbow a little away from the body
+NATURE = 0.5  # how far an unasked swivel goes from the present one to the natural one
+SEARCH_STEPS = 12  # of the search to either side, where the wished swivel does not fit the ranges
+BISECTIONS = 6
+SLIM = 1e-3  # of the reach: on a circle of a smaller radius an elbow has no side to stay on
+TIED = 1e-9  # of the reach: misses that differ by less are equal
+
+
+@dataclass(frozen=True)
+class ShoulderPlace:
+    """Shoulder position with a target in its reach."""
+
+    girdle: tuple[Vector, ...]  # [m] ends of the bones up to the shoulder's centre; empty without collar bone
+    shoulder: Vector  # [m]
+    target: Vector  # [m] of the hand
+    iterations: int  # of the masses
+
+
+def place_shoulder(linkage: Linkage, target: Vector, *, near: Sequence[float], rest: Sequence[float]) -> ShoulderPlace:
+    """Return the shoulder position for a target (thesis 8.6).
+
+    Args:
+        linkage: the arm.
+        target: [m] of the hand, in the base.
+        near: [rad] angles to stay close to where there is a choice.
+        rest: [rad] at which the collar bone stays if it can.
+
+    Returns:
+        Place, its target clamped to what the arm reaches from the most helpful shoulder.
+    """
+    reach = linkage.farthest
+    resting = linkage.walk(rest, len(linkage.girdle))[1]
+    if distance(resting[-1], target) <= TAUT * reach:
+        return _place(resting, target, 0)
+    nearer = nearest_girdle(linkage, target, near)
+    if distance(nearer[-1], target) > STRETCH * reach:
+        return _place(nearer, clamp(target, nearer[-1], STRETCH * reach), 0)
+    upper, fore = TAUT * linkage.links[-3].length, TAUT * linkage.links[-2].length
+    elbow = plus(resting[-1], scaled(unit(minus(target, resting[-1])), upper))
+    lengths = (*(link.length for link in linkage.girdle), upper, fore)
+    settled = settle_masses((*resting, elbow, target), lengths, target)
+    ends = settled.points[1:-2]
+    pulled = linkage.walk(extract(linkage, ends, near).angles, len(ends))[1]
+    return _place(pulled, target, settled.iterations)
+
+
+def place_of(linkage: Linkage, angles: Sequence[float], target: Vector) -> ShoulderPlace:
+    """Return the shoulder position of a posture [rad]."""
+    return _place(linkage.walk(angles, len(linkage.girdle))[1], target, 0)
+
+
+def gap(linkage: Linkage, target: Vector) -> float:
+    """Return the least distance of the shoulder to a target [m]."""
+    return distance(nearest_girdle(linkage, target, [pivot.rest for pivot in linkage.pivots])[-1], target)
+
+
+def nearest_girdle(linkage: Linkage, target: Vector, near: Sequence[float]) -> list[Vector]:
+    """Return the girdle's joints nearest to a target [m]."""
+    return linkage.walk(_nearest_girdle_angles(linkage, target, near), len(linkage.girdle))[1]
+
+
+def _nearest_girdle_angles(linkage: Linkage, target: Vector, near: Sequence[float]) -> tuple[float, ...]:
+    """Return the girdle's angles nearest to a target [rad]."""
+    line = unit(minus(target, linkage.origin))
+    ends = [linkage.origin]
+    for link in linkage.girdle:
+        ends.append(plus(ends[-1], scaled(line, link.length)))
+    return extract(linkage, ends[1:], near).angles
+
+
+def _place(points: Sequence[Vector], target: Vector, iterations: int) -> ShoulderPlace:
+    return ShoulderPlace(tuple(points[1:]), points[-1], target, iterations)
+
+
+@dataclass(frozen=True)
+class Bend:
+    """Angles of an arm for a shoulder position."""
+
+    angles: tuple[float, ...]  # [rad] of the hinges before the hand's own
+    exact: bool  # the hand is on the target
+    iterations: int  # of the masses
+
+
+def bend_elbow(linkage: Linkage, place: ShoulderPlace, *, near: Sequence[float], swivel: float | None) -> Bend:
+    """Return the exact posture nearest to the desired swivel.
+
+    Args:
+        linkage: the arm.
+        place: of shoulder and target.
+        near: [rad] angles to stay close to.
+        swivel: [rad] wished; None: between the swivel to which the masses swing from `near`, and the natural one.
+
+    Returns:
+        The nearest exact posture, or the one with the smallest miss.
+    """
+    elbow = linkage.walk(near, len(linkage.links) - 2)[1][-1]
+    lengths = (linkage.links[-3].length, linkage.links[-2].length)
+    radius = elbow_radius(linkage, place.shoulder, place.target)
+    point = radius == 0.0  # the arm is too short: all swivels are one, whatever the masses say
+    rounds = 0 if point else ROUNDS if radius <= SLIM * linkage.farthest else SWUNG
+    settled = settle_masses((place.shoulder, elbow, place.target), lengths, place.target, rounds=rounds)
+    present = swivel_of(linkage, settled.points)
+    if present is None:
+        present = NATURAL_SWIVEL
+    wish = present + NATURE * remainder(NATURAL_SWIVEL - present, tau) if swivel is None else remainder(swivel, tau)
+    towards = 1.0 if remainder(present - wish, tau) >= 0.0 else -1.0
+
+    def at(offset: float) -> Extraction:
+        elbow = elbow_at(linkage, place.shoulder, place.target, wish + offset)
+        return extract(linkage, (*place.girdle, elbow, place.target), near)
+
+    span = distance(place.shoulder, place.target)
+    least = inf if point else _least_miss(linkage, span) + TIED * linkage.farthest
+    found, exact = _nearest_exact(at, towards, EXACT * linkage.farthest, least)
+    return Bend(found.angles, exact, settled.iterations)
+
+
+def _nearest_exact(
+    at: Callable[[float], Extraction], towards: float, tolerance: float, least: float
+) -> tuple[Extraction, bool]:
+    """Search outward for the first exact posture."""
+
+    def fits(posture: Extraction) -> bool:
+        return posture.miss <= tolerance
+
+    best = at(0.0)
+    if fits(best):
+        return best, True
+    for step in range(1, SEARCH_STEPS + 1):
+        for side in (towards, -towards):
+            if best.miss <= least:
+                return best, False
+            found = at(side * step * pi / SEARCH_STEPS)
+            if fits(found):
+                outside, inside = side * (step - 1) * pi / SEARCH_STEPS, side * step * pi / SEARCH_STEPS
+                return bisect_edge(at, outside, inside, found, fits=fits, rounds=BISECTIONS), True
+            best = min(best, found, key=lambda candidate: candidate.miss)
+    return best, False
+
+
+def _least_miss(linkage: Linkage, span: float) -> float:
+    """Return the least possible miss for a hand distance [m].
+
+    An elbow that cannot bend enough leaves the hand off by a chord of the forearm's circle. To leave the elbow's circle
+    takes the elbow farther away than it brings the hand nearer, as the hand is nearer to the shoulder.
+    """
+    upper, fore = linkage.links[-3].length, linkage.links[-2].length
+    if not abs(upper - fore) < span < linkage.closest <= upper:
+        return 0.0
+    asked, bent = (
+        arccosine((upper * upper + fore * fore - far * far) / (2.0 * upper * fore)) for far in (span, linkage.closest)
+    )
+    return 2.0 * fore * cosine_sine(0.5 * (bent - asked))[1]

@@ -1,0 +1,96 @@
+"""A tracker whose ticks are taken in Python."""
+
+from collections.abc import Sequence
+from math import exp
+
+import numpy as np
+
+from kinesic.body.arrays import Floats
+from kinesic.body.chain import Chain
+from kinesic.ik.arm.linkage import Linkage, linkage_of
+from kinesic.ik.arm.mirror import is_right, mirror_chain, mirror_place
+from kinesic.ik.scalar3 import Vector, distance, dot, minus, norm, plus, scaled, vector
+from kinesic.ik.track import Tracker as CompiledTracker
+
+from .polish import HandSlope, columns, polish_step
+from .shoulder_elbow import STRETCH, nearest_girdle
+
+ROUNDS = 8
+TOLERANCE = 1e-8  # of the arm's length
+DAMPING = 0.3  # lambda^2 = DAMPING e^2 + LEAST_DAMPING size^2 (after Sugihara)
+LEAST_DAMPING = 1e-7
+SOFT = 0.05  # the last part of the reach, given out ever more slowly: a straight elbow turns infinitely fast
+
+
+class Tracker(CompiledTracker):
+    """The same tracker without the kernel."""
+
+    def __init__(self, chain: Chain, **options) -> None:
+        super().__init__(chain, **options)
+        self._follow = Ticks(chain).track
+
+
+class Ticks:
+    """Ticks of an arm."""
+
+    def __init__(self, chain: Chain) -> None:
+        self._right = is_right(chain)
+        self._linkage = linkage_of(mirror_chain(chain) if self._right else chain)
+        self._rest = np.clip(chain.rest, chain.lower, chain.upper).tolist()
+
+    def track(self, target: Floats, pull: float, parts: int, angles: Floats) -> float:
+        """Advance by one tick in place, and return the residual [m]."""
+        place = np.asarray(target, dtype=np.float64)
+        asked = vector(mirror_place(place) if self._right else place)
+        goal, now = soften_target(self._linkage, asked, self._rest), angles.tolist()
+        origin, error = self._linkage.hand(now) if parts > 1 else goal, (0.0, 0.0, 0.0)
+        for part in range(1, parts + 1):
+            between = plus(origin, scaled(minus(goal, origin), part / parts))
+            now, error = _moved(self._linkage, between, pull, self._rest, now)
+        angles[:] = now
+        return norm(plus(minus(asked, goal), error))
+
+
+def soften_target(linkage: Linkage, target: Vector, rest: Sequence[float]) -> Vector:
+    """Move a target smoothly inside the reach.
+
+    Beyond s = (1 - SOFT) D its distance d from the shoulder becomes s + w (1 - exp((s - d) / w)), w = SOFT D: equal
+    in value and slope at s, and never more than the reach.
+
+    Args:
+        linkage: the arm.
+        target: [m] in the base.
+        rest: [rad] at which the girdle stays if it can.
+
+    Returns:
+        [m] the target itself in easy reach.
+    """
+    width = SOFT * linkage.farthest
+    begin = STRETCH * linkage.farthest - width
+    if distance(linkage.walk(rest, len(linkage.girdle))[1][-1], target) <= begin:
+        return target
+    shoulder = nearest_girdle(linkage, target, rest)[-1]
+    d = distance(shoulder, target)
+    if d <= begin:
+        return target
+    return plus(shoulder, scaled(minus(target, shoulder), (begin + width * (1.0 - exp((begin - d) / width))) / d))
+
+
+def _moved(
+    linkage: Linkage, target: Vector, pull: float, rest: Sequence[float], angles: Sequence[float]
+) -> tuple[list[float], Vector]:
+    """Return the angles after one tick, and the error [m]."""
+    own = linkage.links[-1].first
+    wrist = [angle + pull * (home - angle) for angle, home in zip(angles[own:], rest[own:], strict=True)]
+    now, size = list(angles[:own]), linkage.farthest
+    hand, moves = columns(linkage, now)
+    error = minus(target, hand)
+    for _ in range(ROUNDS):
+        damping = DAMPING * dot(error, error) + LEAST_DAMPING * size * size
+        pulls = [pull * (home - angle) for home, angle in zip(rest, now, strict=False)]
+        now, pull = polish_step(linkage, now, error, HandSlope(moves, pulls, linkage.mobility, damping)), 0.0
+        hand, moves = columns(linkage, now)
+        error = minus(target, hand)
+        if norm(error) <= TOLERANCE * size:
+            break
+    return now + wrist, error

@@ -1,0 +1,103 @@
+"""Programs of one segment by PIQP and sparse linear algebra."""
+
+import casadi
+import numpy as np
+import scipy
+
+from kinesic.body.limits import Limits
+from kinesic.motion.keys import Keys
+from kinesic.motion.linear_program import _to_casadi as to_casadi
+from kinesic.motion.linear_program import solve_linear
+from kinesic.motion.segments import SplineSegment, segments
+from kinesic.motion.spline_program import KEPT_RATIO, Relaxation, _linear_part, nearest_without_limits
+from kinesic.motion.trajectory import KNOT_INTERVAL
+
+MAX_ITERATIONS = 40  # feasible programs take half as many
+DENSE_ROWS = 64  # rows from which on a sparse system is solved faster than a dense one
+ROW_REGULARISATION = 1e-10  # separates rows that fix nearly the same
+
+
+def smoothest(segment: SplineSegment, bands, pull, *, dense_rows: int = DENSE_ROWS):
+    """Minimise a banded quadratic form under a segment's fixed equations.
+
+    Args:
+        segment: of k knot intervals.
+        bands: (w + 1, k + 3) diagonals of H, upper form.
+        pull: (k + 3,).
+        dense_rows: rows up to which a dense system is solved.
+    """
+    matrix, values = segment.fixed.matrix, segment.fixed.values
+    if len(values) >= dense_rows:
+        nearly = -ROW_REGULARISATION * scipy.sparse.eye_array(len(values))
+        size, width = segment.grid.size, len(bands) - 1
+        offsets = [*range(-width, width + 1)]
+        diagonals = [bands[width - abs(offset), abs(offset) :] for offset in offsets]
+        form = scipy.sparse.diags_array(diagonals, offsets=offsets, shape=(size, size))
+        system = scipy.sparse.block_array([[form, matrix.T], [matrix, nearly]], format="csc")
+        return np.asarray(scipy.sparse.linalg.spsolve(system, np.concatenate([pull, values]))[:size])
+    factor = scipy.linalg.cholesky_banded(bands)
+    solved = scipy.linalg.cho_solve_banded((factor, False), np.hstack([pull[:, None], matrix.T.toarray()]))
+    free, pulls = solved[:, 0], solved[:, 1:]
+    return np.asarray(free + pulls @ np.linalg.lstsq(matrix @ pulls, values - matrix @ free)[0])
+
+
+def nearest_within_limits(segment: SplineSegment, desired, limits: Limits):
+    """Return the nearest control points within limits, or None."""
+    grid, fixed, (lower, upper) = segment.grid, segment.fixed, segment.corridor(limits, desired)
+    rows = scipy.sparse.vstack([fixed.matrix, grid.rows(limits, segment.hinge)], format="csc")
+    form, every = to_casadi(grid.closeness), to_casadi(rows)
+    program = {"h": form.sparsity(), "a": every.sparsity()}
+    solver = casadi.conic("nearest", "piqp", program, {"error_on_fail": False, "piqp": {"max_iter": MAX_ITERATIONS}})
+    solution = solver(
+        h=form,
+        g=-_linear_part(segment, desired),
+        a=every,
+        lba=np.concatenate([fixed.values, -grid.bounds]),
+        uba=np.concatenate([fixed.values, grid.bounds]),
+        lbx=lower,
+        ubx=upper,
+    )
+    return np.array(solution["x"]).ravel() if solver.stats()["success"] else None
+
+
+def relax_limits(segment: SplineSegment, limits: Limits, *, easy: float) -> Relaxation | None:
+    """Return the least relaxation of a segment's limits, or None."""
+    grid, fixed, (lower, upper) = segment.grid, segment.fixed, segment.corridor(limits)
+    some = grid.bounds == 1.0
+    rows, powers = grid.rows(limits, segment.hinge)[some], grid.powers[some]
+    one, infinite = np.ones(len(powers)), np.full(len(powers), np.inf)
+    solution = solve_linear(
+        np.append(np.zeros(grid.size), 1.0),
+        _relaxed(fixed.matrix.tocoo(), rows.tocoo(), powers),
+        (np.concatenate([fixed.values, -infinite, -one]), np.concatenate([fixed.values, one, infinite])),
+        (np.append(lower, easy), np.append(upper, np.inf)),
+    )
+    if solution is None:
+        return None
+    variables, multipliers = solution
+    count = len(fixed.values)
+    pulls = np.abs(multipliers[count:]).reshape(2, -1).max(axis=0)
+    return Relaxation(variables[:-1], float(variables[-1]), multipliers[:count], pulls)
+
+
+def _relaxed(fixed, rows, powers):
+    """Stack fixed equations with relaxed lower and upper limits."""
+    above, (count, size) = fixed.shape[0], rows.shape
+    every, last = np.arange(count), np.full(count, size)
+    down = [fixed.row, rows.row + above, every + above, rows.row + above + count, every + above + count]
+    across = [fixed.col, rows.col, last, rows.col, last]
+    data = np.concatenate([fixed.data, rows.data, -powers, rows.data, powers])
+    shape = (above + 2 * count, size + 1)
+    return scipy.sparse.coo_array((data, (np.concatenate(down), np.concatenate(across))), shape=shape).tocsc()
+
+
+def find_free_motion(times, keys: Keys, limits: Limits, desired):
+    """Compute `spline_program.find_free_motion` segment by segment."""
+    controls, beyond = np.empty((len(desired) + 2, desired.shape[1])), []
+    for segment in segments(times, keys, KNOT_INTERVAL):
+        part = nearest_without_limits(segment, desired[segment.knots, segment.hinge])
+        controls[segment.controls, segment.hinge] = part
+        ratio = segment.grid.largest_limit_ratio(part, limits, segment.hinge)
+        if ratio > KEPT_RATIO:
+            beyond.append((ratio, segment))
+    return controls, beyond
