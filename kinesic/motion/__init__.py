@@ -1,4 +1,4 @@
-"""Conditions a motion of hinges under limits: key postures in, a certified B-spline out."""
+"""Motion planning under limits: key postures in, certified B-splines out."""
 
 from kinesic.body.limits import Limits
 from kinesic.motion.condition import Conditioned, condition

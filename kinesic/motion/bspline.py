@@ -1,4 +1,4 @@
-"""Uniform B-splines on a grid: their differences, and the rows by which limits hold at every instant."""
+"""Uniform cubic B-splines, with motion limits as linear constraints."""
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -12,29 +12,35 @@ from kinesic.body.limits import Limits
 
 Indices = NDArray[np.int32]
 
-ROOMY = 2.0  # bound of a scaled row that is decided
-TINY = 1e-9  # [rad] range of a hinge that cannot move
-CALM = 0.05  # [s] by which jerk weighs beside acceleration where a motion is as smooth as can be
-ANCHOR = 1e-10  # what holds such a motion where nothing else does
-WIDTHS = (2, 3, 4, 3)  # control points that speed, acceleration, jerk and duty depend on
-POWERS = (1.0, 2.0, 3.0, 2.0)  # of the time, by which they fall when it is stretched
-SMOOTHNESS = 1e-9  # [s^4] weight of the acceleration beside the distance from what is desired
+FIXED_ROW_BOUND = 2.0  # bound for limit rows that fixed spline ends determine, as a multiple of the limit
+MIN_RANGE = 1e-9  # [rad] range assumed for a hinge that cannot move
+JERK_TIME = 0.05  # [s] time that weights jerk relative to acceleration in the smoothest motion
+CALMNESS_REGULARISATION = 1e-10  # value on the diagonal that makes the calmness form positive definite
+STENCIL_WIDTHS = (2, 3, 4, 3)  # control points per row of velocity, acceleration, jerk and duty
+TIME_POWERS = (  # rows of these kinds fall with these powers of a stretched duration
+    1.0,
+    2.0,
+    3.0,
+    2.0,
+)  # exponents by which velocity, acceleration, jerk and duty fall when time is stretched
+GRID_CACHE_SIZE = 128  # cached grids of 40 kB each; durations vary too much for a hit rate above 95 %
+ACCELERATION_WEIGHT = 1e-9  # [s^4] weight of squared acceleration relative to squared distance
 
 
 @dataclass(frozen=True, eq=False)
 class FreeRows:
-    """Rows of limits that no ends of a spline decide."""
+    """Limit constraints that the fixed spline ends do not determine."""
 
-    places: Floats  # (r,) of each, in pieces from the first knot
-    kinds: NDArray[np.intp]  # (r,) 0 speed, 1 acceleration, 2 jerk, 3 duty
+    places: Floats  # (r,) knot positions of the rows, in steps from the first knot
+    kinds: NDArray[np.intp]  # (r,) 0 velocity, 1 acceleration, 2 jerk, 3 duty
     powers: Floats  # (r,) of `Grid.powers`
 
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """The grid of a uniform cubic B-spline (number and length of its pieces), with the matrices that follow."""
+    """Knots of a uniform cubic B-spline, with its constraint matrices."""
 
-    pieces: int  # k
+    pieces: int  # k, number of knot intervals
     step: float  # [s]
 
     @property
@@ -44,182 +50,168 @@ class Grid:
 
     @property
     def counts(self) -> tuple[int, int, int, int]:
-        """How many rows there are of speed, acceleration, jerk and duty."""
+        """Number of constraint rows for velocity, acceleration, jerk and duty limits."""
         return self.pieces + 2, self.pieces + 1, self.pieces, self.pieces + 1
 
     @cached_property
     def knots(self) -> Floats:
-        """(k + 1,) [s] times of the knots."""
+        """Times of the knots, shape (k + 1,) [s]."""
         return np.asarray(np.arange(self.pieces + 1) * self.step, dtype=np.float64)
 
     @cached_property
     def at_knots(self) -> "scipy.sparse.csr_array":
-        """(k + 1, k + 3) matrix from control points to the angles at the knots."""
+        """Matrix from control points to angles at the knots.
+
+        Sparse, of shape (k + 1, k + 3).
+        """
         return scipy.sparse.diags_array(
             [1 / 6, 4 / 6, 1 / 6], offsets=[0, 1, 2], shape=(self.pieces + 1, self.size)
         ).tocsr()
 
     @cached_property
     def closeness(self) -> "scipy.sparse.csc_array":
-        """(k + 3, k + 3) quadratic form of the distance from a desired motion, with a little smoothness."""
+        """Quadratic form that measures the distance to a desired motion.
+
+        Of shape (k + 3, k + 3), with a little weight on smoothness.
+        """
         second = np.array([1.0, -2.0, 1.0]) / self.step**2
         bend = scipy.sparse.diags_array(second, offsets=[0, 1, 2], shape=(self.pieces + 1, self.size))
-        return (self.at_knots.T @ self.at_knots + SMOOTHNESS * bend.T @ bend).tocsc()
+        return (self.at_knots.T @ self.at_knots + ACCELERATION_WEIGHT * bend.T @ bend).tocsc()
 
     @cached_property
     def closeness_bands(self) -> Floats:
-        """(3, k + 3) `closeness`, upper form: two beside the diagonal, one, the diagonal."""
+        """Upper bands of `closeness`, shape (3, k + 3), the diagonal last."""
         bands = np.zeros((3, self.size))
         _add_squares(bands, np.array([1.0, 4.0, 1.0]) / 6)
-        _add_squares(bands, np.sqrt(SMOOTHNESS) * np.array([1.0, -2.0, 1.0]) / self.step**2)
+        _add_squares(bands, np.sqrt(ACCELERATION_WEIGHT) * np.array([1.0, -2.0, 1.0]) / self.step**2)
         return bands
 
     @cached_property
     def calmness_bands(self) -> Floats:
-        """(4, k + 3) quadratic form of acceleration and jerk, the sum of their squares: upper form."""
+        """Upper bands of the quadratic form of acceleration and jerk.
+
+        Of shape (4, k + 3), the diagonal last.
+        """
         bands = np.zeros((4, self.size))
         _add_squares(bands, np.array([1.0, -2.0, 1.0]))
-        _add_squares(bands, np.array([-1.0, 3.0, -3.0, 1.0]) * CALM / self.step)
-        bands[-1] += ANCHOR
+        _add_squares(bands, np.array([-1.0, 3.0, -3.0, 1.0]) * JERK_TIME / self.step)
+        bands[-1] += CALMNESS_REGULARISATION
         return bands
 
     def stencils(self, limits: Limits, hinge: int) -> Floats:
-        """(4, 4) shares that neighbouring control points have in the limits of a hinge, which are scaled to 1.
+        """Return four control-point weights per limit of a hinge, normalised to 1.
 
-        Speed (the first two), acceleration (three), jerk, and the duty at the knots (three).
+        One row each of weights of neighbouring control points: velocity (the first two), acceleration (three), jerk
+        (four), and the duty at the knots (three).
         """
         h = self.step
-        speed, at_knot = np.array([-1.0, 1.0, 0.0, 0.0]) / h, np.array([-0.5, 0.0, 0.5, 0.0]) / h
+        velocity, knot_velocity = np.array([-1.0, 1.0, 0.0, 0.0]) / h, np.array([-0.5, 0.0, 0.5, 0.0]) / h
         acceleration, jerk = np.array([1.0, -2.0, 1.0, 0.0]) / h**2, np.array([-1.0, 3.0, -3.0, 1.0]) / h**3
-        pulling = limits.inertial[hinge] * acceleration + limits.viscous[hinge] * at_knot
-        boxes = speed / limits.speed[hinge], acceleration / limits.acceleration[hinge], jerk / limits.jerk[hinge]
-        return np.array([*boxes, pulling / self.duty(limits)[hinge]])
+        duty = limits.inertial[hinge] * acceleration + limits.viscous[hinge] * knot_velocity
+        boxes = velocity / limits.speed[hinge], acceleration / limits.acceleration[hinge], jerk / limits.jerk[hinge]
+        return np.array([*boxes, duty / self.duty(limits)[hinge]])
 
     def rows(self, limits: Limits, hinge: int) -> "scipy.sparse.csr_array":
-        """(4 k + 4, k + 3) rows of every limit of a hinge but its range, scaled to -1..1.
+        """Return a hinge's limits as sparse rows with bounds -1..1.
 
-        Speed, acceleration and jerk on their control points, the duty at the knots.
+        Of shape (4 k + 4, k + 3), without the range: velocity, acceleration and jerk on their control points, then the
+        duty at the knots.
         """
-        every = zip(self.stencils(limits, hinge), WIDTHS, self.counts, strict=True)
-        data = np.concatenate([np.tile(stencil[:width], count) for stencil, width, count in every])
+        groups = zip(self.stencils(limits, hinge), STENCIL_WIDTHS, self.counts, strict=True)
+        data = np.concatenate([np.tile(stencil[:width], count) for stencil, width, count in groups])
         return scipy.sparse.csr_array((data, *self._pattern), shape=(4 * self.pieces + 4, self.size))
 
     @cached_property
     def _pattern(self) -> tuple[Indices, Indices]:
-        """Column indices and row starts of `rows`."""
-        shapes = tuple(zip(WIDTHS, self.counts, strict=True))
+        """Column indices and row starts of the sparse limit matrix."""
+        shapes = tuple(zip(STENCIL_WIDTHS, self.counts, strict=True))
         columns = [(np.arange(count)[:, None] + np.arange(width)).ravel() for width, count in shapes]
         widths = np.repeat([width for width, _ in shapes], [count for _, count in shapes])
         return np.concatenate(columns).astype(np.int32), np.concatenate([[0], np.cumsum(widths)]).astype(np.int32)
 
     @cached_property
     def powers(self) -> Floats:
-        """(4 k + 4,) by which powers of time the rows fall when it is stretched."""
-        return np.repeat(POWERS, self.counts)
+        """Exponent of the time-stretch factor for each limit constraint."""
+        return np.repeat(TIME_POWERS, self.counts)
 
     @cached_property
     def bounds(self) -> Floats:
-        """(4 k + 4,) bounds of the rows: 1, relaxed where three given control points at an end determine a row.
+        """Upper bounds of the limit constraints, shape (4 k + 4,).
 
-        A row without room has no interior, which the program's method needs.
+        Each is 1, or `FIXED_ROW_BOUND` where three given control points at an end determine a row: a row without slack
+        has no interior, which the interior-point method needs.
         """
         bounds = []
         for ends, count in zip((2, 1, 0, 1), self.counts, strict=True):
             group = np.ones(count)
-            group[:ends] = group[count - ends :] = ROOMY
+            group[:ends] = group[count - ends :] = FIXED_ROW_BOUND
             bounds.append(group)
         return np.concatenate(bounds)
 
     @cached_property
     def free_rows(self) -> "FreeRows":
-        """Those of the rows that leave a choice."""
-        some = self.bounds == 1.0
+        """Limit constraints that the fixed spline ends do not determine."""
+        is_free = self.bounds == 1.0
         places = np.concatenate([np.linspace(0, self.pieces, count) for count in self.counts])
         kinds = np.repeat(np.arange(len(self.counts)), self.counts)
-        return FreeRows(places[some], kinds[some], self.powers[some])
+        return FreeRows(places[is_free], kinds[is_free], self.powers[is_free])
 
     def duty(self, limits: Limits) -> Floats:
-        """(n,) bounds of the duty at the knots.
+        """Return each hinge's duty bound at the knots, shape (n,).
 
-        In between, inertial * a + viscous * v is a parabola on each piece, which rises above its chord by at most
+        Between knots, inertial * a + viscous * v is a parabola, which rises above its chord by at most
         viscous * jerk * step^2 / 8.
         """
         return np.asarray(limits.duty - limits.viscous * limits.jerk * self.step**2 / 8)
 
-    def shares(
+    def limit_ratios(
         self, controls: Floats, limits: Limits, hinge: int | NDArray[np.intp]
     ) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-        """Shares that splines (..., k + 3) [rad] take of the limits of range, speed, acceleration, jerk and duty.
+        """Return the ratios of splines to each kind of limit.
+
+        In the order range, velocity, acceleration, jerk and duty.
 
         Args:
-            controls: of one hinge, or (h, k + 3) of several.
+            controls: (k + 3,) [rad] control points of one hinge, or (h, k + 3) of several.
             limits: of all hinges.
-            hinge: its index, or (h,) theirs.
+            hinge: its index, or (h,) indices.
         """
-        once = controls[..., 1:] - controls[..., :-1]
-        twice = once[..., 1:] - once[..., :-1]
-        speed, acceleration = once / self.step, twice / self.step**2
-        jerk = (twice[..., 1:] - twice[..., :-1]) / self.step**3
+        first = controls[..., 1:] - controls[..., :-1]  # differences of first and second order
+        second = first[..., 1:] - first[..., :-1]
+        velocity, acceleration = first / self.step, second / self.step**2
+        jerk = (second[..., 1:] - second[..., :-1]) / self.step**3
 
-        def of(values: Floats) -> Floats:
+        def select(values: Floats) -> Floats:
             return np.asarray(values[hinge])[..., None]
 
-        pulling = of(limits.inertial) * acceleration + of(limits.viscous) * (speed[..., :-1] + speed[..., 1:]) / 2
+        knot_velocity_sum = velocity[..., :-1] + velocity[..., 1:]
+        duty = select(limits.inertial) * acceleration + select(limits.viscous) * knot_velocity_sum / 2
         return (
-            (controls - of((limits.upper + limits.lower) / 2)) / of(np.maximum(limits.upper - limits.lower, TINY) / 2),
-            speed / of(limits.speed),
-            acceleration / of(limits.acceleration),
-            jerk / of(limits.jerk),
-            pulling / of(self.duty(limits)),
+            (controls - select((limits.upper + limits.lower) / 2))
+            / select(np.maximum(limits.upper - limits.lower, MIN_RANGE) / 2),
+            velocity / select(limits.speed),
+            acceleration / select(limits.acceleration),
+            jerk / select(limits.jerk),
+            duty / select(self.duty(limits)),
         )
 
-    def keeps(self, controls: Floats, limits: Limits, hinge: int, most: float) -> bool:
-        """Says quickly whether a spline takes no more than a share of any limit; False: perhaps it does.
-
-        The parts of the duty count as if they were largest at the same time.
-        """
-        once = controls[1:] - controls[:-1]
-        twice = once[1:] - once[:-1]
-        away = max(controls.max() - self._middle(limits, hinge), self._middle(limits, hinge) - controls.min())
-        speed, acceleration, jerk = (
-            float(max(values.max(), -values.min())) / self.step**order
-            for order, values in ((1, once), (2, twice), (3, twice[1:] - twice[:-1]))
-        )
-        return bool(
-            away <= most * self._half(limits, hinge)
-            and speed <= most * limits.speed[hinge]
-            and acceleration <= most * limits.acceleration[hinge]
-            and jerk <= most * limits.jerk[hinge]
-            and limits.inertial[hinge] * acceleration + limits.viscous[hinge] * speed
-            <= most * self._duty_of(limits, hinge)
-        )
-
-    def _duty_of(self, limits: Limits, hinge: int) -> float:
-        """What `duty` has for one hinge."""
-        return float(limits.duty[hinge] - limits.viscous[hinge] * limits.jerk[hinge] * self.step**2 / 8)
-
-    @staticmethod
-    def _middle(limits: Limits, hinge: int) -> float:
-        return float((limits.upper[hinge] + limits.lower[hinge]) / 2)
-
-    @staticmethod
-    def _half(limits: Limits, hinge: int) -> float:
-        return float(max(limits.upper[hinge] - limits.lower[hinge], TINY) / 2)
-
-    def largest(self, controls: Floats, limits: Limits, hinge: int) -> float:
-        """The largest share that a spline takes of any limit."""
-        return max(float(np.abs(share).max()) for share in self.shares(controls, limits, hinge))
+    def largest_limit_ratio(self, controls: Floats, limits: Limits, hinge: int) -> float:
+        """Return the largest ratio of a spline to any limit."""
+        return max(float(np.abs(ratios).max()) for ratios in self.limit_ratios(controls, limits, hinge))
 
 
 def _add_squares(bands: Floats, stencil: Floats) -> None:
-    """Adds the sum of the squares of a stencil, applied wherever it fits, to the bands (w + 1, n) of a form."""
+    """Add a stencil's squares to the bands of a quadratic form.
+
+    The bands have shape (w + 1, n). The stencil is applied at every position where it fits.
+    """
     count = bands.shape[1] - len(stencil) + 1
-    for column, share in enumerate(stencil):
+    for column, weight in enumerate(stencil):
         for row, other in enumerate(stencil[: column + 1]):
-            bands[len(bands) - 1 - (column - row), column : column + count] += share * other
+            bands[len(bands) - 1 - (column - row), column : column + count] += weight * other
 
 
-@lru_cache(maxsize=512)
+@lru_cache(maxsize=GRID_CACHE_SIZE)
 def grid(pieces: int, step: float) -> Grid:
-    """Returns the grid of some pieces of a length [s]; the same one for the same figures."""
+    """Return the cached spline grid for a count and duration of intervals."""
     return Grid(pieces, step)

@@ -1,37 +1,37 @@
-"""Counts the work of planning, so that every host gives up at the same place."""
+"""Deterministic work budget of planning, the same on every host."""
 
 from math import inf
 
 
 class Budget:
-    """Work that may still be done, in pieces of splines whose shortage is measured; it travels through all rounds."""
+    """Remaining planning work, counted in evaluated knot intervals."""
 
     def __init__(self, work: float = inf) -> None:
-        """Nothing is spent yet.
+        """Create a budget with all its work remaining.
 
         Args:
-            work: pieces that may be measured, and what takes as long as so many.
+            work: evaluations of knot intervals that are allowed, or work of equal duration.
         """
         self._work = self._left = work
 
     def spend(self, work: float) -> None:
-        """Counts work that is done."""
+        """Subtract finished work from the budget."""
         self._left -= work
 
     @property
     def left(self) -> float:
-        """Work that may still be done."""
+        """Remaining work, never negative."""
         return max(self._left, 0.0)
 
     @property
     def overdraft(self) -> float:
-        """Work beyond the budget, as a multiple of the budget."""
+        """Work done beyond the budget, as a multiple of the budget."""
         return max(-self._left, 0.0) / max(self._work, 1.0)
 
     @property
     def spent(self) -> bool:
-        """Whether more was done than there is a budget for: what follows is planned in simpler ways."""
+        """Whether the budget is used up, so that simpler methods apply."""
         return self._left < 0.0
 
 
-ENDLESS = Budget()  # for work that is bounded by other means
+UNLIMITED_BUDGET = Budget()  # budget of work that is bounded elsewhere

@@ -1,9 +1,9 @@
-"""Conditions a motion for the servos: first as asked, then with sync points moved as little as needed.
+"""Fit motions through key postures to the servos' limits.
 
-What is returned keeps position, speed, acceleration, jerk and duty at every instant, and passes every firm key at its
-exact time. First the least shift of these keys with which every hinge has a way through them, whatever its path; then
-the path that is nearest to the desired one. Keys on a path of a hand only shape what is desired: what is too fast
-becomes smaller.
+The result keeps position, velocity, acceleration, jerk and duty at every instant, and passes every exact key at its
+planned time. The first step shifts these keys as little as possible, until every hinge can pass them. The second step
+finds the path nearest to the desired one. Keys on a path of a hand only shape the desired motion; paths that are too
+fast become smaller.
 """
 
 from collections.abc import Callable, Collection, Mapping
@@ -12,49 +12,49 @@ from functools import cached_property
 
 import numpy as np
 
-from kinesic.body.arrays import Floats, seal_own, sealed
+from kinesic.body.arrays import Floats, seal_in_place, sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.bspline import grid
-from kinesic.motion.budget import ENDLESS, Budget
+from kinesic.motion.budget import UNLIMITED_BUDGET, Budget
 from kinesic.motion.desired import DesiredMotion, join_keys
 from kinesic.motion.infeasibility import Bottleneck
-from kinesic.motion.key_times import Search
+from kinesic.motion.key_times import KeyTimeSearch
 from kinesic.motion.keys import Bond, KeyPosture, Keys, Pair
 from kinesic.motion.plane_memory import PlaneMemory
 from kinesic.motion.segments import SplineSegment, pieces
 from kinesic.motion.spline_program import can_pass, find_free_motion, nearest_within_limits
-from kinesic.motion.trajectory import SAMPLES_PER_WINDOW, STEP, Trajectory
+from kinesic.motion.trajectory import KNOT_INTERVAL, SAMPLES_PER_WINDOW, Trajectory
 
-LEAD_IN = 0.6  # [s] by which the motion may begin before it is asked to
+LEAD_IN = 0.6  # [s] longest time by which a motion may start before its block
 
 
-MakeDesired = Callable[[Floats, Keys], DesiredMotion]  # from times (m,) [s] and the keys that are passed at them
+MakeDesired = Callable[[Floats, Keys], DesiredMotion]  # from times (m,) [s] and the keys at these times
 
 
 @dataclass(frozen=True, eq=False)
 class Conditioned:
-    """A motion within limits, and what had to give."""
+    """Motion within the limits, with shifted key times."""
 
     trajectory: Trajectory
-    asked: Floats  # (m,) [s] block time of the keys as asked
-    planned: Floats  # (m,) [s] block time of the keys as they will be
-    bottlenecks: Mapping[Pair, Bottleneck]  # what was too fast as asked, between which keys
-    lost: Floats  # (n,) [rad] root mean square distance from the desired motion at the planned times
+    requested_times: Floats  # (m,) [s] block time
+    planned: Floats  # (m,) [s] planned block times of the keys
+    bottlenecks: Mapping[Pair, Bottleneck]  # most violated limit at the requested times, by pair of keys
+    rms_distances: Floats  # (n,) [rad] root mean square distance from the desired motion at the planned times
 
     def bottleneck_near(self, time: float, hinges: Collection[int]) -> Bottleneck | None:
-        """Finds the limit that was met nearest to an asked time [s], at best by one of some hinges."""
-        found, (begins, ends) = self._met
-        if not found:
+        """Return the bottleneck nearest to a requested time [s], or None."""
+        bottlenecks, (begins, ends) = self._bottleneck_times
+        if not bottlenecks:
             return None
-        away = np.maximum(np.maximum(begins - time, time - ends), 0.0)
-        nearest = [found[k] for k in np.flatnonzero(away == away.min())]
-        return next((met for met in nearest if met.hinge in hinges), nearest[0])
+        distances = np.maximum(np.maximum(begins - time, time - ends), 0.0)
+        nearest = [bottlenecks[k] for k in np.flatnonzero(distances == distances.min())]
+        return next((bottleneck for bottleneck in nearest if bottleneck.hinge in hinges), nearest[0])
 
     @cached_property
-    def _met(self) -> tuple[list[Bottleneck], Floats]:
-        """What was too fast, and (2, k) [s] between which asked times."""
+    def _bottleneck_times(self) -> tuple[list[Bottleneck], Floats]:
+        """Bottlenecks, and the requested times (2, k) [s] of their key pairs."""
         pairs = np.array([*self.bottlenecks], dtype=np.intp).reshape(-1, 2)
-        return [*self.bottlenecks.values()], self.asked[pairs.T]
+        return [*self.bottlenecks.values()], self.requested_times[pairs.T]
 
 
 def condition(
@@ -65,108 +65,120 @@ def condition(
     lead_in: float = LEAD_IN,
     ease: float = 1.0,
     make_desired: MakeDesired = join_keys,
-    budget: Budget = ENDLESS,
+    budget: Budget = UNLIMITED_BUDGET,
     memory: PlaneMemory | None = None,
 ) -> Conditioned:
-    """Conditions key postures into the nearest motion within the limits.
+    """Compute the motion within limits that is nearest to the desired one.
 
     Args:
         postures: at least two, the first and the last keyed in all hinges.
-        limits: of position, speed, acceleration, jerk and duty.
+        limits: of position, velocity, acceleration, jerk and duty.
         bonds: between sync points of different behaviours.
         lead_in: [s] by which the first key may come earlier.
-        ease: share of the limits for key times; below 1 there is time to stay nearer to the desired motion.
-        make_desired: the desired motion, of which only the angles are used.
-        budget: for the search of key times; hinges rest at their keys where it is spent.
-        memory: of what earlier searches found out about the same hinges; it is left what this one found.
+        ease: fraction of the limits used for key times; below 1 the motion has time to stay nearer to the desired one.
+        make_desired: function that returns the desired motion, of which only the angles are used.
+        budget: for the search of key times; once spent, hinges stop at the keys of infeasible segments.
+        memory: cutting planes of earlier searches for the same hinges, updated by this one.
 
     Raises:
         ArithmeticError: a hinge cannot move within its limits, however slowly.
     """
     keys = Keys.of(postures, limits, bonds)
-    eased = limits.times(ease)
-    search, finder = Search(keys, eased, lead_in, budget, memory), NearestFinder(keys, limits, make_desired)
+    eased = limits.scaled(ease)
+    search, finder = KeyTimeSearch(keys, eased, lead_in, budget, memory), NearestFinder(keys, limits, make_desired)
     eased_finder = NearestFinder(keys, eased, make_desired) if ease < 1.0 else None
 
     def find() -> tuple[Floats, Floats] | SplineSegment:
-        """The motion at the times so far, once they have room for one within the eased limits; else what has none."""
-        lost = eased_finder.find_lost(search.times) if eased_finder else None
-        return finder.find(search.times) if lost is None else lost
+        """Return the motion at current key times, or the first infeasible segment.
 
-    while isinstance(found := find(), SplineSegment):
-        search.avoid(found)  # ends: after some tries for a segment its hinge rests at its keys, in the end ever longer
-    search.remember()
-    desired, controls = found
-    motion = Trajectory(seal_own(controls), -float(search.times[0]))
-    return Conditioned(motion, keys.asked, sealed(search.times), search.met, _distance(motion, desired))
+        A motion within the eased limits must exist at these times.
+        """
+        infeasible = eased_finder.find_infeasible(search.times) if eased_finder else None
+        return finder.find(search.times) if infeasible is None else infeasible
+
+    while isinstance(result := find(), SplineSegment):
+        search.resolve(result)  # ends, as a hinge stops at its keys after some tries
+    search.store_planes()
+    desired, controls = result
+    motion = Trajectory(seal_in_place(controls), -float(search.times[0]))
+    return Conditioned(
+        motion, keys.requested_times, sealed(search.times), search.bottlenecks, _distance(motion, desired)
+    )
 
 
 def _distance(motion: Trajectory, desired: Floats) -> Floats:
-    """(n,) [rad] root mean square distance from a desired motion (k + 1, n) [rad] at the knots."""
-    knots, sums = grid(len(desired) - 1, STEP).knots, np.zeros((1, desired.shape[1]))
+    """Return the RMS distance of each hinge to a desired motion.
+
+    Of shape (n,) [rad], for desired angles (k + 1, n) [rad] at the knots.
+    """
+    knots, sums = grid(len(desired) - 1, KNOT_INTERVAL).knots, np.zeros((1, desired.shape[1]))
     for begin in range(0, len(desired), SAMPLES_PER_WINDOW):
         rows = slice(begin, begin + SAMPLES_PER_WINDOW)
-        away = motion.sample(knots[rows])[0] - desired[rows]
-        sums = np.concatenate([sums, away**2]).sum(axis=0, keepdims=True)  # row by row, as if it were one block
+        errors = motion.sample(knots[rows])[0] - desired[rows]
+        sums = np.concatenate([sums, errors**2]).sum(axis=0, keepdims=True)  # row by row, as if it were one block
     return sealed(np.sqrt(sums[0] / len(desired)))
 
 
 class NearestFinder:
-    """Finds the motions that are nearest to a desired one, and remembers those of segments that stay as they are."""
+    """Solver for the limited motion nearest to a desired one.
+
+    It caches segments, most of which stay the same when key times move.
+    """
 
     def __init__(self, keys: Keys, limits: Limits, make_desired: MakeDesired) -> None:
-        """Begins without any.
+        """Create the solver with an empty cache.
 
         Args:
             keys: of the motion.
             limits: of all hinges.
-            make_desired: the desired motion at some times.
+            make_desired: function that returns the desired motion at key times.
         """
         self._keys, self._limits, self._make_desired = keys, limits, make_desired
-        self._known: dict[tuple[object, ...], Floats] = {}
-        self._passed: set[tuple[object, ...]] = set()  # segments that have a motion, which nobody has computed
+        self._solved: dict[tuple[object, ...], Floats] = {}  # control points by segment and desired motion
+        self._feasible: set[tuple[object, ...]] = set()  # the same keys, with motions not yet computed
 
     def find(self, times: Floats) -> tuple[Floats, Floats] | SplineSegment:
-        """The desired motion (k + 1, n) [rad] at the knots, and the nearest one's control points (k + 3, n) [rad].
+        """Return desired angles and nearest control points, or an infeasible segment.
 
-        Or else the first segment that has none. The farther a segment is beyond the limits, the earlier its turn.
+        The desired motion has shape (k + 1, n) [rad] at the knots, the control points (k + 3, n) [rad]. Segments
+        farther beyond the limits are solved first.
         """
-        desired, controls, beyond = self._without_limits(times)
-        for segment, own in beyond:
-            found = self._within_limits(segment, own)
-            if found is None:
+        desired, controls, exceeding = self._solve_without_limits(times)
+        for segment, segment_desired in exceeding:
+            limited = self._solve_within_limits(segment, segment_desired)
+            if limited is None:
                 return segment
-            controls[segment.controls, segment.hinge] = found
+            controls[segment.controls, segment.hinge] = limited
         return desired, controls
 
-    def find_lost(self, times: Floats) -> SplineSegment | None:
-        """Finds the first segment that has no motion within the limits, in less time than `find` takes."""
-        _, _, beyond = self._without_limits(times)
-        return next((segment for segment, own in beyond if not self._can_pass(segment, own)), None)
+    def find_infeasible(self, times: Floats) -> SplineSegment | None:
+        """Return the first infeasible segment or None, without computing the motion."""
+        _, _, exceeding = self._solve_without_limits(times)
+        return next((segment for segment, desired in exceeding if not self._can_pass(segment, desired)), None)
 
-    def _without_limits(self, times: Floats) -> tuple[Floats, Floats, list[tuple[SplineSegment, Floats]]]:
-        """The desired motion, the nearest one without limits, and what of it exceeds them, with its desired angles."""
-        desired = self._make_desired(times, self._keys).angles(grid(pieces(times, STEP), STEP).knots)
-        controls, beyond = find_free_motion(times, self._keys, self._limits, desired)
-        every = [segment for _, segment in sorted(beyond, key=lambda pair: -pair[0])]
-        return desired, controls, [(segment, desired[segment.knots, segment.hinge]) for segment in every]
+    def _solve_without_limits(self, times: Floats) -> tuple[Floats, Floats, list[tuple[SplineSegment, Floats]]]:
+        """Return the desired motion, its unlimited spline, and segments beyond limits."""
+        desired = self._make_desired(times, self._keys).angles(grid(pieces(times, KNOT_INTERVAL), KNOT_INTERVAL).knots)
+        controls, exceeding = find_free_motion(times, self._keys, self._limits, desired)
+        ordered = [segment for _, segment in sorted(exceeding, key=lambda pair: -pair[0])]
+        return desired, controls, [(segment, desired[segment.knots, segment.hinge]) for segment in ordered]
 
-    def _within_limits(self, segment: SplineSegment, desired: Floats) -> Floats | None:
-        given = _cache_key(segment, desired)
-        if given not in self._known:
-            found = nearest_within_limits(segment, desired, self._limits)
-            if found is None:
+    def _solve_within_limits(self, segment: SplineSegment, desired: Floats) -> Floats | None:
+        cache_key = _make_cache_key(segment, desired)
+        if cache_key not in self._solved:
+            controls = nearest_within_limits(segment, desired, self._limits)
+            if controls is None:
                 return None
-            self._known[given] = found
-        return self._known[given]
+            self._solved[cache_key] = controls
+        return self._solved[cache_key]
 
     def _can_pass(self, segment: SplineSegment, desired: Floats) -> bool:
-        given = _cache_key(segment, desired)
-        if given not in self._passed and can_pass(segment, desired, self._limits):
-            self._passed.add(given)
-        return given in self._passed
+        cache_key = _make_cache_key(segment, desired)
+        if cache_key not in self._feasible and can_pass(segment, desired, self._limits):
+            self._feasible.add(cache_key)
+        return cache_key in self._feasible
 
 
-def _cache_key(segment: SplineSegment, desired: Floats) -> tuple[object, ...]:
-    """Makes a key of all that the motion of a segment depends on, beside the limits."""
+def _make_cache_key(segment: SplineSegment, desired: Floats) -> tuple[object, ...]:
+    """Return the cache key of a segment's motion."""
     return segment.hinge, segment.marks, segment.grid.pieces, segment.places.tobytes(), desired.tobytes()

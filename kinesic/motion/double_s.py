@@ -1,4 +1,4 @@
-"""The shortest times from rest to rest, and from any motion to rest, in closed form: double-S profiles.
+"""Minimum-time double-S velocity profiles, from rest to rest or to a stop.
 
 And so the times that hinges need from one of their keys to the next: at full speed, and from rest to rest.
 """
@@ -14,41 +14,42 @@ from kinesic.body.arrays import Floats, Indices, sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.keys import Keys, Pair
 
-Way = tuple[int, Pair]  # hinge, two of its keys that follow one another
-Gaps = Mapping[Way, float]  # [s]
+KeyInterval = tuple[int, Pair]  # hinge, and two of its successive keys
+IntervalDurations = Mapping[KeyInterval, float]  # [s]
 
-RESERVE = 1.02  # on durations from rest to rest
-GRID = 0.04  # [s] that the grid may cost
-SPEEDS = np.linspace(0.1, 0.9, 9)  # shares of the duty that a constant speed may take
+REST_DURATION_FACTOR = 1.02  # safety factor on rest-to-rest durations
+GRID_ALLOWANCE = 0.04  # [s] time added to rest-to-rest durations for the knot grid
+DUTY_FRACTIONS = np.linspace(0.1, 0.9, 9)  # fractions of the duty limit tried as constant velocity
 
 
 def least_time(distance: ArrayLike, speed: ArrayLike, acceleration: ArrayLike, jerk: ArrayLike) -> Floats:
-    """Computes the shortest time from rest to rest within speed, acceleration and jerk.
+    """Return minimum rest-to-rest times within velocity, acceleration and jerk.
 
-    The profile reaches the greatest speed on long ways, the greatest acceleration on middling ones and neither on
-    short ones. Arguments broadcast; their unit of length is any, such as rad or m.
+    The profile reaches the velocity limit over long distances, the acceleration limit over medium ones, and neither
+    over short ones. Arguments broadcast; their unit of length is any, such as rad or m.
 
     Args:
-        distance: of the way; its sign does not matter.
-        speed: greatest, above 0.
-        acceleration: greatest, above 0; infinite where only speed and jerk bound it.
-        jerk: greatest, above 0; infinite where there is no bound.
+        distance: its sign does not matter.
+        speed: velocity limit, above 0.
+        acceleration: limit, above 0; infinite where only velocity and jerk bound it.
+        jerk: limit, above 0; infinite where there is no bound.
 
     Returns:
-        [s], of the common shape; grows with the distance, and is 0 for none.
+        [s], of the common shape; grows with the distance, and is 0 for distance 0.
     """
-    way, v, j = np.abs(np.asarray(distance, dtype=float)), np.asarray(speed, dtype=float), np.asarray(jerk, dtype=float)
-    a = np.minimum(acceleration, np.sqrt(v * j))  # more is never reached before the greatest speed
-    rise = a / j  # [s] from no acceleration to the greatest
-    cruising = way / v + v / a + rise
-    accelerating = rise + np.sqrt(rise**2 + 4 * way / a)
-    jerking = 4 * np.cbrt(way / (2 * j))
-    cruises, accelerates = way >= v * (v / a + rise), way >= 2 * a * rise**2
-    return np.asarray(np.where(cruises, cruising, np.where(accelerates, accelerating, jerking)))
+    travel = np.abs(np.asarray(distance, dtype=float))
+    v, j = np.asarray(speed, dtype=float), np.asarray(jerk, dtype=float)
+    a = np.minimum(acceleration, np.sqrt(v * j))  # more is never reached below the velocity limit
+    rise = a / j  # [s] until the acceleration limit is reached
+    cruising = travel / v + v / a + rise
+    accelerating = rise + np.sqrt(rise**2 + 4 * travel / a)
+    jerking = 4 * np.cbrt(travel / (2 * j))
+    reaches_velocity, reaches_acceleration = travel >= v * (v / a + rise), travel >= 2 * a * rise**2
+    return np.asarray(np.where(reaches_velocity, cruising, np.where(reaches_acceleration, accelerating, jerking)))
 
 
 def least_rest_times(turns: Floats, limits: Limits) -> Floats:
-    """Computes the shortest times from rest to rest of hinges within all their limits, that of the duty included.
+    """Return minimum rest-to-rest times of hinges within all limits.
 
     Each is that of a double S within a speed and an acceleration that keep the duty together; the best of several
     such pairs.
@@ -60,74 +61,78 @@ def least_rest_times(turns: Floats, limits: Limits) -> Floats:
     Returns:
         (..., n) [s].
     """
-    speed, acceleration = _speeds(limits)
+    speed, acceleration = _velocity_options(limits)
     return np.asarray(least_time(turns[..., None, :], speed, acceleration, limits.jerk).min(axis=-2))
 
 
 def least_rest_times_of(hinges: Indices, turns: Floats, limits: Limits) -> Floats:
-    """Computes the same for single turns of some hinges.
+    """Return minimum rest-to-rest times of single rotations.
 
     Args:
-        hinges: (p,) which hinge each turn is of.
+        hinges: (p,) hinge of each rotation.
         turns: (p,) [rad].
         limits: of all hinges.
 
     Returns:
         (p,) [s].
     """
-    speed, acceleration = _speeds(limits)
+    speed, acceleration = _velocity_options(limits)
     return np.asarray(least_time(turns, speed[:, hinges], acceleration[:, hinges], limits.jerk[hinges]).min(axis=0))
 
 
 @lru_cache(maxsize=64)
-def _speeds(limits: Limits) -> tuple[Floats, Floats]:
-    """(9, n) speeds [rad/s], and accelerations [rad/s^2] that the duty allows with each of them."""
-    speed = np.minimum(limits.speed, SPEEDS[:, None] * limits.duty / limits.viscous)
-    spare = limits.duty - limits.viscous * speed
-    return sealed(speed), sealed(np.minimum(limits.acceleration, spare / limits.inertial))
+def _velocity_options(limits: Limits) -> tuple[Floats, Floats]:
+    """Return nine candidate velocities per hinge with permitted accelerations, each (9, n)."""
+    speed = np.minimum(limits.speed, DUTY_FRACTIONS[:, None] * limits.duty / limits.viscous)
+    remaining_duty = limits.duty - limits.viscous * speed
+    return sealed(speed), sealed(np.minimum(limits.acceleration, remaining_duty / limits.inertial))
 
 
-def least_stop(speed: ArrayLike, acceleration: ArrayLike, most: ArrayLike, jerk: ArrayLike) -> Floats:
-    """Computes the shortest time to rest, wherever that is, within an acceleration and a jerk.
+def least_stop(speed: ArrayLike, acceleration: ArrayLike, max_acceleration: ArrayLike, jerk: ArrayLike) -> Floats:
+    """Return the minimum time to stop within acceleration and jerk limits.
 
-    From an acceleration the jerk leads to a braking one and back to none; the braking acceleration p follows from
-    the speed that is left to lose, p^2 = jerk * speed + acceleration^2 / 2, and is held where that is too much.
+    The jerk takes the acceleration to a braking value and back to 0. The braking acceleration p follows from the
+    remaining velocity, p^2 = jerk * speed + acceleration^2 / 2; above the limit, the limit is held.
 
     Args:
-        speed: to begin with.
-        acceleration: to begin with, at most the greatest.
-        most: greatest acceleration, above 0.
-        jerk: greatest, above 0.
+        speed: initial velocity.
+        acceleration: initial value, within its limit.
+        max_acceleration: limit, above 0.
+        jerk: limit, above 0.
 
     Returns:
         [s], of the common shape.
     """
     v, a, j = (np.asarray(value, dtype=float) for value in (speed, acceleration, jerk))
-    way = np.where(v + a * np.abs(a) / (2 * j) < 0.0, -1.0, 1.0)  # which way the speed goes once a is used up
-    v, a = way * v, way * a
+    direction = np.where(v + a * np.abs(a) / (2 * j) < 0.0, -1.0, 1.0)  # sign of the velocity once a is back to 0
+    v, a = direction * v, direction * a
     peak = np.sqrt(np.maximum(j * v + a**2 / 2, 0.0))
-    braking = np.minimum(peak, most)
+    braking = np.minimum(peak, max_acceleration)
     holding = np.maximum(peak**2 - braking**2, 0.0) / (j * braking + np.finfo(float).tiny)
     return np.asarray((a + 2 * braking) / j + holding)
 
 
-def rest_to_rest(keys: Keys, limits: Limits) -> Gaps:
-    """Computes the time in which each hinge can stop at each of its keys: always enough."""
-    ways, hinges, turns = _turns(keys)
-    every = RESERVE * least_rest_times_of(hinges, turns, limits) + GRID
-    return dict(zip(ways, every.tolist(), strict=True))
+def compute_rest_durations(keys: Keys, limits: Limits) -> IntervalDurations:
+    """Return sufficient rest-to-rest durations [s] of all key intervals."""
+    intervals, hinges, rotations = _list_intervals(keys)
+    durations = REST_DURATION_FACTOR * least_rest_times_of(hinges, rotations, limits) + GRID_ALLOWANCE
+    return dict(zip(intervals, durations.tolist(), strict=True))
 
 
-@lru_cache(maxsize=4)  # clashes and key times ask for those of the same keys
-def full_speed(keys: Keys, limits: Limits) -> Gaps:
-    """Computes the time that each hinge needs from key to key at full speed: less is never enough."""
-    ways, hinges, turns = _turns(keys)
-    every = np.abs(turns) / np.minimum(limits.speed, limits.duty / limits.viscous)[hinges]
-    return dict(zip(ways, every.tolist(), strict=True))
+@lru_cache(maxsize=4)  # the searches for timing conflicts and for key times need those of the same keys
+def compute_velocity_durations(keys: Keys, limits: Limits) -> IntervalDurations:
+    """Return each key interval's duration at full velocity [s].
+
+    They are lower bounds: less is never enough.
+    """
+    intervals, hinges, rotations = _list_intervals(keys)
+    durations = np.abs(rotations) / np.minimum(limits.speed, limits.duty / limits.viscous)[hinges]
+    return dict(zip(intervals, durations.tolist(), strict=True))
 
 
-def _turns(keys: Keys) -> tuple[list[Way], Indices, Floats]:
-    """Hinges with two keys that follow one another, (p,) the same hinges, and (p,) [rad] from the one to the other."""
-    ways = [(hinge, pair) for hinge, own in enumerate(keys.own) for pair in pairwise(own)]
-    hinges, before, after = np.array([(hinge, i, j) for hinge, (i, j) in ways], dtype=np.intp).reshape(-1, 3).T
-    return ways, hinges, keys.angles[after, hinges] - keys.angles[before, hinges]
+def _list_intervals(keys: Keys) -> tuple[list[KeyInterval], Indices, Floats]:
+    """Return all key intervals with their hinges and rotations [rad]."""
+    intervals = [(hinge, pair) for hinge, rows in enumerate(keys.exact_rows) for pair in pairwise(rows)]
+    indices = np.array([(hinge, i, j) for hinge, (i, j) in intervals], dtype=np.intp).reshape(-1, 3)
+    hinges, before, after = indices.T
+    return intervals, hinges, keys.angles[after, hinges] - keys.angles[before, hinges]

@@ -1,10 +1,10 @@
-"""Measures by how much a segment lacks time: the least relaxation of all limits with which it can be passed.
+"""Time deficit of infeasible segments, with its gradient.
 
-Longer gaps by a share s let speeds be higher by s, accelerations by 2 s and jerks by 3 s. The least such s is a linear
-program; its multipliers say what a later key would be worth, and which limit binds where.
+Gaps longer by a fraction s permit velocities higher by s, accelerations by 2 s and jerks by 3 s. The least such s is
+the result of a linear program. Its multipliers give the gradient over key times and the binding limit of each gap.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Literal
@@ -13,178 +13,209 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.body.limits import Limits
-from kinesic.motion.double_s import Way
+from kinesic.motion.double_s import IntervalDurations, KeyInterval
 from kinesic.motion.key_time_lp import CuttingPlane
+from kinesic.motion.keys import TIME_TOLERANCE, Keys, Pair
 from kinesic.motion.segments import SplineSegment
 from kinesic.motion.spline_program import relax_limits, smoothest
 from kinesic.motion.trajectory import spline_weights
 
 Quantity = Literal["speed", "acceleration", "jerk", "duty"]
 
-QUANTITIES: tuple[Quantity, ...] = ("speed", "acceleration", "jerk", "duty")  # in the order of a grid's rows
-EASY = -0.2  # a share of time to spare that need not be known better
-ACCELERATING = np.array([1 / 3, -1 / 6, 1 / 3])  # control points at angle 0 and speed 0 with acceleration 1 / step^2
-SPARE = -0.01  # amount below which nobody asks for slopes
-UNEVEN = 0.1  # share of the slopes that do not sum to 0, as they must: moving all keys together changes nothing
-FLAT = 0.5  # [1/s] slopes that are too small to be believed
-MARGIN = 0.002  # of the time, that a plane asks for beside what is lacking, so that a motion is found quickly
-KINK = 0.1  # [1/s] slopes that lead nowhere
-NOTABLE = 0.05  # share of all multipliers that makes a limit bind in a gap
+LIMIT_QUANTITIES: tuple[Quantity, ...] = ("speed", "acceleration", "jerk", "duty")  # in the order of a grid's rows
+EASY_DEFICIT = -0.2  # [log time] time deficit below which the exact deficit is not computed
+ACCELERATION_CONTROLS = np.array([1 / 3, -1 / 6, 1 / 3])  # control points at rest with acceleration 1 / step^2
+MIN_SLOPE_DEFICIT = -0.01  # [log time] time deficit below which its slopes are not needed
+MAX_SLOPE_IMBALANCE = 0.1  # largest relative sum of deficit slopes, ideally 0 as shifting all keys changes nothing
+MIN_RELIABLE_SLOPE = 0.5  # [1/s] deficit slope below which finite differences replace the analytic slope
+DEFICIT_MARGIN = 0.002  # [log time] extra time demanded by cutting planes, so that the search ends soon
+MIN_PLANE_SLOPE = 0.1  # [1/s] smallest deficit slope that gives a useful cutting plane
+BINDING_FRACTION = 0.05  # fraction of all multipliers above which a limit counts as binding
 
 
 @dataclass(frozen=True)
 class Bottleneck:
-    """The hinge and limit that a motion meets first."""
+    """Hinge and limit that require more time than available."""
 
     hinge: int
     quantity: Quantity
-    ratio: float  # by which the time is too short
+    ratio: float  # required / requested duration
 
 
 @dataclass(frozen=True, eq=False)
 class Infeasibility:
-    """How much time a segment lacks, and where; of one that does not, it may be known by no more than a bound.
+    """Time deficit of a segment with its gradient, or an upper bound.
 
-    Then the amount is the bound, slopes are 0, and no limit binds.
+    For a bound, the amount is the bound, slopes are 0, and no limit binds.
     """
 
-    amount: float  # of the logarithm of their time; negative where there is some to spare
+    amount: float  # [log time]; negative if there is spare time
     slopes: Floats  # (m + 2,) [1/s] of the amount over the times of start, keys and end
-    binding: tuple[Quantity | None, ...]  # (m + 1,) the limit that binds most in each gap
+    binding: tuple[Quantity | None, ...]  # (m + 1,) most binding limit of each gap
     controls: Floats  # (k + 3,) [rad] control points of the motion that exceeds the limits least
-    programs: int = 1  # that were solved
+    programs: int = 1  # number of solved programs
 
 
-def guess_share(segment: SplineSegment, limits: Limits) -> float:
-    """Guesses cheaply: the largest share of any limit on the smoothest way through the keys of a segment."""
-    if segment.still:
+def estimate_limit_ratio(segment: SplineSegment, limits: Limits) -> float:
+    """Estimate a segment's largest limit ratio from its smoothest motion."""
+    if segment.is_still:
         return 0.0
-    return segment.grid.largest(smoothest(segment), limits, segment.hinge)
+    return segment.grid.largest_limit_ratio(smoothest(segment), limits, segment.hinge)
 
 
-def measure_shortage(
+def measure_time_deficit(
     segment: SplineSegment, limits: Limits, *, target: float | None = None, max_work: float = np.inf
 ) -> Infeasibility | None:
-    """Measure the time that a segment lacks.
+    """Measure the additional time that a segment needs, as log ratio.
 
     Args:
-        segment: whose keys are to be passed.
+        segment: with the keys to be passed.
         limits: of all hinges.
-        target: amount below which a bound on it does; None: it is asked for exactly.
-        max_work: pieces that all programs together may have.
+        target: amount below which an upper bound suffices; None: always exact.
+        max_work: largest number of knot intervals of all programs together.
 
     Returns:
-        None when the program cannot be solved, or the programs would have more pieces than `max_work`.
+        None if the program cannot be solved, or the programs would have more knot intervals than `max_work`.
     """
-    found = None if segment.grid.pieces > max_work else _least(segment, limits, target)
-    if found is None:
+    relaxation = None if segment.grid.pieces > max_work else _relax(segment, limits, target)
+    if relaxation is None:
         return None
-    if found.bound:
-        amount = found.amount if target is None else min(found.amount, target)  # its logarithm may be an ulp more
-        return Infeasibility(amount, np.zeros(len(segment.marks)), (None,) * len(found.binding), found.controls)
-    slopes, programs = _slopes(segment, found), 1
-    if found.amount > SPARE and (abs(slopes.sum()) > UNEVEN * np.abs(slopes).sum() or np.abs(slopes).max() < FLAT):
-        beside = [key for key, pair in enumerate(pairwise(found.binding)) if pair != (None, None)]
-        programs += len(beside)
+    if relaxation.is_bound:
+        amount = relaxation.amount if target is None else min(relaxation.amount, target)  # the log rounds up by an ulp
+        no_limits = (None,) * len(relaxation.binding)
+        return Infeasibility(amount, np.zeros(len(segment.marks)), no_limits, relaxation.controls)
+    slopes, programs = _compute_slopes(segment, relaxation), 1
+    if relaxation.amount > MIN_SLOPE_DEFICIT and (
+        abs(slopes.sum()) > MAX_SLOPE_IMBALANCE * np.abs(slopes).sum() or np.abs(slopes).max() < MIN_RELIABLE_SLOPE
+    ):
+        affected = [key for key, pair in enumerate(pairwise(relaxation.binding)) if pair != (None, None)]
+        programs += len(affected)
         if programs * segment.grid.pieces > max_work:
             return None
-        for key in beside:
-            slopes[key + 1] = _difference(segment, limits, key, found.amount)
+        for key in affected:
+            slopes[key + 1] = _compute_difference(segment, limits, key, relaxation.amount)
     total = float(np.abs(slopes).sum())
-    even = slopes - slopes.sum() * np.abs(slopes) / total if total else slopes
-    return Infeasibility(found.amount, even, found.binding, found.controls, programs)
+    balanced = slopes - slopes.sum() * np.abs(slopes) / total if total else slopes
+    return Infeasibility(relaxation.amount, balanced, relaxation.binding, relaxation.controls, programs)
 
 
-def planes_before(segment: SplineSegment, found: Infeasibility, times: Floats) -> list[CuttingPlane]:
-    """Finds planes before key times (m,) [s] that are too short for a segment: its shortage, linearised.
+def make_cutting_planes(segment: SplineSegment, deficit: Infeasibility, times: Floats) -> list[CuttingPlane]:
+    """Return cutting planes that exclude infeasible key times (m,) [s].
 
-    At a kink, where there is no direction, each gap in which a limit binds grows instead.
+    At a kink, where the gradient is no direction, each gap with a binding limit grows instead.
     """
-    amount = max(found.amount, 0.0) + MARGIN
-    if np.abs(found.slopes).max() > KINK:
-        slopes = _over_all_keys(segment, found.slopes, len(times))
+    amount = max(deficit.amount, 0.0) + DEFICIT_MARGIN
+    if np.abs(deficit.slopes).max() > MIN_PLANE_SLOPE:
+        slopes = _expand_slopes(segment, deficit.slopes, len(times))
         return [CuttingPlane(slopes, float(slopes @ times) - amount)]
     planes = []
-    for k in (k for k, quantity in enumerate(found.binding) if quantity is not None):
+    for k in (k for k, quantity in enumerate(deficit.binding) if quantity is not None):
         gap = np.zeros(len(segment.marks))
         gap[k : k + 2] = 1.0, -1.0
-        slopes = _over_all_keys(segment, gap, len(times))
+        slopes = _expand_slopes(segment, gap, len(times))
         planes.append(CuttingPlane(slopes, float(slopes @ times) * float(np.exp(amount))))
     return planes
 
 
-def short_ways(segment: SplineSegment, found: Infeasibility | None) -> Sequence[Way]:
-    """Lists the ways in which a limit binds; all of the segment where that is not known."""
-    binding = () if found is None else zip(segment.pairs, found.binding, strict=True)
-    return [(segment.hinge, pair) for pair, limit in binding if limit and pair[0] != pair[1]] or segment.ways
+def find_limiting_intervals(segment: SplineSegment, deficit: Infeasibility | None) -> Sequence[KeyInterval]:
+    """Return key intervals with a binding limit, or all if unknown."""
+    binding = () if deficit is None else zip(segment.pairs, deficit.binding, strict=True)
+    return [(segment.hinge, pair) for pair, limit in binding if limit and pair[0] != pair[1]] or segment.key_intervals
 
 
-def _over_all_keys(segment: SplineSegment, slopes: Floats, count: int) -> Floats:
-    """(count,) over all key times, from (m + 2,) over start, keys and end of a segment."""
-    spread = np.zeros(count)
+def find_bottlenecks(segment: SplineSegment, deficit: Infeasibility | None) -> list[tuple[Pair, Bottleneck]]:
+    """Return the binding limit of each key interval in a segment."""
+    if deficit is None:
+        return []
+    ratio = float(np.exp(deficit.amount))
+    limits = zip(segment.pairs, deficit.binding, strict=True)
+    return [(pair, Bottleneck(segment.hinge, limit, ratio)) for pair, limit in limits if limit and pair[0] != pair[1]]
+
+
+def find_velocity_bottlenecks(
+    keys: Keys, limits: Limits, velocity_durations: IntervalDurations
+) -> Iterator[tuple[Pair, Bottleneck]]:
+    """Yield a bottleneck for each key interval shorter than at full velocity."""
+    times = keys.requested_times.tolist()
+    for (hinge, pair), duration in velocity_durations.items():
+        requested = max(times[pair[1]] - times[pair[0]], keys.gaps[pair])
+        if duration > requested + TIME_TOLERANCE:
+            is_velocity_bound = limits.speed[hinge] <= limits.duty[hinge] / limits.viscous[hinge]
+            yield pair, Bottleneck(hinge, "speed" if is_velocity_bound else "duty", duration / requested)
+
+
+def _expand_slopes(segment: SplineSegment, slopes: Floats, count: int) -> Floats:
+    """Map a segment's gradient to the key times of the whole motion."""
+    expanded = np.zeros(count)
     for marks, slope in zip(segment.marks, slopes, strict=True):
-        spread[list(marks)] += slope / len(marks)
-    return spread
+        expanded[list(marks)] += slope / len(marks)
+    return expanded
 
 
 @dataclass(frozen=True, eq=False)
-class _Least:
-    """The least relaxation of a segment's limits."""
+class _LogRelaxation:
+    """Least relaxation of a segment's limits in log time, with its solution."""
 
     controls: Floats  # (k + 3,) [rad]
-    amount: float  # of the logarithm of the time
-    pulls: Floats  # multipliers of what is fixed, of the amount
+    amount: float  # [log time]
+    multipliers: Floats  # of the fixed equations, with respect to the amount
     binding: tuple[Quantity | None, ...]
-    bound: bool  # the amount is no more than that, which did
+    is_bound: bool  # whether the amount is only an upper bound, below the target
 
 
-def _least(segment: SplineSegment, limits: Limits, target: float | None = None) -> _Least | None:
+def _relax(segment: SplineSegment, limits: Limits, target: float | None = None) -> _LogRelaxation | None:
     lowest = -np.inf if target is None else float(np.expm1(2 * target) / 2)
-    grid, found = segment.grid, relax_limits(segment, limits, easy=EASY, target=lowest)
-    if found is None:
+    grid, relaxation = segment.grid, relax_limits(segment, limits, easy=EASY_DEFICIT, target=lowest)
+    if relaxation is None:
         return None
     free = grid.free_rows
     gaps = np.searchsorted(segment.places, free.places)
-    return _Least(
-        found.controls,
-        float(np.log1p(2 * found.amount) / 2),
-        found.ties / (1 + 2 * found.amount),
-        _binding(gaps, free.kinds, found.pulls * free.powers, len(segment.places) + 1),
-        found.amount <= lowest,
+    return _LogRelaxation(
+        relaxation.controls,
+        float(np.log1p(2 * relaxation.amount) / 2),
+        relaxation.fixed_multipliers / (1 + 2 * relaxation.amount),
+        _find_binding_limits(gaps, free.kinds, relaxation.limit_multipliers * free.powers, len(segment.places) + 1),
+        relaxation.amount <= lowest,
     )
 
 
-def _slopes(segment: SplineSegment, found: _Least) -> Floats:
-    """(m + 2,) [1/s] change of the amount when start, keys and end move in time, by the multipliers of what is fixed.
+def _compute_slopes(segment: SplineSegment, relaxation: _LogRelaxation) -> Floats:
+    """Return the gradient of the deficit with respect to key times [1/s].
 
-    A key that comes later asks for an angle less by the speed there; a rest that comes later asks for an acceleration
-    less by the jerk there.
+    Of shape (m + 2,) for start, keys and end, from the multipliers of the fixed equations.
     """
     step, count, places = segment.grid.step, len(segment.places), segment.places
-    controls, pulls = found.controls, found.pulls
-    first, shares = spline_weights(places, segment.grid.pieces, 1)
-    speeds = np.sum((np.diff(controls) / step)[first[:, None] + np.arange(3)] * shares, axis=1)
-    slopes = np.array([0.0, *(pulls[:count] * speeds), 0.0])
-    start, end, last = pulls[count : count + 3], pulls[count + 3 :], controls[-4:]
+    controls, multipliers = relaxation.controls, relaxation.multipliers
+    first, weights = spline_weights(places, segment.grid.pieces, 1)
+    velocities = np.sum((np.diff(controls) / step)[first[:, None] + np.arange(3)] * weights, axis=1)
+    slopes = np.array([0.0, *(multipliers[:count] * velocities), 0.0])
+    start, end, last = multipliers[count : count + 3], multipliers[count + 3 :], controls[-4:]
     if segment.rests_early:
-        end, last, slopes[-2] = np.append(pulls[count - 1], end)[:3], controls[-5:-1], 0.0
+        end, last, slopes[-2] = np.append(multipliers[count - 1], end)[:3], controls[-5:-1], 0.0
     jerks = np.array([controls[:4], last]) @ [-1.0, 3.0, -3.0, 1.0] / step**3
-    slopes[[0, -1]] = np.stack([start, end]) @ ACCELERATING * step**2 * jerks
+    slopes[[0, -1]] = np.stack([start, end]) @ ACCELERATION_CONTROLS * step**2 * jerks
     return slopes
 
 
-def _difference(segment: SplineSegment, limits: Limits, key: int, amount: float) -> float:
-    """[1/s] change of the amount when a key moves by a step; for corridors, which move with their keys unseen."""
+def _compute_difference(segment: SplineSegment, limits: Limits, key: int, amount: float) -> float:
+    """Compute one key's slope of the deficit by finite differences [1/s]."""
     ends = np.array([0.0, *segment.places, float(segment.grid.pieces)])
     step = 1.0 if ends[key + 2] - ends[key + 1] > 3.0 else -1.0
     moved = replace(segment, places=segment.places + step * (np.arange(len(segment.places)) == key))
-    found = _least(moved, limits)
-    return 0.0 if found is None else (found.amount - amount) / (step * segment.grid.step)
+    relaxation = _relax(moved, limits)
+    return 0.0 if relaxation is None else (relaxation.amount - amount) / (step * segment.grid.step)
 
 
-def _binding(gaps: np.ndarray, kinds: np.ndarray, pulls: Floats, count: int) -> tuple[Quantity | None, ...]:
-    """(m + 1,) the limit with the largest sum of multipliers in each gap."""
+def _find_binding_limits(
+    gaps: np.ndarray, kinds: np.ndarray, multipliers: Floats, count: int
+) -> tuple[Quantity | None, ...]:
+    """Return the binding limit of each gap between keys, if any.
+
+    One entry for each of m + 1 gaps.
+    """
     sums = np.zeros((4, count))
-    np.add.at(sums, (kinds, gaps), pulls)
-    notable = sums.max(axis=0) >= NOTABLE * sums.sum()
-    return tuple(QUANTITIES[k] if binds else None for k, binds in zip(sums.argmax(axis=0), notable, strict=True))
+    np.add.at(sums, (kinds, gaps), multipliers)
+    is_significant = sums.max(axis=0) >= BINDING_FRACTION * sums.sum()
+    return tuple(
+        LIMIT_QUANTITIES[k] if binds else None for k, binds in zip(sums.argmax(axis=0), is_significant, strict=True)
+    )

@@ -1,7 +1,7 @@
-"""Remembers the cutting planes of one search of key times for the next: a block is planned again with few other keys.
+"""Storage of cutting planes for later key-time searches.
 
-What a hinge lacks hangs on the angles of its own keys, the times between them, and its limits alone. So a plane holds
-wherever the hinge passes the same keys again, under the same limits or tighter ones, whatever all others do.
+The time deficit of a hinge depends only on its keys, the times between them, and its limits. A plane is therefore valid
+wherever the hinge passes the same keys under the same or tighter limits, independent of all other hinges.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,150 +15,160 @@ from kinesic.motion.infeasibility import Bottleneck
 from kinesic.motion.key_time_lp import CuttingPlane
 from kinesic.motion.keys import Keys, Pair, Sync
 
-KeyMark = tuple[tuple[Sync, ...], float]  # sync points that fall on a key of a hinge, and its angle there [rad]
-Cuts = Mapping[int, Sequence[CuttingPlane]]  # of each hinge
+KeyMark = tuple[tuple[Sync, ...], float]  # sync points at a key of a hinge, and its angle there [rad]
+Planes = Mapping[int, Sequence[CuttingPlane]]  # by hinge
 
-SLIGHT = 1e-4  # share of the steepest slope below which a plane is not about a key
-TIGHT = 0.002  # share of the time by which times keep a plane that holds them back
-MOST_PLANES = 200  # planes that are remembered
-GROWING = ("speed", "acceleration", "jerk", "duty")  # limits within which a plane holds under smaller ones, too
+SLOPE_TOLERANCE = 1e-4  # slope / steepest slope below which a cutting plane ignores a key
+ACTIVE_SLACK = 0.002  # [log time] slack below which a cutting plane counts as active
+MAX_STORED_PLANES = 200  # cutting planes kept between searches
+MONOTONE_LIMITS = ("speed", "acceleration", "jerk", "duty")  # limits that may be lower where a stored plane is applied
 
 
 @dataclass(frozen=True, eq=False)
-class _KnownPlane:
-    """A plane over keys of a hinge that follow one another, in any motion that has them."""
+class _StoredPlane:
+    """Stored cutting plane over a hinge's successive keys, reusable in other motions."""
 
     hinge: int
-    marks: tuple[KeyMark, ...]  # the keys, with one more on either side, between which the hinge may swing
+    marks: tuple[KeyMark, ...]  # its keys, and one more on either side
     slopes: Floats  # (k,) [1/s] over their times
     bound: float
     limits: Limits  # of the hinge
-    met: tuple[tuple[Pair, Bottleneck], ...]  # what was too fast between which of the keys
-    reaches: tuple[bool, bool]  # whether it is about the first, and the last key of the motion for which it was found
-    spare: float = 0.0  # share of the time by which the times that were found last keep it
+    bottlenecks: tuple[tuple[Pair, Bottleneck], ...]  # by pair of keys
+    reaches: tuple[bool, bool]  # whether it involves the first, and the last key of its motion
+    slack: float = 0.0  # [log time] at the key times found last
 
-    def of(self, hinge: int) -> "_KnownPlane":
-        """The same plane where its hinge has another number."""
-        met = tuple((pair, replace(found, hinge=hinge)) for pair, found in self.met)
-        return replace(self, hinge=hinge, met=met)
+    def of(self, hinge: int) -> "_StoredPlane":
+        """Return the same plane for another hinge index."""
+        bottlenecks = tuple((pair, replace(bottleneck, hinge=hinge)) for pair, bottleneck in self.bottlenecks)
+        return replace(self, hinge=hinge, bottlenecks=bottlenecks)
 
-    def holds(self, limits: Limits) -> bool:
-        """Whether it holds under other limits of the hinge."""
-        own, others = vars(self.limits), vars(limits)
-        return all(others[name] <= own[name] if name in GROWING else others[name] == own[name] for name in own)
+    def is_valid(self, limits: Limits) -> bool:
+        """Return whether the cutting plane also holds for the given motion limits."""
+        stored, others = vars(self.limits), vars(limits)
+        return all(
+            others[name] <= stored[name] if name in MONOTONE_LIMITS else others[name] == stored[name] for name in stored
+        )
 
 
 class PlaneMemory:
-    """The planes of the last searches, with which the next one begins."""
+    """Cutting planes of earlier searches, applied to later ones."""
 
     def __init__(self) -> None:
-        """Nothing is known yet."""
-        self._planes: list[_KnownPlane] = []
-        self._recalled: list[tuple[CuttingPlane, _KnownPlane]] = []
+        """Create the storage without any cutting planes."""
+        self._planes: list[_StoredPlane] = []
+        self._recalled: list[tuple[CuttingPlane, _StoredPlane]] = []
 
     def part(self, hinges: Sequence[int]) -> "PlaneMemory":
-        """Copies what is known of some hinges, for a search of other keys, which numbers them from 0.
+        """Copy the active planes of some hinges, renumbered from 0.
 
-        Of planes only those that hold back the times which were found: shortage is nearly convex alone, so that others,
-        from farther away, may cut off times that would do.
+        Only planes that are active at the resulting times: the deficit is only nearly convex, so that planes from
+        farther away may exclude feasible times.
         """
-        found, number = PlaneMemory(), {hinge: k for k, hinge in enumerate(hinges)}
-        own = (plane for plane in self._planes if plane.hinge in number and plane.spare < TIGHT)
-        found._planes = [plane.of(number[plane.hinge]) for plane in own]
-        return found
+        copy, numbers = PlaneMemory(), {hinge: k for k, hinge in enumerate(hinges)}
+        active = (plane for plane in self._planes if plane.hinge in numbers and plane.slack < ACTIVE_SLACK)
+        copy._planes = [plane.of(numbers[plane.hinge]) for plane in active]
+        return copy
 
     def learn(self, other: "PlaneMemory", hinges: Sequence[int], whole: tuple[bool, bool]) -> None:
-        """Takes over what a search of some hinges alone has left, in place of what was known of them.
+        """Replace the planes of some hinges by those of a partial search.
 
-        A hinge rests at the first and the last key of its motion: what was found about these does not hold where there
-        are others before, or after them.
+        A hinge rests at the first and the last key of its motion. Planes that involve these keys are therefore not
+        valid where the whole motion has keys before or after them.
 
         Args:
-            other: what it has left.
-            hinges: that it numbers from 0.
-            whole: whether its motion began with the first key of all, and ended with the last one.
+            other: memory of the partial search.
+            hinges: of the partial search, which numbers them from 0.
+            whole: whether its motion begins with the very first key, and ends with the very last one.
         """
-        begun, ended = whole
-        found = [
+        has_start, has_end = whole
+        learned = [
             plane.of(hinges[plane.hinge])
             for plane in other._planes
-            if (begun or not plane.reaches[0]) and (ended or not plane.reaches[1])
+            if (has_start or not plane.reaches[0]) and (has_end or not plane.reaches[1])
         ]
         others = [plane for plane in self._planes if plane.hinge not in hinges]
-        self._planes = [*found, *others][:MOST_PLANES]
+        self._planes = [*learned, *others][:MAX_STORED_PLANES]
 
-    def keep(self, keys: Keys, limits: Limits, cuts: Cuts, met: Mapping[Pair, Bottleneck], times: Floats) -> None:
-        """Learns the planes that a search ends with, and forgets those that it was given and did without.
+    def store(
+        self, keys: Keys, limits: Limits, planes: Planes, bottlenecks: Mapping[Pair, Bottleneck], times: Floats
+    ) -> None:
+        """Store a finished search's planes and drop unused ones.
 
         Args:
             keys: of the search.
             limits: of all hinges.
-            cuts: the planes, over the times of all keys.
-            met: what was too fast between which keys.
-            times: (m,) [s] of all keys, with which it ends.
+            planes: over the times of all keys.
+            bottlenecks: by pair of keys.
+            times: (m,) [s] resulting times of all keys.
         """
-        known = {id(cut): plane for cut, plane in self._recalled}
-        found = [
+        recalled = {id(plane): stored for plane, stored in self._recalled}
+        used = [
             replace(
-                known.get(id(cut)) or _portable(cut, hinge, keys, limits, met),
-                spare=float(cut.bound - cut.slopes @ times),
+                recalled.get(id(plane)) or _make_portable(plane, hinge, keys, limits, bottlenecks),
+                slack=float(plane.bound - plane.slopes @ times),
             )
-            for hinge, own in cuts.items()
-            for cut in own
+            for hinge, hinge_planes in planes.items()
+            for plane in hinge_planes
         ]
-        forgotten = {id(plane) for plane in known.values()}
-        others = [plane for plane in self._planes if id(plane) not in forgotten]
-        self._planes, self._recalled = [*found, *others][:MOST_PLANES], []
+        replaced = {id(stored) for stored in recalled.values()}
+        others = [stored for stored in self._planes if id(stored) not in replaced]
+        self._planes, self._recalled = [*used, *others][:MAX_STORED_PLANES], []
 
     def recall(self, keys: Keys, limits: Limits) -> tuple[dict[int, list[CuttingPlane]], dict[Pair, Bottleneck]]:
-        """Finds the planes of each hinge that hold for other keys, and what is too fast between these as asked.
+        """Return stored planes that are valid for other keys, with bottlenecks.
 
         Args:
-            keys: that are sought again.
+            keys: of the next search.
             limits: of all hinges.
         """
-        cuts: dict[int, list[CuttingPlane]] = {}
-        met: dict[Pair, Bottleneck] = {}
+        planes: dict[int, list[CuttingPlane]] = {}
+        bottlenecks: dict[Pair, Bottleneck] = {}
         hinges = {plane.hinge for plane in self._planes}
-        marks = {hinge: _marks(keys, hinge, keys.own[hinge]) for hinge in hinges}
-        parts = {hinge: limits.part(np.array([hinge])) for hinge in hinges}
+        marks = {hinge: _mark_keys(keys, hinge, keys.exact_rows[hinge]) for hinge in hinges}
+        hinge_limits = {hinge: limits.part(np.array([hinge])) for hinge in hinges}
         self._recalled = []
-        for plane in self._planes:
-            own, here, count = keys.own[plane.hinge], marks[plane.hinge], len(plane.marks)
-            first = next((k for k in range(len(own) - count + 1) if here[k : k + count] == plane.marks), None)
-            if first is None or not plane.holds(parts[plane.hinge]):
+        for stored in self._planes:
+            hinge_rows, hinge_marks, count = keys.exact_rows[stored.hinge], marks[stored.hinge], len(stored.marks)
+            starts = range(len(hinge_rows) - count + 1)
+            first = next((k for k in starts if hinge_marks[k : k + count] == stored.marks), None)
+            if first is None or not stored.is_valid(hinge_limits[stored.hinge]):
                 continue
-            rows = own[first : first + count]
-            slopes = np.zeros(len(keys.asked))
-            slopes[rows] = plane.slopes
-            cut = CuttingPlane(slopes, plane.bound)
-            cuts.setdefault(plane.hinge, []).append(cut)
-            self._recalled.append((cut, plane))
-            if slopes @ keys.asked > plane.bound:
-                met |= {(rows[i], rows[j]): found for (i, j), found in plane.met}
-        return cuts, met
+            rows = hinge_rows[first : first + count]
+            slopes = np.zeros(len(keys.requested_times))
+            slopes[rows] = stored.slopes
+            plane = CuttingPlane(slopes, stored.bound)
+            planes.setdefault(stored.hinge, []).append(plane)
+            self._recalled.append((plane, stored))
+            if slopes @ keys.requested_times > stored.bound:
+                bottlenecks |= {(rows[i], rows[j]): bottleneck for (i, j), bottleneck in stored.bottlenecks}
+        return planes, bottlenecks
 
 
-def _marks(keys: Keys, hinge: int, rows: Sequence[int]) -> tuple[KeyMark, ...]:
+def _mark_keys(keys: Keys, hinge: int, rows: Sequence[int]) -> tuple[KeyMark, ...]:
     return tuple((keys.syncs[row], float(keys.angles[row, hinge])) for row in rows)
 
 
-def _portable(cut: CuttingPlane, hinge: int, keys: Keys, limits: Limits, met: Mapping[Pair, Bottleneck]) -> _KnownPlane:
-    """A plane over the times of all keys, as one over those that it is about."""
-    own = keys.own[hinge]
-    slopes = cut.slopes[own]
-    about = np.flatnonzero(np.abs(slopes) > SLIGHT * np.abs(slopes).max())
-    first, last = int(about[0]), int(about[-1])
-    slopes[first] += slopes[:first].sum()  # so that they still change nothing when all keys move together
+def _make_portable(
+    plane: CuttingPlane, hinge: int, keys: Keys, limits: Limits, bottlenecks: Mapping[Pair, Bottleneck]
+) -> _StoredPlane:
+    """Reduce a plane over all key times to its own keys."""
+    hinge_rows = keys.exact_rows[hinge]
+    slopes = plane.slopes[hinge_rows]
+    involved = np.flatnonzero(np.abs(slopes) > SLOPE_TOLERANCE * np.abs(slopes).max())
+    first, last = int(involved[0]), int(involved[-1])
+    slopes[first] += slopes[:first].sum()  # so that the sum stays 0: a common shift of all keys changes nothing
     slopes[last] += slopes[last + 1 :].sum()
     slopes[:first] = slopes[last + 1 :] = 0.0
-    wide = slice(max(first - 1, 0), last + 2)
-    rows, part = own[wide], limits.part(np.array([hinge]))
-    place = {row: k for k, row in enumerate(rows)}
-    within = [
-        ((place[i], place[j]), found)
-        for (i, j), found in met.items()
-        if found.hinge == hinge and i in place and j in place
+    with_neighbours = slice(max(first - 1, 0), last + 2)
+    rows, hinge_limits = hinge_rows[with_neighbours], limits.part(np.array([hinge]))
+    index = {row: k for k, row in enumerate(rows)}
+    of_hinge = [
+        ((index[i], index[j]), bottleneck)
+        for (i, j), bottleneck in bottlenecks.items()
+        if bottleneck.hinge == hinge and i in index and j in index
     ]
-    reaches = first == 0, last == len(own) - 1
-    return _KnownPlane(hinge, _marks(keys, hinge, rows), sealed(slopes[wide]), cut.bound, part, tuple(within), reaches)
+    reaches = first == 0, last == len(hinge_rows) - 1
+    marks = _mark_keys(keys, hinge, rows)
+    return _StoredPlane(
+        hinge, marks, sealed(slopes[with_neighbours]), plane.bound, hinge_limits, tuple(of_hinge), reaches
+    )

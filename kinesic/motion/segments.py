@@ -1,4 +1,4 @@
-"""Cuts the motion of each hinge where it rests; what lies between two rests is a problem of its own."""
+"""Segments: each hinge's motion between two successive rests."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -12,79 +12,90 @@ import scipy
 from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.bspline import Grid, Indices, grid
-from kinesic.motion.keys import HOLD, Keys, Pair
-from kinesic.motion.trajectory import STEP, spline_weights
+from kinesic.motion.keys import HOLD_TOLERANCE, Keys, Pair
+from kinesic.motion.trajectory import KNOT_INTERVAL, spline_weights
 
-SWING = 0.1  # of a way, beyond which a hinge may not swing
-LEAST_SWING = 0.05  # [rad] that it may swing in any case
-NEAR = 2  # steps about a key in which both its gaps count
-LEAST_HOLD = 40  # steps of a hold in whose middle the hinge rests: in shorter ones it may swing back for what follows
-LONG_HOLD = 100  # steps at either end of a longer hold in which a hinge may swing; in between nothing moves
-LEAST = 4  # pieces of a motion
-ROOMY = 2.5  # times as long as a way takes from rest to rest, from which on it may be judged by halves
-SAME = 0.02  # steps: a hinge that comes to rest moves by less than 1e-7 rad in them
-NOWHERE = sealed([])
-STARTS, ENDS = np.eye(3, 4), np.eye(3, 4, 1)  # shares of the first and of the last three control points
+SWING_FRACTION = 0.1  # overshoot allowed at keys, relative to the key interval's angle
+MIN_SWING = 0.05  # [rad] overshoot beyond a key that is always allowed
+KEY_NEIGHBOURHOOD = 2  # [knot intervals] range around a key that belongs to the angle bounds of both gaps
+MIN_HOLD = 40  # [knot intervals] shortest hold that contains a rest; shorter ones may swing back
+LONG_HOLD = 100  # [knot intervals] part of a long hold, at each end, in which the hinge may still move
+MIN_KNOT_INTERVALS = 4  # smallest number of knot intervals of a motion
+AMPLE_TIME_FACTOR = 2.5  # multiple of the rest-to-rest duration above which a key interval is split
+PLACE_TOLERANCE = 0.02  # [knot intervals] time before a rest in which a hinge moves less than 1e-7 rad
+NO_KNOT_POSITIONS = sealed([])  # empty key positions of a segment without inner keys
+START_WEIGHTS = np.eye(3, 4)  # weights of the first three control points
+END_WEIGHTS = np.eye(3, 4, 1)  # weights of the last three control points
 
 
-class Cut(NamedTuple):
-    """Where a hinge rests."""
+class RestPoint(NamedTuple):
+    """Knot at which a hinge rests, so that its motion is split."""
 
     knot: int
-    before: int  # the last of its own keys before; -1: none
+    before: int  # index of its last exact key before; -1: none
     angle: float  # [rad]
 
 
 @dataclass(frozen=True, eq=False)
 class Fixed:
-    """What is fixed of the control points x of a segment: shares @ x[first : first + 4] = value in each row."""
+    """Linear equations for fixed control points of a segment.
+
+    Each row is weights @ x[first : first + 4] = value.
+    """
 
     first: Indices  # (m,)
-    shares: Floats  # (m, 4)
+    weights: Floats  # (m, 4)
     values: Floats  # (m,) [rad]
     size: int  # n, number of control points
 
     @property
     def matrix(self) -> "scipy.sparse.csr_array":
-        """(m, n) sparse, with as many entries as shares are not 0."""
+        """Sparse coefficient matrix (m, n) of the equations for fixed control points."""
         columns = self.first[:, None] + np.arange(4)
-        kept = self.shares != 0.0
-        starts = np.concatenate([[0], np.cumsum(kept.sum(axis=1))])
-        return scipy.sparse.csr_array((self.shares[kept], columns[kept], starts), shape=(len(self.first), self.size))
+        is_used = self.weights != 0.0
+        starts = np.concatenate([[0], np.cumsum(is_used.sum(axis=1))])
+        return scipy.sparse.csr_array(
+            (self.weights[is_used], columns[is_used], starts), shape=(len(self.first), self.size)
+        )
 
 
 @dataclass(frozen=True, eq=False)
 class SplineSegment:
-    """The motion of one hinge through its keys, begun and ended at rest or in another motion."""
+    """Motion of one hinge between two rests, through its keys."""
 
     hinge: int
-    first: int  # knot at which it begins to move
+    first: int  # knot at which the motion begins
     grid: Grid
     start: float  # [rad]
-    end: float  # [rad] at rest; only about, if it `halts`
-    places: Floats  # (m,) of its keys, in steps from its first knot
+    end: float  # [rad] at rest; approximate if `stops_anywhere`
+    places: Floats  # (m,) knot positions of the keys, in steps from the first knot
     angles: Floats  # (m,) [rad] of its keys
-    marks: tuple[tuple[int, ...], ...] = ()  # (m + 2,) keys in whose middle start, keys and end are
-    entry: tuple[float, ...] | None = None  # [rad] first three control points, where it does not begin at rest
-    exit: tuple[float, ...] | None = None  # [rad] last three control points, where it does not end at rest
-    halts: bool = False  # whether it may come to rest anywhere
-    led: bool = False  # whether a path leads it from one key to the next
+    marks: tuple[tuple[int, ...], ...] = ()  # (m + 2,) keys whose mean times are those of start, keys and end
+    entry: tuple[float, ...] | None = None  # [rad] first three control points; None: at rest
+    exit: tuple[float, ...] | None = None  # [rad] last three control points; None: at rest
+    stops_anywhere: bool = False  # whether the final angle is free
+    has_path: bool = False  # whether a path connects some of its keys
 
     @classmethod
-    def through(cls, keys: Keys, hinge: int, places: Floats, begin: Cut, end: Cut, step: float) -> "SplineSegment":
-        """Takes the keys of a hinge between two cuts: from rest to rest.
+    def through(
+        cls, keys: Keys, hinge: int, places: Floats, begin: RestPoint, end: RestPoint, step: float
+    ) -> "SplineSegment":
+        """Make the segment of a hinge between two rest points.
 
         Args:
             keys: of the whole motion.
-            hinge: whose segment it is.
-            places: (k,) of the hinge's own keys, in steps from the first knot of the motion.
-            begin: where it rests before.
-            end: where it rests after.
+            hinge: index of the hinge.
+            places: (k,) knot positions of the hinge's exact keys, in steps from the first knot of the motion.
+            begin: rest point before.
+            end: rest point after.
             step: [s] of the grid.
         """
-        own, angles, led = keys.own[hinge], keys.angles[keys.own[hinge], hinge], keys.led(hinge)
+        rows, has_path = keys.exact_rows[hinge], keys.has_path(hinge)
+        angles = keys.angles[rows, hinge]
         (first, before, _), (last, after, _) = begin, end
-        inner = [k for k in range(before + 1, after + 1) if first + SAME < places[k] < last - SAME]
+        inner = [
+            k for k in range(before + 1, after + 1) if first + PLACE_TOLERANCE < places[k] < last - PLACE_TOLERANCE
+        ]
         start = max(before, 0)
         return cls(
             hinge,
@@ -94,8 +105,8 @@ class SplineSegment:
             end.angle,
             places[inner] - first,
             angles[inner],
-            (tuple(own[start : before + 2]), *((own[k],) for k in inner), tuple(own[after : after + 2])),
-            led=bool(led[start:after].any()),
+            (tuple(rows[start : before + 2]), *((rows[k],) for k in inner), tuple(rows[after : after + 2])),
+            has_path=bool(has_path[start:after].any()),
         )
 
     @classmethod
@@ -106,14 +117,14 @@ class SplineSegment:
         entry: Floats,
         exit: Floats | None = None,
         *,
-        places: Floats = NOWHERE,
-        angles: Floats = NOWHERE,
+        places: Floats = NO_KNOT_POSITIONS,
+        angles: Floats = NO_KNOT_POSITIONS,
     ) -> "SplineSegment":
-        """Leads from a running motion into another one, or to rest wherever it can.
+        """Make a segment that joins running motion to another, or to rest.
 
         Args:
-            hinge: whose segment it is.
-            pieces: of the segment.
+            hinge: index of the hinge.
+            pieces: number of knot intervals.
             entry: (3,) [rad] control points of the motion that is left.
             exit: (3,) [rad] control points of the motion that is entered; None: rest.
             places: (m,) of keys in between, in steps from the first knot.
@@ -121,109 +132,111 @@ class SplineSegment:
         """
         ends = (tuple(map(float, entry)), None if exit is None else tuple(map(float, exit)))
         start, end = float(entry[1]), float(entry[1] if exit is None else exit[1])
-        return cls(hinge, 0, grid(pieces, STEP), start, end, places, angles, (), *ends, halts=exit is None)
-
-    @property
-    def pairs(self) -> tuple[Pair, ...]:
-        """(m + 1,) the keys about each gap: start, keys, end."""
-        return tuple(pairwise([*(mark[0] for mark in self.marks[:-1]), self.marks[-1][-1]]))
-
-    @cached_property
-    def ways(self) -> tuple[tuple[int, Pair], ...]:
-        """The hinge, with each of these pairs of two different keys."""
-        return tuple((self.hinge, pair) for pair in self.pairs if pair[0] != pair[1])
-
-    @property
-    def still(self) -> bool:
-        """Whether nothing moves."""
-        return (
-            not self.led
-            and self.entry is None
-            and self.exit is None
-            and bool(np.all(np.abs(np.append(self.angles, self.end) - self.start) < HOLD))
+        return cls(
+            hinge, 0, grid(pieces, KNOT_INTERVAL), start, end, places, angles, (), *ends, stops_anywhere=exit is None
         )
 
     @property
-    def turns(self) -> int:
-        """Number of keys at which the hinge turns back."""
-        ways = np.diff([self.start, *self.angles, self.end])
-        moving = ways[np.abs(ways) > HOLD]
+    def pairs(self) -> tuple[Pair, ...]:
+        """Successive key pairs of the segment, start to end, (m + 1,)."""
+        return tuple(pairwise([*(mark[0] for mark in self.marks[:-1]), self.marks[-1][-1]]))
+
+    @cached_property
+    def key_intervals(self) -> tuple[tuple[int, Pair], ...]:
+        """Key intervals of the segment, as (hinge, key pair)."""
+        return tuple((self.hinge, pair) for pair in self.pairs if pair[0] != pair[1])
+
+    @property
+    def is_still(self) -> bool:
+        """Whether the hinge does not move."""
+        return (
+            not self.has_path
+            and self.entry is None
+            and self.exit is None
+            and bool(np.all(np.abs(np.append(self.angles, self.end) - self.start) < HOLD_TOLERANCE))
+        )
+
+    @property
+    def reversals(self) -> int:
+        """Number of keys at which the hinge reverses."""
+        rotations = np.diff([self.start, *self.angles, self.end])
+        moving = rotations[np.abs(rotations) > HOLD_TOLERANCE]
         return int(np.sum(moving[1:] * moving[:-1] < 0.0))
 
     @property
     def rests_early(self) -> bool:
-        """Whether the last key lies in the last piece, from where on the hinge rests."""
+        """Whether the hinge reaches its last key before the segment's last knot."""
         return self.exit is None and len(self.places) > 0 and bool(self.places[-1] > self.grid.pieces - 1)
 
     def within(self, other: "SplineSegment") -> bool:
-        """Whether it is the motion of the same hinge during a part of another segment, or all of it."""
+        """Return whether the segment lies within another of the same hinge."""
         last, end = self.first + self.grid.pieces, other.first + other.grid.pieces
         return self.hinge == other.hinge and other.first <= self.first and last <= end
 
     @property
     def knots(self) -> slice:
-        """Slice of the knots of the whole motion."""
+        """Knot indices of the segment within the whole motion."""
         return slice(self.first, self.first + self.grid.pieces + 1)
 
     @property
     def controls(self) -> slice:
-        """Slice of the control points of the whole motion."""
+        """Control point indices of the segment within the whole motion."""
         return slice(self.first, self.first + self.grid.size)
 
     def corridor(self, limits: Limits, desired: Floats | None = None) -> tuple[Floats, Floats]:
-        """Bounds the control points: near the keys on both sides, or near a desired motion.
+        """Return the permitted range of control points near keys.
 
-        Without it a hinge that has little time would run up from behind its keys, and swing out after them.
+        Without them a hinge with little time would start behind its keys, and overshoot after them.
 
         Args:
-            limits: whose ranges are kept in any case.
+            limits: of all hinges; the rotation ranges always hold.
             desired: (k + 1,) [rad] at the knots.
 
         Returns:
             (k + 3,) [rad] lowest and highest.
         """
         lowest, highest = limits.lower[self.hinge], limits.upper[self.hinge]
-        if self.entry or self.exit:  # what is under way swings out as far as it must
+        if self.entry or self.exit:  # a running motion may overshoot as far as necessary
             return np.full(self.grid.size, lowest), np.full(self.grid.size, highest)
         ends = np.array([self.start, *self.angles, self.end])
         low, high = np.minimum(ends[:-1], ends[1:]), np.maximum(ends[:-1], ends[1:])
-        swing = np.maximum(SWING * (high - low), LEAST_SWING)
+        swing = np.maximum(SWING_FRACTION * (high - low), MIN_SWING)
         middles = np.arange(self.grid.size) - 1  # where a control point counts most
-        first = np.searchsorted(self.places, middles - NEAR)
-        last = np.searchsorted(self.places, middles + NEAR)
+        first = np.searchsorted(self.places, middles - KEY_NEIGHBOURHOOD)
+        last = np.searchsorted(self.places, middles + KEY_NEIGHBOURHOOD)
         lower, upper = (
             np.minimum((low - swing)[first], (low - swing)[last]),
             np.maximum((high + swing)[first], (high + swing)[last]),
         )
         if desired is not None:
             padded = np.concatenate([desired[:1], desired, desired[-1:]])
-            lower, upper = np.minimum(lower, padded - LEAST_SWING), np.maximum(upper, padded + LEAST_SWING)
+            lower, upper = np.minimum(lower, padded - MIN_SWING), np.maximum(upper, padded + MIN_SWING)
         return np.maximum(lower, lowest), np.minimum(upper, highest)
 
     @cached_property
     def fixed(self) -> Fixed:
-        """What entry, keys and exit fix of the control points.
+        """Equations that fix control points at start, keys and end.
 
-        A key in the last piece is the rest itself: the control point before the rest is as the rest is.
+        A key in the last knot interval is the rest itself: the control point before the rest equals the rest angle.
         """
-        first, shares = spline_weights(self.places, self.grid.pieces)
+        first, weights = spline_weights(self.places, self.grid.pieces)
         if self.rests_early:
-            shares[-1] = [1.0, 0.0, 0.0, 0.0]
+            weights[-1] = [1.0, 0.0, 0.0, 0.0]
         last = self.grid.size - 4
-        ends, end = np.vstack([STARTS, ENDS]), [*(self.exit or [self.end] * 3)]
-        kept = np.full(6, True)
-        if self.halts:  # the last two are as the one before them
-            ends[4:, 1], end, kept[3] = -1.0, [self.end, 0.0, 0.0], False
+        ends, end = np.vstack([START_WEIGHTS, END_WEIGHTS]), [*(self.exit or [self.end] * 3)]
+        is_used = np.full(6, True)
+        if self.stops_anywhere:  # the last two control points equal the one before them
+            ends[4:, 1], end, is_used[3] = -1.0, [self.end, 0.0, 0.0], False
         return Fixed(
-            np.concatenate([first, np.array([0, 0, 0, last, last, last])[kept]]).astype(np.int32),
-            np.vstack([shares, ends[kept]]),
-            np.array([*self.angles, *np.array([*(self.entry or [self.start] * 3), *end])[kept]]),
+            np.concatenate([first, np.array([0, 0, 0, last, last, last])[is_used]]).astype(np.int32),
+            np.vstack([weights, ends[is_used]]),
+            np.array([*self.angles, *np.array([*(self.entry or [self.start] * 3), *end])[is_used]]),
             self.grid.size,
         )
 
 
 def segments(times: Floats, keys: Keys, step: float) -> Iterator[SplineSegment]:
-    """Cuts the motion of all hinges into segments, in order.
+    """Yield the motion segments of all hinges, hinge by hinge.
 
     Args:
         times: (m,) [s] of the keys.
@@ -231,63 +244,64 @@ def segments(times: Floats, keys: Keys, step: float) -> Iterator[SplineSegment]:
         step: [s] of the grid, which begins at the first key.
     """
     places, last = (times - times[0]) / step, pieces(times, step)
-    for hinge, own in enumerate(keys.own):
-        angles, led = keys.angles[own, hinge], keys.led(hinge)
-        for begin, end in pairwise(_from_rest_to_rest(angles, last, _cuts(places[own], angles, led))):
-            yield SplineSegment.through(keys, hinge, places[own], begin, end, step)
+    for hinge, rows in enumerate(keys.exact_rows):
+        angles, has_path = keys.angles[rows, hinge], keys.has_path(hinge)
+        for begin, end in pairwise(_add_ends(angles, last, _find_holds(places[rows], angles, has_path))):
+            yield SplineSegment.through(keys, hinge, places[rows], begin, end, step)
 
 
-def tight_segments(
-    times: Floats, keys: Keys, step: float, rests: Sequence[Floats], hinges: Iterable[int]
+def find_critical_segments(
+    times: Floats, keys: Keys, step: float, rest_durations: Sequence[Floats], hinges: Iterable[int]
 ) -> Iterator[SplineSegment]:
-    """Cuts the motion of some hinges into segments as short as can be, and leaves out those that have time in any case.
+    """Yield the shortest segments, omitting those that are always feasible.
 
-    Where a way has far more time than a hinge needs, it is cut in its middle, too: the two halves are harder to pass
-    than the whole, but by next to nothing. A segment has time where the hinge could rest at each of its keys.
+    A key interval with ample time is also split in its middle: the two halves are hardly harder to pass than the whole.
+    A segment is always feasible if the hinge could rest at each of its keys.
 
     Args:
         times: (m,) [s] of the keys.
         keys: of the motion.
         step: [s] of the grid, which begins at the first key.
-        rests: (g,) [s] of each hinge, in which it gets from rest to rest from one of its keys to the next.
-        hinges: whose motion it is.
+        rest_durations: (g,) [s] rest-to-rest durations of each hinge's key intervals.
+        hinges: indices of the hinges.
     """
     places, last = (times - times[0]) / step, pieces(times, step)
     for hinge in hinges:
-        own = keys.own[hinge]
-        slow = np.diff(places[own]) >= rests[hinge] / step
-        if slow.all():
+        rows, durations = keys.exact_rows[hinge], rest_durations[hinge] / step
+        can_rest = np.diff(places[rows]) >= durations
+        if can_rest.all():
             continue
-        angles, led = keys.angles[own, hinge], keys.led(hinge)
-        cuts = [*_cuts(places[own], angles, led), *_roomy_cuts(places[own], angles, led, rests[hinge] / step)]
-        for begin, end in pairwise(_from_rest_to_rest(angles, last, sorted(cuts))):
-            if not slow[begin.before + 1 : end.before].all():
-                yield SplineSegment.through(keys, hinge, places[own], begin, end, step)
+        angles, has_path = keys.angles[rows, hinge], keys.has_path(hinge)
+        holds = _find_holds(places[rows], angles, has_path)
+        rest_points = sorted([*holds, *_split_ample_intervals(places[rows], angles, has_path, durations)])
+        for begin, end in pairwise(_add_ends(angles, last, rest_points)):
+            if not can_rest[begin.before + 1 : end.before].all():
+                yield SplineSegment.through(keys, hinge, places[rows], begin, end, step)
 
 
-def _from_rest_to_rest(angles: Floats, last: int, cuts: Iterable[Cut]) -> list[Cut]:
-    """Adds the two ends of the motion to the cuts."""
-    return [Cut(0, -1, float(angles[0])), *cuts, Cut(last, len(angles) - 1, float(angles[-1]))]
+def _add_ends(angles: Floats, last: int, rest_points: Iterable[RestPoint]) -> list[RestPoint]:
+    """Add the start and end of the motion to the rest points."""
+    return [RestPoint(0, -1, float(angles[0])), *rest_points, RestPoint(last, len(angles) - 1, float(angles[-1]))]
 
 
 def pieces(times: Floats, step: float) -> int:
-    """Counts the pieces of a grid that spans the keys at (m,) times [s]."""
-    return max(LEAST, int(np.ceil((times[-1] - times[0]) / step - SAME)))
+    """Return the number of knot intervals between first and last key time."""
+    return max(MIN_KNOT_INTERVALS, int(np.ceil((times[-1] - times[0]) / step - PLACE_TOLERANCE)))
 
 
-def _cuts(places: Floats, angles: Floats, led: Flags) -> Iterator[Cut]:
-    """One in the middle of each hold; two in a long one, so that stillness costs nothing."""
-    for k in np.flatnonzero((np.abs(np.diff(angles)) < HOLD) & ~led):
+def _find_holds(places: Floats, angles: Floats, has_path: Flags) -> Iterator[RestPoint]:
+    """Yield a rest point for each hold, two for a long hold."""
+    for k in np.flatnonzero((np.abs(np.diff(angles)) < HOLD_TOLERANCE) & ~has_path):
         begin, end, angle = places[k], places[k + 1], float(angles[k])
-        if end - begin > 2 * LONG_HOLD + LEAST_HOLD:
-            yield Cut(round(begin) + LONG_HOLD, int(k), angle)
-            yield Cut(round(end) - LONG_HOLD, int(k), angle)
-        elif end - begin >= LEAST_HOLD:
-            yield Cut(round((begin + end) / 2), int(k), angle)
+        if end - begin > 2 * LONG_HOLD + MIN_HOLD:
+            yield RestPoint(round(begin) + LONG_HOLD, int(k), angle)
+            yield RestPoint(round(end) - LONG_HOLD, int(k), angle)
+        elif end - begin >= MIN_HOLD:
+            yield RestPoint(round((begin + end) / 2), int(k), angle)
 
 
-def _roomy_cuts(places: Floats, angles: Floats, led: Flags, rests: Floats) -> Iterator[Cut]:
-    """One in the middle of each way with far more time than it takes from rest to rest."""
-    roomy = np.diff(places) >= np.maximum(ROOMY * rests, LEAST_HOLD)
-    for k in np.flatnonzero(roomy & (np.abs(np.diff(angles)) >= HOLD) & ~led):
-        yield Cut(round((places[k] + places[k + 1]) / 2), int(k), float(angles[k] + angles[k + 1]) / 2)
+def _split_ample_intervals(places: Floats, angles: Floats, has_path: Flags, durations: Floats) -> Iterator[RestPoint]:
+    """Yield a rest point in the middle of intervals with ample time."""
+    has_ample_time = np.diff(places) >= np.maximum(AMPLE_TIME_FACTOR * durations, MIN_HOLD)
+    for k in np.flatnonzero(has_ample_time & (np.abs(np.diff(angles)) >= HOLD_TOLERANCE) & ~has_path):
+        yield RestPoint(round((places[k] + places[k + 1]) / 2), int(k), float(angles[k] + angles[k + 1]) / 2)

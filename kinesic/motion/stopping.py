@@ -1,7 +1,7 @@
-"""Stops a running motion in the least time, under the same limits.
+"""Minimum-time stop of a running motion within its limits.
 
-The control points that are in force at the cut are kept, so that angles, speeds and accelerations go on without a step
-and every limit holds across the cut as it does elsewhere. See `merge` for the ways over into another motion.
+The control points that are active at the cut are kept, so that angles, velocities and accelerations stay continuous
+and every limit also holds across the cut. See `merge` for transitions into another motion.
 """
 
 from collections.abc import Callable
@@ -13,17 +13,17 @@ from kinesic.body.limits import Limits
 from kinesic.motion.double_s import least_stop
 from kinesic.motion.segments import SplineSegment
 from kinesic.motion.spline_program import nearest_motion
-from kinesic.motion.trajectory import EARLY, STEP, Trajectory
-from kinesic.motion.transition import FEWEST_PIECES, roomy
+from kinesic.motion.trajectory import KNOT_INTERVAL, KNOT_TOLERANCE, Trajectory
+from kinesic.motion.transition import FEWEST_PIECES, widen_limits
 
 
 def cut_knot(running: Trajectory, time: float) -> int:
-    """Finds the knot at which a motion can be left: the first not before a time [s]."""
-    return int(np.clip(np.ceil((time - running.start) / STEP - EARLY), 0, len(running.controls) - 3))
+    """Return the first knot at or after a time [s]."""
+    return int(np.clip(np.ceil((time - running.start) / KNOT_INTERVAL - KNOT_TOLERANCE), 0, len(running.controls) - 3))
 
 
 def stop(running: Trajectory, time: float, limits: Limits) -> Trajectory:
-    """Stops a motion in the least time, each hinge wherever it comes to rest.
+    """Stop a motion in minimum time, hinge by hinge.
 
     Args:
         running: the motion, within the limits.
@@ -31,45 +31,48 @@ def stop(running: Trajectory, time: float, limits: Limits) -> Trajectory:
         limits: of all hinges.
 
     Returns:
-        The same until the cut, then to rest.
+        The same motion until the cut, then the stop.
     """
-    knot, room = cut_knot(running, time), roomy(limits)
-    _, speeds, accelerations = running.sample(np.array([running.start + knot * STEP]))
-    least = least_stop(speeds[0], accelerations[0], room.acceleration, room.jerk) / STEP
-    ways = enumerate(zip(running.controls[knot:].T, least, strict=True))
-    tails = [_halt(hinge, own, int(pieces), room) for hinge, (own, pieces) in ways]
-    length = max(4 - knot, *(len(tail) for tail in tails))  # one piece at least
+    knot, widened = cut_knot(running, time), widen_limits(limits)
+    _, speeds, accelerations = running.sample(np.array([running.start + knot * KNOT_INTERVAL]))
+    min_intervals = least_stop(speeds[0], accelerations[0], widened.acceleration, widened.jerk) / KNOT_INTERVAL
+    columns = enumerate(zip(running.controls[knot:].T, min_intervals, strict=True))
+    tails = [_stop_hinge(hinge, controls, int(count), widened) for hinge, (controls, count) in columns]
+    length = max(4 - knot, *(len(tail) for tail in tails))  # at least one knot interval
     whole = np.stack([np.append(tail, np.full(length - len(tail), tail[-1])) for tail in tails], axis=1)
     return Trajectory(sealed(np.vstack([running.controls[:knot], whole])), running.zero, running.start)
 
 
-def _halt(hinge: int, own: Floats, least: int, limits: Limits) -> Floats:
-    """Control points of the shortest way to rest in at least so many pieces; at worst its own way (k + 3,)."""
-    if np.ptp(own[:3]) == 0.0:
-        return own[:3]
+def _stop_hinge(hinge: int, controls: Floats, min_intervals: int, limits: Limits) -> Floats:
+    """Return a hinge's shortest stop, or its unchanged control points."""
+    if np.ptp(controls[:3]) == 0.0:
+        return controls[:3]
 
-    def way(more: int) -> Floats | None:
-        pieces = max(FEWEST_PIECES, least) + more
-        halt = SplineSegment.between(hinge, pieces, own[:3])
-        return nearest_motion(halt, np.full(pieces + 1, float(own[1])), limits)
+    def solve(extra: int) -> Floats | None:
+        pieces = max(FEWEST_PIECES, min_intervals) + extra
+        segment = SplineSegment.between(hinge, pieces, controls[:3])
+        return nearest_motion(segment, np.full(pieces + 1, float(controls[1])), limits)
 
-    found = _first(way, len(own) - 3 - max(FEWEST_PIECES, least))
-    return own if found is None else found[1]
+    shortest = _find_shortest(solve, len(controls) - 3 - max(FEWEST_PIECES, min_intervals))
+    return controls if shortest is None else shortest[1]
 
 
-def _first(way: Callable[[int], Floats | None], most: int) -> tuple[int, Floats] | None:
-    """Least number of further pieces with which there is a way: doubled until there is one, then halved back."""
-    low, high, found = -1, 0, way(0)
-    while found is None:
+def _find_shortest(solve: Callable[[int], Floats | None], max_extra: int) -> tuple[int, Floats] | None:
+    """Return the fewest extra knot intervals that permit a stop, with solution.
+
+    The number is doubled until there is one, then bisected.
+    """
+    low, high, solution = -1, 0, solve(0)
+    while solution is None:
         low, high = high, 2 * high + 1
-        if high > most:
+        if high > max_extra:
             return None
-        found = way(high)
+        solution = solve(high)
     while high - low > 1:
         middle = (low + high) // 2
-        shorter = way(middle)
+        shorter = solve(middle)
         if shorter is None:
             low = middle
         else:
-            high, found = middle, shorter
-    return high, found
+            high, solution = middle, shorter
+    return high, solution

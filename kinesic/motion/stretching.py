@@ -1,7 +1,7 @@
-"""Stretches key times until every short segment has a motion: one linear program about the last times after the other.
+"""Stretching of key times by a sequence of linear programs.
 
-Each program is exact to first order only. Where a segment falls short of what it was promised, more is reserved for
-it; where a step makes things worse, the next one is smaller.
+Each program is exact to first order only. If a segment remains infeasible, its time reserve grows. If a step makes the
+result worse, the next step is smaller.
 """
 
 from collections.abc import Callable, Sequence
@@ -11,109 +11,109 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.body.limits import Limits
-from kinesic.motion.budget import ENDLESS, Budget
+from kinesic.motion.budget import UNLIMITED_BUDGET, Budget
 from kinesic.motion.infeasibility import Infeasibility
-from kinesic.motion.key_time_lp import KeyTimeProblem, relax_key_times, strain
+from kinesic.motion.key_time_lp import KeyTimeProblem, shift_cost, solve_key_times
 from kinesic.motion.segments import SplineSegment
-from kinesic.motion.time_warp import LACKING, stretch_times
+from kinesic.motion.time_warp import DEFICIT_WEIGHT, stretch_times
 
-Lacks = Sequence[tuple[SplineSegment, Infeasibility | None]]
+Deficits = Sequence[tuple[SplineSegment, Infeasibility | None]]  # None: the deficit is unknown
 
-ROUNDS = 10
-WORK = 12  # pieces that could be measured while the linear program of one is solved
-RADIUS = 0.4  # share by which time is stretched in the first round
-FINE = 1e-4  # [s] to which spans are rounded up, so that every processor finds the same
-MARGIN = 0.002  # of the time, that is reserved for each segment
-LARGEST_GROWTH = 0.01  # of the time, by which a reserve grows where a stretch leads no nearer
+MAX_ROUNDS = 10  # largest number of linear programs per search
+LP_COST_FACTOR = 12  # cost of a segment in the linear program, in evaluations of its knot intervals
+INITIAL_RADIUS = 0.4  # largest relative stretch of a gap in the first round
+GAP_RESOLUTION = 1e-4  # [s] resolution to which durations are rounded up, for equal results on all machines
+TIME_RESERVE = 0.002  # [log time] extra time given to each segment
+MAX_RESERVE_GROWTH = 0.01  # [log time] growth of a segment's time reserve after a step without progress
 
 
 @dataclass(frozen=True, eq=False)
-class _Look:
-    """Key times, and what is short at them."""
+class _Candidate:
+    """Candidate key times with the time deficits of their segments."""
 
     times: Floats  # (m,) [s]
-    lacks: list[tuple[SplineSegment, Infeasibility]]
-    strain: float
+    deficits: list[tuple[SplineSegment, Infeasibility]]
+    shift_cost: float
 
     @property
-    def amount(self) -> float:
-        """The largest share of the time that is lacking."""
-        return max((lack.amount for _, lack in self.lacks), default=-np.inf)
+    def largest_deficit(self) -> float:
+        """Largest time deficit, as a log-time ratio."""
+        return max((deficit.amount for _, deficit in self.deficits), default=-np.inf)
 
     @property
-    def suffices(self) -> bool:
-        """Whether there is a motion."""
-        return self.amount <= -MARGIN / 4
+    def is_feasible(self) -> bool:
+        """Whether all segments are feasible at these times."""
+        return self.largest_deficit <= -TIME_RESERVE / 4
 
     @property
     def cost(self) -> float:
-        """The strain of the keys plus a penalty for the time that is lacking: what the search makes least."""
-        return self.strain + LACKING * max(self.amount + MARGIN / 4, 0.0)
+        """Cost of key-time shifts plus a penalty for the largest deficit."""
+        return self.shift_cost + DEFICIT_WEIGHT * max(self.largest_deficit + TIME_RESERVE / 4, 0.0)
 
 
 def stretch_until_enough(
     problem: KeyTimeProblem,
     times: Floats,
     limits: Limits,
-    measure: Callable[[Floats], Lacks],
-    budget: Budget = ENDLESS,
+    measure: Callable[[Floats], Deficits],
+    budget: Budget = UNLIMITED_BUDGET,
 ) -> Floats | None:
-    """Finds key times near some others at which all segments that are measured have a motion.
+    """Return feasible key times near given ones, or None.
 
     Args:
-        problem: what key times keep to.
-        times: (m,) [s] where to begin.
+        problem: constraints on key times.
+        times: (m,) [s] initial key times.
         limits: of all hinges.
-        measure: segments at some times, with what each lacks.
+        measure: function that returns the segments at key times with their deficits.
         budget: for the linear programs.
 
     Returns:
-        (m,) [s] block time; None when none were found, or the budget is spent before.
+        (m,) [s] block time; None if no feasible times are found within the budget.
     """
 
-    def look(times: Floats) -> _Look | None:
-        found = measure(times)
-        known = [(segment, lack) for segment, lack in found if lack is not None]
-        return _Look(times, known, strain(problem.keys, times)) if len(known) == len(found) else None
+    def evaluate(times: Floats) -> _Candidate | None:
+        deficits = measure(times)
+        measured = [(segment, deficit) for segment, deficit in deficits if deficit is not None]
+        return _Candidate(times, measured, shift_cost(problem.keys, times)) if len(measured) == len(deficits) else None
 
-    here, radius = look(times), RADIUS
+    best, radius = evaluate(times), INITIAL_RADIUS
     reserves: dict[tuple[int, int], float] = {}
-    for _ in range(ROUNDS):
-        if here is None or here.suffices:
+    for _ in range(MAX_ROUNDS):
+        if best is None or best.is_feasible:
             break
-        budget.spend(WORK * sum(segment.grid.pieces for segment, _ in here.lacks))
+        budget.spend(LP_COST_FACTOR * sum(segment.grid.pieces for segment, _ in best.deficits))
         if budget.spent:
             break
-        kept = [reserves.get(_place(segment), MARGIN) for segment, _ in here.lacks]
-        found = stretch_times(problem, here.times, here.lacks, limits=limits, radius=radius, reserves=kept)
-        there = None if found is None else look(_exactly(problem, found, here))
-        if there is None:
+        kept = [reserves.get(_identify(segment), TIME_RESERVE) for segment, _ in best.deficits]
+        stretched = stretch_times(problem, best.times, best.deficits, limits=limits, radius=radius, reserves=kept)
+        candidate = None if stretched is None else evaluate(_solve_exactly(problem, stretched, best))
+        if candidate is None:
             radius /= 4.0
             continue
-        stuck = there.amount > here.amount / 2.0
-        for segment, lack in there.lacks:
-            if lack.amount > -MARGIN / 4:
-                place = _place(segment)
-                reserves[place] = reserves.get(place, MARGIN) + min(
-                    lack.amount + MARGIN, LARGEST_GROWTH if stuck else MARGIN
+        is_stuck = candidate.largest_deficit > best.largest_deficit / 2.0
+        for segment, deficit in candidate.deficits:
+            if deficit.amount > -TIME_RESERVE / 4:
+                identity = _identify(segment)
+                reserves[identity] = reserves.get(identity, TIME_RESERVE) + min(
+                    deficit.amount + TIME_RESERVE, MAX_RESERVE_GROWTH if is_stuck else TIME_RESERVE
                 )
-        better = there.suffices or there.cost < here.cost
-        here, radius = (there, radius / 2.0) if better else (here, radius / 4.0)
-    return here.times if here is not None and here.suffices else None
+        is_better = candidate.is_feasible or candidate.cost < best.cost
+        best, radius = (candidate, radius / 2.0) if is_better else (best, radius / 4.0)
+    return best.times if best is not None and best.is_feasible else None
 
 
-def _exactly(problem: KeyTimeProblem, times: Floats, here: _Look) -> Floats:
-    """The best times at which segments have as much time as at others, found exactly; these where there are none."""
-    spans = dict(problem.gaps)
-    for segment, _ in here.lacks:
+def _solve_exactly(problem: KeyTimeProblem, times: Floats, previous: _Candidate) -> Floats:
+    """Return optimal key times that keep given segment durations."""
+    gaps = dict(problem.gaps)
+    for segment, _ in previous.deficits:
         for i, j in segment.pairs:
             if i != j:
-                spans[i, j] = max(spans[i, j], FINE * float(np.ceil((times[j] - times[i]) / FINE)))
+                gaps[i, j] = max(gaps[i, j], GAP_RESOLUTION * float(np.ceil((times[j] - times[i]) / GAP_RESOLUTION)))
     try:
-        return relax_key_times(replace(problem, gaps=spans))
-    except ArithmeticError:  # planes that are kept but for a rounding
-        return problem.keys.spread(times)
+        return solve_key_times(replace(problem, gaps=gaps))
+    except ArithmeticError:  # planes that are violated only by rounding
+        return problem.keys.interpolate_path_times(times)
 
 
-def _place(segment: SplineSegment) -> tuple[int, int]:
+def _identify(segment: SplineSegment) -> tuple[int, int]:
     return segment.hinge, segment.marks[0][0]

@@ -1,10 +1,10 @@
-"""Moves key times so that every hinge can pass its keys: one step in a sequence of linear programs.
+"""One linearised step towards feasible key times by warping time.
 
-Another motion near a given one follows from how time is stretched along it, and from how its path is changed. To first
-order both change speeds, accelerations, jerks and duties linearly: a share e(t) by which time is stretched takes e off
-each speed v, 2 e off its acceleration a, and 3 e off its jerk, less what comes of a stretch that itself changes
-(v de/dt off the acceleration, 3 a de/dt + v d2e/dt2 off the jerk). As each gap is stretched where it lies, keys may
-come much later without any error of the first order.
+A motion near a given one results from a stretch of time along it and from a change of its path. To first order both
+change velocities, accelerations, jerks and duties linearly: a relative stretch e(t) of time reduces each velocity v by
+e, its acceleration a by 2 e and its jerk by 3 e. A varying stretch has further terms (v de/dt in the acceleration,
+3 a de/dt + v d2e/dt2 in the jerk). As each gap is stretched locally, keys may come much later without an error of first
+order.
 """
 
 from collections.abc import Iterable, Sequence
@@ -18,21 +18,21 @@ import scipy
 from kinesic.body.arrays import Floats
 from kinesic.body.limits import Limits
 from kinesic.motion.infeasibility import Infeasibility
-from kinesic.motion.key_time_lp import KeyTimeProblem, state_program
-from kinesic.motion.piqp import solve_linear
+from kinesic.motion.key_time_lp import KeyTimeProblem, build_program
+from kinesic.motion.linear_program import solve_linear
 from kinesic.motion.segments import SplineSegment
 from kinesic.motion.trajectory import spline_weights
 
-PRECISION = 1e-4  # enough for times that are looked at exactly afterwards
-NEAR = 0.0  # share of a limit on whose side a row may come to bind
-LACKING = 300.0  # weight of a share of time that is still lacking
+SOLVER_PRECISION = 1e-4  # absolute tolerance of the solver; results are made exact afterwards
+BINDING_RATIO = 0.0  # smallest limit ratio of a constraint row in the linear program
+DEFICIT_WEIGHT = 300.0  # cost of a remaining time deficit relative to key shifts
 
 Matrix: TypeAlias = "scipy.sparse.csr_array"
 
 
 @dataclass
 class _Program:
-    """A linear program, block by block."""
+    """Linear program that is assembled block by block."""
 
     costs: list[Floats] = field(default_factory=list)
     ranges: list[tuple[Floats, Floats]] = field(default_factory=list)
@@ -42,7 +42,7 @@ class _Program:
     height: int = 0
 
     def add_variables(self, lower: Floats, upper: Floats, cost: Floats | float = 0.0) -> int:
-        """Returns the column of the first."""
+        """Add variables and return the column of the first."""
         first = self.width
         self.costs.append(np.broadcast_to(cost, lower.shape))
         self.ranges.append((lower, upper))
@@ -50,7 +50,7 @@ class _Program:
         return first
 
     def require(self, blocks: Iterable[tuple[int, Matrix]], lower: Floats, upper: Floats) -> None:
-        """Rows between bounds, from matrices and the columns where they begin."""
+        """Add constraint rows from matrices placed at given columns."""
         for first, block in blocks:
             part = scipy.sparse.coo_array(block)
             self.entries.append((part.row + self.height, part.col + first, part.data))
@@ -60,45 +60,50 @@ class _Program:
     def solve(self) -> Floats | None:
         rows, columns, values = (np.concatenate(parts) for parts in zip(*self.entries, strict=True))
         matrix = scipy.sparse.csc_array((values, (rows, columns)), shape=(self.height, self.width))
-        found = solve_linear(
-            np.concatenate(self.costs), matrix, _joined(self.bounds), _joined(self.ranges), precision=PRECISION
+        solution = solve_linear(
+            np.concatenate(self.costs),
+            matrix,
+            _join_bounds(self.bounds),
+            _join_bounds(self.ranges),
+            precision=SOLVER_PRECISION,
         )
-        return None if found is None else found[0]
+        return None if solution is None else solution[0]
 
 
-def _joined(parts: Sequence[tuple[Floats, Floats]]) -> tuple[Floats, Floats]:
-    """Lower and upper ends of all parts."""
+def _join_bounds(parts: Sequence[tuple[Floats, Floats]]) -> tuple[Floats, Floats]:
+    """Concatenate several pairs of lower and upper bound arrays."""
     return np.concatenate([lower for lower, _ in parts]), np.concatenate([upper for _, upper in parts])
 
 
 def stretch_times(
     problem: KeyTimeProblem,
     times: Floats,
-    lacking: Sequence[tuple[SplineSegment, Infeasibility]],
+    deficits: Sequence[tuple[SplineSegment, Infeasibility]],
     *,
     limits: Limits,
     radius: float,
     reserves: Sequence[float],
 ) -> Floats | None:
-    """Finds the key times that are nearest to the asked ones, of those near others at which segments have a motion.
+    """Return the cheapest nearby key times with feasible segments, linearised.
 
     Args:
-        problem: what key times keep to.
-        times: (m,) [s] near which they are looked for.
-        lacking: segments at these times, with the motions that exceed the limits least.
+        problem: constraints on key times.
+        times: (m,) [s] given key times.
+        deficits: segments at these times, with the motions that exceed the limits least.
         limits: of all hinges.
-        radius: share by which time is stretched at most.
-        reserves: share of its time that each segment keeps to spare.
+        radius: largest relative stretch.
+        reserves: relative time reserve of each segment.
 
     Returns:
         (m,) [s] block time; None when the program cannot be solved.
     """
-    program, stated = _Program(), state_program(problem)
-    program.add_variables(stated.least, np.full(len(stated.least), np.inf), stated.costs)
-    program.require([(0, stated.matrix)], stated.lower, stated.upper)
-    lack = program.add_variables(np.zeros(1), np.full(1, np.inf), LACKING)
-    for (segment, found), reserve in zip(lacking, reserves, strict=True):
-        _add_segment(program, segment, found, times, limits, lack, radius, reserve)
+    program, key_times = _Program(), build_program(problem)
+    infinity = np.full(len(key_times.lower_bounds), np.inf)
+    program.add_variables(key_times.lower_bounds, infinity, key_times.costs)
+    program.require([(0, key_times.matrix)], key_times.lower, key_times.upper)
+    remaining_deficit = program.add_variables(np.zeros(1), np.full(1, np.inf), DEFICIT_WEIGHT)
+    for (segment, deficit), reserve in zip(deficits, reserves, strict=True):
+        _add_segment(program, segment, deficit, times, limits, remaining_deficit, radius, reserve)
     solution = program.solve()
     return None if solution is None else solution[: len(times)]
 
@@ -106,80 +111,94 @@ def stretch_times(
 def _add_segment(
     program: _Program,
     segment: SplineSegment,
-    found: Infeasibility,
+    deficit: Infeasibility,
     times: Floats,
     limits: Limits,
-    lack: int,
+    remaining_deficit: int,
     radius: float,
     reserve: float,
 ) -> None:
-    """Adds how time is stretched along a segment, and how its path changes, with what is fixed and the limits."""
-    grid, controls = segment.grid, found.controls
+    """Add a segment's time warp, path change and constraints to the program."""
+    grid, controls = segment.grid, deficit.controls
     lower, upper = segment.corridor(limits)
-    most = np.full(grid.pieces + 2, radius)
-    stretch = program.add_variables(-most, most)
+    max_stretch = np.full(grid.pieces + 2, radius)
+    stretch = program.add_variables(-max_stretch, max_stretch)
     path = program.add_variables(np.minimum(lower - controls, 0.0), np.maximum(upper - controls, 0.0))
-    middles, moved = _middles(segment, len(times)), _moved(segment)
-    program.require([(0, middles), (stretch, -moved)], middles @ times, middles @ times)
+    gaps, lengthening = _gap_matrix(segment, len(times)), _gap_lengthening(segment)
+    program.require([(0, gaps), (stretch, -lengthening)], gaps @ times, gaps @ times)
     matrix = segment.fixed.matrix
     program.require([(path, matrix)], np.zeros(matrix.shape[0]), np.zeros(matrix.shape[0]))
-    some, order = grid.bounds == 1.0, grid.powers
-    rows, change = grid.rows(limits, segment.hinge)[some], _change(segment, controls, limits)[some]
-    now, weight = rows @ controls, order[some]
-    spare, endless = 1.0 - reserve * weight, np.full(len(now), np.inf)
-    relaxed = scipy.sparse.csr_array(weight[:, None])
-    up, down = now >= NEAR, now <= -NEAR
-    program.require([(stretch, change[up]), (path, rows[up]), (lack, -relaxed[up])], -endless[up], (spare - now)[up])
+    is_free, powers = grid.bounds == 1.0, grid.powers
+    rows, change = grid.rows(limits, segment.hinge)[is_free], _ratio_change(segment, controls, limits)[is_free]
+    ratios, weight = rows @ controls, powers[is_free]
+    bound, unbounded = 1.0 - reserve * weight, np.full(len(ratios), np.inf)
+    relaxation = scipy.sparse.csr_array(weight[:, None])
+    up, down = ratios >= BINDING_RATIO, ratios <= -BINDING_RATIO
     program.require(
-        [(stretch, change[down]), (path, rows[down]), (lack, relaxed[down])], (-spare - now)[down], endless[down]
+        [(stretch, change[up]), (path, rows[up]), (remaining_deficit, -relaxation[up])],
+        -unbounded[up],
+        (bound - ratios)[up],
+    )
+    program.require(
+        [(stretch, change[down]), (path, rows[down]), (remaining_deficit, relaxation[down])],
+        (-bound - ratios)[down],
+        unbounded[down],
     )
 
 
-def _middles(segment: SplineSegment, count: int) -> Matrix:
-    """(g, m) by which the times of all keys make up the lengths of a segment's g gaps."""
+def _gap_matrix(segment: SplineSegment, count: int) -> Matrix:
+    """Return the matrix (g, m) from key times to gap durations."""
     entries = [(row, mark, 1.0 / len(marks)) for row, marks in enumerate(segment.marks) for mark in marks]
-    rows, columns, shares = np.array(entries).T
-    places = rows.astype(np.intp), columns.astype(np.intp)
-    whole = scipy.sparse.csr_array((shares, places), shape=(len(segment.marks), count))
+    rows, columns, weights = np.array(entries).T
+    indices = rows.astype(np.intp), columns.astype(np.intp)
+    whole = scipy.sparse.csr_array((weights, indices), shape=(len(segment.marks), count))
     return whole[1:] - whole[:-1]
 
 
-def _moved(segment: SplineSegment) -> Matrix:
-    """(g, k + 2) [s] by which the control points of the stretch lengthen each gap."""
+def _gap_lengthening(segment: SplineSegment) -> Matrix:
+    """Return each gap's lengthening per control point of the warp.
+
+    Of shape (g, k + 2) [s].
+    """
     grid = segment.grid
-    first, shares = spline_weights(np.array([0.0, *segment.places, float(grid.pieces)]), grid.pieces)
+    first, weights = spline_weights(np.array([0.0, *segment.places, float(grid.pieces)]), grid.pieces)
     rows, columns, values = [], [], []
     for gap, (begin, end) in enumerate(pairwise(first)):
         change = np.zeros(end - begin + 4)
-        change[end - begin :] += shares[gap + 1]
-        change[:4] -= shares[gap]
-        left = grid.step * np.cumsum(change[::-1])[::-1][1:]  # of the integral, whose control points are sums
-        rows.append(np.full(len(left), gap))
-        columns.append(begin + np.arange(len(left)))
-        values.append(left)
+        change[end - begin :] += weights[gap + 1]
+        change[:4] -= weights[gap]
+        integral = grid.step * np.cumsum(change[::-1])[::-1][1:]  # control points of the integral are sums
+        rows.append(np.full(len(integral), gap))
+        columns.append(begin + np.arange(len(integral)))
+        values.append(integral)
     entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
     return scipy.sparse.csr_array(entries, shape=(len(first) - 1, grid.pieces + 2))
 
 
-def _change(segment: SplineSegment, controls: Floats, limits: Limits) -> Matrix:
-    """(4 k + 4, k + 2) change of the rows of limits by a stretch, as shares of them."""
+def _ratio_change(segment: SplineSegment, controls: Floats, limits: Limits) -> Matrix:
+    """Return the change of all limit ratios due to the warp.
+
+    Of shape (4 k + 4, k + 2).
+    """
     grid, hinge, h = segment.grid, segment.hinge, segment.grid.step
-    speed, acceleration, jerk = (np.diff(controls, order) / h**order for order in (1, 2, 3))
-    at_knots, at_middles = (speed[:-1] + speed[1:]) / 2, (speed[:-2] + 2 * speed[1:-1] + speed[2:]) / 4
+    velocity, acceleration, jerk = (np.diff(controls, order) / h**order for order in (1, 2, 3))
+    at_knots, at_middles = (velocity[:-1] + velocity[1:]) / 2, (velocity[:-2] + 2 * velocity[1:-1] + velocity[2:]) / 4
     bend = (acceleration[:-1] + acceleration[1:]) / 2
-    slower, at_knots_slower = -speed[:, None], -at_knots[:, None] * [0.5, 0.5]
-    less = -acceleration[:, None] * [1.0, 1.0] - at_knots[:, None] * [-1 / h, 1 / h]
-    softer = (
+    velocity_change, knot_velocity_change = -velocity[:, None], -at_knots[:, None] * [0.5, 0.5]
+    acceleration_change = -acceleration[:, None] * [1.0, 1.0] - at_knots[:, None] * [-1 / h, 1 / h]
+    jerk_change = (
         -3 * jerk[:, None] * [0.25, 0.5, 0.25]
         - 3 * bend[:, None] * [-0.5 / h, 0.0, 0.5 / h]
         - at_middles[:, None] * [1 / h**2, -2 / h**2, 1 / h**2]
     )
-    pulling = (limits.inertial[hinge] * less + limits.viscous[hinge] * at_knots_slower) / grid.duty(limits)[hinge]
+    duty_change = (
+        limits.inertial[hinge] * acceleration_change + limits.viscous[hinge] * knot_velocity_change
+    ) / grid.duty(limits)[hinge]
     stencils = (
-        slower / limits.speed[hinge],
-        less / limits.acceleration[hinge],
-        softer / limits.jerk[hinge],
-        pulling,
+        velocity_change / limits.speed[hinge],
+        acceleration_change / limits.acceleration[hinge],
+        jerk_change / limits.jerk[hinge],
+        duty_change,
     )
     columns = [np.arange(len(stencil))[:, None] + np.arange(stencil.shape[1]) for stencil in stencils]
     starts = np.cumsum(np.concatenate([[0], *(np.full(len(stencil), stencil.shape[1]) for stencil in stencils)]))

@@ -1,7 +1,7 @@
-from kinesic.motion.budget import ENDLESS, Budget
+from kinesic.motion.budget import UNLIMITED_BUDGET, Budget
 
 
-def test_a_budget_is_spent_when_more_is_done_than_it_has():
+def test_work_budget_is_spent_once_the_work_exceeds_the_budget():
     budget = Budget(10)
     budget.spend(10)
     assert not budget.spent
@@ -9,12 +9,12 @@ def test_a_budget_is_spent_when_more_is_done_than_it_has():
     assert budget.spent
 
 
-def test_what_is_bounded_by_itself_spends_no_budget():
-    ENDLESS.spend(1e12)
-    assert not ENDLESS.spent
+def test_unlimited_work_budget_is_never_spent():
+    UNLIMITED_BUDGET.spend(1e12)
+    assert not UNLIMITED_BUDGET.spent
 
 
-def test_a_budget_reports_what_is_left_and_how_far_it_is_exceeded():
+def test_work_budget_reports_remaining_work_and_overdraft():
     budget = Budget(10)
     budget.spend(4)
     assert (budget.left, budget.overdraft) == (6, 0)

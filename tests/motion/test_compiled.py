@@ -1,14 +1,13 @@
-"""The kernel samples motions, and finds their peaks, as Python does."""
+"""Compiled samples of motions and their peaks, against the definition."""
 
 import numpy as np
 import pytest
 
 from kinesic.body.arrays import sealed
-from kinesic.motion import limit_check, trajectory
 from kinesic.motion.limit_check import check_limits
-from kinesic.motion.trajectory import Trajectory
+from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
 
-pytestmark = pytest.mark.skipif(trajectory.KERNEL != "compiled", reason="no compiled kernel")
+from ..reference.motion import sampling
 
 
 def wander(count: int, hinges: int) -> Trajectory:
@@ -16,30 +15,24 @@ def wander(count: int, hinges: int) -> Trajectory:
     return Trajectory(sealed(np.cumsum(np.cumsum(steps, axis=0), axis=0)), 0.0, start=0.3)
 
 
-@pytest.fixture
-def in_python(monkeypatch):
-    def run(function):
-        with monkeypatch.context() as patch:
-            for module in (limit_check, trajectory):
-                patch.setattr(module, "KERNEL", "numpy")
-            return function()
-
-    return run
-
-
 @pytest.mark.parametrize("count", [1, 2, 130])
-def test_samples_are_the_same_before_within_and_after_the_motion(count, in_python):
+def test_compiled_samples_equal_the_python_reference_before_during_and_after_motion(count):
     motion = wander(count, 5)
     times = np.linspace(motion.start - 0.05, motion.end + 0.05, 333)
-    for fast, slow in zip(motion.sample(times), in_python(lambda: motion.sample(times)), strict=True):
-        np.testing.assert_allclose(fast, slow, rtol=1e-12, atol=1e-12)
+    for compiled, expected in zip(motion.sample(times), sampling.sample(motion, times), strict=True):
+        np.testing.assert_allclose(compiled, expected, rtol=1e-12, atol=1e-12)
 
 
-def test_peaks_are_the_same_and_so_are_their_times(in_python, known):
+def test_compiled_limit_peaks_and_times_equal_the_python_reference(known):
     motion = wander(400, len(known.limits.lower))
-    fast, slow = check_limits(motion, known.limits), in_python(lambda: check_limits(motion, known.limits))
-    assert list(fast.shares) == list(slow.shares)
-    for name, peak in fast.shares.items():
-        np.testing.assert_allclose(peak.ratios, slow.shares[name].ratios, rtol=1e-12, atol=0, err_msg=name)
-        assert peak.time == pytest.approx(slow.shares[name].time, abs=1e-12), name
-    assert fast.rms_jerk == pytest.approx(slow.rms_jerk, rel=1e-12)
+    peaks, expected = check_limits(motion, known.limits), sampling.limit_ratios(motion, known.limits)
+    assert list(peaks.by_quantity) == list(expected)
+    for name, peak in peaks.by_quantity.items():
+        ratios = np.abs(expected[name])
+        largest = ratios.max(axis=(0, 1))
+        np.testing.assert_allclose(peak.ratios, largest, rtol=1e-12, atol=0, err_msg=name)
+        interval, instant, _ = np.unravel_index(ratios[..., [largest.argmax()]].argmax(), (*ratios.shape[:2], 1))
+        time = KNOT_INTERVAL * (interval + sampling.INSTANTS[instant])
+        assert peak.time == pytest.approx(time, abs=1e-12), name
+    jerks = expected["jerk"] * known.limits.jerk
+    assert peaks.rms_jerk == pytest.approx(np.sqrt(np.mean(jerks**2)), rel=1e-12)

@@ -9,7 +9,7 @@ from kinesic.body.limits import Limits
 from kinesic.motion.condition import LEAD_IN, condition
 from kinesic.motion.keys import Bond, KeyPassage, KeyPosture
 from kinesic.motion.limit_check import check_limits
-from kinesic.motion.trajectory import STEP
+from kinesic.motion.trajectory import KNOT_INTERVAL
 
 BOXES = ([-2] * 2, [2] * 2, [4, 6], [40, 60], [1e3, 1.5e3])
 DUTY = ([0.01] * 2, [0.15] * 2, [0.7] * 2)
@@ -22,18 +22,18 @@ def posture(time: float, angles: tuple[float, float], *syncs: str, behaviour: st
 
 def highest(motion) -> float:
     """Largest share of any limit."""
-    return max(float(peak.ratios.max()) for peak in check_limits(motion.trajectory, LIMITS).shares.values())
+    return max(float(peak.ratios.max()) for peak in check_limits(motion.trajectory, LIMITS).by_quantity.values())
 
 
-def test_a_feasible_motion_keeps_its_times():
+def test_motion_within_limits_keeps_its_requested_times():
     keys = (posture(0.0, (0, 0), "start"), posture(1.0, (0.5, 0.5), "stroke"), posture(2.0, (0, 0), "end"))
     motion = condition(keys, LIMITS)
-    np.testing.assert_array_equal(motion.planned, motion.asked)
+    np.testing.assert_array_equal(motion.planned, motion.requested_times)
     assert not motion.bottlenecks
-    assert motion.lost.max() < 1e-4
+    assert motion.rms_distances.max() < 1e-4
 
 
-def test_a_fast_motion_is_stretched_into_the_limits_and_says_which():
+def test_fast_motion_is_stretched_and_names_its_bottlenecks():
     keys = (posture(0.0, (0, 0), "start"), posture(0.2, (1.5, 0.1), "stroke"), posture(0.4, (0, 0), "end"))
     motion = condition(keys, LIMITS)
     assert {found.hinge for found in motion.bottlenecks.values()} == {0}
@@ -41,11 +41,11 @@ def test_a_fast_motion_is_stretched_into_the_limits_and_says_which():
     assert motion.planned[2] - motion.planned[0] > 0.4
 
 
-def test_a_wish_that_is_too_sharp_keeps_its_times_and_loses_its_shape():
+def test_sharp_desired_motion_keeps_its_times_and_is_smoothed():
     keys = (posture(0.0, (0, 0), "start"), posture(0.44, (1.0, 0), "stroke"), posture(0.88, (0, 0), "end"))
     motion = condition(tuple(replace(key, passages=(KeyPassage(tension=1.0),) * 2) for key in keys), LIMITS)
-    np.testing.assert_array_equal(motion.planned, motion.asked)
-    assert motion.lost[0] > 1e-3
+    np.testing.assert_array_equal(motion.planned, motion.requested_times)
+    assert motion.rms_distances[0] > 1e-3
     assert highest(motion) <= 1.0 + 1e-6
 
 
@@ -64,21 +64,21 @@ def on_the_curve(*times: float) -> tuple[KeyPosture, ...]:
     return tuple(posture(time, tuple(Curve(time).angles(np.zeros(1))[0]), "stroke") for time in times)
 
 
-def test_what_is_lost_is_the_root_mean_square_distance_at_the_knots():
+def test_reported_deviation_is_the_rms_distance_at_the_knots():
     """With keys at the ends alone, and with one in the middle that lies aside of what is desired."""
     ends = on_the_curve(1.0, 3.0)
     aside = posture(2.0, tuple(Curve(2.0).angles(np.zeros(1))[0] + [0.3, 0.0]), "stroke")
     for keys in (ends, (ends[0], aside, ends[1])):
         motion = condition(keys, LIMITS, make_desired=lambda times, keys: Curve(float(times[0])))
-        knots = np.arange(201) * STEP
+        knots = np.arange(201) * KNOT_INTERVAL
         away = motion.trajectory.sample(knots)[0] - Curve(float(motion.planned[0])).angles(knots)
         assert motion.trajectory.duration == pytest.approx(2.0)
-        assert motion.lost == pytest.approx(np.sqrt((away**2).sum(axis=0) / 201))
-        assert motion.lost.shape == (2,)
-    assert motion.lost[0] > 3.0 * motion.lost[1] > 0.0
+        assert motion.rms_distances == pytest.approx(np.sqrt((away**2).sum(axis=0) / 201))
+        assert motion.rms_distances.shape == (2,)
+    assert motion.rms_distances[0] > 3.0 * motion.rms_distances[1] > 0.0
 
 
-def test_block_time_zero_lies_as_far_into_the_motion_as_the_first_key_before_it():
+def test_trajectory_time_of_block_zero_accounts_for_the_first_key_time():
     for first in (-0.5, 0.0, 2.0):
         keys = (posture(first, (0, 0), "start"), posture(first + 2.0, (0.5, 0.5), "end"))
         motion = condition(keys, LIMITS)
@@ -86,23 +86,23 @@ def test_block_time_zero_lies_as_far_into_the_motion_as_the_first_key_before_it(
         assert motion.trajectory.at(first + 2.0 + motion.trajectory.zero).angles == pytest.approx([0.5, 0.5])
 
 
-def test_ease_makes_time_for_a_share_of_the_limits_and_the_motion_may_use_them_all():
+def test_eased_limits_determine_key_times_and_full_limits_determine_the_motion():
     """What needs sharp turns loses its shape under a quarter of the limits, but not with the times that these need."""
     sharp = (KeyPassage(tension=1.0),) * 2
     keys = tuple(
         replace(posture(time, angles, sync), passages=sharp)
         for time, angles, sync in ((0.0, (0, 0), "start"), (0.5, (1.0, 0.4), "stroke"), (1.0, (0, 0), "end"))
     )
-    hard, easy, slow = condition(keys, LIMITS), condition(keys, LIMITS, ease=0.25), condition(keys, LIMITS.times(0.25))
+    hard, easy, slow = condition(keys, LIMITS), condition(keys, LIMITS, ease=0.25), condition(keys, LIMITS.scaled(0.25))
     assert np.ptp(easy.planned) > 1.2 * np.ptp(hard.planned)
     np.testing.assert_allclose(easy.planned, slow.planned, atol=1e-9)
-    assert easy.lost[0] < 0.5 * slow.lost[0]
+    assert easy.rms_distances[0] < 0.5 * slow.rms_distances[0]
     assert highest(easy) <= 1.0 + 1e-6
     np.testing.assert_array_equal(condition(keys, LIMITS, ease=1.0).planned, hard.planned)
 
 
 @pytest.mark.parametrize("finder", ["can_pass", "nearest_within_limits"])
-def test_the_search_ends_even_if_no_motion_at_the_limits_is_ever_found(monkeypatch, finder):
+def test_key_time_search_ends_if_no_motion_exists(monkeypatch, finder):
     keys = (posture(0.0, (0, 0), "start"), posture(0.2, (1.5, 0.1), "stroke"), posture(0.4, (0, 0), "end"))
     usual = condition(keys, LIMITS, ease=0.8)
     monkeypatch.setattr(sys.modules[condition.__module__], finder, lambda *_: None)
@@ -111,7 +111,7 @@ def test_the_search_ends_even_if_no_motion_at_the_limits_is_ever_found(monkeypat
     assert highest(slower) <= 1.0 + 1e-6
 
 
-def test_keys_are_passed_exactly_at_times_off_the_grid():
+def test_keys_between_knots_are_passed_exactly():
     rng = np.random.default_rng(3)
     times = np.cumsum(rng.uniform(0.3, 0.6, 8))
     keys = tuple(posture(float(t), tuple(rng.uniform(-0.6, 0.6, 2)), "stroke") for t in times)
@@ -120,14 +120,14 @@ def test_keys_are_passed_exactly_at_times_off_the_grid():
     np.testing.assert_allclose(found, [key.angles for key in keys], atol=1e-7)
 
 
-def test_the_stroke_is_kept_when_the_preparation_can_begin_earlier():
+def test_stroke_time_is_kept_if_the_preparation_can_begin_earlier():
     keys = (posture(0.0, (0, 0), "start"), posture(0.3, (1.2, 0.1), "stroke"), posture(3.0, (0, 0), "end"))
     motion = condition(keys, LIMITS)
     assert motion.planned[1] == pytest.approx(0.3, abs=1e-6)
     assert motion.planned[0] < 0.0
 
 
-def test_a_motion_may_begin_three_fifths_of_a_second_before_it_is_asked_to():
+def test_default_lead_in_is_600_ms():
     """With ten times the time that the preparation can have, all of it is taken, and the stroke waits for the rest."""
     slow = replace(LIMITS, speed=sealed([1.0, 1.0]))
     keys = (posture(0.0, (0, 0), "start"), posture(0.2, (1.5, 0.0), "stroke"), posture(9.0, (0, 0), "end"))
@@ -137,27 +137,27 @@ def test_a_motion_may_begin_three_fifths_of_a_second_before_it_is_asked_to():
     assert condition(keys, slow, lead_in=0.25).planned[0] == pytest.approx(-0.25, abs=1e-6)
 
 
-def test_the_lead_in_is_bounded():
+def test_lead_in_never_exceeds_its_bound():
     keys = (posture(0.0, (0, 0), "start"), posture(0.05, (1.9, 1.9), "stroke"), posture(3.0, (0, 0), "end"))
     assert condition(keys, LIMITS).planned[0] >= -LEAD_IN - 1e-9
     assert condition(keys, LIMITS, lead_in=0.0).planned[0] >= -1e-9
 
 
-def test_keys_at_the_end_of_a_range_are_met_within_a_milliradian():
+def test_keys_at_a_joint_limit_are_met_within_1_mrad():
     keys = (posture(0.0, (2, -2), "start"), posture(1.0, (0.5, 2), "stroke"), posture(2.0, (2, 0), "end"))
     motion = condition(keys, LIMITS)
     assert abs(motion.trajectory.at(0.0).angles[0] - 2.0) <= 1.001e-3
     assert highest(motion) <= 1.0 + 1e-6
 
 
-def test_order_of_keys_is_kept():
+def test_conditioning_preserves_the_order_of_keys():
     rng = np.random.default_rng(4)
     keys = tuple(posture(0.1 * k, tuple(rng.uniform(-1.5, 1.5, 2)), "stroke") for k in range(8))
     motion = condition(keys, LIMITS)
     assert np.all(np.diff(motion.planned) > 0)
 
 
-def test_keys_that_were_asked_for_at_the_same_time_are_moved_apart():
+def test_conditioning_separates_simultaneous_keys_of_different_hinges():
     keys = (
         posture(0.0, (0, 0), "start"),
         posture(1.0, (0.3, 0), "stroke"),
@@ -169,7 +169,7 @@ def test_keys_that_were_asked_for_at_the_same_time_are_moved_apart():
     assert np.all(np.isfinite(motion.trajectory.sample(np.linspace(0, 2, 50))[2]))
 
 
-def test_what_bml_ties_moves_together():
+def test_sync_points_with_a_fixed_offset_are_shifted_together():
     first, second = (True, False), (False, True)
     keys = (
         posture(0.0, (0, 0), "start", behaviour="one"),
@@ -188,41 +188,41 @@ def on_a_circle(turns: float, amplitude: float, seconds: float) -> tuple[KeyPost
     """A way with two firm keys at one place, and a circle from one to the other."""
     shares = np.linspace(0.0, 1.0, 9 * round(turns))
     circle = amplitude * np.stack([np.sin(2 * np.pi * turns * shares), np.cos(2 * np.pi * turns * shares) - 1.0])
-    firm = [0, len(shares) - 1]
+    is_exact = [0, len(shares) - 1]
     inner = tuple(
         KeyPosture(
             1.0 + seconds * float(share),
             sealed(angles),
             (True, True),
-            ((("b", "strokeStart"), ("b", "stroke"))[k > 0],) if k in firm else (),
-            firm=k in firm,
+            ((("b", "strokeStart"), ("b", "stroke"))[k > 0],) if k in is_exact else (),
+            is_exact=k in is_exact,
         )
         for k, (share, angles) in enumerate(zip(shares, circle.T, strict=True))
     )
     return (posture(0.0, (0, 0), "start"), *inner, posture(2.0 + seconds, (0, 0), "end"))
 
 
-def test_a_path_that_can_be_followed_is_followed():
+def test_feasible_hand_path_is_followed():
     keys = on_a_circle(turns=2, amplitude=0.2, seconds=2.0)
     motion = condition(keys, LIMITS)
-    np.testing.assert_array_equal(motion.planned, motion.asked)
+    np.testing.assert_array_equal(motion.planned, motion.requested_times)
     found = motion.trajectory.sample(motion.planned + motion.trajectory.zero)[0]
     np.testing.assert_allclose(found, [key.angles for key in keys], atol=1e-3)
 
 
-def test_a_path_that_is_too_fast_becomes_smaller_and_no_key_moves():
+def test_infeasible_path_shrinks_without_moving_keys():
     keys = on_a_circle(turns=4, amplitude=0.3, seconds=1.0)
     motion = condition(keys, LIMITS)
-    np.testing.assert_array_equal(motion.planned, motion.asked)
+    np.testing.assert_array_equal(motion.planned, motion.requested_times)
     assert not motion.bottlenecks
     assert highest(motion) <= 1.0 + 1e-6
     found = motion.trajectory.sample(motion.planned + motion.trajectory.zero)[0]
-    firm = [key.firm for key in keys]
-    np.testing.assert_allclose(found[firm], [key.angles for key in keys if key.firm], atol=1e-6)
+    is_exact = [key.is_exact for key in keys]
+    np.testing.assert_allclose(found[is_exact], [key.angles for key in keys if key.is_exact], atol=1e-6)
     assert 0.02 < np.ptp(found[:, 0]) < 0.5 * np.ptp([key.angles[0] for key in keys])
 
 
-def test_keys_on_a_path_come_along_when_its_ends_must_move():
+def test_path_keys_move_with_the_ends_of_their_path():
     keys = on_a_circle(turns=1, amplitude=0.2, seconds=0.5)
     late = tuple(replace(key, time=key.time - 0.95) if key.time > 0 else key for key in keys)
     far = tuple(replace(key, angles=sealed(np.asarray(key.angles) + 0.9)) if key.time > 0 else key for key in late)

@@ -22,23 +22,23 @@ def keys(passed: KeyPassage = PLAIN_PASSAGE, keyed=ALL, angles=ANGLES, times=TIM
 
 def joined(passed: KeyPassage = PLAIN_PASSAGE, keyed=ALL, zero: float = 0.0, angles=ANGLES, times=TIMES):
     limits = LIMITS.part(np.arange(angles.shape[1]))
-    return join_keys(times, Keys.of(keys(passed, keyed, angles, times), limits, room=0.0), zero=zero)
+    return join_keys(times, Keys.of(keys(passed, keyed, angles, times), limits, margin=0.0), zero=zero)
 
 
 def state(motion, time: float):
     return [values[0] for values in motion.sample(np.array([time]))]
 
 
-def test_keys_are_met_exactly():
+def test_desired_motion_meets_its_keys_exactly():
     np.testing.assert_allclose(joined().sample(TIMES)[0], ANGLES, atol=1e-12)
 
 
-def test_angles_are_those_of_the_sample():
+def test_angles_of_the_desired_motion_equal_those_of_its_samples():
     times = np.linspace(-0.2, joined().duration + 0.2, 31)
     assert np.array_equal(joined().angles(times), joined().sample(times)[0])
 
 
-def test_every_hinge_passes_its_own_keys_as_if_it_were_alone():
+def test_hinges_with_different_keys_are_independent():
     keyed = ALL.copy()
     keyed[2, 1] = False
     times, both = np.linspace(0.0, 2.4, 49), joined(keyed=keyed)
@@ -48,33 +48,33 @@ def test_every_hinge_passes_its_own_keys_as_if_it_were_alone():
             assert np.array_equal(one[:, hinge], other[:, 0])
 
 
-def test_starts_and_ends_at_rest():
+def test_motion_starts_and_ends_at_rest():
     for time in (0.0, joined().duration):
         _, speeds, accelerations = state(joined(), time)
         np.testing.assert_allclose(speeds, 0.0, atol=1e-9)
         np.testing.assert_allclose(accelerations, 0.0, atol=1e-7)
 
 
-def test_speed_and_acceleration_are_continuous_at_keys():
+def test_velocity_and_acceleration_are_continuous_at_keys():
     for time in TIMES[1:-1]:
         before, after = state(joined(), time - 1e-7), state(joined(), time + 1e-7)
         np.testing.assert_allclose(before[1], after[1], atol=1e-4)
         np.testing.assert_allclose(before[2], after[2], atol=1e-3)
 
 
-def test_speeds_are_the_derivative_of_angles():
+def test_velocities_are_the_derivative_of_angles():
     times = np.linspace(0.01, joined().duration - 0.01, 97)
     step = 1e-6
     ahead, behind = joined().sample(times + step)[0], joined().sample(times - step)[0]
     np.testing.assert_allclose((ahead - behind) / (2 * step), joined().sample(times)[1], atol=1e-5)
 
 
-def test_holds_do_not_move():
+def test_hinge_does_not_move_during_a_hold():
     times = np.linspace(1.2, 1.5, 31)
     np.testing.assert_allclose(joined().sample(times)[0][:, 0], 0.9, atol=1e-12)
 
 
-def test_a_hinge_without_a_key_passes_through():
+def test_hinge_without_a_key_at_a_posture_passes_it_without_stopping():
     keyed = ALL.copy()
     keyed[2, 1] = False
     motion = joined(keyed=keyed)
@@ -82,21 +82,21 @@ def test_a_hinge_without_a_key_passes_through():
     np.testing.assert_allclose(state(motion, 1.5)[0][1], ANGLES[3, 1], atol=1e-12)
 
 
-def test_tension_one_stops_at_each_key():
+def test_spline_tension_of_one_stops_the_motion_at_each_key():
     np.testing.assert_allclose(joined(KeyPassage(tension=1.0)).sample(TIMES)[1], 0.0, atol=1e-9)
 
 
-def test_continuity_lets_keys_flow():
+def test_spline_continuity_sets_the_velocity_kept_at_keys():
     stiff, fluid = joined(KeyPassage(continuity=-1.0)), joined(KeyPassage(continuity=0.0))
     assert abs(state(stiff, 0.5)[1][0]) < 1e-9
     assert state(fluid, 0.5)[1][0] > 0.5
 
 
-def test_zero_is_the_time_of_the_blocks_start():
+def test_desired_motion_keeps_the_given_block_start_time():
     assert joined(zero=0.7).zero == pytest.approx(0.7)
 
 
-def test_outside_it_stands_still():
+def test_motion_is_at_rest_outside_its_duration():
     angles, speeds, _ = state(joined(), 99.0)
     np.testing.assert_allclose(angles, ANGLES[-1])
     np.testing.assert_array_equal(speeds, 0.0)
@@ -111,7 +111,7 @@ def eased(easing: str, steepness: float = 3.0, to: float = 0.9) -> DesiredMotion
 GRID = np.linspace(0.0, 1.0, 501)
 
 
-def test_an_easing_moves_the_way_but_not_its_ends():
+def test_easing_changes_the_path_but_not_its_ends():
     for easing in ("linear", "out_quart", "out_back", "out_bounce", "out_power"):
         motion = eased(easing, 6.0)
         np.testing.assert_allclose(motion.sample(np.array([0.0, 1.0]))[0][:, 0], [0.0, 0.9], atol=1e-12)
@@ -120,13 +120,13 @@ def test_an_easing_moves_the_way_but_not_its_ends():
         assert np.abs(np.diff(motion.sample(GRID)[2], axis=0)).max() < 2.5
 
 
-def test_steepness_raises_the_peak_speed():
+def test_easing_steepness_raises_the_peak_velocity():
     peaks = [float(eased("out_back", k).sample(GRID)[1].max()) for k in (1.0, 1.5, 2.0, 3.0)]
     assert np.all(np.diff(peaks) > 0.0)
     assert peaks[-1] > 1.8 * peaks[0]
 
 
-def test_out_back_overshoots_as_far_as_there_is_room():
+def test_out_back_overshoot_is_limited_by_the_range():
     def beyond(to: float) -> float:
         return float(eased("out_back", 6.0, to).angles(GRID).max()) - to
 
@@ -135,15 +135,15 @@ def test_out_back_overshoots_as_far_as_there_is_room():
     assert beyond(1.98) <= 1e-9
 
 
-def test_an_easing_goes_only_as_far_as_the_limits_of_all_hinges_allow():
+def test_easing_is_softened_until_all_hinges_keep_their_limits():
     slow = replace(LIMITS, acceleration=sealed([100.0, 0.01]))
     angles, times = np.array([[0.0, 0.0], [0.9, 0.9]]), np.array([0.0, 1.0])
     rows = keys(KeyPassage(easing="out_back"), ALL[:2], angles, times)
-    found = join_keys(times, Keys.of(rows, slow, room=0.0)).angles(GRID)
+    found = join_keys(times, Keys.of(rows, slow, margin=0.0)).angles(GRID)
     np.testing.assert_allclose(found, eased("minimum_jerk").angles(GRID) @ np.ones((1, 2)), atol=1e-12)
 
 
-def test_keys_on_a_circle_are_passed_along_it():
+def test_uneven_keys_on_a_circle_follow_the_circle():
     times = np.linspace(0.0, 2.0, 25)
     ease = 10 * (times / 2) ** 3 - 15 * (times / 2) ** 4 + 6 * (times / 2) ** 5
     angles = 0.3 * np.stack([np.cos(2 * np.pi * ease), np.sin(2 * np.pi * ease)], axis=1)
@@ -152,7 +152,7 @@ def test_keys_on_a_circle_are_passed_along_it():
     np.testing.assert_allclose(np.linalg.norm(found, axis=1), 0.3, atol=2e-3)
 
 
-def test_keys_on_a_smooth_curve_are_passed_without_a_wobble():
+def test_keys_on_a_smooth_curve_cause_no_oscillation():
     times = np.linspace(0.0, 2 * np.pi, 25)
     times[1:-1] += 0.1 * np.sin(17.0 * times[1:-1])
     angles = 0.3 * (1.0 - np.cos(times))[:, None]
@@ -162,7 +162,7 @@ def test_keys_on_a_smooth_curve_are_passed_without_a_wobble():
     np.testing.assert_allclose(motion.sample(inner)[2][:, 0], 0.3 * np.cos(inner), atol=0.1)
 
 
-def test_a_loose_hinge_swings_beyond_its_keys_but_not_beyond_its_range():
+def test_negative_tension_overshoots_keys_but_not_the_range():
     angles, times = np.array([[0.0], [1.2], [1.9], [1.5], [0.0]]), np.array([0.0, 0.4, 0.8, 1.2, 1.6])
     grid = np.linspace(0.0, 1.6, 801)
     highest = [
@@ -173,7 +173,7 @@ def test_a_loose_hinge_swings_beyond_its_keys_but_not_beyond_its_range():
     assert highest[0] <= highest[1] < highest[2] <= 2.0
 
 
-def test_a_hinge_with_swing_goes_on_through_a_key_where_it_turns_back_but_stays_in_its_range():
+def test_larger_swing_overshoots_a_reversal_further_but_within_the_joint_range():
     angles, times = np.array([[0.0], [1.2], [1.9], [1.5], [0.0]]), np.array([0.0, 0.4, 0.8, 1.2, 1.6])
     grid, keyed = np.linspace(0.0, 1.6, 801), np.ones((5, 1), dtype=bool)
     highest = [
@@ -185,11 +185,11 @@ def test_a_hinge_with_swing_goes_on_through_a_key_where_it_turns_back_but_stays_
     np.testing.assert_allclose(still.sample(times)[1], 0.0, atol=1e-9)
 
 
-def test_every_hinge_and_key_has_a_manner_of_its_own():
+def test_key_passage_parameters_can_differ_per_hinge_and_key():
     stiff, plain = KeyPassage(tension=1.0), PLAIN_PASSAGE
     rows = [replace(key, passages=(plain, stiff)) for key in keys()]
     rows[1] = replace(rows[1], passages=(stiff, plain))
-    speeds = join_keys(TIMES, Keys.of(rows, LIMITS, room=0.0)).sample(TIMES)[1]
+    speeds = join_keys(TIMES, Keys.of(rows, LIMITS, margin=0.0)).sample(TIMES)[1]
     assert speeds[1, 0] == pytest.approx(0.0, abs=1e-9)
     assert abs(speeds[2, 1]) < 1e-9
     plainly = joined().sample(TIMES)[1]
@@ -197,27 +197,27 @@ def test_every_hinge_and_key_has_a_manner_of_its_own():
     assert abs(plainly[2, 1]) > 0.5
 
 
-def test_hinges_whose_keys_stay_keep_their_curve_and_others_get_a_new_one():
+def test_unchanged_interpolated_curves_come_from_the_cache():
     keyed = ALL.copy()
     keyed[2, 1] = False
     limits = LIMITS.part(np.arange(2))
-    asked = Keys.of(keys(keyed=keyed), limits, room=0.0)
+    asked = Keys.of(keys(keyed=keyed), limits, margin=0.0)
     first, moved = join_keys(TIMES, asked), asked.angles.copy()
     moved[1, 0] += 0.1
     again = join_keys(TIMES, replace(asked, angles=sealed(moved)))
     assert again.curves[1,] is first.curves[1,]
     assert again.curves[0,] is not first.curves[0,]
     np.testing.assert_allclose(again.angles(TIMES)[:, 0], moved[:, 0], atol=1e-12)
-    tense = replace(asked, manner=asked.manner + np.array([1.0, 0, 0, 0, 0, 0])[:, None, None])
+    tense = replace(asked, passage_values=asked.passage_values + np.array([1.0, 0, 0, 0, 0, 0])[:, None, None])
     later = TIMES + np.array([0.0, 0.0, 0.1, 0.1, 0.1])
     for other in (join_keys(TIMES, tense), join_keys(later, asked), join_keys(TIMES, replace(asked, limits=LIMITS))):
         assert other.curves[1,] is not first.curves[1,]
 
 
-def test_long_curves_are_not_remembered(monkeypatch):
-    asked = Keys.of(keys(), LIMITS.part(np.arange(2)), room=0.0)
+def test_curves_with_many_keys_are_not_cached(monkeypatch):
+    asked = Keys.of(keys(), LIMITS.part(np.arange(2)), margin=0.0)
     known = join_keys(TIMES, asked)
-    monkeypatch.setattr(desired, "MOST_CURVE_KEYS", len(TIMES) * 2 - 1)
+    monkeypatch.setattr(desired, "MAX_CACHED_KEYS", len(TIMES) * 2 - 1)
     again = join_keys(TIMES, asked)
     assert again.curves[0, 1] is not known.curves[0, 1]
     assert np.array_equal(again.curves[0, 1].states, known.curves[0, 1].states)

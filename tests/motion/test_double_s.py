@@ -9,13 +9,13 @@ from kinesic.body.dynamics import Load
 from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
 from kinesic.motion.double_s import (
-    SPEEDS,
-    full_speed,
+    DUTY_FRACTIONS,
+    compute_rest_durations,
+    compute_velocity_durations,
     least_rest_times,
     least_rest_times_of,
     least_stop,
     least_time,
-    rest_to_rest,
 )
 from kinesic.motion.keys import KeyPosture, Keys
 
@@ -47,27 +47,27 @@ def simulated(distance, speed, acceleration, jerk):
         (0.01, 1.0, 50.0, 100.0),
     ],
 )
-def test_it_is_what_the_seven_phases_take(distance, speed, acceleration, jerk):
+def test_minimum_duration_equals_the_sum_of_seven_constant_jerk_phases(distance, speed, acceleration, jerk):
     assert least_time(distance, speed, acceleration, jerk) == pytest.approx(
         simulated(distance, speed, acceleration, jerk), rel=1e-9
     )
 
 
-def test_no_way_takes_no_time_and_the_sign_does_not_matter():
+def test_minimum_duration_is_zero_for_zero_distance_and_independent_of_the_sign():
     assert least_time(0.0, 1.0, 2.0, 3.0) == 0.0
     assert least_time(-0.7, 1.0, 2.0, 3.0) == least_time(0.7, 1.0, 2.0, 3.0)
 
 
-def test_without_a_bound_on_jerk_it_is_the_trapezoid():
+def test_minimum_time_without_jerk_limit_is_that_of_a_trapezoidal_profile():
     assert least_time(2.0, 1.0, 4.0, np.inf) == pytest.approx(2.0 + 1.0 / 4.0)
     assert least_time(0.1, 1.0, 4.0, np.inf) == pytest.approx(2 * sqrt(0.1 / 4.0))
 
 
-def test_without_a_bound_on_acceleration_jerk_and_speed_decide():
+def test_minimum_time_without_acceleration_limit_depends_on_jerk_and_velocity():
     assert least_time(2.0, 1.0, np.inf, 25.0) == pytest.approx(2.0 + 2 * sqrt(1 / 25))
 
 
-def test_arrays_broadcast():
+def test_minimum_times_accept_broadcast_arrays():
     times = least_time(np.array([[0.1], [1.0]]), np.array([1.0, 2.0, 4.0]), 10.0, 200.0)
     assert times.shape == (2, 3)
     assert times[1, 2] == least_time(1.0, 4.0, 10.0, 200.0)
@@ -80,7 +80,7 @@ def limits():
     return Limits.of(robot, Load(inertia=stall / 100, holding=0.2 * stall))
 
 
-def test_hinges_take_as_long_as_their_limits_and_their_duty_ask(limits):
+def test_rest_to_rest_durations_respect_motion_limits_and_duty(limits):
     turns = np.linspace(-1.0, 1.0, len(limits.speed))
     found = least_rest_times(turns, limits)
     for k, turn in enumerate(turns):
@@ -89,20 +89,20 @@ def test_hinges_take_as_long_as_their_limits_and_their_duty_ask(limits):
                 min(limits.speed[k], share * limits.duty[k] / limits.viscous[k]),
                 min(limits.acceleration[k], (1 - share) * limits.duty[k] / limits.inertial[k]),
             )
-            for share in SPEEDS
+            for share in DUTY_FRACTIONS
         ]
         assert found[k] >= least_time(turn, limits.speed[k], limits.acceleration[k], limits.jerk[k]) - 1e-12
         assert found[k] <= min(float(least_time(turn, v, a, limits.jerk[k])) for v, a in bounds) + 1e-12
 
 
-def test_hinges_take_any_shape_of_turns(limits):
+def test_rest_to_rest_durations_accept_arrays_with_leading_dimensions(limits):
     turns = np.random.default_rng(1).uniform(-1, 1, (4, 3, len(limits.speed)))
     found = least_rest_times(turns, limits)
     assert found.shape == turns.shape
     np.testing.assert_allclose(found[2, 1], least_rest_times(turns[2, 1], limits))
 
 
-def test_single_turns_take_what_they_take_among_those_of_all_hinges(robot_limits):
+def test_rest_to_rest_durations_of_single_rotations_equal_those_of_all_hinges(robot_limits):
     chance, limits = np.random.default_rng(4), robot_limits
     hinges = chance.integers(0, len(limits.lower), 200)
     turns = chance.uniform(-2.0, 2.0, len(hinges))
@@ -139,13 +139,13 @@ def can_stop(speed, acceleration, most, jerk, seconds, steps=150):
     ("speed", "acceleration"),
     [(1.0, 0.0), (-1.0, 0.0), (0.05, 0.0), (1.0, 8.0), (1.0, -8.0), (-0.3, 9.0), (0.0, 5.0), (0.2, -9.0)],
 )
-def test_no_jerk_stops_a_motion_sooner_and_one_stops_it_then(speed, acceleration):
+def test_stop_duration_is_minimal_and_attainable(speed, acceleration):
     seconds = float(least_stop(speed, acceleration, 10.0, 250.0))
     assert can_stop(speed, acceleration, 10.0, 250.0, 1.02 * seconds)
     assert not can_stop(speed, acceleration, 10.0, 250.0, 0.98 * seconds)
 
 
-def test_what_rests_has_stopped():
+def test_stop_duration_of_a_resting_hinge_is_zero():
     np.testing.assert_array_equal(least_stop([0.0, 0.0], [0.0, 0.0], 10.0, 250.0), 0.0)
 
 
@@ -158,9 +158,9 @@ def keys_of(limits, *angles):
     )
 
 
-def test_keys_are_as_far_apart_in_time_as_hinges_need(limits):
+def test_key_intervals_last_at_least_the_required_durations(limits):
     keys = keys_of(limits, 0.0, 0.2, 0.05)
-    resting, fastest = rest_to_rest(keys, limits), full_speed(keys, limits)
+    resting, fastest = compute_rest_durations(keys, limits), compute_velocity_durations(keys, limits)
     assert (
         resting.keys() == fastest.keys() == {(k, pair) for k in range(len(limits.speed)) for pair in ((0, 1), (1, 2))}
     )

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import BPoly
 
-from kinesic.motion.easing import OVERSHOOT, PARTS, Easing, ease, overshoot_shape, soften_easing
+from kinesic.motion.easing import DEFAULT_OVERSHOOT, EASING_INTERVALS, Easing, ease, overshoot_shape, soften_easing
 
 EASINGS = get_args(Easing)
 EVEN = np.linspace(0.0, 1.0, 2001)
@@ -12,7 +12,7 @@ EVEN = np.linspace(0.0, 1.0, 2001)
 
 def played(easing: Easing, steepness: float) -> BPoly:
     """The softened easing at every instant."""
-    return BPoly.from_derivatives(np.linspace(0.0, 1.0, PARTS + 1), soften_easing(easing, steepness).T)
+    return BPoly.from_derivatives(np.linspace(0.0, 1.0, EASING_INTERVALS + 1), soften_easing(easing, steepness).T)
 
 
 @pytest.mark.parametrize("easing", EASINGS)
@@ -24,19 +24,19 @@ def test_every_easing_goes_from_0_to_1(easing):
     ("easing", "begins", "ends"),
     [("minimum_jerk", 0.0, 0.0), ("linear", 1.0, 1.0), ("out_quart", 4.0, 0.0), ("out_back", 4.70158, 0.0)],
 )
-def test_the_speeds_at_the_ends_are_those_of_the_formulas(easing, begins, ends):
+def test_end_velocities_of_easings_match_their_formulas(easing, begins, ends):
     step = 1e-6
     assert ease(easing, np.array([step]))[0] / step == pytest.approx(begins, abs=1e-4)
     assert (1 - ease(easing, np.array([1 - step]))[0]) / step == pytest.approx(ends, abs=1e-4)
 
 
-def test_out_back_overshoots_by_the_share_that_is_asked():
+def test_out_back_overshoots_by_the_requested_ratio():
     for share in (0.02, 0.05, 0.1, 0.2):
         assert ease("out_back", EVEN, overshoot=share).max() == pytest.approx(1 + share, abs=1e-4)
-    assert overshoot_shape(OVERSHOOT) == pytest.approx(1.70158, abs=1e-4)
+    assert overshoot_shape(DEFAULT_OVERSHOOT) == pytest.approx(1.70158, abs=1e-4)
 
 
-def test_out_bounce_comes_back_three_times_and_never_goes_beyond():
+def test_out_bounce_bounces_three_times_without_overshoot():
     values = ease("out_bounce", EVEN)
     assert values.max() <= 1.0
     tops = np.flatnonzero((values[1:-1] >= values[:-2]) & (values[1:-1] > values[2:]))
@@ -49,7 +49,7 @@ def test_out_power_begins_with_its_steepness(steepness):
     assert np.all(np.diff(ease("out_power", EVEN, steepness=steepness)) >= 0.0)
 
 
-def test_what_is_late_is_fastest_at_its_end_however_gently_it_rises():
+def test_late_easing_is_fastest_at_its_end():
     steep = (3.5, 5.0, 6.5, 8.0)
     speeds = [played("late", steepness)(EVEN, nu=1) for steepness in steep]
     assert all(EVEN[speed.argmax()] > 0.8 for speed in speeds)
@@ -60,7 +60,7 @@ def test_what_is_late_is_fastest_at_its_end_however_gently_it_rises():
 
 
 @pytest.mark.parametrize("easing", EASINGS)
-def test_softened_it_goes_from_rest_to_rest(easing):
+def test_softened_easing_goes_from_rest_to_rest(easing):
     for steepness in (1.0, 2.5, 8.0):
         table = soften_easing(easing, steepness)
         np.testing.assert_allclose(table[:, 0], 0.0)
@@ -68,7 +68,7 @@ def test_softened_it_goes_from_rest_to_rest(easing):
 
 
 @pytest.mark.parametrize("easing", [easing for easing in EASINGS if easing != "minimum_jerk"])
-def test_softened_it_is_the_average_of_the_easing_over_the_window(easing):
+def test_softened_easing_is_the_weighted_moving_average_of_the_easing(easing):
     curve = played(easing, 3.0)
     step = 1e-4
     inner = EVEN[1:-1]
@@ -82,13 +82,13 @@ def test_softened_it_is_the_average_of_the_easing_over_the_window(easing):
 
 
 @pytest.mark.parametrize("easing", [easing for easing in EASINGS if easing != "minimum_jerk"])
-def test_the_softest_is_minimum_jerk(easing):
+def test_lowest_easing_steepness_gives_minimum_jerk(easing):
     np.testing.assert_allclose(
-        soften_easing(easing, 1.0)[0], ease("minimum_jerk", np.linspace(0, 1, PARTS + 1)), atol=1e-3
+        soften_easing(easing, 1.0)[0], ease("minimum_jerk", np.linspace(0, 1, EASING_INTERVALS + 1)), atol=1e-3
     )
 
 
-def test_steepness_raises_the_peak_speed_and_the_overshoot():
+def test_easing_steepness_raises_peak_velocity_and_overshoot():
     curves = [played("out_back", steepness) for steepness in np.linspace(1.0, 8.0, 15)]
     assert np.all(np.diff([curve(EVEN, nu=1).max() for curve in curves]) > 0.0)
     assert np.all(np.diff([curve(EVEN).max() for curve in curves]) > 0.0)

@@ -1,4 +1,4 @@
-"""The kernel cuts all hinges and finds their free motions as Python does, hinge by hinge."""
+"""Free motions of all hinges at once, against those of one hinge after the other."""
 
 from dataclasses import replace
 
@@ -7,15 +7,14 @@ import pytest
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
-from kinesic.motion import spline_program
 from kinesic.motion.keys import KeyPosture, Keys
 from kinesic.motion.segments import pieces
-from kinesic.motion.spline_program import WITHIN, _find_in_python, find_free_motion
-from kinesic.motion.trajectory import STEP
+from kinesic.motion.spline_program import KEPT_RATIO, find_free_motion
+from kinesic.motion.trajectory import KNOT_INTERVAL
+
+from ..reference.motion import spline_programs as reference
 
 LIMITS = Limits(*(sealed([value] * 3) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
-
-pytestmark = pytest.mark.skipif(spline_program.KERNEL == "numpy", reason="no compiled kernel")
 
 
 def keys(seed: int) -> Keys:
@@ -30,7 +29,7 @@ def keys(seed: int) -> Keys:
             float(time),
             sealed(row),
             (True, True, True) if k in (0, 11) else tuple(map(bool, rng.random(3) < 0.7)),
-            firm=k in (0, 11) or bool(rng.random() < 0.8),
+            is_exact=k in (0, 11) or bool(rng.random() < 0.8),
         )
         for k, (time, row) in enumerate(zip(times, angles, strict=True))
     )
@@ -38,28 +37,28 @@ def keys(seed: int) -> Keys:
 
 
 def wish(asked: Keys) -> Floats:
-    knots = np.arange(pieces(asked.asked, STEP) + 1) * STEP + asked.asked[0]
-    return np.stack([np.interp(knots, asked.asked, column) for column in asked.angles.T], axis=1)
+    knots = np.arange(pieces(asked.requested_times, KNOT_INTERVAL) + 1) * KNOT_INTERVAL + asked.requested_times[0]
+    return np.stack([np.interp(knots, asked.requested_times, column) for column in asked.angles.T], axis=1)
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_all_hinges_at_once_are_as_one_by_one(seed: int):
+def test_free_motion_of_all_hinges_matches_single_hinges(seed: int):
     asked = keys(seed)
-    ours, beyond = find_free_motion(asked.asked, asked, LIMITS, wish(asked))
-    theirs, expected = _find_in_python(asked.asked, asked, LIMITS, wish(asked))
+    ours, beyond = find_free_motion(asked.requested_times, asked, LIMITS, wish(asked))
+    theirs, expected = reference.find_free_motion(asked.requested_times, asked, LIMITS, wish(asked))
     np.testing.assert_allclose(ours, theirs, atol=1e-9)
     shares, segments = zip(*beyond, strict=True)
     others, wanted = zip(*expected, strict=True)
     np.testing.assert_allclose(shares, others, rtol=1e-6)
     for found, other in zip(segments, wanted, strict=True):
-        for name in ("hinge", "first", "grid", "marks", "start", "end", "led"):
+        for name in ("hinge", "first", "grid", "marks", "start", "end", "has_path"):
             assert getattr(found, name) == getattr(other, name), name
         np.testing.assert_array_equal(found.places, other.places)
 
 
-def test_what_keeps_the_limits_is_no_segment_of_its_own():
+def test_free_motion_of_feasible_keys_reports_no_infeasible_segments():
     asked = keys(3)
-    slow = replace(asked, asked=asked.asked * 50.0)
-    free, beyond = find_free_motion(slow.asked, slow, LIMITS, wish(slow))
+    slow = replace(asked, requested_times=asked.requested_times * 50.0)
+    free, beyond = find_free_motion(slow.requested_times, slow, LIMITS, wish(slow))
     assert not beyond
-    assert np.abs(np.diff(free, axis=0)).max() / STEP <= WITHIN * 4.0
+    assert np.abs(np.diff(free, axis=0)).max() / KNOT_INTERVAL <= KEPT_RATIO * 4.0

@@ -14,12 +14,12 @@ BOX = {
 }
 
 
-def test_a_motion_keeps_its_boxes_and_passes_its_keys():
+def test_motion_keeps_limits_and_passes_keys():
     limits = motion.Limits.box(**BOX)
     rows = ((0.0, [0.0, 0.0]), (0.5, [1.2, 2.0]), (2.5, [-0.4, 0.3]), (3.5, [0.0, 0.0]))
     keys = tuple(motion.KeyPosture.whole(time, angles) for time, angles in rows)
     found = motion.condition(keys, limits)
-    shares = motion.check_limits(found.trajectory, limits).shares
+    shares = motion.check_limits(found.trajectory, limits).by_quantity
     assert all(float(peak.ratios.max()) <= 1.0 + 1e-6 for peak in shares.values())
     assert float(shares["duty"].ratios.max()) < 1e-5  # no drive is known
     passed = found.trajectory.sample(found.planned + found.trajectory.zero)[0]
@@ -27,7 +27,7 @@ def test_a_motion_keeps_its_boxes_and_passes_its_keys():
     assert found.bottlenecks  # the second key comes too soon after the first
 
 
-def test_a_key_of_all_hinges_keeps_its_own_copy():
+def test_key_posture_of_all_hinges_copies_the_given_angles():
     angles = np.zeros(3)
     key = motion.KeyPosture.whole(1.0, angles)
     angles[0] = 1.0
@@ -44,6 +44,6 @@ def test_a_key_of_all_hinges_keeps_its_own_copy():
         ({"acceleration": np.array([np.inf, 1.0])}, "acceleration is .* finite"),
     ],
 )
-def test_wrong_boxes_are_refused_in_words(wrong, said):
+def test_invalid_limits_raise_a_clear_error(wrong, said):
     with pytest.raises(ValueError, match=said):
         motion.Limits.box(**(BOX | wrong))

@@ -3,20 +3,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kinesic.bench.blocks import crowd
+from kinesic.bench.blocks import write_overlapping_block
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
-from kinesic.controller.perform import plan
 from kinesic.motion import key_times
 from kinesic.motion.budget import Budget
 from kinesic.motion.condition import condition
-from kinesic.motion.double_s import full_speed, rest_to_rest
-from kinesic.motion.infeasibility import measure_shortage
-from kinesic.motion.key_time_lp import strain
-from kinesic.motion.key_times import Search
+from kinesic.motion.double_s import compute_rest_durations, compute_velocity_durations
+from kinesic.motion.infeasibility import measure_time_deficit
+from kinesic.motion.key_time_lp import shift_cost
+from kinesic.motion.key_times import KeyTimeSearch
 from kinesic.motion.keys import KeyPosture, Keys
 from kinesic.motion.segments import segments
-from kinesic.motion.trajectory import STEP
+from kinesic.motion.trajectory import KNOT_INTERVAL
+from kinesic.session.plan import plan
 
 LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
 
@@ -25,13 +25,17 @@ def keys_of(*rows: tuple[float, float, str]) -> tuple[KeyPosture, ...]:
     return tuple(KeyPosture(time, sealed([angle]), (True,), (("b", sync),)) for time, angle, sync in rows)
 
 
+def tune(monkeypatch: pytest.MonkeyPatch, **changes: float) -> None:
+    monkeypatch.setattr(key_times, "SEARCH_TUNING", replace(key_times.SEARCH_TUNING, **changes))
+
+
 @pytest.mark.parametrize("distance", [0.0, 0.002, 0.05, 0.4, 1.9, 3.9])
-def test_from_rest_to_rest_is_enough_and_full_speed_is_not(distance):
+def test_rest_to_rest_durations_are_feasible_and_full_velocity_durations_are_lower_bounds(distance):
     def ends(duration: float) -> tuple[KeyPosture, ...]:
         return keys_of((0, -1.95, "start"), (duration, -1.95 + distance, "stroke"))
 
     keys = Keys.of(ends(1.0), LIMITS)
-    enough, least = rest_to_rest(keys, LIMITS)[0, (0, 1)], full_speed(keys, LIMITS)[0, (0, 1)]
+    enough, least = compute_rest_durations(keys, LIMITS)[0, (0, 1)], compute_velocity_durations(keys, LIMITS)[0, (0, 1)]
     np.testing.assert_array_equal(condition(ends(enough), LIMITS).planned, [0.0, enough])
     assert least <= enough
     if distance > 0.01:
@@ -39,18 +43,20 @@ def test_from_rest_to_rest_is_enough_and_full_speed_is_not(distance):
         assert least < short.planned[1] < 1.1 * enough
 
 
-def test_all_ways_of_a_hinge_are_known():
+def test_minimum_durations_are_computed_for_each_key_interval():
     keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "stroke"), (2, 1, "end")), LIMITS)
-    assert set(rest_to_rest(keys, LIMITS)) == {(0, (0, 1)), (0, (1, 2))}
-    assert full_speed(keys, LIMITS) == {(0, (0, 1)): pytest.approx(0.25), (0, (1, 2)): 0.0}
+    assert set(compute_rest_durations(keys, LIMITS)) == {(0, (0, 1)), (0, (1, 2))}
+    assert compute_velocity_durations(keys, LIMITS) == {(0, (0, 1)): pytest.approx(0.25), (0, (1, 2)): 0.0}
 
 
-def test_a_tighter_duty_takes_longer():
+def test_lower_duty_limit_needs_more_time():
     keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "stroke")), LIMITS)
     tight = replace(LIMITS, duty=sealed([0.35]))
-    for times in (rest_to_rest, full_speed):
-        assert times(keys, tight)[0, (0, 1)] > 1.2 * times(keys, LIMITS)[0, (0, 1)] or times is full_speed
-    assert full_speed(keys, tight)[0, (0, 1)] == pytest.approx(0.15 / 0.35)
+    for times in (compute_rest_durations, compute_velocity_durations):
+        assert (
+            times(keys, tight)[0, (0, 1)] > 1.2 * times(keys, LIMITS)[0, (0, 1)] or times is compute_velocity_durations
+        )
+    assert compute_velocity_durations(keys, tight)[0, (0, 1)] == pytest.approx(0.15 / 0.35)
 
 
 FEASIBLE_LIMITS = Limits(*(sealed([value] * 2) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
@@ -58,55 +64,55 @@ ROWS = ((0, 0, 0, "start"), (0.4, 0.6, 0, "ready"), (0.6, -0.6, 1, "stroke"), (0
 KEYS = tuple(KeyPosture(time, sealed(turn), (True, True), (("b", sync),)) for time, *turn, sync in ROWS)
 
 
-def lacking(search: Search, keys: Keys):
-    found = [segment for segment in segments(search.times, keys, STEP) if not segment.still]
-    return [segment for segment in found if measure_shortage(segment, FEASIBLE_LIMITS).amount > 0.0]
+def find_infeasible(search: KeyTimeSearch, keys: Keys):
+    found = [segment for segment in segments(search.times, keys, KNOT_INTERVAL) if not segment.is_still]
+    return [segment for segment in found if measure_time_deficit(segment, FEASIBLE_LIMITS).amount > 0.0]
 
 
-def test_it_begins_at_full_speed():
+def test_search_starts_from_full_velocity_durations():
     keys = Keys.of(KEYS, FEASIBLE_LIMITS)
-    search = Search(keys, FEASIBLE_LIMITS, 0.6)
+    search = KeyTimeSearch(keys, FEASIBLE_LIMITS, 0.6)
     assert search.times[2] - search.times[1] == pytest.approx(0.3)
-    assert search.met[1, 2].quantity == "speed"
-    assert search.met[1, 2].ratio == pytest.approx(1.5)
+    assert search.bottlenecks[1, 2].quantity == "speed"
+    assert search.bottlenecks[1, 2].ratio == pytest.approx(1.5)
 
 
-def test_what_lacks_time_is_given_time():
+def test_infeasible_segment_gets_more_time():
     keys = Keys.of(KEYS, FEASIBLE_LIMITS)
-    search = Search(keys, FEASIBLE_LIMITS, 0.6)
-    lost = lacking(search, keys)
-    assert lost
-    search.avoid(lost[0])
-    assert not lacking(search, keys)
+    search = KeyTimeSearch(keys, FEASIBLE_LIMITS, 0.6)
+    infeasible = find_infeasible(search, keys)
+    assert infeasible
+    search.resolve(infeasible[0])
+    assert not find_infeasible(search, keys)
 
 
-def test_asked_times_that_suffice_are_not_touched():
+def test_feasible_requested_key_times_are_unchanged():
     slow = tuple(replace(key, time=3 * key.time) for key in KEYS)
     keys = Keys.of(slow, FEASIBLE_LIMITS)
-    np.testing.assert_array_equal(Search(keys, FEASIBLE_LIMITS, 0.6).times, keys.asked)
+    np.testing.assert_array_equal(KeyTimeSearch(keys, FEASIBLE_LIMITS, 0.6).times, keys.requested_times)
 
 
-def test_a_segment_that_is_lost_whatever_is_known_rests_in_the_end(monkeypatch):
-    """As if no program were ever solved: times grow, and in the end somebody is named."""
-    monkeypatch.setattr(key_times, "LONGEST", 10.0)  # the longer a motion, the slower is each look at it
+def test_key_time_search_fails_with_the_hinge_name_if_a_segment_stays_infeasible(monkeypatch):
+    """Key times grow until the search fails with the name of the hinge."""
+    tune(monkeypatch, max_rest_factor=10.0)  # the longer a motion, the slower is each look at it
     keys = Keys.of(KEYS, FEASIBLE_LIMITS)
-    search = Search(keys, FEASIBLE_LIMITS, 0.6)
+    search = KeyTimeSearch(keys, FEASIBLE_LIMITS, 0.6)
     began = search.times
 
-    def lose() -> None:
+    def report_repeatedly() -> None:
         for _ in range(100):
-            search.avoid(next(segments(search.times, keys, STEP)))
+            search.resolve(next(segments(search.times, keys, KNOT_INTERVAL)))
 
     with pytest.raises(ArithmeticError, match="hinge 0 cannot move"):
-        lose()
+        report_repeatedly()
     assert search.times[-1] - search.times[0] > 2 * (began[-1] - began[0])
 
 
-def test_a_hinge_that_can_hardly_move_takes_long():
+def test_very_slow_hinge_gets_a_long_duration():
     weak = replace(FEASIBLE_LIMITS, duty=sealed([0.06, 0.06]))
     motion = condition(KEYS, weak)
     assert motion.planned[-1] > 10.0
-    assert {met.quantity for met in motion.bottlenecks.values()} == {"duty"}
+    assert {bottleneck.quantity for bottleneck in motion.bottlenecks.values()} == {"duty"}
 
 
 def nods(count: int, seconds: float) -> Keys:
@@ -120,27 +126,29 @@ def nods(count: int, seconds: float) -> Keys:
 SLOW = Limits(*(sealed([value]) for value in (-2, 2, 6, 40, 1e3, 0.01, 0.05, 0.5)))
 
 
-def test_repeated_strokes_do_not_rest_at_each_turn():
+def test_repeated_strokes_do_not_stop_at_reversals():
     keys = nods(6, 1.9)
-    motion = condition(keys_of(*zip(keys.asked, keys.angles[:, 0], [s[0][1] for s in keys.syncs], strict=True)), SLOW)
-    rests = rest_to_rest(keys, SLOW)
+    motion = condition(
+        keys_of(*zip(keys.requested_times, keys.angles[:, 0], [s[0][1] for s in keys.syncs], strict=True)), SLOW
+    )
+    rests = compute_rest_durations(keys, SLOW)
     gaps = np.diff(motion.planned)[1:-1]
     assert motion.planned[-2] - motion.planned[1] > 1.95
     assert gaps.sum() < 0.8 * sum(rests[0, (k, k + 1)] for k in range(1, len(gaps) + 1))
 
 
-def test_what_no_stretch_leads_to_rests(monkeypatch):
+def test_infeasible_hinge_stops_at_its_keys_if_time_stretching_fails(monkeypatch):
     monkeypatch.setattr(key_times, "stretch_until_enough", lambda *given: None)
-    monkeypatch.setattr(key_times, "PLANES", 0)
+    tune(monkeypatch, max_planes=0)
     keys = nods(6, 1.9)
-    postures = keys_of(*zip(keys.asked, keys.angles[:, 0], [s[0][1] for s in keys.syncs], strict=True))
-    planned, rests = condition(postures, SLOW).planned, rest_to_rest(keys, SLOW)
+    postures = keys_of(*zip(keys.requested_times, keys.angles[:, 0], [s[0][1] for s in keys.syncs], strict=True))
+    planned, rests = condition(postures, SLOW).planned, compute_rest_durations(keys, SLOW)
     resting = sum(planned[j] - planned[i] >= 0.999 * rest for (_, (i, j)), rest in rests.items())
     assert resting >= len(rests) / 2, "hinges rest where they are short"
     assert planned[-1] - planned[0] <= 1.01 * sum(rests.values())
 
 
-def rhythm(gap: float, strokes: int = 6) -> tuple[KeyPosture, ...]:
+def write_rapid_head_block(gap: float, strokes: int = 6) -> tuple[KeyPosture, ...]:
     """Strokes to and fro, all in the same short time."""
     turns = [
         (0.3, "ready"),
@@ -156,85 +164,98 @@ def measured(monkeypatch) -> list[int]:
 
     def measure(segment, limits, **options):
         seen.append(segment.hinge)
-        return measure_shortage(segment, limits, **options)
+        return measure_time_deficit(segment, limits, **options)
 
-    monkeypatch.setattr(key_times, "measure_shortage", measure)
+    monkeypatch.setattr(key_times, "measure_time_deficit", measure)
     return seen
 
 
 @pytest.mark.parametrize("gap", [0.15, pytest.param(0.2, marks=pytest.mark.soak)])
-def test_repeated_strokes_are_stretched_at_once(gap, monkeypatch):
-    """Planes take forty rounds and find no better times."""
+def test_repeated_strokes_are_stretched_without_cutting_planes(gap, monkeypatch):
+    """Planes need forty rounds and give no better times."""
     seen = measured(monkeypatch)
-    motion = condition(rhythm(gap), LIMITS)
+    motion = condition(write_rapid_head_block(gap), LIMITS)
     assert len(seen) <= 10
-    monkeypatch.setattr(key_times, "REPEATS", 100)
-    assert strain(Keys.of(rhythm(gap), LIMITS), motion.planned) <= strain(
-        Keys.of(rhythm(gap), LIMITS), condition(rhythm(gap), LIMITS).planned
+    tune(monkeypatch, min_repeats=100)
+    assert shift_cost(Keys.of(write_rapid_head_block(gap), LIMITS), motion.planned) <= shift_cost(
+        Keys.of(write_rapid_head_block(gap), LIMITS), condition(write_rapid_head_block(gap), LIMITS).planned
     )
     assert len(seen) > 40
 
 
-def test_planes_do_what_a_stretch_cannot(monkeypatch):
+def test_cutting_planes_succeed_where_stretching_fails(monkeypatch):
     monkeypatch.setattr(key_times, "stretch_until_enough", lambda *given: None)
-    keys = Keys.of(rhythm(0.2, strokes=3), LIMITS)
-    monkeypatch.setattr(key_times, "PLANES", 10**6)
-    search = Search(keys, LIMITS, 0.6)
-    search.avoid(next(segment for segment in segments(search.times, keys, STEP) if not segment.still))
-    rests = rest_to_rest(keys, LIMITS)
+    keys = Keys.of(write_rapid_head_block(0.2, strokes=3), LIMITS)
+    tune(monkeypatch, max_planes=10**6)
+    search = KeyTimeSearch(keys, LIMITS, 0.6)
+    search.resolve(next(segment for segment in segments(search.times, keys, KNOT_INTERVAL) if not segment.is_still))
+    rests = compute_rest_durations(keys, LIMITS)
     assert search.times[-1] - search.times[0] < 0.9 * sum(rests.values())
 
 
 @pytest.mark.parametrize(("seeds", "most"), [((1, 5, 7, 9), 185), ((2,), 10)])
-def test_what_is_short_is_looked_at_before_what_is_near(seeds, most, known, monkeypatch):
+def test_time_deficits_of_infeasible_segments_are_measured_before_those_of_neighbours(seeds, most, known, monkeypatch):
     """To measure all that is near in every round, or beside any plane of its hinge, takes a fifth more."""
     seen, hands_alone = measured(monkeypatch), replace(known, style=known.style.changed(["whole_body=0"]))
     for seed in seeds:
-        plan(crowd(seed, ["beat", "offer", "large"]), hands_alone)
+        plan(write_overlapping_block(seed, ["beat", "offer", "large"]), hands_alone)
     assert len(seen) <= most
 
 
-def test_what_is_measured_is_counted_and_hinges_rest_when_the_budget_is_spent(monkeypatch):
+def test_measured_work_is_counted_and_a_spent_budget_forces_stops(monkeypatch):
     """A count, not a clock: every host finds the same times."""
     seen = measured(monkeypatch)
     keys = nods(6, 1.9)
-    postures = keys_of(*zip(keys.asked, keys.angles[:, 0], [s[0][1] for s in keys.syncs], strict=True))
+    postures = keys_of(*zip(keys.requested_times, keys.angles[:, 0], [s[0][1] for s in keys.syncs], strict=True))
     condition(postures, SLOW)
     assert len(seen) > 3
     seen.clear()
-    monkeypatch.setattr(key_times, "LOOKS", 100)  # fewer pieces than the first segment has
+    tune(monkeypatch, max_evaluations=100)  # fewer pieces than the first segment has
     planned = condition(postures, SLOW).planned
     assert len(seen) == 1
-    assert all(planned[j] - planned[i] >= 0.999 * rest for (_, (i, j)), rest in rest_to_rest(keys, SLOW).items())
+    assert all(
+        planned[j] - planned[i] >= 0.999 * rest for (_, (i, j)), rest in compute_rest_durations(keys, SLOW).items()
+    )
 
 
-def test_with_its_budget_spent_nothing_is_measured_and_hinges_rest_wherever_they_are_short(monkeypatch):
+def test_spent_budget_forces_stops_without_measurements(monkeypatch):
     seen = measured(monkeypatch)
     keys = nods(6, 1.9)
-    postures = keys_of(*zip(keys.asked, keys.angles[:, 0], [s[0][1] for s in keys.syncs], strict=True))
+    postures = keys_of(*zip(keys.requested_times, keys.angles[:, 0], [s[0][1] for s in keys.syncs], strict=True))
     planned = condition(postures, SLOW, budget=Budget(-1.0)).planned
     assert seen == []
-    assert all(planned[j] - planned[i] >= 0.999 * rest for (_, (i, j)), rest in rest_to_rest(keys, SLOW).items())
+    assert all(
+        planned[j] - planned[i] >= 0.999 * rest for (_, (i, j)), rest in compute_rest_durations(keys, SLOW).items()
+    )
 
 
-def test_what_a_crowd_lacks_is_always_found(known, monkeypatch):
+def test_time_deficits_are_found_among_very_many_keys(known, monkeypatch):
     """A program that is not solved makes a hinge rest at its keys, and strokes move far."""
     found = []
 
     def measure(*given, **options):
-        found.append(measure_shortage(*given, **options))
+        found.append(measure_time_deficit(*given, **options))
         return found[-1]
 
-    monkeypatch.setattr(key_times, "measure_shortage", measure)
-    plan(crowd(102, [form.id for form in known.lexicon.forms]), known)
+    monkeypatch.setattr(key_times, "measure_time_deficit", measure)
+    plan(write_overlapping_block(102, [form.id for form in known.lexicon.forms]), known)
     assert len(found) > 20
     assert all(found)
 
 
-def test_segments_of_hinges_whose_times_stay_are_made_once():
-    search = Search(Keys.of(KEYS, FEASIBLE_LIMITS), FEASIBLE_LIMITS, 0.6)
-    first, again = ([*search._segments(search.times)] for _ in range(2))
+def test_segments_with_unchanged_times_are_cached():
+    search = KeyTimeSearch(Keys.of(KEYS, FEASIBLE_LIMITS), FEASIBLE_LIMITS, 0.6)
+    first, second = ([*search._find_segments(search.times)] for _ in range(2))
     assert first
-    assert all(one is other for one, other in zip(first, again, strict=True))
-    moved = [*search._segments(search.times + np.array([0.0, 0.0, 0.02, 0.0, 0.0]))]
+    assert all(one is other for one, other in zip(first, second, strict=True))
+    moved = [*search._find_segments(search.times + np.array([0.0, 0.0, 0.02, 0.0, 0.0]))]
     assert not any(one is other for one in first for other in moved)
+
+
+def test_long_motion_has_more_measured_work_in_proportion():
+    def allowed(seconds: float) -> float:
+        keys = Keys.of(keys_of((0.0, 0.0, "start"), (seconds, 0.1, "end")), SLOW)
+        return KeyTimeSearch(keys, SLOW, lead_in=0.0)._max_evaluations
+
+    assert allowed(5.0) == key_times.SEARCH_TUNING.max_evaluations
+    assert allowed(60.0) == 4.0 * key_times.SEARCH_TUNING.max_evaluations

@@ -3,8 +3,8 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
-from kinesic.motion.key_time_lp import KeyTimeProblem, relax_key_times
-from kinesic.motion.keys import FORCED, LEAST_GAP, SWUNG, KeyPassage, KeyPosture, Keys
+from kinesic.motion.key_time_lp import KeyTimeProblem, solve_key_times
+from kinesic.motion.keys import MIN_GAP, POWER_STEEPNESS, SWING_GAIN, KeyPassage, KeyPosture, Keys
 
 LIMITS = Limits(*(sealed([value] * 2) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
 BOTH, FIRST, SECOND = (True, True), (True, False), (False, True)
@@ -12,64 +12,66 @@ PATH = ((BOTH, True), (FIRST, True), (FIRST, False), (SECOND, True), (FIRST, Fal
 
 
 def keys(*rows):
-    postures = [KeyPosture(0.1 * k, sealed([0.1 * k] * 2), keyed, firm=firm) for k, (keyed, firm) in enumerate(rows)]
+    postures = [
+        KeyPosture(0.1 * k, sealed([0.1 * k] * 2), keyed, is_exact=is_exact) for k, (keyed, is_exact) in enumerate(rows)
+    ]
     return Keys.of(tuple(postures), LIMITS)
 
 
-def test_a_hinge_has_to_pass_only_firm_keys():
+def test_only_exact_keys_are_constraints():
     found = keys((BOTH, True), (FIRST, False), (SECOND, True), (FIRST, False), (BOTH, True))
-    assert found.own == ([0, 4], [0, 2, 4])
-    assert [found.led(hinge).tolist() for hinge in (0, 1)] == [[True], [False, False]]
+    assert found.exact_rows == ([0, 4], [0, 2, 4])
+    assert [found.has_path(hinge).tolist() for hinge in (0, 1)] == [[True], [False, False]]
 
 
-def test_keys_beside_a_path_stay_between_its_ends():
+def test_keys_of_other_hinges_keep_their_order_relative_to_path_keys():
     found = keys(*PATH)
     assert {(1, 3), (3, 5), (1, 5)} <= found.gaps.keys()
 
 
-def test_keys_on_a_path_keep_their_order_when_others_move():
+def test_path_keys_keep_their_order():
     found = keys(*PATH)
     for gap in ({(0, 1): 0.5}, {(1, 3): 0.4}, {(3, 5): 0.6}, {(1, 5): 0.9}, {(0, 3): 0.8}):
-        times = relax_key_times(KeyTimeProblem(found, {**found.gaps, **gap}, 0.0))
+        times = solve_key_times(KeyTimeProblem(found, {**found.gaps, **gap}, 0.0))
         assert np.all(np.diff(times) > 0.0)
-        assert times[5] - times[1] >= 2 * LEAST_GAP - 1e-9
+        assert times[5] - times[1] >= 2 * MIN_GAP - 1e-9
 
 
-def test_keys_with_only_the_path_of_another_hinge_in_common_may_stay_as_near_as_asked():
+def test_close_keys_of_different_hinges_within_a_path_keep_their_small_gap():
     near = 0.004
     times = (0.0, 0.1, 0.2, 0.2 + near, 0.3, 0.4)
     rows = (([1, 1, 1], 1), ([1, 0, 0], 0), ([0, 1, 0], 1), ([0, 0, 1], 1), ([1, 0, 0], 0), ([1, 1, 1], 1))
     limits = Limits(*(sealed([value] * 3) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
     found = Keys.of(
         [
-            KeyPosture(time, sealed([0.1] * 3), tuple(map(bool, keyed)), firm=bool(firm))
-            for time, (keyed, firm) in zip(times, rows, strict=True)
+            KeyPosture(time, sealed([0.1] * 3), tuple(map(bool, keyed)), is_exact=bool(is_exact))
+            for time, (keyed, is_exact) in zip(times, rows, strict=True)
         ],
         limits,
     )
-    assert found.spaced
+    assert found.is_spaced
     assert found.gaps[2, 3] == pytest.approx(near)
-    assert {gap for pair, gap in found.gaps.items() if pair != (2, 3)} == {LEAST_GAP}
+    assert {gap for pair, gap in found.gaps.items() if pair != (2, 3)} == {MIN_GAP}
 
 
-def test_a_key_on_a_path_costs_nothing():
+def test_path_key_has_zero_weight():
     assert keys((BOTH, True), (BOTH, False), (BOTH, True)).weights[1] == 0.0
 
 
-def test_a_part_has_its_keys_of_its_hinges():
+def test_part_of_the_keys_contains_only_the_selected_times_and_hinges():
     whole = keys(*PATH)
     rows, hinges = np.array([0, 2, 6]), np.array([1])
     part = whole.part(rows, hinges)
-    np.testing.assert_array_equal(part.asked, whole.asked[rows])
+    np.testing.assert_array_equal(part.requested_times, whole.requested_times[rows])
     np.testing.assert_array_equal(part.angles, whole.angles[rows][:, hinges])
     np.testing.assert_array_equal(part.keyed, whole.keyed[rows][:, hinges])
-    np.testing.assert_array_equal(part.manner, whole.manner[:, rows][:, :, hinges])
+    np.testing.assert_array_equal(part.passage_values, whole.passage_values[:, rows][:, :, hinges])
     assert part.limits.lower.shape == (1,)
 
 
-def test_keys_may_all_be_passed_in_one_way():
-    found = keys(*PATH).passed(KeyPassage(tension=1.0))
-    assert np.all(found.manner[0] == 1.0)
+def test_with_passage_sets_tension_of_exact_keys_only():
+    found = keys(*PATH).with_passage(KeyPassage(tension=1.0))
+    assert np.all(found.passage_values[0] == 1.0)
     assert not found.keyed[[2, 4]].any()
 
 
@@ -85,36 +87,36 @@ def test_keys_may_all_be_passed_in_one_way():
         ("swing", -0.1),
     ],
 )
-def test_numbers_out_of_range_are_refused_with_the_range(name, value):
+def test_out_of_range_parameters_raise_an_error_with_the_range(name, value):
     with pytest.raises(ValueError, match=rf"{name} is {value:g}, outside \[.*\]"):
         KeyPassage(**{name: value})
 
 
-def test_a_calm_passage_has_neither_swing_nor_accent_and_keeps_the_rest():
+def test_removing_the_accent_of_a_key_passage_keeps_tension_continuity_and_bias():
     accented = KeyPassage(tension=0.3, continuity=-0.2, easing="out_power", steepness=3.0, swing=0.7)
-    assert accented.calm == KeyPassage(tension=0.3, continuity=-0.2, steepness=3.0)
+    assert accented.without_accent == KeyPassage(tension=0.3, continuity=-0.2, steepness=3.0)
     forced = KeyPassage(bias=0.2, easing="out_back", steepness=4.0, swing=0.7)
-    assert forced.calm == KeyPassage(bias=0.2, easing="out_back", steepness=FORCED)
+    assert forced.without_accent == KeyPassage(bias=0.2, easing="out_back", steepness=POWER_STEEPNESS)
     for plain in (
         KeyPassage(),
         KeyPassage(easing="linear", steepness=8.0),
         KeyPassage(easing="out_bounce", steepness=2.0),
     ):
-        assert plain.calm == plain
+        assert plain.without_accent == plain
 
 
 @pytest.mark.parametrize("swing", [0.0, 0.5, 1.0])
-def test_swing_adds_to_the_flow_and_full_tension_takes_all(swing):
+def test_overshoot_adds_key_velocity_and_full_tension_removes_it(swing):
     flows = [KeyPassage(tension=tension, swing=swing).flow for tension in (-1.0, 0.0, 0.5, 1.0)]
     assert flows == sorted(flows, reverse=True)
     assert flows[-1] == 0.0
-    assert flows[1] == pytest.approx(1.0 + SWUNG * swing)
+    assert flows[1] == pytest.approx(1.0 + SWING_GAIN * swing)
 
 
-def test_the_same_postures_are_joined_once_and_again_where_anything_else_is_asked():
+def test_key_arrays_of_postures_are_cached_by_all_arguments():
     postures = tuple(KeyPosture.whole(0.5 * k, [0.1 * k] * 2) for k in range(3))
     first = Keys.of(postures, LIMITS)
     assert Keys.of(postures, LIMITS) is first
     alike = tuple(KeyPosture.whole(0.5 * k, [0.1 * k] * 2) for k in range(3))
-    for other in (Keys.of(alike, LIMITS), Keys.of(postures, LIMITS, room=0.0), Keys.of(postures, LIMITS.times(0.5))):
+    for other in (Keys.of(alike, LIMITS), Keys.of(postures, LIMITS, margin=0.0), Keys.of(postures, LIMITS.scaled(0.5))):
         assert other is not first

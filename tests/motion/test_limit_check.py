@@ -3,9 +3,10 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
-from kinesic.motion import limit_check
-from kinesic.motion.limit_check import CHUNK, check_limits, find_beyond
-from kinesic.motion.trajectory import STEP, Trajectory
+from kinesic.motion.limit_check import INTERVALS_PER_CHUNK, check_limits, find_beyond
+from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
+
+from ..reference.motion import sampling
 
 LIMITS = Limits(
     lower=sealed([-1.0, -1.0]),
@@ -39,39 +40,35 @@ def sampled(trajectory):
     }
 
 
-@pytest.mark.parametrize("kernel", dict.fromkeys([limit_check.KERNEL, "numpy"]))
-@pytest.mark.parametrize("pieces", [1, 10, CHUNK, CHUNK + 1, 3 * CHUNK + 7])
-def test_peaks_are_those_of_the_trajectory_at_1_khz(monkeypatch, pieces, kernel):
-    monkeypatch.setattr(limit_check, "KERNEL", kernel)
+@pytest.mark.parametrize("pieces", [1, 10, INTERVALS_PER_CHUNK, INTERVALS_PER_CHUNK + 1, 3 * INTERVALS_PER_CHUNK + 7])
+def test_limit_peaks_equal_those_of_samples_at_1_khz(pieces):
     motion = wandering(pieces)
-    found = check_limits(motion, LIMITS).shares
+    found = check_limits(motion, LIMITS).by_quantity
     times, expected = sampled(motion)
     assert found.keys() == expected.keys()
     for name, ratios in expected.items():
         assert found[name].ratios == pytest.approx(np.abs(ratios).max(axis=0), rel=1e-9), name
         assert found[name].hinge == int(np.abs(ratios).max(axis=0).argmax()), name
-        there = np.abs(times - found[name].time) < STEP + 1e-9
+        there = np.abs(times - found[name].time) < KNOT_INTERVAL + 1e-9
         assert np.abs(ratios[there, found[name].hinge]).max() == pytest.approx(np.abs(ratios).max(), rel=1e-9), name
 
 
-@pytest.mark.parametrize("kernel", dict.fromkeys([limit_check.KERNEL, "numpy"]))
-def test_rms_jerk(monkeypatch, kernel):
-    monkeypatch.setattr(limit_check, "KERNEL", kernel)
+def test_rms_jerk_matches_its_definition():
     motion = wandering(300)
-    jerks = motion.jerks((np.arange(300) + 0.5) * STEP)
+    jerks = motion.jerks((np.arange(300) + 0.5) * KNOT_INTERVAL)
     assert check_limits(motion, LIMITS).rms_jerk == pytest.approx(np.sqrt(np.mean(jerks**2)))
 
 
-def test_a_peak_at_the_very_end_counts():
+def test_limit_peak_at_the_end_of_the_motion_is_found():
     controls = np.zeros((43, 2))
     controls[-1, 1] = 1.0
     motion = Trajectory(sealed(controls), 0.0)
-    speed = check_limits(motion, LIMITS).shares["speed"]
+    speed = check_limits(motion, LIMITS).by_quantity["speed"]
     assert speed.hinge == 1
     assert speed.time == pytest.approx(motion.duration)
 
 
-def test_only_what_breaks_a_limit_that_the_other_motion_keeps_is_beyond():
+def test_only_new_limit_violations_are_flagged():
     still, both = np.zeros((2, 40)), np.array([0, 1])
     leaping = still.copy()
     leaping[1, 20] = 0.002
@@ -82,11 +79,9 @@ def test_only_what_breaks_a_limit_that_the_other_motion_keeps_is_beyond():
     assert find_beyond(2.0 * leaping, leaping, LIMITS, both, full=1.0)[1, 20]
 
 
-@pytest.mark.skipif(limit_check.KERNEL == "numpy", reason="no compiled kernel")
-def test_the_kernel_finds_the_same_control_points_beyond_limits(monkeypatch):
+def test_compiled_control_point_flags_equal_the_python_reference():
     controls, before = (wandering(300, seed).controls.T * scale for seed, scale in ((1, 0.02), (2, 0.01)))
     given = controls[::-1] + before, before, LIMITS, np.array([1, 0])
     compiled = find_beyond(*given, full=6.0)
-    monkeypatch.setattr(limit_check, "KERNEL", "numpy")
-    np.testing.assert_array_equal(find_beyond(*given, full=6.0), compiled)
+    np.testing.assert_array_equal(sampling.find_beyond(*given, full=6.0), compiled)
     assert 0.05 < compiled.mean() < 0.95

@@ -13,9 +13,7 @@ LONGEST = 3.0  # [s] since a piece began, the last one and what is beyond it
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 9), st.integers(1, 6), st.integers(1, 4))
-def test_values_and_derivatives_are_those_of_scipy_within_the_pieces_and_beyond(
-    seed: int, pieces: int, powers: int, curves: int
-):
+def test_values_and_derivatives_match_scipy_inside_and_outside(seed: int, pieces: int, powers: int, curves: int):
     random = np.random.default_rng(seed)
     times = random.normal() + np.cumsum(random.uniform(0.01, LONGEST - 1.0, pieces + 1))
     scales = 10.0 ** random.uniform(-3.0, 3.0, (powers, 1, 1))
@@ -29,13 +27,13 @@ def test_values_and_derivatives_are_those_of_scipy_within_the_pieces_and_beyond(
     assert np.array_equal(own.at(asked), own.derivatives(asked, 1)[0])
 
 
-def test_a_piece_begins_where_its_time_does():
+def test_piecewise_polynomial_at_a_breakpoint_uses_the_following_interval():
     steps = PiecewisePolynomial(np.array([0.0, 1.0, 3.0]), np.array([[[1.0], [2.0]]]))
     assert steps.at(np.array([-1.0, 0.0, np.nextafter(1.0, 0.0), 1.0, 3.0, 9.0]))[:, 0].tolist() == [1, 1, 1, 2, 2, 2]
 
 
 @pytest.mark.parametrize("order", range(4))
-def test_derivatives_of_a_cubic(order: int):
+def test_derivatives_of_a_cubic_match_calculus(order: int):
     cubic = PiecewisePolynomial(np.array([2.0, 5.0]), np.array([[[2.0]], [[-3.0]], [[5.0]], [[7.0]]]))
     since = np.array([0.0, 0.5, 2.0])
     exact = (
@@ -47,7 +45,7 @@ def test_derivatives_of_a_cubic(order: int):
     np.testing.assert_allclose(cubic.derivatives(2.0 + since, 4)[order][:, 0], exact[order], rtol=1e-14)
 
 
-def test_a_quintic_spline_is_given_by_the_states_between_its_pieces(monkeypatch):
+def test_quintic_spline_interpolates_its_states(monkeypatch):
     random = np.random.default_rng(3)
     curve = QuinticSpline(np.cumsum(random.uniform(0.1, 0.4, 9)), random.normal(size=(3, 9, 2)))
     np.testing.assert_allclose(curve.derivatives(curve.times, 3), curve.states, rtol=0, atol=1e-9)

@@ -6,7 +6,7 @@ import pytest
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.motion import key_times
-from kinesic.motion.budget import ENDLESS
+from kinesic.motion.budget import UNLIMITED_BUDGET
 from kinesic.motion.condition import condition
 from kinesic.motion.keys import KeyPosture, Keys
 from kinesic.motion.plane_memory import PlaneMemory
@@ -29,10 +29,10 @@ def keys_of(rows=ROWS, later: float = 0.0) -> tuple[KeyPosture, ...]:
 @pytest.fixture
 def measured(monkeypatch):
     found = []
-    measure = key_times.measure_shortage
+    measure = key_times.measure_time_deficit
     monkeypatch.setattr(
         key_times,
-        "measure_shortage",
+        "measure_time_deficit",
         lambda segment, limits, **options: found.append(segment) or measure(segment, limits, **options),
     )
     return found
@@ -46,35 +46,35 @@ def memory():
 
 
 @pytest.mark.parametrize("later", [0.0, 7.3])
-def test_a_second_search_begins_where_the_first_one_ended(memory, measured, later):
+def test_second_key_time_search_starts_from_the_result_of_the_first(memory, measured, later):
     alone = condition(keys_of(later=later), LIMITS)
-    looked = len(measured)
-    again = condition(keys_of(later=later), LIMITS, memory=memory)
-    np.testing.assert_allclose(again.planned, alone.planned, atol=0.002)
-    assert looked > 4
-    assert len(measured) - looked < looked / 3
-    assert {pair: found.quantity for pair, found in again.bottlenecks.items()} == {
+    count = len(measured)
+    repeated = condition(keys_of(later=later), LIMITS, memory=memory)
+    np.testing.assert_allclose(repeated.planned, alone.planned, atol=0.002)
+    assert count > 4
+    assert len(measured) - count < count / 3
+    assert {pair: found.quantity for pair, found in repeated.bottlenecks.items()} == {
         pair: found.quantity for pair, found in alone.bottlenecks.items()
     }
 
 
-def test_what_hinges_do_beside_what_is_known_changes_nothing(memory, measured):
+def test_motion_of_other_hinges_does_not_affect_stored_cutting_planes(memory, measured):
     rows = (*ROWS[:-1], (2.2, 0.0, 0.4, "more"), (3.0, 0.0, 0.0, "end"))
     alone = condition(keys_of(rows), LIMITS)
-    looked = len(measured)
+    count = len(measured)
     found = condition(keys_of(rows), LIMITS, memory=memory)
     np.testing.assert_allclose(found.planned, alone.planned, atol=0.002)
-    assert len(measured) - looked < looked / 2
+    assert len(measured) - count < count / 2
 
 
-def test_planes_hold_under_tighter_limits_and_not_under_wider_ones(memory):
+def test_stored_cutting_planes_are_valid_for_tighter_limits_only(memory):
     keys = Keys.of(keys_of(), LIMITS)
-    assert memory.recall(keys, LIMITS.times(0.9))[0]
-    assert not memory.recall(keys, LIMITS.times(1.1))[0]
+    assert memory.recall(keys, LIMITS.scaled(0.9))[0]
+    assert not memory.recall(keys, LIMITS.scaled(1.1))[0]
     assert not memory.recall(keys, replace(LIMITS, viscous=sealed([0.1, 0.1])))[0]
 
 
-def test_planes_are_of_the_same_angles_and_sync_points(memory):
+def test_stored_cutting_planes_require_equal_angles_and_sync_points(memory):
     known = memory.recall(Keys.of(keys_of(), LIMITS), LIMITS)[0]
     assert 0 in known
     others = tuple((time, 1.01 * first, second, sync) for time, first, second, sync in ROWS)
@@ -83,22 +83,22 @@ def test_planes_are_of_the_same_angles_and_sync_points(memory):
     assert not memory.recall(Keys.of(keys_of(renamed), LIMITS), LIMITS)[0]
 
 
-def test_a_plane_stays_the_same_when_all_keys_move_together(memory):
+def test_stored_cutting_plane_is_invariant_to_a_common_time_shift(memory):
     keys = Keys.of(keys_of(), LIMITS)
-    for cuts in memory.recall(keys, LIMITS)[0].values():
-        for cut in cuts:
-            assert cut.slopes.sum() == pytest.approx(0.0, abs=1e-9)
+    for planes in memory.recall(keys, LIMITS)[0].values():
+        for plane in planes:
+            assert plane.slopes.sum() == pytest.approx(0.0, abs=1e-9)
 
 
-def test_what_was_known_before_the_last_search_is_kept(memory):
+def test_cutting_planes_of_earlier_searches_are_kept(memory):
     keys = Keys.of(keys_of(), LIMITS)
     others = keys_of(tuple((*row[:-1], f"other_{row[-1]}") for row in ROWS))
-    condition(others, LIMITS, memory=memory, budget=ENDLESS)
+    condition(others, LIMITS, memory=memory, budget=UNLIMITED_BUDGET)
     assert memory.recall(keys, LIMITS)[0]
     assert memory.recall(Keys.of(others, LIMITS), LIMITS)[0]
 
 
-def test_what_a_search_of_one_hinge_found_is_known_to_that_of_all(measured):
+def test_cutting_planes_of_a_single_hinge_search_apply_to_the_search_of_all_hinges(measured):
     other, alone = PlaneMemory(), PlaneMemory()
     part = tuple(
         KeyPosture(key.time, sealed(key.angles[1:]), (True,), key.syncs)  # of the second hinge
@@ -106,15 +106,15 @@ def test_what_a_search_of_one_hinge_found_is_known_to_that_of_all(measured):
     )
     condition(part, LIMITS.part(np.array([1])), memory=alone)
     other.learn(alone, [1], (True, True))
-    cuts, met = other.recall(Keys.of(keys_of(), LIMITS), LIMITS)
-    assert cuts.keys() == {1}
-    assert {found.hinge for found in met.values()} == {1}
+    planes, bottlenecks = other.recall(Keys.of(keys_of(), LIMITS), LIMITS)
+    assert planes.keys() == {1}
+    assert {bottleneck.hinge for bottleneck in bottlenecks.values()} == {1}
     assert not PlaneMemory().recall(Keys.of(keys_of(), LIMITS), LIMITS)[0]
     assert not other.part([0]).recall(Keys.of(part, LIMITS.part(np.array([1]))), LIMITS)[0]
 
 
 @pytest.mark.parametrize("backwards", [False, True])
-def test_what_is_about_a_rest_at_the_end_of_a_part_is_not_known_to_the_whole(backwards):
+def test_cutting_planes_at_open_ends_of_a_partial_search_are_not_reused(backwards):
     """There the hinge of the whole may go on."""
     turned = tuple((ROWS[-1][0] - time, *turn, sync) for time, *turn, sync in reversed(ROWS))
     rows, memory = turned if backwards else ROWS, PlaneMemory()
@@ -124,18 +124,18 @@ def test_what_is_about_a_rest_at_the_end_of_a_part_is_not_known_to_the_whole(bac
     def about(*whole: bool) -> set[int]:
         learned = PlaneMemory()
         learned.learn(memory, [0, 1], whole)
-        cuts = [cut for own in learned.recall(keys, LIMITS)[0].values() for cut in own]
-        return {int(key) for cut in cuts for key in np.flatnonzero(cut.slopes)}
+        learned_planes = [plane for planes in learned.recall(keys, LIMITS)[0].values() for plane in planes]
+        return {int(key) for plane in learned_planes for key in np.flatnonzero(plane.slopes)}
 
     assert end in about(True, True)
     assert end in about(not backwards, backwards)
     assert end not in about(backwards, not backwards)
 
 
-def test_only_planes_that_hold_back_the_times_are_lent_to_other_searches(memory):
+def test_only_active_cutting_planes_are_copied_to_other_searches(memory):
     keys = Keys.of(keys_of(), LIMITS)
-    every = [cut for own in memory.recall(keys, LIMITS)[0].values() for cut in own]
-    lent = [cut for own in memory.part([0, 1]).recall(keys, LIMITS)[0].values() for cut in own]
+    all_planes = [plane for planes in memory.recall(keys, LIMITS)[0].values() for plane in planes]
+    copied = [plane for planes in memory.part([0, 1]).recall(keys, LIMITS)[0].values() for plane in planes]
     times = condition(keys_of(), LIMITS).planned
-    assert 0 < len(lent) < len(every)
-    assert all(abs(float(cut.slopes @ times) - cut.bound) < 0.005 for cut in lent)
+    assert 0 < len(copied) < len(all_planes)
+    assert all(abs(float(plane.slopes @ times) - plane.bound) < 0.005 for plane in copied)

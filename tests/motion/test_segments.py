@@ -3,10 +3,10 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
-from kinesic.motion.double_s import rest_to_rest
+from kinesic.motion.double_s import compute_rest_durations
 from kinesic.motion.keys import KeyPosture, Keys
-from kinesic.motion.segments import pieces, segments, tight_segments
-from kinesic.motion.trajectory import STEP
+from kinesic.motion.segments import find_critical_segments, pieces, segments
+from kinesic.motion.trajectory import KNOT_INTERVAL
 
 LIMITS = Limits(*(sealed([value] * 2) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
 ROWS = ((0.0, 0.0, 1.0), (0.5, 0.7, 1.0), (1.3, 0.7, 1.0), (1.805, 0.2, 0.4), (2.2, 0.0, 1.0))
@@ -14,10 +14,10 @@ KEYS = Keys.of(tuple(KeyPosture(time, sealed(angles), (True, True)) for time, *a
 
 
 def cut(hinge: int):
-    return [found for found in segments(KEYS.asked, KEYS, STEP) if found.hinge == hinge]
+    return [found for found in segments(KEYS.requested_times, KEYS, KNOT_INTERVAL) if found.hinge == hinge]
 
 
-def test_a_hold_is_cut_in_its_middle():
+def test_motion_is_split_into_segments_in_the_middle_of_a_hold():
     first, second = cut(0)
     assert (first.first, second.first) == (0, 90)
     assert (first.start, first.end, second.start, second.end) == (0.0, 0.7, 0.7, 0.0)
@@ -26,41 +26,46 @@ def test_a_hold_is_cut_in_its_middle():
     assert second.places == pytest.approx([40.0, 90.5])
 
 
-def test_segments_cover_the_motion():
+def test_segments_of_a_hinge_cover_its_whole_motion():
     for hinge in (0, 1):
         found = cut(hinge)
-        assert [s.knots.stop - 1 for s in found] == [*(s.first for s in found[1:]), pieces(KEYS.asked, STEP)]
+        assert [s.knots.stop - 1 for s in found] == [
+            *(s.first for s in found[1:]),
+            pieces(KEYS.requested_times, KNOT_INTERVAL),
+        ]
 
 
 def tight(times, hinges=(0, 1)) -> list:
-    ways = rest_to_rest(KEYS, LIMITS)
+    ways = compute_rest_durations(KEYS, LIMITS)
     rests = [np.array([rest for (hinge, _), rest in ways.items() if hinge == own]) for own in (0, 1)]
-    return [*tight_segments(np.asarray(times), KEYS, STEP, rests, hinges)]
+    return [*find_critical_segments(np.asarray(times), KEYS, KNOT_INTERVAL, rests, hinges)]
 
 
-def test_segments_in_which_a_hinge_could_rest_at_each_key_are_left_out():
-    assert tight(KEYS.asked * 3.0) == []
-    hurried = tight(KEYS.asked * 0.6)
+def test_always_feasible_segments_are_left_out():
+    assert tight(KEYS.requested_times * 3.0) == []
+    hurried = tight(KEYS.requested_times * 0.6)
     assert {found.hinge for found in hurried} == {0, 1}
-    assert {found.hinge for found in tight(KEYS.asked * 0.6, [1])} == {1}
+    assert {found.hinge for found in tight(KEYS.requested_times * 0.6, [1])} == {1}
 
 
-def test_a_way_with_far_more_time_than_it_needs_is_cut_in_its_middle():
-    times = KEYS.asked + np.array([0.0, 0.0, 0.0, 3.0, 2.8])  # a long way from 0.7 to 0.2, and a hurried one to 0
+def test_key_interval_with_ample_time_is_split_into_segments_at_its_middle():
+    times = KEYS.requested_times + np.array(
+        [0.0, 0.0, 0.0, 3.0, 2.8]
+    )  # a long way from 0.7 to 0.2, and a hurried one to 0
     (last,) = [found for found in tight(times) if found.hinge == 0]
     assert last.start == pytest.approx(0.45)
     assert (last.end, last.first) == (0.0, 305)
     assert last.pairs == ((2, 3), (3, 4))
-    (whole,) = [found for found in segments(times, KEYS, STEP) if found.hinge == 0 and found.first == 90]
+    (whole,) = [found for found in segments(times, KEYS, KNOT_INTERVAL) if found.hinge == 0 and found.first == 90]
     assert last.within(whole)
     assert not whole.within(last)
 
 
-def test_a_hinge_at_rest_is_still():
-    assert [found.still for found in cut(1)] == [True, True, False]
+def test_segment_with_equal_key_angles_is_still():
+    assert [found.is_still for found in cut(1)] == [True, True, False]
 
 
-def test_control_points_pass_keys_and_rest_at_the_ends():
+def test_equality_constraints_of_a_segment_fix_key_angles_and_rest_at_its_ends():
     way = cut(0)[1]
     matrix, values = way.fixed.matrix, way.fixed.values
     assert matrix.shape == (8, way.grid.size)
@@ -68,29 +73,33 @@ def test_control_points_pass_keys_and_rest_at_the_ends():
     np.testing.assert_allclose(values, [0.7, 0.2, 0.7, 0.7, 0.7, 0.0, 0.0, 0.0])
 
 
-def test_a_last_key_between_knots_is_met_before_the_end():
-    times = KEYS.asked + np.array([0, 0, 0, 0, 0.004])
-    last = [found for found in segments(times, KEYS, STEP) if found.hinge == 0][-1]
+def test_last_key_between_two_knots_belongs_to_the_segment():
+    times = KEYS.requested_times + np.array([0, 0, 0, 0, 0.004])
+    last = [found for found in segments(times, KEYS, KNOT_INTERVAL) if found.hinge == 0][-1]
     assert last.places[-1] == pytest.approx(130.4)
     assert last.pairs[-1] == (4, 4)
 
 
-def test_a_path_between_two_keys_of_one_angle_is_no_hold():
+def test_path_between_equal_angles_is_not_a_hold():
     rows = ((0.0, 0.0, True), (0.5, 0.7, True), (0.9, 0.9, False), (1.3, 0.7, True), (2.0, 0.0, True))
-    keys = Keys.of(tuple(KeyPosture(t, sealed([a] * 2), (True, True), firm=firm) for t, a, firm in rows), LIMITS)
-    assert keys.own == ([0, 1, 3, 4], [0, 1, 3, 4])
-    assert keys.led(0).tolist() == [False, True, False]
-    assert [(found.hinge, found.first, found.led) for found in segments(keys.asked, keys, STEP)] == [
+    keys = Keys.of(
+        tuple(KeyPosture(t, sealed([a] * 2), (True, True), is_exact=is_exact) for t, a, is_exact in rows), LIMITS
+    )
+    assert keys.exact_rows == ([0, 1, 3, 4], [0, 1, 3, 4])
+    assert keys.has_path(0).tolist() == [False, True, False]
+    assert [
+        (found.hinge, found.first, found.has_path) for found in segments(keys.requested_times, keys, KNOT_INTERVAL)
+    ] == [
         (0, 0, True),
         (1, 0, True),
     ]
 
 
-def test_a_long_hold_stands_still_in_between():
+def test_long_hold_is_split_into_short_segments_around_a_still_segment():
     rows = ((0.0, 0.0), (0.5, 0.7), (300.0, 0.7), (300.5, 0.0))
     keys = Keys.of(tuple(KeyPosture(t, sealed([a] * 2), (True, True)) for t, a in rows), LIMITS)
-    before, still, after = [found for found in segments(keys.asked, keys, STEP) if found.hinge == 0]
-    assert (before.still, still.still, after.still) == (False, True, False)
+    before, still, after = [found for found in segments(keys.requested_times, keys, KNOT_INTERVAL) if found.hinge == 0]
+    assert (before.is_still, still.is_still, after.is_still) == (False, True, False)
     assert before.grid.pieces < 200
     assert after.grid.pieces < 200
     assert still.pairs == ((1, 2),)

@@ -1,18 +1,15 @@
-from importlib import import_module
-
 import numpy as np
 import pytest
 
+from kinesic._kernel import motion as kernel
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
-from kinesic.motion import piqp, spline_program
 from kinesic.motion.bspline import grid
 from kinesic.motion.easing import minimum_jerk
-from kinesic.motion.infeasibility import EASY
+from kinesic.motion.infeasibility import EASY_DEFICIT
 from kinesic.motion.segments import SplineSegment
 from kinesic.motion.spline_program import (
-    KERNEL,
-    _pull,
+    _linear_part,
     can_pass,
     nearest_motion,
     nearest_within_limits,
@@ -20,9 +17,10 @@ from kinesic.motion.spline_program import (
     relax_limits,
     smoothest,
 )
-from kinesic.motion.trajectory import STEP
+from kinesic.motion.trajectory import KNOT_INTERVAL
 
 from ..naming import about
+from ..reference.motion import spline_programs as reference
 
 LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
 
@@ -30,14 +28,14 @@ LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0
 def segment(pieces: int, start: float, end: float, **keys: float) -> SplineSegment:
     """From rest to rest; keys by their place, as p15=0.3."""
     places, angles = np.array([float(name[1:]) for name in keys]), np.array([*keys.values()])
-    return SplineSegment(0, 0, grid(pieces, STEP), start, end, places, angles)
+    return SplineSegment(0, 0, grid(pieces, KNOT_INTERVAL), start, end, places, angles)
 
 
 def largest(found: SplineSegment, controls) -> float:
-    return max(float(np.abs(share).max()) for share in found.grid.shares(controls, LIMITS, 0))
+    return max(float(np.abs(share).max()) for share in found.grid.limit_ratios(controls, LIMITS, 0))
 
 
-def test_a_gentle_wish_is_followed_as_it_is():
+def test_gentle_desired_motion_is_followed_exactly():
     way = segment(60, 0.0, 0.5)
     s = np.linspace(0, 1, 61)
     wish = 0.5 * (10 * s**3 - 15 * s**4 + 6 * s**5)
@@ -46,7 +44,7 @@ def test_a_gentle_wish_is_followed_as_it_is():
     np.testing.assert_allclose(way.grid.at_knots @ controls, wish, atol=2e-4)
 
 
-def test_a_sharp_wish_is_followed_as_far_as_the_limits_go():
+def test_sharp_desired_motion_is_followed_up_to_the_limits():
     way = segment(60, 0.0, 0.5, p30=0.25)
     wish = np.where(np.arange(61) < 30, 0.0, 0.5)
     wish[30] = 0.25
@@ -57,7 +55,7 @@ def test_a_sharp_wish_is_followed_as_far_as_the_limits_go():
     np.testing.assert_allclose(matrix @ controls, values, atol=1e-9)
 
 
-def test_it_is_the_optimum():
+def test_limited_spline_solution_is_optimal():
     way = segment(60, 0.0, 0.5)
     wish = np.where(np.arange(61) < 30, 0.0, 0.5)
     best = nearest_motion(way, wish, LIMITS)
@@ -71,11 +69,11 @@ def test_it_is_the_optimum():
         assert cost(best) <= cost(other) + 1e-9
 
 
-def test_what_cannot_be_is_none():
+def test_infeasible_spline_program_returns_none():
     assert nearest_motion(segment(20, 0.0, 1.5), np.linspace(0, 1.5, 21), LIMITS) is None
 
 
-def test_what_does_not_move_needs_no_program():
+def test_segment_without_motion_stays_constant():
     np.testing.assert_array_equal(
         nearest_motion(segment(20, 0.3, 0.3, p5=0.3), np.full(21, 0.3), LIMITS), np.full(23, 0.3)
     )
@@ -85,20 +83,22 @@ def many_keys() -> tuple[SplineSegment, Floats]:
     """A hundred keys, and a wish that goes from one to the next."""
     rng = np.random.default_rng(8)
     places = np.arange(30, 3000, 30) + rng.uniform(-5, 5, 99)
-    way = SplineSegment(0, 0, grid(3030, STEP), 0.0, 0.0, places, rng.uniform(-0.5, 0.5, 99))
+    way = SplineSegment(0, 0, grid(3030, KNOT_INTERVAL), 0.0, 0.0, places, rng.uniform(-0.5, 0.5, 99))
     return way, np.interp(np.arange(3031), [0, *places, 3030], [0, *way.angles, 0])
 
 
-def test_many_keys_are_passed_as_few_are(monkeypatch: pytest.MonkeyPatch):
-    """A sparse system finds the same as a dense one, and as a band."""
+def test_spline_through_many_keys_matches_sparse_and_dense_references():
+    """The kernel finds the same as a sparse and as a dense system."""
     way, wish = many_keys()
     matrix, values = way.fixed.matrix, way.fixed.values
-    assert len(values) >= piqp.MANY
+    assert len(values) >= reference.DENSE_ROWS
     band = nearest_without_limits(way, wish), smoothest(way)
-    monkeypatch.setattr(spline_program, "KERNEL", "numpy")
-    sparse = nearest_without_limits(way, wish), smoothest(way)
-    monkeypatch.setattr(piqp, "MANY", 1000)
-    dense = nearest_without_limits(way, wish), smoothest(way)
+    forms = (
+        (way.grid.closeness_bands, _linear_part(way, wish)),
+        (way.grid.calmness_bands, np.zeros(way.grid.size)),
+    )
+    sparse = [reference.smoothest(way, *form) for form in forms]
+    dense = [reference.smoothest(way, *form, dense_rows=1000) for form in forms]
     for found, other, third in zip(band, sparse, dense, strict=True):
         np.testing.assert_allclose(matrix @ found, values, atol=1e-9)
         np.testing.assert_allclose(found, other, atol=1e-7)
@@ -112,23 +112,20 @@ def random_segment(seed: int) -> tuple[SplineSegment, Floats]:
     places = 8 + np.cumsum(rng.uniform(4, 40, count))
     pieces = int(np.ceil(8 + places[-1:].sum() + rng.uniform(8, 40)))
     keys = np.cumsum(rng.normal(0.0, 0.12, count + 2)).clip(-1.5, 1.5)
-    way = SplineSegment(0, 0, grid(pieces, STEP), keys[0], keys[-1], places, keys[1:-1])
+    way = SplineSegment(0, 0, grid(pieces, KNOT_INTERVAL), keys[0], keys[-1], places, keys[1:-1])
     wish = np.interp(np.arange(pieces + 1), [0, *places, pieces], keys)
     return way, wish + rng.normal(0.0, 0.05, pieces + 1)
 
 
-compiled = pytest.mark.skipif(KERNEL == "numpy", reason="there is no compiled kernel")
-
-
-@compiled
-def test_the_kernel_finds_what_piqp_finds(monkeypatch: pytest.MonkeyPatch):
+def test_compiled_programs_match_piqp():
     for seed in range(60):
         with about(f"seed {seed}"):
             way, wish = random_segment(seed)
-            ours = nearest_within_limits(way, wish, LIMITS), relax_limits(way, LIMITS, easy=EASY)
-            with monkeypatch.context() as patched:
-                patched.setattr(spline_program, "KERNEL", "numpy")
-                theirs = nearest_within_limits(way, wish, LIMITS), relax_limits(way, LIMITS, easy=EASY)
+            ours = nearest_within_limits(way, wish, LIMITS), relax_limits(way, LIMITS, easy=EASY_DEFICIT)
+            theirs = (
+                reference.nearest_within_limits(way, wish, LIMITS),
+                reference.relax_limits(way, LIMITS, easy=EASY_DEFICIT),
+            )
             compare(way, wish, *ours, *theirs)
 
 
@@ -154,7 +151,7 @@ def distance(way: SplineSegment, wish: Floats, controls: Floats) -> float:
     return float(controls @ (form @ controls) / 2 - (way.grid.at_knots.T @ wish) @ controls)
 
 
-def test_a_segment_can_pass_where_there_is_a_motion_of_it():
+def test_feasibility_test_agrees_with_the_existence_of_a_motion_within_limits():
     stuck = 0
     for seed in range(60):
         with about(f"seed {seed}"):
@@ -165,15 +162,14 @@ def test_a_segment_can_pass_where_there_is_a_motion_of_it():
     assert 4 <= stuck <= 40
 
 
-def test_a_wish_that_swings_farther_than_the_keys_makes_room():
+def test_desired_motion_beyond_the_keys_widens_the_angle_range_of_the_relaxation():
     way, wish = random_segment(7)
-    narrow, wide = (relax_limits(way, LIMITS, easy=EASY, desired=desired) for desired in (None, wish))
+    narrow, wide = (relax_limits(way, LIMITS, easy=EASY_DEFICIT, desired=desired) for desired in (None, wish))
     assert narrow.amount > 1e-3
     assert wide.amount < -1e-3
 
 
-@compiled
-def test_no_step_that_is_allowed_leads_nearer():
+def test_no_feasible_change_of_control_points_improves_the_optimum():
     """At the optimum the slope of the distance points out of what is allowed, along any way to another motion in it."""
     judged = 0
     for seed in range(20):
@@ -190,43 +186,41 @@ def test_no_step_that_is_allowed_leads_nearer():
     assert judged >= 60
 
 
-@compiled
-def test_multipliers_are_slopes_of_the_relaxation():
+def test_multipliers_of_a_limit_relaxation_equal_its_finite_differences():
     way = segment(40, 0.0, 1.6, p17=0.8)
-    found, more = relax_limits(way, LIMITS, easy=EASY), 1e-4
-    farther = relax_limits(segment(40, 0.0, 1.6, p17=0.8 + more), LIMITS, easy=EASY)
-    assert -found.ties[0] == pytest.approx((farther.amount - found.amount) / more, rel=0.02)
-    assert (found.pulls >= 0.0).all()
+    found, more = relax_limits(way, LIMITS, easy=EASY_DEFICIT), 1e-4
+    farther = relax_limits(segment(40, 0.0, 1.6, p17=0.8 + more), LIMITS, easy=EASY_DEFICIT)
+    assert -found.fixed_multipliers[0] == pytest.approx((farther.amount - found.amount) / more, rel=0.02)
+    assert (found.limit_multipliers >= 0.0).all()
     powers = way.grid.powers[way.grid.bounds == 1.0]
-    assert float(found.pulls @ powers) == pytest.approx(1.0, abs=1e-4)  # one more of the relaxation is worth one
+    assert float(found.limit_multipliers @ powers) == pytest.approx(
+        1.0, abs=1e-4
+    )  # one more of the relaxation is worth one
 
 
-@compiled
 @pytest.mark.parametrize("broken", range(8))
-def test_arrays_that_do_not_fit_are_refused(broken: int):
-    _kernel = import_module("kinesic.motion._kernel")
+def test_arrays_of_wrong_length_raise_an_error(broken: int):
     way, wish = random_segment(1)
     fixed, grid_ = way.fixed, way.grid
     good = [
         fixed.first,
-        fixed.shares,
+        fixed.weights,
         fixed.values,
         grid_.closeness_bands,
         np.convolve(wish, [1 / 6, 4 / 6, 1 / 6]),
         grid_.stencils(LIMITS, 0),
         *way.corridor(LIMITS, wish),
     ]
-    assert _kernel.nearest(*good) is None or len(_kernel.nearest(*good)) == grid_.size
+    assert kernel.nearest(*good) is None or len(kernel.nearest(*good)) == grid_.size
     bad = [array.ravel()[:-1].copy() if k == broken else array for k, array in enumerate(good)]
     with pytest.raises(ValueError, match="do not fit"):
-        _kernel.nearest(*bad)
+        kernel.nearest(*bad)
     with pytest.raises(ValueError, match="do not fit"):
-        _kernel.smooth(fixed.first + np.int32(grid_.size), *good[1:5])
+        kernel.smooth(fixed.first + np.int32(grid_.size), *good[1:5])
 
 
-@compiled
 @pytest.mark.parametrize("begins", [10, 150, 450, 560])
-def test_a_limit_that_is_met_in_one_place_of_a_long_way_moves_nothing_far_from_it(begins: int):
+def test_local_violation_changes_a_long_segment_only_locally(begins: int):
     """The kernel solves for a part of the way alone, and finds what is nearest for the whole of it."""
     way = segment(600, 0.0, 0.0, p80=0.1, p300=-0.1, p520=0.1)
     ends, angles = np.array([0, 80, 300, 520, 600]), np.array([0.0, 0.1, -0.1, 0.1, 0.0])
@@ -240,6 +234,6 @@ def test_a_limit_that_is_met_in_one_place_of_a_long_way_moves_nothing_far_from_i
     changed = np.flatnonzero(np.abs(found - free) > 1e-9)
     assert 0 < np.ptp(changed) < 300
     np.testing.assert_allclose(way.fixed.matrix @ found, way.fixed.values, atol=1e-9)
-    theirs = piqp.nearest_within_limits(way, _pull(way, wish), LIMITS, way.corridor(LIMITS, wish))
+    theirs = reference.nearest_within_limits(way, wish, LIMITS)
     assert distance(way, wish, found) <= distance(way, wish, theirs) + 1e-9
     np.testing.assert_allclose(found, theirs, atol=1e-5)

@@ -10,8 +10,8 @@ from kinesic.motion.condition import condition
 from kinesic.motion.double_s import least_stop
 from kinesic.motion.keys import KeyPosture
 from kinesic.motion.limit_check import check_limits
-from kinesic.motion.stopping import _first, cut_knot, stop
-from kinesic.motion.trajectory import STEP, stay
+from kinesic.motion.stopping import _find_shortest, cut_knot, stop
+from kinesic.motion.trajectory import KNOT_INTERVAL, stay
 
 BOXES = ([-1.5] * 3, [1.5] * 3, [1.0, 4.0, 6.0], [10.0, 59.0, 350.0], [250.0, 1500.0, 8750.0])
 DUTY = ([0.05, 0.01, 0.002], [0.8, 0.18, 0.134], [0.58, 0.65, 0.79])
@@ -30,15 +30,15 @@ def moving(seed: int):
 
 
 def largest(trajectory) -> float:
-    return max(float(peak.ratios.max()) for peak in check_limits(trajectory, LIMITS).shares.values())
+    return max(float(peak.ratios.max()) for peak in check_limits(trajectory, LIMITS).by_quantity.values())
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_stopping_keeps_the_past_and_the_limits(seed):
+def test_stopping_a_motion_keeps_its_past_and_the_limits(seed):
     motion = moving(seed)
     time = np.random.default_rng(100 + seed).uniform(0, motion.duration)
     halted = stop(motion, time, LIMITS)
-    past = np.linspace(0.0, cut_knot(motion, time) * STEP, 50)
+    past = np.linspace(0.0, cut_knot(motion, time) * KNOT_INTERVAL, 50)
     for before, after in zip(motion.sample(past), halted.sample(past), strict=True):
         np.testing.assert_allclose(after, before, atol=1e-9)
     assert largest(halted) <= 1.001
@@ -46,27 +46,27 @@ def test_stopping_keeps_the_past_and_the_limits(seed):
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_stopping_takes_the_physical_minimum_but_for_the_grid(seed):
+def test_emergency_stop_takes_the_minimum_time_within_four_knot_intervals(seed):
     motion = moving(seed)
     knot = cut_knot(motion, 0.4 * motion.duration)
-    _, speeds, accelerations = motion.sample(np.array([knot * STEP]))
+    _, speeds, accelerations = motion.sample(np.array([knot * KNOT_INTERVAL]))
     least = float(least_stop(speeds[0], accelerations[0], LIMITS.acceleration, LIMITS.jerk).max())
-    taken = stop(motion, knot * STEP, LIMITS).duration - knot * STEP
-    assert least - 1e-9 <= taken <= max(least, 0.0) + 4 * STEP
+    taken = stop(motion, knot * KNOT_INTERVAL, LIMITS).duration - knot * KNOT_INTERVAL
+    assert least - 1e-9 <= taken <= max(least, 0.0) + 4 * KNOT_INTERVAL
 
 
-def test_a_motion_is_left_at_the_next_knot():
+def test_stop_of_a_motion_begins_at_the_next_knot():
     still = stay(np.zeros(3), 0.1)
     assert [cut_knot(still, time) for time in (-1.0, 0.0, 0.0101, 0.02, 0.5)] == [0, 0, 2, 2, 10]
 
 
-def test_what_is_at_rest_stays():
+def test_stopping_a_resting_motion_keeps_its_posture():
     still = stay(np.array([0.1, 0.2, 0.3]), 0.1)
     np.testing.assert_array_equal(stop(still, 0.05, LIMITS).controls, still.controls[:8])
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_stopping_lasts_no_longer_than_the_motion_itself_while_three_pieces_are_left(seed):
+def test_stop_is_never_longer_than_the_remaining_motion(seed):
     motion = moving(seed)
     for left in (0.03, 0.04, 0.06, 0.1, 0.2, 0.4):
         halted = stop(motion, motion.duration - left, LIMITS)
@@ -76,7 +76,7 @@ def test_stopping_lasts_no_longer_than_the_motion_itself_while_three_pieces_are_
     np.testing.assert_allclose(over.controls, motion.controls)
 
 
-def test_a_motion_that_begins_later_is_left_at_its_own_knots():
+def test_stop_of_a_motion_with_a_later_start_uses_the_knots_of_the_motion():
     late = replace(moving(0), start=2.0)
     assert [cut_knot(late, time) for time in (0.0, 2.0, 2.01, 2.015)] == [0, 0, 1, 2]
     halted, early = stop(late, 2.3, LIMITS), stop(moving(0), 0.3, LIMITS)
@@ -84,22 +84,22 @@ def test_a_motion_that_begins_later_is_left_at_its_own_knots():
     np.testing.assert_array_equal(halted.controls, early.controls)
 
 
-def test_a_stopped_motion_has_one_piece_at_least():
+def test_stopped_motion_has_at_least_one_interval():
     still = stay(np.zeros(3), 0.1)
     assert len(stop(still, 0.0, LIMITS).controls) == 4
 
 
 @pytest.mark.parametrize("least", range(12))
-def test_the_fewest_further_pieces_are_found(least):
+def test_stop_search_finds_the_fewest_extra_knot_intervals(least):
     asked = []
 
     def way(more: int):
         asked.append(more)
         return np.array([float(more)]) if more >= least else None
 
-    found = _first(way, 50)
+    found = _find_shortest(way, 50)
     assert found is not None
     assert found[0] == least
     assert found[1].tolist() == [least]
     assert len(asked) <= 9
-    assert _first(lambda more: None, 50) is None
+    assert _find_shortest(lambda more: None, 50) is None

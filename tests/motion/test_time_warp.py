@@ -6,13 +6,13 @@ import pytest
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.budget import Budget
-from kinesic.motion.infeasibility import measure_shortage
-from kinesic.motion.key_time_lp import KeyTimeProblem, strain
+from kinesic.motion.infeasibility import measure_time_deficit
+from kinesic.motion.key_time_lp import KeyTimeProblem, shift_cost
 from kinesic.motion.keys import KeyPosture, Keys
 from kinesic.motion.segments import segments
-from kinesic.motion.stretching import MARGIN, stretch_until_enough
-from kinesic.motion.time_warp import _change, _moved, stretch_times
-from kinesic.motion.trajectory import STEP
+from kinesic.motion.stretching import TIME_RESERVE, stretch_until_enough
+from kinesic.motion.time_warp import _gap_lengthening, _ratio_change, stretch_times
+from kinesic.motion.trajectory import KNOT_INTERVAL
 
 LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
 ROWS = (
@@ -28,84 +28,91 @@ PROBLEM = KeyTimeProblem(KEYS, KEYS.gaps, 0.6)
 
 
 def measure(times):
-    found = [segment for segment in segments(times, KEYS, STEP) if not segment.still]
-    return [(segment, measure_shortage(segment, LIMITS)) for segment in found]
+    found = [segment for segment in segments(times, KEYS, KNOT_INTERVAL) if not segment.is_still]
+    return [(segment, measure_time_deficit(segment, LIMITS)) for segment in found]
 
 
-def test_a_stretch_lengthens_each_gap_by_its_integral():
-    (segment, _) = measure(KEYS.asked)[0]
+def test_time_warp_lengthens_gaps_by_its_integral():
+    (segment, _) = measure(KEYS.requested_times)[0]
     even = np.full(segment.grid.pieces + 2, 0.1)
-    assert _moved(segment) @ even == pytest.approx(0.1 * np.diff(KEYS.asked), abs=1e-9)
+    assert _gap_lengthening(segment) @ even == pytest.approx(0.1 * np.diff(KEYS.requested_times), abs=1e-9)
 
 
-def test_an_even_stretch_takes_off_speeds_accelerations_and_jerks_as_time_does():
-    (segment, found) = measure(KEYS.asked)[0]
+def test_uniform_warp_scales_derivatives_by_powers_of_time():
+    (segment, found) = measure(KEYS.requested_times)[0]
     grid = segment.grid
     now = grid.rows(LIMITS, 0) @ found.controls
-    changed = _change(segment, found.controls, LIMITS) @ np.ones(grid.pieces + 2)
+    changed = _ratio_change(segment, found.controls, LIMITS) @ np.ones(grid.pieces + 2)
     k = grid.pieces
     assert changed[: k + 2] == pytest.approx(-now[: k + 2])
     assert changed[k + 2 : 2 * k + 3] == pytest.approx(-2 * now[k + 2 : 2 * k + 3])
     assert changed[2 * k + 3 : 3 * k + 3] == pytest.approx(-3 * now[2 * k + 3 : 3 * k + 3], abs=1e-9)
 
 
-def test_a_step_brings_what_is_short_nearer():
-    lacks = measure(KEYS.asked)
+def test_one_time_warp_step_reduces_the_deficit():
+    lacks = measure(KEYS.requested_times)
     assert lacks[0][1].amount > 0.1
-    times = stretch_times(PROBLEM, KEYS.asked, lacks, limits=LIMITS, radius=0.4, reserves=[MARGIN])
+    times = stretch_times(PROBLEM, KEYS.requested_times, lacks, limits=LIMITS, radius=0.4, reserves=[TIME_RESERVE])
     assert measure(times)[0][1].amount < 0.5 * lacks[0][1].amount
 
 
-def test_steps_lead_to_times_that_suffice_and_strain_little():
-    times = stretch_until_enough(PROBLEM, KEYS.asked, LIMITS, measure)
-    assert measure(times)[0][1].amount <= -MARGIN / 4
-    late = KEYS.asked + 0.3 * np.maximum(KEYS.asked - 0.52, 0.0)
+def test_repeated_time_warp_steps_reach_feasible_key_times_at_low_cost():
+    times = stretch_until_enough(PROBLEM, KEYS.requested_times, LIMITS, measure)
+    assert measure(times)[0][1].amount <= -TIME_RESERVE / 4
+    late = KEYS.requested_times + 0.3 * np.maximum(KEYS.requested_times - 0.52, 0.0)
     begun_late = stretch_until_enough(PROBLEM, late, LIMITS, measure)
-    assert strain(KEYS, times) == pytest.approx(strain(KEYS, begun_late), rel=0.25, abs=0.05)
+    assert shift_cost(KEYS, times) == pytest.approx(shift_cost(KEYS, begun_late), rel=0.25, abs=0.05)
 
 
-def test_times_that_suffice_stay():
-    slow = 3.0 * KEYS.asked
+def test_time_stretching_keeps_feasible_key_times():
+    slow = 3.0 * KEYS.requested_times
     np.testing.assert_array_equal(stretch_until_enough(PROBLEM, slow, LIMITS, measure), slow)
 
 
-def test_what_cannot_be_measured_is_none():
-    unknown = [(segment, None) for segment, _ in measure(KEYS.asked)]
-    assert stretch_until_enough(PROBLEM, KEYS.asked, LIMITS, lambda times: unknown) is None
+def test_stretching_an_unmeasurable_segment_returns_none():
+    unknown = [(segment, None) for segment, _ in measure(KEYS.requested_times)]
+    assert stretch_until_enough(PROBLEM, KEYS.requested_times, LIMITS, lambda times: unknown) is None
 
 
 @pytest.mark.parametrize("radius", [0.02, 0.1])
-def test_a_step_stretches_no_gap_by_more_than_its_radius(radius):
-    times = stretch_times(PROBLEM, KEYS.asked, measure(KEYS.asked), limits=LIMITS, radius=radius, reserves=[MARGIN])
-    change = np.diff(times) / np.diff(KEYS.asked) - 1.0
+def test_time_warp_step_is_limited_by_its_radius(radius):
+    times = stretch_times(
+        PROBLEM,
+        KEYS.requested_times,
+        measure(KEYS.requested_times),
+        limits=LIMITS,
+        radius=radius,
+        reserves=[TIME_RESERVE],
+    )
+    change = np.diff(times) / np.diff(KEYS.requested_times) - 1.0
     assert np.abs(change).max() <= radius + 1e-3
     assert np.abs(change).max() > 0.5 * radius
 
 
-def test_a_larger_reserve_leaves_more_time():
-    lacks = measure(KEYS.asked)
+def test_larger_time_reserve_lengthens_segments():
+    lacks = measure(KEYS.requested_times)
     spans = [
-        np.ptp(stretch_times(PROBLEM, KEYS.asked, lacks, limits=LIMITS, radius=0.4, reserves=[reserve]))
-        for reserve in (MARGIN, 0.02, 0.05)
+        np.ptp(stretch_times(PROBLEM, KEYS.requested_times, lacks, limits=LIMITS, radius=0.4, reserves=[reserve]))
+        for reserve in (TIME_RESERVE, 0.02, 0.05)
     ]
     assert spans == sorted(spans)
     assert spans[0] < spans[-1]
 
 
-def test_nothing_is_found_without_a_budget():
+def test_time_stretching_with_a_spent_budget_returns_none():
     budget = Budget(1)
-    assert stretch_until_enough(PROBLEM, KEYS.asked, LIMITS, measure, budget) is None
+    assert stretch_until_enough(PROBLEM, KEYS.requested_times, LIMITS, measure, budget) is None
     assert budget.spent
 
 
-def test_a_growing_stretch_changes_a_parabola_as_calculus_says():
+def test_linear_warp_of_a_parabola_matches_calculus():
     """Time stretched by s t takes 2 s t^2 off the speed of t^2, 6 s t off its acceleration and 6 s off its jerk."""
-    (segment, _) = measure(KEYS.asked)[0]
+    (segment, _) = measure(KEYS.requested_times)[0]
     grid, share = segment.grid, 0.3
     k, h = grid.pieces, grid.step
     knots, middles = h * np.arange(k + 1), h * (np.arange(k + 2) - 0.5)
     controls = (h * (np.arange(k + 3) - 1.0)) ** 2 - h**2 / 3
-    changed = _change(segment, controls, LIMITS) @ (share * middles)
+    changed = _ratio_change(segment, controls, LIMITS) @ (share * middles)
     speed, acceleration, jerk, duty = np.split(changed, np.cumsum([k + 2, k + 1, k]))
     np.testing.assert_allclose(speed, -2 * share * middles**2 / LIMITS.speed)
     np.testing.assert_allclose(acceleration, -6 * share * knots / LIMITS.acceleration, atol=1e-9)

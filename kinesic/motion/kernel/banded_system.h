@@ -1,8 +1,8 @@
-// Symmetric quasi-definite systems whose entries lie near the diagonal, solved by L D L^T without pivots.
+// Solver for symmetric quasi-definite systems with banded matrices, by L D L^T without pivoting.
 //
-// Algorithm: Vanderbei, Symmetric quasidefinite matrices (1995): every ordering has such a factor, so that a row can stand
-// beside the variables that it ties. L has entries only where a row of the system has begun (its envelope; Jennings, 1966),
-// so that n rows of half width w cost O(n w^2), and a wider row costs no more than itself.
+// Algorithm: Vanderbei, Symmetric quasidefinite matrices (1995): every ordering has such a factor, so that an equation can
+// be placed next to its variables. L is nonzero only from the first nonzero of each row on (its envelope; Jennings, 1966),
+// so that n rows of half width w cost O(n w^2), and a wider row adds only its own cost.
 
 #pragma once
 
@@ -11,11 +11,11 @@
 
 namespace kinesic::motion {
 
-constexpr int WIDTH = 3;  // columns of most rows before their own: written out where it counts
+constexpr int WIDTH = 3;  // entries left of the diagonal in most rows; loops over them are unrolled
 
 class BandedSystem {
   public:
-    // Args: the column in which each row begins, up to its own; no row begins before the one above.
+    // Args: column of the first entry of each row; these columns must not decrease.
     explicit BandedSystem(const std::vector<int>& first)
         : size_(int(first.size())), first_(first), starts_(first.size()), inverse_(first.size()) {
         int count = 0;
@@ -32,7 +32,7 @@ class BandedSystem {
 
     void clear() { std::fill(entries_.begin(), entries_.end(), 0.0); }
 
-    // Takes over another system of the same shape, with rows and columns multiplied by the same scales.
+    // Copies another system of the same shape, with rows and columns multiplied by the same scales.
     void scale(const BandedSystem& other, const std::vector<double>& by) {
         for (int row = 0; row < size_; ++row) {
             const double* from = other.line(row);
@@ -41,7 +41,7 @@ class BandedSystem {
         }
     }
 
-    // The product with a vector.
+    // Computes the product with a vector.
     void multiply(const std::vector<double>& by, std::vector<double>& into) const {
         const double* x = by.data();
         for (int row = 0; row < size_; ++row) {
@@ -81,7 +81,7 @@ class BandedSystem {
         }
     }
 
-    // Solves in place, after `factorise`. The last three values stay in registers: each row waits for the one before it.
+    // Solves in place, after `factorise`. The last three values stay in registers, as each row depends on the one before.
     void solve(std::vector<double>& right) const {
         double* x = right.data();
         double third = 0.0, second = 0.0, next = 0.0;
@@ -105,12 +105,12 @@ class BandedSystem {
         }
     }
 
-    // A row, to be indexed by columns from its first to its own.
+    // Returns a row, indexed by columns from its first entry to the diagonal.
     double* line(int row) { return entries_.data() + starts_[row]; }
     const double* line(int row) const { return entries_.data() + starts_[row]; }
 
   private:
-    // Turns the entries of a row before its own into those of L times D.
+    // Replaces the entries left of a row's diagonal by those of L times D.
     void eliminate(int row) {
         double* own = line(row);
         const int begin = first_[row];
@@ -128,7 +128,7 @@ class BandedSystem {
         }
     }
 
-    // Calls visit(column) for the columns of a row before its own; most rows have three.
+    // Calls visit(column) for the columns left of a row's diagonal; most rows have three.
     template <typename Visit>
     void each_before(int row, Visit visit) const {
         if (row - first_[row] == WIDTH) {
@@ -141,10 +141,10 @@ class BandedSystem {
     }
 
     int size_;
-    std::vector<int> first_;  // (size,) column in which a row begins
-    std::vector<int> starts_;  // (size,) place of its entries, less that column
-    std::vector<int> last_;  // (size,) the last row that reaches a column
-    std::vector<double> entries_, inverse_;  // row after row; (size,) of D
+    std::vector<int> first_;  // (size,) column of each row's first entry
+    std::vector<int> starts_;  // (size,) position of a row's entries, minus that column
+    std::vector<int> last_;  // (size,) last row with an entry in each column
+    std::vector<double> entries_, inverse_;  // entries row by row; (size,) inverse of D
 };
 
 }  // namespace kinesic::motion

@@ -1,4 +1,4 @@
-// Where a spline breaks limits that another one keeps: `motion/limit_check.py`, compiled, with the same arithmetic.
+// Limit violations of a spline that another spline does not have, for `motion/limit_check.py` with the same arithmetic.
 
 #pragma once
 
@@ -7,14 +7,14 @@
 
 namespace kinesic::motion {
 
-// What a hinge may do at most.
+// Limits of a hinge.
 struct HingeBounds {
     double middle, half, speed, acceleration, jerk;  // [rad], [rad], [rad/s], ...
-    double inertial, viscous, duty;                  // duty per acceleration and per speed, and its bound at the knots
+    double inertial, viscous, duty;                  // duty per acceleration and per velocity, and duty limit
 };
 
-// Flags the control points that take part in taking more than a share `full` of any limit, wherever those of the spline
-// `before` do not already take as much; `scales` are the first three powers of the step.
+// Flags the control points whose rows exceed a fraction `full` of any limit, except where the spline `before` exceeds it by
+// as much; `scales` are the first three powers of the knot interval.
 inline void flag_beyond(const double* controls, const double* before, int size, const double* scales,
                         const HingeBounds& bounds, double full, bool* flags) {
     const auto look = [&](int width, auto share) {

@@ -1,6 +1,6 @@
-// The motion of all hinges nearest to a desired one, whatever the limits are: `motion/spline_program.py`, compiled.
+// Motion of all hinges nearest to a desired one, without limits, for `motion/spline_program.py`.
 //
-// Each hinge is cut where it rests (`motion/segments.py`), and each segment is one banded solve.
+// Each hinge's motion is split where it rests (`motion/segments.py`), and each segment is one banded solve.
 
 #pragma once
 
@@ -10,25 +10,25 @@
 
 namespace kinesic::motion {
 
-constexpr double HOLD = 1e-9;       // [rad] keys nearer than this are a hold
-constexpr double AT_REST = 0.02;    // steps in which a hinge that comes to rest hardly moves
-constexpr int LEAST_HOLD = 40;      // steps of a hold in whose middle the hinge rests
-constexpr int LONG_HOLD = 100;      // steps at either end of a longer hold in which it may swing
-constexpr double TINY = 1e-9;       // [rad] range of a hinge that cannot move
+constexpr double HOLD = 1e-9;       // [rad] successive keys that differ by less form a hold
+constexpr double AT_REST = 0.02;    // [knot intervals] before a rest in which a hinge hardly moves
+constexpr int LEAST_HOLD = 40;      // [knot intervals] shortest hold with a rest in its middle
+constexpr int LONG_HOLD = 100;      // [knot intervals] at each end of a long hold in which the hinge may still move
+constexpr double TINY = 1e-9;       // [rad] assumed range of a hinge that cannot move
 
-using Rest = std::tuple<int, int, double>;           // knot, the last own key before (-1: none), angle [rad]
-using Beyond = std::tuple<double, int, Rest, Rest>;  // share of a limit, hinge, where its segment begins and ends
+using Rest = std::tuple<int, int, double>;           // knot, previous key of the hinge (-1: none), angle [rad]
+using Beyond = std::tuple<double, int, Rest, Rest>;  // limit ratio, hinge, begin and end of its segment
 
-// The motion to be found: (m, n) keys, (k + 1, n) desired angles and (k + 3, n) control points, row after row.
+// Input and output of the search: (m, n) keys, (k + 1, n) desired angles, (k + 3, n) control points, row by row.
 struct FreeMotion {
     int keys, hinges, pieces;
-    double step, within;        // [s]; the share of a limit that counts as kept
-    const double* places;       // (m,) steps
+    double step, within;        // [s]; largest limit ratio that counts as within limits
+    const double* places;       // (m,) key times [knot intervals]
     const double* angles;       // (m, n) [rad]
     const bool *keyed, *firm;   // (m, n), (m,)
     const double* desired;      // (k + 1, n) [rad]
     const double* limits;       // (8, n) lower, upper, speed, acceleration, jerk, inertial, viscous, duty
-    const double* closeness;    // (2, 3) stencils whose squares are the distance from what is desired
+    const double* closeness;    // (2, 3) stencils whose squares sum to the distance from the desired motion
     double* controls;           // (k + 3, n) [rad]
 };
 
@@ -49,7 +49,7 @@ class FreeHinge {
         }
     }
 
-    // Writes the control points, and adds the segments that are beyond a limit.
+    // Computes the control points, and lists the segments that exceed a limit.
     void find(std::vector<Beyond>& beyond) const {
         const std::vector<Rest> rests = cut();
         for (size_t k = 0; k + 1 < rests.size(); ++k) {
@@ -59,7 +59,7 @@ class FreeHinge {
     }
 
   private:
-    // Both ends of the motion, the middle of each hold, and both sides of a long one.
+    // Adds rests at both ends of the motion, in the middle of each hold, and at both sides of a long hold.
     std::vector<Rest> cut() const {
         std::vector<Rest> rests = {{0, -1, angles_.front()}};
         for (size_t k = 0; k + 1 < angles_.size(); ++k) {
@@ -76,7 +76,7 @@ class FreeHinge {
         return rests;
     }
 
-    // Writes the control points of a segment; returns the largest share of a limit that they take.
+    // Computes the control points of a segment, and returns their largest limit ratio.
     double find_segment(const Rest& begin, const Rest& end) const {
         const auto [first, before, start] = begin;
         const auto [last, after, rest] = end;
@@ -101,7 +101,7 @@ class FreeHinge {
         program.size = size;
         const int pieces = size - 3;
         for (int k : inner) tie_key(program, places_[k] - first, pieces, angles_[k]);
-        if (!inner.empty() && places_[inner.back()] - first > pieces - 1)  // a key in the last piece is the rest itself
+        if (!inner.empty() && places_[inner.back()] - first > pieces - 1)  // a key in the last interval is the rest
             std::copy_n(std::begin({1.0, 0.0, 0.0, 0.0}), 4, program.shares.end() - 4);
         for (int d = 0; d < 3; ++d) tie(program, 0, d, start);
         for (int d = 0; d < 3; ++d) tie(program, size - 4, d + 1, rest);
@@ -131,7 +131,7 @@ class FreeHinge {
         program.values.push_back(angle);
     }
 
-    // Adds the sum of the squares of a stencil, applied wherever it fits, to a form (3, n).
+    // Adds the squares of a stencil at all positions to a quadratic form (3, n).
     static void add_squares(std::vector<double>& form, int size, const double* stencil) {
         for (int column = 0; column < 3; ++column)
             for (int row = 0; row <= column; ++row)
@@ -141,7 +141,7 @@ class FreeHinge {
 
     double limit(int row) const { return all.limits[row * all.hinges + hinge]; }
 
-    // The largest share that a spline takes of range, speed, acceleration, jerk and duty.
+    // Returns the largest ratio of a spline to its limits of range, velocity, acceleration, jerk and duty.
     double largest_share(const std::vector<double>& points) const {
         const double middle = (limit(1) + limit(0)) / 2, half = std::max(limit(1) - limit(0), TINY) / 2, h = all.step;
         const double duty = limit(7) - limit(6) * limit(4) * (h * h) / 8;
@@ -165,8 +165,8 @@ class FreeHinge {
 
     const FreeMotion& all;
     const int hinge;
-    std::vector<double> places_, angles_;  // of its firm keys
-    std::vector<char> led_;                // whether a path leads from each of them to the next
+    std::vector<double> places_, angles_;  // times and angles of the hinge's exact keys
+    std::vector<char> led_;                // whether a path connects each exact key to the next
 };
 
 }  // namespace kinesic::motion

@@ -1,5 +1,5 @@
-// The inequalities G (x, s) <= h of a spline program: every row of a limit from above and from below, the same of every
-// control point, and the least relaxation.
+// Inequalities G (x, s) <= h of a spline program: both signs of each limit row, both bounds of each control point, and the
+// lower bound of the relaxation s.
 
 #pragma once
 
@@ -31,13 +31,13 @@ class Inequalities {
         }
     }
 
-    int rows() const { return rows_; }  // of limits
+    int rows() const { return rows_; }  // number of limit rows
     int count() const { return int(bounds_.size()); }
     const std::vector<double>& bounds() const { return bounds_; }  // h
-    const std::vector<double>& powers() const { return powers_; }  // of s in each of them, where it is relaxed
-    double norm(int q) const { return q < 2 * rows_ ? norms_[q % rows_] : 1.0; }  // square of the length of a row of G
+    const std::vector<double>& powers() const { return powers_; }  // coefficient of s in each limit row
+    double norm(int q) const { return q < 2 * rows_ ? norms_[q % rows_] : 1.0; }  // squared length of a row of G
 
-    // G (x, s)
+    // Computes G (x, s).
     void apply(const std::vector<double>& points, double relaxation, std::vector<double>& into) const {
         p.each_kind([&](auto kind, int number) {
             const Stencil<kind> by(p);
@@ -58,7 +58,7 @@ class Inequalities {
         if (p.relaxing) into.back() = -relaxation;
     }
 
-    // Adds G' v to control points; returns its part of s.
+    // Adds G' v to the control points, and returns its component of s.
     double transpose(const std::vector<double>& v, std::vector<double>& into) const {
         double part = p.relaxing ? -v.back() : 0.0;
         std::vector<double> differences(n);
@@ -78,7 +78,7 @@ class Inequalities {
         return part;
     }
 
-    // Adds G' D G to a form (4, n) of control points, and what couples them with s to a border; returns its part of s alone.
+    // Adds G' D G to a form (4, n) of control points and its coupling with s to a border; returns its element of s.
     double square(const std::vector<double>& weights, std::vector<double>& form, std::vector<double>& border) const {
         double corner = p.relaxing ? weights.back() : 0.0;
         std::vector<double> sums(n), differences(n);
@@ -119,7 +119,7 @@ class Inequalities {
         return lanes[0] + lanes[1] + lanes[2] + lanes[3];
     }
 
-    // The shares that control points have in a row of a kind of limits.
+    // Coefficients of control points in each row of one kind of limit.
     template <int KIND>
     struct Stencil {
         explicit Stencil(const SplineProgram& program) { std::copy_n(program.stencils[KIND], WIDTHS[KIND], shares); }
@@ -132,7 +132,7 @@ class Inequalities {
             return sum;
         }
 
-        // Adds values of rows that follow one another to their control points.
+        // Adds the values of successive rows to their control points.
         void spread(const double* values, int count, double* into) const {
             for (int k = 0; k < WIDTHS[KIND]; ++k) add(values, count, shares[k], into + k);
         }

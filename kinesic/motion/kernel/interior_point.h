@@ -1,11 +1,11 @@
-// Solves spline programs by a primal-dual interior point method; an iteration costs O(n), as all that couples is a band.
+// Primal-dual interior-point method for spline programs; an iteration costs O(n), because the system is banded.
 //
 // Algorithm: Mehrotra, On the implementation of a primal-dual interior point method (1992). With all inequalities as
-// G (x, s) + t = h, t > 0, and multipliers z > 0, Newton's step of all conditions becomes, after t and z are eliminated,
-//   [H + G' D G  A'] [dx]     D = z / t, A: what is fixed, y: its multipliers
+// G (x, s) + t = h, t > 0, and multipliers z > 0, elimination of t and z turns Newton's step into
+//   [H + G' D G  A'] [dx]     D = z / t, A: equations, y: their multipliers
 //   [A           0 ] [dy]
-// The relaxation s, which enters every row of a limit, is a border of this system. Towards the end D grows without bounds, and
-// rounding with it; an optimum is therefore found exactly from the limits that are met (Stellato et al., OSQP, 2020).
+// The relaxation s, which occurs in every limit row, is a border of this system. Towards the end D and rounding errors grow
+// without bounds; the optimum is therefore computed from the active limits (Stellato et al., OSQP, 2020).
 
 #pragma once
 
@@ -14,28 +14,28 @@
 
 namespace kinesic::motion {
 
-constexpr int MOST = 60;  // iterations; feasible programs take 10 to 25
-constexpr double CLOSE = 1e-8;  // [rad], shares of limits: by which a solution may miss them
-constexpr double ROUNDED = 1e-7;  // by which multipliers may be out of balance, which rounding increases towards the end
-constexpr double SMALL = 1e-10;  // mean product t z at a solution
-constexpr double ACCEPTED = 1e-7;  // the same where it gets no smaller
-constexpr double LEAST = 1e-15;  // the same where it tells no more
-constexpr double SMALL_RELAXING = 1e-9;  // the same for a relaxation, known to so much times the inequalities
-constexpr double ACTIVE_RATIO = 1e-5;  // multiplier to slack of a limit that is met
-constexpr double ACTIVE_WEIGHT = 1e8;  // of such a limit
-constexpr int POLISHED = 20;  // times at most
-constexpr double POLISH = 1e-12;  // residuals of an exact optimum
-constexpr double STUCK = 0.99;  // of the residuals before, above which some of the limits contradict one another
-constexpr double SHORT = 0.999;  // of the way to the nearest bound
-constexpr double STALLED = 1e-7;  // step that leads nowhere
-constexpr double LIGHT = 0.01;  // weight D of all limits in a start, so that it is near to the desired motion
-constexpr double ROOM = 0.1;  // least slack of such a start [rad], shares of limits
-constexpr double LIFT_BELOW = 1e-3;  // slack or multiplier of a start below which all of them are lifted
-constexpr double EASED = 0.1;  // by which the start of a relaxation is easier than it must be
-constexpr double AWAY = 0.01;  // [rad] slack of control points in such a start
-constexpr double DIRECTED = 1e-12;  // share of its right side that a step may leave; with 1e-9 one program in a thousand stalls
-constexpr double ROUGH = 1.0;  // the same of a step that is only looked at
-constexpr double EXACT = 1e-13;  // the same on the way to an exact optimum
+constexpr int MAX_ITERATIONS = 60;  // largest number of iterations; feasible programs take 10 to 25
+constexpr double MAX_VIOLATION = 1e-8;  // [rad], limit ratios: largest violation in a solution
+constexpr double MAX_IMBALANCE = 1e-7;  // largest imbalance of multipliers, which rounding increases towards the end
+constexpr double TARGET_PRODUCT = 1e-10;  // mean product t z of a solution
+constexpr double ACCEPTED_PRODUCT = 1e-7;  // mean product t z of a solution if it no longer decreases
+constexpr double MIN_PRODUCT = 1e-15;  // mean product t z below which rounding errors dominate
+constexpr double RELAXATION_PRODUCT = 1e-9;  // mean product t z of a relaxation; error / number of inequalities
+constexpr double ACTIVE_RATIO = 1e-5;  // multiplier / slack of an active limit
+constexpr double ACTIVE_WEIGHT = 1e8;  // weight of an active limit
+constexpr int MAX_POLISH_STEPS = 20;  // largest number of polishing steps
+constexpr double POLISH_RESIDUAL = 1e-12;  // residuals of an exact optimum
+constexpr double STUCK_RATIO = 0.99;  // ratio of successive residuals above which limits contradict each other
+constexpr double STEP_FRACTION = 0.999;  // fraction of the step to the nearest bound
+constexpr double MIN_STEP = 1e-7;  // step length without progress
+constexpr double START_WEIGHT = 0.01;  // weight D of all limits at the start, which keeps it near to the desired motion
+constexpr double MIN_START_SLACK = 0.1;  // smallest slack at the start [rad], limit ratios
+constexpr double MIN_START_VALUE = 1e-3;  // slack or multiplier at the start below which all are raised
+constexpr double START_RELAXATION = 0.1;  // extra relaxation at the start of a relaxation
+constexpr double START_CONTROL_SLACK = 0.01;  // [rad] slack of control points at such a start
+constexpr double STEP_RESIDUAL = 1e-12;  // relative residual of a step; with 1e-9 one program in a thousand stalls
+constexpr double PROBE_RESIDUAL = 1.0;  // relative residual of a step that is only probed
+constexpr double EXACT_STEP_RESIDUAL = 1e-13;  // relative residual of a step to the exact optimum
 
 class InteriorPoint {
   public:
@@ -47,26 +47,27 @@ class InteriorPoint {
             values->resize(inequality_count);
     }
 
-    // Whether there is a solution.
+    // Solves the program and returns whether there is a solution.
     bool solve() {
         begin();
         double mean = mean_product({0.0, 0.0});
-        for (int k = 0; k < MOST; ++k) {
+        for (int k = 0; k < MAX_ITERATIONS; ++k) {
             residuals.measure(at, s, t, z);
-            if (p.relaxing && residuals.primal <= CLOSE && s <= p.target) return true;
-            if (residuals.primal <= CLOSE && residuals.dual <= ROUNDED * (1.0 + residuals.largest_tie_multiplier)) {
-                if (p.relaxing ? mean <= SMALL_RELAXING : mean <= SMALL && polish()) return true;
-                if (mean <= ACCEPTED) best = {at, z, s};
+            if (p.relaxing && residuals.primal <= MAX_VIOLATION && s <= p.target) return true;
+            if (residuals.primal <= MAX_VIOLATION &&
+                residuals.dual <= MAX_IMBALANCE * (1.0 + residuals.largest_tie_multiplier)) {
+                if (p.relaxing ? mean <= RELAXATION_PRODUCT : mean <= TARGET_PRODUCT && polish()) return true;
+                if (mean <= ACCEPTED_PRODUCT) best = {at, z, s};
             }
-            if (mean <= LEAST || residuals.impossible) break;
+            if (mean <= MIN_PRODUCT || residuals.impossible) break;
             weigh();
             assemble();
-            find_direction(0.0, false, p.relaxing ? ROUGH : DIRECTED);
+            find_direction(0.0, false, p.relaxing ? PROBE_RESIDUAL : STEP_RESIDUAL);
             const double share = mean_product(reach(1.0)) / mean;
-            find_direction(share * share * mean, true, DIRECTED);  // Mehrotra takes the cube, which centres less
-            const Steps steps = reach(SHORT);
+            find_direction(share * share * mean, true, STEP_RESIDUAL);  // Mehrotra uses the cube, which centres less
+            const Steps steps = reach(STEP_FRACTION);
             mean = mean_product(steps);
-            if (!(std::max(steps.primal, steps.dual) > STALLED && std::isfinite(mean))) break;
+            if (!(std::max(steps.primal, steps.dual) > MIN_STEP && std::isfinite(mean))) break;
             move(steps);
         }
         if (best.z.empty()) return false;
@@ -78,8 +79,8 @@ class InteriorPoint {
 
     const std::vector<double>& controls() const { return at.points; }
     double relaxation() const { return s; }
-    const std::vector<double>& ties() const { return at.ties; }  // multipliers of what is fixed
-    double multiplier(int row) const { return std::max(z[row], z[rows + row]); }  // of a row of a limit
+    const std::vector<double>& ties() const { return at.ties; }  // multipliers of the equations
+    double multiplier(int row) const { return std::max(z[row], z[rows + row]); }  // of a limit row
 
   private:
     struct Solution {
@@ -92,16 +93,16 @@ class InteriorPoint {
         double primal, dual;
     };
 
-    // The solution of all conditions with the same weights D of all limits; slacks and multipliers are moved to be positive.
+    // Solves all conditions with equal weights D, then moves slacks and multipliers to positive values.
     void begin() {
-        const double weight = p.relaxing ? 1.0 : LIGHT;
+        const double weight = p.relaxing ? 1.0 : START_WEIGHT;
         std::fill(weights.begin(), weights.end(), weight);
         assemble();
         right.clear();
         const double part = limits.transpose(limits.bounds(), right.points) - (p.relaxing ? 1.0 : 0.0);
         for (int j = 0; j < n && !p.relaxing; ++j) right.points[j] = weight * right.points[j] + p.pull[j];
         right.ties = p.values;
-        s = solve_system(part, DIRECTED);
+        s = solve_system(part, STEP_RESIDUAL);
         at = step;
         limits.apply(at.points, s, t);
         for (int q = 0; q < inequality_count; ++q) {
@@ -111,35 +112,35 @@ class InteriorPoint {
         if (p.relaxing) {
             ease();
         } else {
-            lift(t, ROOM);
+            lift(t, MIN_START_SLACK);
             lift(z, weight);
         }
     }
 
-    // Relaxes the limits of a start until all of them are kept; multipliers have products t z of one size, and the sum that an
-    // optimum of the relaxation asks for.
+    // Relaxes the limits at the start until all hold. Multipliers get equal products t z, and the sum that optimality of the
+    // relaxation requires.
     void ease() {
         const std::vector<double>& powers = limits.powers();
         double more = 0.0, sum = 0.0;
         for (int q = 0; q < inequality_count; ++q)
             if (powers[q] > 0.0) more = std::max(more, -t[q] / powers[q]);
-        more += EASED;
+        more += START_RELAXATION;
         s += more;
         for (int q = 0; q < inequality_count; ++q) {
-            t[q] = std::max(t[q] + powers[q] * more, AWAY);
+            t[q] = std::max(t[q] + powers[q] * more, START_CONTROL_SLACK);
             sum += powers[q] / t[q];
         }
         for (int q = 0; q < inequality_count; ++q) z[q] = 1.0 / (sum * t[q]);
     }
 
-    // Adds the same to all values where some are hardly positive, so that none is below `least` then.
+    // Adds a constant to all values if some are hardly positive, so that all are at least `least`.
     static void lift(std::vector<double>& values, double least) {
         const double lowest = *std::min_element(values.begin(), values.end());
-        if (lowest < LIFT_BELOW)
+        if (lowest < MIN_START_VALUE)
             for (double& value : values) value += least - std::min(lowest, 0.0);
     }
 
-    // Moves on to the exact optimum on the limits that are met; false where these cannot be told yet.
+    // Moves to the exact optimum on the active limits; false if these are not certain yet.
     bool polish() {
         const Solution before = {at, z, s};
         for (int q = 0; q < inequality_count; ++q) {
@@ -150,7 +151,7 @@ class InteriorPoint {
         assemble();
         std::vector<double>& left = residuals.inequalities;
         double last = HUGE_VAL;
-        for (int k = 0; k < POLISHED; ++k) {
+        for (int k = 0; k < MAX_POLISH_STEPS; ++k) {
             residuals.measure(at, s, t, z);
             double off = residuals.dual;
             for (int q = 0; q < inequality_count; ++q) {
@@ -159,10 +160,10 @@ class InteriorPoint {
                 if (weights[q] > 0.0) off = std::max(off, std::abs(left[q]));
             }
             for (double lacking : residuals.conditions.ties) off = std::max(off, std::abs(lacking));
-            if (off <= POLISH || (k > 1 && off > STUCK * last)) break;
+            if (off <= POLISH_RESIDUAL || (k > 1 && off > STUCK_RATIO * last)) break;
             last = off;
             set_right();
-            system.solve(right, step, EXACT);
+            system.solve(right, step, EXACT_STEP_RESIDUAL);
             limits.apply(step.points, 0.0, change);
             add(step, 1.0, 1.0);
             for (int q = 0; q < inequality_count; ++q) z[q] += weights[q] * (left[q] + change[q]);
@@ -170,7 +171,7 @@ class InteriorPoint {
         limits.apply(at.points, 0.0, change);
         bool good = true;
         for (int q = 0; q < inequality_count && good; ++q)
-            good = change[q] <= limits.bounds()[q] + CLOSE && z[q] >= -CLOSE;
+            good = change[q] <= limits.bounds()[q] + MAX_VIOLATION && z[q] >= -MAX_VIOLATION;
         if (!good) {
             at = before.at;
             z = before.z;
@@ -180,7 +181,7 @@ class InteriorPoint {
     }
 
     void weigh() {
-        const int count = inequality_count;  // beside arrays that are written, compilers read a member again and again
+        const int count = inequality_count;  // a local, because compilers reload members next to written arrays
         const double *slacks = t.data(), *multipliers = z.data();
         double *weight = weights.data(), *by_slack = inverse_slacks.data(), *by_multiplier = inverse_multipliers.data();
 #pragma GCC ivdep
@@ -191,7 +192,7 @@ class InteriorPoint {
         for (int q = 0; q < count; ++q) weight[q] = multipliers[q] * by_slack[q];
     }
 
-    // The system of these weights, its factor and the border of s.
+    // Assembles and factorises the system for the current weights, with the border of s.
     void assemble() {
         std::fill(form.begin(), form.end(), 0.0);
         border.clear();
@@ -200,10 +201,10 @@ class InteriorPoint {
         system.add(form);
         if (!p.relaxing) system.add(p.form);
         system.factorise();
-        if (p.relaxing) system.solve(border, border_solution, DIRECTED);
+        if (p.relaxing) system.solve(border, border_solution, STEP_RESIDUAL);
     }
 
-    // The right side that what is eliminated and the residuals leave; returns its part of s.
+    // Computes the right side after elimination of t and z, and returns its component of s.
     double set_right() {
         right.clear();
         const double part = limits.transpose(eliminated, right.points);
@@ -212,7 +213,7 @@ class InteriorPoint {
         return -part - residuals.relaxation;
     }
 
-    // Solves for `right` into `step`; returns the part of s, whose right side is given.
+    // Solves for `right` into `step`, and returns the component of s for its given right side.
     double solve_system(double wanted, double exact) {
         system.solve(right, step, exact);
         if (!p.relaxing) return 0.0;
@@ -227,7 +228,7 @@ class InteriorPoint {
         return part;
     }
 
-    // Newton's step towards products t z of `target`; with what the last step left out, where that is known.
+    // Computes Newton's step to products t z of `target`, with the second-order term of the previous step if available.
     void find_direction(double target, bool corrected, double exact) {
         const double *slacks = t.data(), *multipliers = z.data(), *residual = residuals.inequalities.data();
         const double *by_slack = inverse_slacks.data(), *weight = weights.data(), *along = change.data();
@@ -248,7 +249,7 @@ class InteriorPoint {
         }
     }
 
-    // How far the step may go with slacks and multipliers above 0, by a share of the way to the nearest bound.
+    // Returns the step length that keeps slacks and multipliers positive, as a fraction of that to the nearest bound.
     Steps reach(double share) const {
         const double *slack_step = dt.data(), *multiplier_step = dz.data();
         const double *by_slack = inverse_slacks.data(), *by_multiplier = inverse_multipliers.data();
@@ -259,7 +260,7 @@ class InteriorPoint {
         return p.relaxing ? steps : Steps{both, both};
     }
 
-    // The mean product t z after a step.
+    // Returns the mean product t z after a step.
     double mean_product(Steps steps) const {
         const double *slacks = t.data(), *multipliers = z.data(), *slack_step = dt.data(), *multiplier_step = dz.data();
         const double total = sum_of(inequality_count, [=](int q) {
@@ -286,14 +287,14 @@ class InteriorPoint {
     }
 
     const SplineProgram& p;
-    const int n, m;  // control points, rows that are fixed
+    const int n, m;  // numbers of control points and of equations
     const Inequalities limits;
-    const int rows, inequality_count;  // rows of limits, inequalities
+    const int rows, inequality_count;  // numbers of limit rows and of inequalities
     Residuals residuals;
     TiedSystem system;
     Unknowns at, step, right, border, border_solution;
-    std::vector<double> form;  // (4, n) of G' D G
-    Solution best = {{0, 0}, {}, 0.0};  // the last one that is good enough
+    std::vector<double> form;  // (4, n) form G' D G
+    Solution best = {{0, 0}, {}, 0.0};  // last solution that was accurate enough
     std::vector<double> t, z, dt, dz, weights, inverse_slacks, inverse_multipliers;  // (inequality_count,)
     std::vector<double> change, eliminated;  // (inequality_count,)
     double s = 0.0, ds = 0.0, corner = 1.0;

@@ -1,11 +1,11 @@
-// Moves key times t away from the asked ones a as little as needed: the simplex method on the dual program.
+// Smallest shifts of key times t from the requested times a, by the simplex method on the dual program.
 //
 //   primal  least    sum late_k (t_k - a_k)+ + early_k (a_k - t_k)+ + sum penalty_r (c_r t - d_r)+
-//           penalty_r: infinite where a row has to be kept
+//           penalty_r: infinite for a row that must hold
 //   dual    largest  sum y_r (c_r a - d_r)   with  0 <= y_r <= penalty_r,  -late <= z = C' y <= early
 //
-// It begins with y = 0 outside the basis and z in it, which stands for the asked times. The reduced cost of y_r is
-// c_r t - d_r, by which the times break a row; that of z_k is a_k - t_k (Dantzig, Linear programming and extensions,
+// The method starts with y = 0 nonbasic and z basic, which corresponds to the requested times. The reduced cost of y_r is
+// c_r t - d_r, the violation of a row; that of z_k is a_k - t_k (Dantzig, Linear programming and extensions,
 // 1963, chapter 18: bounded variables; dictionary, entering and leaving as in Chvatal, Linear programming, 1983).
 
 #pragma once
@@ -16,14 +16,14 @@
 
 namespace kinesic::motion {
 
-constexpr double OPTIMALITY = 1e-9;  // [s], or of a plane's amount: reduced costs up to this are optimal
-constexpr double SMALLEST_PIVOT = 1e-9;  // least entry that is divided by
-constexpr int MOST_ITERATIONS = 20;  // for each row and key, after which nothing is found
-constexpr int LARGEST_COST_ITERATIONS = 3;  // of them, after which the smallest index enters (Bland 1977): it cycles less
+constexpr double OPTIMALITY = 1e-9;  // [s], or the unit of a plane: reduced costs up to this count as optimal
+constexpr double SMALLEST_PIVOT = 1e-9;  // smallest accepted divisor
+constexpr int MOST_ITERATIONS = 20;  // iterations per row and key after which the method gives up
+constexpr int LARGEST_COST_ITERATIONS = 3;  // multiple of rows and keys after which Bland's rule (1977) avoids cycles
 
 class KeyTimeSimplex {
   public:
-    // Args: shares (rows, keys) of the times in each row, by how much the asked times break it, and the weights above.
+    // Args: coefficients (rows, keys) of the times in each row, violations at the requested times, and the weights above.
     KeyTimeSimplex(int keys, int rows, const double* shares, const double* broken, const double* late, const double* early,
                    const double* penalties)
         : keys_(keys), rows_(rows), dictionary_(size_t(keys) * rows), reduced_costs_(broken, broken + rows),
@@ -38,7 +38,7 @@ class KeyTimeSimplex {
         for (int r = 0; r < rows; ++r) nonbasic_[r] = r;
     }
 
-    // Whether an optimum is found; there is none where no times keep all rows: the dual program is unbounded.
+    // Runs the method and returns whether an optimum exists; without feasible times the dual program is unbounded.
     bool solve() {
         const int size = keys_ + rows_;
         for (int iteration = 0; iteration < MOST_ITERATIONS * size; ++iteration) {
@@ -49,7 +49,7 @@ class KeyTimeSimplex {
         return false;
     }
 
-    // (keys,) [s] by which each time is moved.
+    // Returns the shift of each time, (keys,) [s].
     std::vector<double> moves() const {
         std::vector<double> found(keys_, 0.0);
         for (int r = 0; r < rows_; ++r)
@@ -60,7 +60,7 @@ class KeyTimeSimplex {
   private:
     double& entry(int row, int column) { return dictionary_[size_t(row) * rows_ + column]; }
 
-    // Prices the nonbasic variables: the column of the one that enters, by largest cost or by smallest index; -1: none.
+    // Returns the column of the entering variable, by largest cost or by smallest index; -1: none.
     int choose_entering(bool by_index) const {
         int entering = -1;
         double largest = OPTIMALITY;
@@ -75,7 +75,7 @@ class KeyTimeSimplex {
         return entering;
     }
 
-    // Moves the variable of a column off its bound until a variable comes to a bound; false where none ever does.
+    // Moves the variable of a column off its bound until a variable reaches a bound; false if none ever does.
     bool enter(int column) {
         const int entering = nonbasic_[column];
         const double direction = at_upper_[entering] ? -1.0 : 1.0;
@@ -91,10 +91,10 @@ class KeyTimeSimplex {
         return true;
     }
 
-    // The row of the variable that leaves, and the step until then; -1: none before the step to the other bound.
+    // Returns the row of the leaving variable and the step; -1: none before the entering variable's other bound.
     int run_ratio_test(int column, double direction, double& step) {
         int leaving_row = -1;
-        double largest = 0.0;  // pivot of equal ratios
+        double largest = 0.0;  // pivot among equal ratios
         for (int k = 0; k < keys_; ++k) {
             const double rate = direction * entry(k, column);
             if (std::abs(rate) < SMALLEST_PIVOT) continue;
@@ -109,7 +109,7 @@ class KeyTimeSimplex {
         return leaving_row;
     }
 
-    // Lets the variable of a column enter the basis, and that of a row leave it at the bound to which it has come.
+    // Lets the variable of a column enter the basis, and that of a row leave it at the bound that it reached.
     void pivot(int row, int column, double direction, double step) {
         const int entering = nonbasic_[column], leaving = basic_[row];
         at_upper_[leaving] = direction * entry(row, column) > 0.0;
@@ -125,7 +125,7 @@ class KeyTimeSimplex {
         substitute(reduced_costs_.data(), pivot_row, column);
     }
 
-    // Replaces the entering variable in a row of the dictionary by the pivot row, which says what it is.
+    // Substitutes the pivot row for the entering variable in a row of the dictionary.
     void substitute(double* row, const double* pivot_row, int column) const {
         const double factor = row[column];
         if (factor == 0.0) return;
@@ -136,9 +136,9 @@ class KeyTimeSimplex {
     const int keys_, rows_;
     std::vector<double> dictionary_;  // (keys, rows) basic variables by nonbasic ones
     std::vector<double> reduced_costs_, basic_values_;  // (rows,) of the nonbasic, (keys,) of the basic variables
-    std::vector<int> basic_, nonbasic_;  // variables of rows and columns of the dictionary: y first, then z
+    std::vector<int> basic_, nonbasic_;  // variables of the dictionary's rows and columns: y first, then z
     std::vector<double> lower_, upper_;  // (rows + keys,) bounds of all variables
-    std::vector<bool> at_upper_;  // where a nonbasic variable is; else at its lower bound
+    std::vector<bool> at_upper_;  // whether a nonbasic variable is at its upper bound
 };
 
 }  // namespace kinesic::motion

@@ -1,4 +1,4 @@
-// Sums and largest values of arrays, in four lanes: compilers keep to the order of additions, which is slow in one.
+// Sums and maxima of arrays in four lanes, because compilers keep the order of additions, which is slow in one lane.
 
 #pragma once
 
@@ -9,7 +9,7 @@ namespace kinesic::motion {
 
 constexpr int LANES = 4;
 
-// The sum of value(i) for all i below a count.
+// Returns the sum of value(i) for all i below a count.
 template <typename Value>
 double sum_of(int count, Value value) {
     double lanes[LANES] = {};
@@ -20,7 +20,7 @@ double sum_of(int count, Value value) {
     return (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]);
 }
 
-// The largest value(i), and at least 0.
+// Returns the largest value(i), at least 0.
 template <typename Value>
 double largest_of(int count, Value value) {
     double lanes[LANES] = {};

@@ -1,6 +1,6 @@
-// How near a motion comes to its limits, at some instants of each piece: `motion/limit_check.py`, compiled.
+// Largest limit ratios of a motion at sample times of each knot interval, for `motion/limit_check.py`.
 //
-// A spline lies within its control points, so that most pieces need no look: they cannot exceed what was found.
+// A spline lies within the hull of its control points, so that most intervals need no samples below the maximum.
 
 #pragma once
 
@@ -10,42 +10,42 @@
 
 namespace kinesic::motion {
 
-constexpr int QUANTITIES = 5;  // position, speed, acceleration, jerk, duty
+constexpr int QUANTITIES = 5;  // position, velocity, acceleration, jerk, duty
 
 struct HingePeak {
     double ratio = 0.0;
     int piece = 0, instant = 0;
 };
 
-// Shares (s, 4 - order) of the control points at some instants of a piece, for each derivative.
+// Weights (s, 4 - order) of the control points at sample times of a knot interval, by derivative.
 struct Instants {
     int count = 0;
     const double* shares[3] = {};
 };
 
-// A spline's control points, (4 - order) of which make a piece.
+// Control points of a spline, (4 - order) per knot interval.
 struct Part {
     std::vector<double> points;
     int order = 0;
 };
 
-// Raises values to others where these are larger.
+// Replaces values by larger ones.
 inline void raise(double* __restrict values, const double* __restrict others, int count) {
     for (int k = 0; k < count; ++k) values[k] = others[k] > values[k] ? others[k] : values[k];
 }
 
-// Finds the largest magnitude of a sum of splines at the instants of its pieces.
+// Finds the largest magnitude of a sum of splines at the sample times of all knot intervals.
 inline HingePeak find_peak(const std::vector<const Part*>& parts, int pieces, const Instants& instants) {
     static const double constant = 1.0;
     std::vector<double> bounds(pieces, 0.0), largest(pieces), sizes;
-    for (const Part* part : parts) {  // row by row, so that lanes run along
+    for (const Part* part : parts) {  // row by row, for SIMD lanes
         sizes.resize(part->points.size());
         for (size_t k = 0; k < sizes.size(); ++k) sizes[k] = std::abs(part->points[k]);
         std::copy_n(sizes.begin(), pieces, largest.begin());
         for (int j = 1; j < 4 - part->order; ++j) raise(largest.data(), sizes.data() + j, pieces);
         for (int k = 0; k < pieces; ++k) bounds[k] += largest[k];
     }
-    const bool still = parts[0]->order == 3;  // it is constant between knots
+    const bool still = parts[0]->order == 3;  // whether the quantity, a jerk, is constant between knots
     HingePeak best;
     const auto look = [&](int piece, bool first) {
         for (int s = 0; s < (still ? 1 : instants.count); ++s) {
@@ -68,13 +68,13 @@ inline HingePeak find_peak(const std::vector<const Part*>& parts, int pieces, co
     return best;
 }
 
-// What each quantity of a hinge is divided by, and what its duty is made of.
+// Divisors of each quantity of a hinge, and coefficients of its duty.
 struct HingeLimits {
     double middle, half, speed, acceleration, jerk;  // [rad], [rad], [rad/s], ...
-    double pulled, driven;                           // duty over its limit per acceleration, and per speed
+    double pulled, driven;                           // duty / duty limit per acceleration, and per velocity
 };
 
-// Peaks of one hinge's spline, whose control points are `stride` apart; adds the squares of its jerks.
+// Computes the peaks of one hinge's spline, with control points `stride` apart, and adds its squared jerks.
 inline void find_peaks(const double* controls, size_t stride, int pieces, const double* scales, const HingeLimits& limits,
                        const Instants& instants, HingePeak* peaks, double& squares) {
     std::vector<double> differences[4];

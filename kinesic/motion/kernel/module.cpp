@@ -1,4 +1,4 @@
-// kinesic.motion._kernel: spline programs, compiled. Arrays are float64, places int32, all of them contiguous.
+// kinesic._kernel.motion: spline programs. Arrays are float64, positions int32, all of them contiguous.
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
@@ -58,7 +58,7 @@ void limit(SplineProgram& program, const Numbers& stencils, const Numbers& lower
     program.upper = copy(upper);
 }
 
-// The optimum without limits.
+// Computes the optimum without limits.
 nb::object smooth(const Places& first, const Numbers& shares, const Numbers& values, const Numbers& form,
                   const Numbers& pull) {
     SplineProgram program;
@@ -68,7 +68,7 @@ nb::object smooth(const Places& first, const Numbers& shares, const Numbers& val
     return array(free_optimum(program));
 }
 
-// Writes the motion of all hinges without limits into control points (k + 3, n); returns the segments beyond a limit.
+// Computes the unlimited motion of all hinges as control points (k + 3, n); returns the segments that exceed a limit.
 std::vector<Beyond> free_motion(const Numbers& places, const Numbers& angles, const Flags& keyed, const Flags& firm,
                                 const Numbers& desired, const Numbers& limits, const Numbers& closeness, double step,
                                 double within, Result& controls) {
@@ -84,7 +84,7 @@ std::vector<Beyond> free_motion(const Numbers& places, const Numbers& angles, co
     return beyond;
 }
 
-// The optimum within limits; None where there is none.
+// Computes the optimum within limits; None if there is none.
 nb::object nearest(const Places& first, const Numbers& shares, const Numbers& values, const Numbers& form,
                    const Numbers& pull, const Numbers& stencils, const Numbers& lower, const Numbers& upper) {
     SplineProgram program;
@@ -96,7 +96,7 @@ nb::object nearest(const Places& first, const Numbers& shares, const Numbers& va
     return method.solve() ? array(method.controls()) : nb::none();
 }
 
-// The least relaxation of all limits: control points, relaxation, multipliers of what is fixed and of rows of limits.
+// Computes the smallest relaxation of all limits: control points, relaxation, multipliers of equations and limit rows.
 nb::object relax(const Places& first, const Numbers& shares, const Numbers& values, const Numbers& stencils,
                  const Numbers& lower, const Numbers& upper, double easy, double target) {
     SplineProgram program;
@@ -113,7 +113,7 @@ nb::object relax(const Places& first, const Numbers& shares, const Numbers& valu
     return nb::make_tuple(array(method.controls()), method.relaxation(), array(method.ties()), array(pulls));
 }
 
-// By how much key times (m,) are moved; None where the method finds nothing.
+// Computes the shifts of key times (m,); None if the method fails.
 nb::object move_keys(const Numbers& shares, const Numbers& broken, const Numbers& late, const Numbers& early,
                      const Numbers& penalties) {
     require(early.size() == late.size() && penalties.size() == broken.size() && shares.ndim() == 2);
@@ -123,7 +123,7 @@ nb::object move_keys(const Numbers& shares, const Numbers& broken, const Numbers
     return method.solve() ? array(method.moves()) : nb::none();
 }
 
-// Writes angles, speeds and accelerations (m, n) at places (m,); scales are the steps' powers.
+// Computes angles, velocities and accelerations (m, n) at positions (m,); scales are powers of the knot interval.
 void sample(const Numbers& controls, const Numbers& places, const Numbers& scales, Result& angles, Result& speeds,
             Result& accelerations) {
     require(controls.ndim() == 2 && controls.shape(0) >= 4 && scales.size() == 3);
@@ -136,8 +136,8 @@ void sample(const Numbers& controls, const Numbers& places, const Numbers& scale
     }
 }
 
-// How near a motion (k + 3, n) comes to its limits (7, n): ratios, pieces and instants (5, n), and the sum of its squared
-// jerks; shares are those of control points at the instants, for each derivative.
+// Computes the largest limit ratios of a motion (k + 3, n) with limits (7, n), with knot interval and sample (5, n), and the
+// sum of its squared jerks; shares are the weights of control points at the samples, by derivative.
 nb::tuple peaks(const Numbers& controls, const Numbers& scales, const Numbers& limits, const std::vector<Numbers>& shares) {
     require(controls.ndim() == 2 && controls.shape(0) >= 4 && scales.size() == 4 && shares.size() == 3);
     const size_t hinges = controls.shape(1);
@@ -164,7 +164,7 @@ nb::tuple peaks(const Numbers& controls, const Numbers& scales, const Numbers& l
     return nb::make_tuple(array(found[0]), array(found[1]), array(found[2]), squares);
 }
 
-// Flags control points (h, k) of hinges that take part in breaking limits (8, h) which those of `before` (h, k) keep.
+// Flags control points (h, k) of hinges that exceed limits (8, h) only in the new motion, not in `before` (h, k).
 void beyond(const Numbers& controls, const Numbers& before, const Numbers& scales, const Numbers& limits, double full,
             Marks& flags) {
     require(controls.ndim() == 2 && before.size() == controls.size() && flags.size() == controls.size());
@@ -180,7 +180,7 @@ void beyond(const Numbers& controls, const Numbers& before, const Numbers& scale
 
 }  // namespace
 
-NB_MODULE(_kernel, module) {
+void bind_motion(nb::module_& module) {
     module.def("smooth", &smooth);
     module.def("free_motion", &free_motion);
     module.def("nearest", &nearest);

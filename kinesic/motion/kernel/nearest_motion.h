@@ -1,9 +1,9 @@
-// The motion of a segment nearest to a desired one within limits: solved where limits are met, and as it is without limits
-// everywhere else.
+// Motion of a segment nearest to a desired one within limits: solved near violated limits, and equal to the unlimited
+// motion everywhere else.
 //
-// What a limit changes fades by a constant factor from control point to control point, as the inverse of a band does (Demko,
-// Moss and Smith, Decay rates for inverses of band matrices, 1984). So the optimum of the whole segment is that of a window
-// about the limits that the free optimum exceeds, if nothing is left of the change at the window's ends; that is measured.
+// The effect of a limit decays by a constant factor per control point, like the inverse of a banded matrix (Demko,
+// Moss and Smith, Decay rates for inverses of band matrices, 1984). The optimum of the whole segment is therefore that of a
+// window around the violations of the free optimum, if the change vanishes at the window's ends, which is checked.
 
 #pragma once
 
@@ -11,14 +11,14 @@
 
 namespace kinesic::motion {
 
-constexpr int MARGINS[] = {40, 96};  // control points beside what is beyond a limit
-constexpr double WORTH = 0.7;    // of the whole, above which a window saves nothing
-constexpr int EDGE = 3;          // control points at either end of a window that stay as they are
-constexpr double FADED = 1e-11;  // [rad] change beside an end with which a window is the whole
-constexpr double LOOSE = 1.0;    // [rad] room of control points that are given
-constexpr double FAINT = 1e-6;   // share of what is free in a key that given control points decide
+constexpr int MARGINS[] = {40, 96};  // control points tried on both sides of the violations
+constexpr double WORTH = 0.7;    // fraction of the segment above which a window saves nothing
+constexpr int EDGE = 3;          // control points at each end of a window that are fixed
+constexpr double FADED = 1e-11;  // [rad] largest change near an end with which a window's optimum is accepted
+constexpr double LOOSE = 1.0;    // [rad] range around fixed control points
+constexpr double FAINT = 1e-6;   // weight of free control points below which a key counts as fixed
 
-// The optimum without limits.
+// Computes the optimum without limits.
 inline std::vector<double> free_optimum(const SplineProgram& program) {
     TiedSystem system(program);
     system.add(program.form);
@@ -26,7 +26,7 @@ inline std::vector<double> free_optimum(const SplineProgram& program) {
     Unknowns right(program.size, program.fixed()), answer = right;
     right.points = program.pull;
     right.ties = program.values;
-    system.solve(right, answer, EXACT);
+    system.solve(right, answer, EXACT_STEP_RESIDUAL);
     return answer.points;
 }
 
@@ -34,7 +34,7 @@ class NearestMotion {
   public:
     explicit NearestMotion(const SplineProgram& program) : p(program), controls_(free_optimum(program)) {}
 
-    // Whether there is a solution.
+    // Solves the segment and returns whether there is a solution.
     bool solve() {
         const auto [first, last] = beyond();
         if (first > last) return true;
@@ -52,9 +52,9 @@ class NearestMotion {
     const std::vector<double>& controls() const { return controls_; }
 
   private:
-    enum class Outcome { none, part, whole };  // of a window: no solution, not all that limits change, all of it
+    enum class Outcome { none, part, whole };  // result of a window: no solution, too narrow, accepted
 
-    // The first and the last control point of rows that exceed a bound.
+    // Returns the first and the last control point of rows that exceed a bound.
     std::pair<int, int> beyond() const {
         int first = p.size, last = -1;
         const auto note = [&](int begin, int end) {
@@ -79,7 +79,7 @@ class NearestMotion {
         return true;
     }
 
-    // Solves for the control points from `begin` to before `end`.
+    // Solves for the control points in [begin, end).
     Outcome solve_window(int begin, int end) {
         const SplineProgram part = window(begin, end);
         InteriorPoint method(part);
@@ -125,7 +125,7 @@ class NearestMotion {
         part.values.push_back(value);
     }
 
-    // Fixes a control point where it is.
+    // Fixes a control point at its value.
     static void give(SplineProgram& part, int first, int which, double value) {
         double shares[4] = {};
         shares[which] = 1.0;

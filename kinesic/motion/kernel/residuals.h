@@ -1,4 +1,4 @@
-// What is left of the conditions of an optimum at slacks t > 0 and multipliers z > 0 of inequalities G (x, s) + t = h:
+// Residuals of the optimality conditions at slacks t > 0 and multipliers z > 0 of the inequalities G (x, s) + t = h:
 //
 //   H x - pull + A' y + G' z = 0,   A x = values,   G (x, s) + t = h
 
@@ -41,15 +41,15 @@ struct Residuals {
         dual = std::max(std::abs(relaxation), largest_of(p.size, [=](int j) { return std::abs(points[j]); }));
     }
 
-    Unknowns conditions;  // of x and y
+    Unknowns conditions;  // residuals of x and y
     std::vector<double> inequalities;
-    double relaxation = 0.0;  // of s
-    double primal = 0.0, dual = 0.0;  // the largest of what is fixed and of inequalities; of x and s
+    double relaxation = 0.0;  // residual of s
+    double primal = 0.0, dual = 0.0;  // largest residuals of equations and inequalities, and of x and s
     double largest_tie_multiplier = 0.0;
-    bool impossible = false;  // whether the multipliers prove that nothing keeps all limits
+    bool impossible = false;  // whether the multipliers prove that no motion is within all limits
 
   private:
-    // By a lemma of Farkas (1902): for whatever keeps all limits,
+    // Farkas' lemma (1902): for every x within all limits,
     // 0 <= z' (h - G x) + y' (values - A x) = z' h + y' values - (G' z + A' y)' x, and x lies between lower and upper.
     bool contradicts(const std::vector<double>& y, const std::vector<double>& z) const {
         const double *bounds = limits.bounds().data(), *multipliers = z.data();
@@ -60,7 +60,7 @@ struct Residuals {
         return most < 0.0;
     }
 
-    // Adds H x - pull.
+    // Adds H x - pull to the residual.
     void add_form(const std::vector<double>& points) {
         const int n = p.size, half = int(p.form.size()) / n - 1;
         const double *x = points.data(), *diagonal = p.form.data() + size_t(half) * n;

@@ -1,9 +1,9 @@
-// The motion of one hinge as a program: control points x of a uniform cubic B-spline under what is fixed and what limits.
+// Quadratic program for one hinge's motion: control points x of a uniform cubic B-spline with equations and limits.
 //
-//   least  1/2 x' H x - pull' x + s        H: a band; s: how far limits are relaxed (0 where they are not)
-//   with   shares . x[first .. first + 3] = value                       of each key, entry and exit
-//          |stencil . x[j ...]| <= bound + power s                      of speed, acceleration, jerk and duty
-//          lower <= x <= upper,  s >= easy
+//   minimise  1/2 x' H x - pull' x + s     H: banded; s: relaxation of the limits (0 without relaxation)
+//   subject to  shares . x[first .. first + 3] = value                  for each key, entry and exit
+//               |stencil . x[j ...]| <= bound + power s                 for velocity, acceleration, jerk and duty
+//               lower <= x <= upper,  s >= easy
 
 #pragma once
 
@@ -14,11 +14,11 @@
 
 namespace kinesic::motion {
 
-constexpr int KINDS = 4;  // speed, acceleration, jerk, duty
+constexpr int KINDS = 4;  // velocity, acceleration, jerk, duty
 constexpr int WIDTHS[KINDS] = {2, 3, 4, 3};
-constexpr int ENDS[KINDS] = {2, 1, 0, 1};  // rows at either end that three given control points determine
+constexpr int ENDS[KINDS] = {2, 1, 0, 1};  // rows at each end that three fixed control points determine
 constexpr double POWERS[KINDS] = {1.0, 2.0, 3.0, 2.0};
-constexpr double ROOMY = 2.0;  // bound of such a row, which the least relaxation leaves out
+constexpr double ROOMY = 2.0;  // bound of such a row, which relaxations ignore
 
 struct Unknowns {
     Unknowns(int size, int fixed) : points(size), ties(fixed) {}
@@ -28,23 +28,23 @@ struct Unknowns {
         std::fill(ties.begin(), ties.end(), 0.0);
     }
 
-    std::vector<double> points, ties;  // control points, and multipliers of what is fixed; or what is left of their conditions
+    std::vector<double> points, ties;  // control points and multipliers of equations, or residuals of their conditions
 };
 
 struct SplineProgram {
-    int size = 0;  // n control points
+    int size = 0;  // n, the number of control points
     bool relaxing = false;
     double easy = 0.0;
-    double target = -HUGE_VAL;  // s at which the search may end
+    double target = -HUGE_VAL;  // relaxation s at which the search may end
     double stencils[KINDS][4] = {};
-    std::vector<double> form;  // (3, n) H beside the diagonal: two, one, none; empty where relaxing
+    std::vector<double> form;  // (3, n) bands of H, the diagonal last; empty for a relaxation
     std::vector<double> pull, lower, upper;  // (n,)
     std::vector<int> first;  // (m,)
     std::vector<double> shares, values;  // (m, 4), (m,)
 
     int fixed() const { return int(values.size()); }
 
-    // Rows of a kind, and where the first and the one after the last of them begin.
+    // Rows of one kind of limit, with the position of the first row and one past the last.
     int begin(int kind) const { return relaxing ? ENDS[kind] : 0; }
     int end(int kind) const { return size - WIDTHS[kind] + 1 - (relaxing ? ENDS[kind] : 0); }
     int count(int kind) const { return std::max(0, end(kind) - begin(kind)); }
@@ -55,7 +55,7 @@ struct SplineProgram {
         return decided ? ROOMY : 1.0;
     }
 
-    // Calls visit(kind, number) for every kind of limits, with the number of its first row; the kind is a constant, so that
+    // Calls visit(kind, number) for every kind of limit with the number of its first row; the kind is a constant, so that
     // loops over its stencil are unrolled.
     template <typename Visit>
     void each_kind(Visit visit) const {

@@ -1,4 +1,4 @@
-// Angles, speeds and accelerations of a uniform cubic B-spline: `motion/trajectory.py`, compiled.
+// Angles, velocities and accelerations of a uniform cubic B-spline, for `motion/trajectory.py`.
 
 #pragma once
 
@@ -8,7 +8,7 @@
 
 namespace kinesic::motion {
 
-// Writes (m, n) values of one derivative at (m,) places in steps from the first knot, from control points (k + 3, n).
+// Computes (m, n) values of one derivative at (m,) positions [knot intervals] from control points (k + 3, n).
 inline void sample_spline(const double* controls, int pieces, int hinges, const double* places, size_t count, int order,
                           double scale, double* values) {
     for (size_t m = 0; m < count; ++m) {

@@ -1,7 +1,7 @@
-// Newton's system of a spline program: control points, and beside them the rows that are fixed.
+// Newton's system of a spline program: control points and multipliers of equations.
 //
-//   [K  A'] [x]   [right]     K: a band of definite entries
-//   [A  0 ] [y] = [fixed]     A: four shares a row, of control points that follow one another
+//   [K  A'] [x]   [right]     K: positive definite banded matrix
+//   [A  0 ] [y] = [fixed]     A: four coefficients per row, of successive control points
 
 #pragma once
 
@@ -13,9 +13,9 @@
 
 namespace kinesic::motion {
 
-constexpr double NUDGE = 1e-12;  // of the scaled diagonal, keeps pivots from 0; what it changes is refined away
-constexpr double SMALLEST = 1e-300;  // diagonal and row
-constexpr int REFINED = 3;  // times at most
+constexpr double NUDGE = 1e-12;  // relative to the scaled diagonal; keeps pivots from 0, and refinement removes its effect
+constexpr double SMALLEST = 1e-300;  // smallest scale of diagonal and rows
+constexpr int REFINED = 3;  // largest number of refinements
 
 class TiedSystem {
   public:
@@ -25,7 +25,7 @@ class TiedSystem {
 
     void clear() { system_.clear(); }
 
-    // Adds a form (half width + 1, n) whose last row is the diagonal.
+    // Adds a quadratic form (half width + 1, n), whose last row is the diagonal.
     void add(const std::vector<double>& form) {
         const int half = int(form.size()) / n - 1;
         for (int j = 0; j < n; ++j) {
@@ -34,8 +34,8 @@ class TiedSystem {
         }
     }
 
-    // Scaled so that the diagonal is 1, and of what is fixed about -1 once its control points are eliminated: weights of
-    // limits that are met grow beyond all others.
+    // Scales the diagonal to 1, and that of the equations to about -1 after elimination of their control points, because
+    // weights of active limits grow beyond all others.
     void factorise() {
         for (int place : places_) scales_[place] = 1.0 / std::sqrt(system_.line(place)[place] + SMALLEST);
         for (int k = 0; k < m; ++k) {
@@ -54,7 +54,7 @@ class TiedSystem {
         factor_.factorise();
     }
 
-    // Solves for a right side; then again for what is left of it, until that is at most a share of it.
+    // Solves for a right side, then refines until the residual is at most a given fraction of it.
     void solve(const Unknowns& right, Unknowns& answer, double exact) {
         for (int j = 0; j < n; ++j) right_[places_[j]] = right.points[j];
         for (int k = 0; k < m; ++k) right_[ties_[k]] = right.ties[k];
@@ -84,7 +84,7 @@ class TiedSystem {
         for (int i = 0; i < n + m; ++i) right[i] *= scales_[i];
     }
 
-    // Gives each row of what is fixed the place after its last control point, and returns where each row begins.
+    // Places each equation after its last control point, and returns the first column of each row.
     std::vector<int> arrange() {
         std::vector<std::vector<int>> after(n);
         for (int k = 0; k < m; ++k) after[p.first[k] + 3].push_back(k);
@@ -103,10 +103,10 @@ class TiedSystem {
     }
 
     const SplineProgram& p;
-    const int n, m;  // control points, rows that are fixed
-    std::vector<int> places_, ties_;  // of control points and of rows that are fixed in the band
+    const int n, m;  // numbers of control points and of equations
+    std::vector<int> places_, ties_;  // positions of control points and of equations in the band
     BandedSystem system_, factor_;
-    std::vector<double> scales_, right_, answer_, left_;  // (n + m,) in these places
+    std::vector<double> scales_, right_, answer_, left_;  // (n + m,) in band order
 };
 
 }  // namespace kinesic::motion

@@ -1,0 +1,26 @@
+"""Tuning numbers of the search for key times."""
+
+from dataclasses import dataclass
+
+from kinesic.motion.infeasibility import DEFICIT_MARGIN
+
+
+@dataclass(frozen=True)
+class SearchTuning:
+    """Tuning numbers of the key-time search."""
+
+    max_planes: int = 40  # cutting planes per key interval before key times are stretched
+    max_evaluations: int = 150_000  # [knot intervals] measured before hinges stop at keys; a count is deterministic
+    evaluated_duration: float = 15.0  # [s] of motion for which this holds; a longer one has more in proportion
+    lp_cost_divisor: int = 400  # a linear program of n keys is charged n^2 / 400 knot intervals
+    min_repeats: int = 2  # repeated strokes from which times are stretched without cutting planes
+    max_stretches: int = 6  # stretches per key interval before its hinge stops at both keys
+    rest_growth: float = 1.1  # factor on a rest-to-rest duration that was too short
+    max_rest_factor: float = 100.0  # total factor on a rest-to-rest duration before the search fails
+    feasible_deficit: float = -DEFICIT_MARGIN / 4  # [log time] largest deficit of a feasible segment
+    suspect_limit_ratio: float = 1.3  # estimated limit ratio above which a segment is measured exactly
+    stretch_margin: float = 2.0  # [s] time before and after infeasible intervals that is stretched, too
+    active_plane_slack: float = 0.02  # [log time] slack below which a cutting plane counts as active
+
+
+SEARCH_TUNING = SearchTuning()  # values used by every search
