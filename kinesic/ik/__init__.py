@@ -1,7 +1,6 @@
-"""Finds joint angles for a reach: `solve`, `pose`, `hold`, `two_hands` and `track`."""
+"""Inverse kinematics of arms and torso: positions, poses and tracking."""
 
 from kinesic.body.reach import Reach
-from kinesic.ik.arm.compiled import KERNEL
 from kinesic.ik.pose import PoseSolution
 from kinesic.ik.pose import hold_reach as hold
 from kinesic.ik.pose import solve_pose as pose
@@ -9,12 +8,9 @@ from kinesic.ik.solve import Solution, solve
 from kinesic.ik.track import Tracker, track
 from kinesic.ik.two_hands import Both
 from kinesic.ik.two_hands import reach_both as two_hands
-from kinesic.kernels import Kernel
 
 __all__ = [
-    "KERNEL",
     "Both",
-    "Kernel",
     "PoseSolution",
     "Reach",
     "Solution",

@@ -1,4 +1,4 @@
-"""Sine, cosine and arc tangent in plain arithmetic, as the kernel computes them.
+"""Trigonometric functions with bit-identical results on every machine.
 
 A library's own differ from machine to machine in the last bit, and where hinges meet their stops a bit decides where a
 search ends. These give the same bits everywhere, with the kernel and without, within three units in the last place.
@@ -7,11 +7,11 @@ search ends. These give the same bits everywhere, with the kernel and without, w
 from math import copysign, pi, sqrt
 
 ROUND_TO_INTEGER = 6755399441055744.0  # 1.5 x 2^52: adding it rounds to an integer
-NARROW = 0.41421356237309504880  # tangent of pi / 8
+TAN_PI_8 = 0.41421356237309504880  # tangent of pi / 8, the largest argument of the rational approximation
 
 
 def cosine_sine(angle: float) -> tuple[float, float]:
-    """Computes cosine and sine of an angle of a few turns [rad].
+    """Return cosine and sine of a moderate angle [rad].
 
     Cody and Waite's reduction to an eighth of a turn, then the minimax polynomials of fdlibm.
     """
@@ -63,11 +63,11 @@ def cosine_sine(angle: float) -> tuple[float, float]:
 
 
 def arctangent(y: float, x: float) -> float:
-    """Computes the angle of the point (x, y), as `math.atan2` of finite numbers."""
+    """Return the angle [rad] of the point (x, y), like `math.atan2`."""
     across, along = abs(y), abs(x)
     less, more = min(across, along), max(across, along)
     angle = 0.0
-    if less > NARROW * more:
+    if less > TAN_PI_8 * more:
         angle = pi / 4.0 + _small((less - more) / (less + more))
     elif more > 0.0:
         angle = _small(less / more)
@@ -79,12 +79,12 @@ def arctangent(y: float, x: float) -> float:
 
 
 def arccosine(x: float) -> float:
-    """Computes the angle from 0 to pi whose cosine is x, of -1 to 1."""
+    """Return the arc cosine of x, in 0..pi [rad]."""
     return 2.0 * arctangent(sqrt(1.0 - x), sqrt(1.0 + x))
 
 
 def _small(t: float) -> float:
-    """Arc tangent within +-NARROW: a quotient of polynomials (Cephes, Moshier)."""
+    """Compute the arc tangent of small values by a rational approximation (Cephes)."""
     z = t * t
     p = -6.485021904942025371773e1 + z * (
         -1.228866684490136173410e2

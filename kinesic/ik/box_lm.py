@@ -1,6 +1,6 @@
-"""Levenberg-Marquardt inside a box for any number of rows: what `polish` is for one hand, for poses and for two hands.
+"""Levenberg-Marquardt least squares with bounds on the variables.
 
-A variable that meets its stop stays there and the others take over what it cannot give.
+A variable that reaches its bound stays there, and the others compensate.
 """
 
 from collections.abc import Callable
@@ -10,33 +10,33 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 
-ROUNDS = 40
-DAMPING = 0.1  # lambda^2 = DAMPING e^2 + LEAST_DAMPING (after Sugihara)
-LEAST_DAMPING = 1e-9
-POSTURE = 0.4  # share of the way back to the posture in a round, as far as the errors do not notice ...
-FADING = 0.7  # ... less from round to round
-STALL = 0.98  # a round that leaves more than this share of the error ...
-STALLED_STEPS = 6  # ... so many times in a row has come to a rest
-CAUTION = 8.0  # times the damping after a round that lost ground
+MAX_ROUNDS = 40  # largest number of solver iterations
+ERROR_DAMPING = 0.1  # damping per squared error: lambda^2 = ERROR_DAMPING e^2 + MIN_DAMPING (Sugihara)
+MIN_DAMPING = 1e-9  # damping at zero error
+POSTURE_GAIN = 0.4  # fraction of the way to the preferred posture taken in the first iteration
+POSTURE_DECAY = 0.7  # factor on `POSTURE_GAIN` per iteration
+STALL_RATIO = 0.98  # error ratio of successive iterations above which progress has stalled
+MAX_STALLED_STEPS = 6  # successive stalled iterations that end the solver
+DAMPING_GROWTH = 8.0  # factor on the damping after an iteration that increases the error
 
 ErrorFunction = Callable[
     [Floats], tuple[Floats, Floats]
-]  # (n,) -> wanted minus present (m,), and d present / d q (m, n)
+]  # (n,) -> error: target minus current value (m,), and Jacobian of the current value (m, n)
 
 
 @dataclass(frozen=True, eq=False)
 class Box:
-    """Ranges of the variables, and how readily each moves."""
+    """Bounds of the variables, with preferred values and mobilities."""
 
     lower: Floats  # (n,)
     upper: Floats  # (n,)
-    home: Floats  # (n,) to which springs pull what the errors leave open
-    mobility: Floats  # (n,) how readily each moves: 1 for an ordinary one, 0 for one that is fixed
+    home: Floats  # (n,) preferred values, reached as far as the errors permit
+    mobility: Floats  # (n,) relative mobility: 1 usual, 0 fixed
 
 
 @dataclass(frozen=True, eq=False)
 class Descent:
-    """The point at which a descent came to rest."""
+    """Result of a bounded least-squares minimisation."""
 
     angles: Floats  # (n,) inside the box
     error: Floats  # (m,) in the units of the rows
@@ -44,52 +44,60 @@ class Descent:
 
     @property
     def miss(self) -> float:
-        """Length of the error."""
+        """Norm of the remaining error."""
         return float(np.linalg.norm(self.error))
 
 
 def descend(errors: ErrorFunction, start: Floats, box: Box, *, tolerance: float) -> Descent:
-    """Makes errors small by Levenberg-Marquardt.
+    """Minimise errors by Levenberg-Marquardt within bounds.
 
     Args:
-        errors: rows of order one, such as metres in units of the arm's length.
+        errors: rows of order one, such as distances relative to the arm's length.
         start: (n,) inside the box.
         box: of the variables.
-        tolerance: length of the error that is good enough.
+        tolerance: norm of the error at which the descent ends.
 
     Returns:
-        The best point met.
+        The best point evaluated.
     """
-    now = np.array(start, dtype=np.float64)
-    error, jacobian = errors(now)
-    caution, stalled, rounds = 1.0, 0, 0
-    while (least := float(np.linalg.norm(error))) > tolerance and stalled < STALLED_STEPS and rounds < ROUNDS:
+    current = np.array(start, dtype=np.float64)
+    error, jacobian = errors(current)
+    damping_factor, stalled, rounds = 1.0, 0, 0
+    while (
+        (error_norm := float(np.linalg.norm(error))) > tolerance and stalled < MAX_STALLED_STEPS and rounds < MAX_ROUNDS
+    ):
         rounds += 1
-        damping = caution * (DAMPING * least * least + LEAST_DAMPING)
-        pulls = POSTURE * FADING**rounds / caution * (box.home - now) * (box.mobility > 0.0)
-        tried = _stepped(now, error, jacobian, pulls, box, damping)
-        tried_error, tried_jacobian = errors(tried)
-        gain = float(np.linalg.norm(tried_error)) / least
-        stalled = stalled + 1 if gain > STALL else 0
-        caution = CAUTION * caution if gain >= 1.0 else max(1.0, caution / CAUTION)
-        if gain < 1.0:
-            now, error, jacobian = tried, tried_error, tried_jacobian
-    return Descent(sealed(now), sealed(error), rounds)
+        damping = damping_factor * (ERROR_DAMPING * error_norm * error_norm + MIN_DAMPING)
+        pulls = POSTURE_GAIN * POSTURE_DECAY**rounds / damping_factor * (box.home - current) * (box.mobility > 0.0)
+        trial = _step_within_box(current, error, jacobian, pulls, box, damping)
+        trial_error, trial_jacobian = errors(trial)
+        ratio = float(np.linalg.norm(trial_error)) / error_norm
+        stalled = stalled + 1 if ratio > STALL_RATIO else 0
+        is_worse = ratio >= 1.0
+        damping_factor = DAMPING_GROWTH * damping_factor if is_worse else max(1.0, damping_factor / DAMPING_GROWTH)
+        if ratio < 1.0:
+            current, error, jacobian = trial, trial_error, trial_jacobian
+    return Descent(sealed(current), sealed(error), rounds)
 
 
-def _stepped(now: Floats, error: Floats, jacobian: Floats, pulls: Floats, box: Box, damping: float) -> Floats:
-    """One damped step dq = p + W J^T (J W J^T + lambda^2)^-1 (e - J p); solved again without what is stopped."""
-    stepped, free = now.copy(), box.mobility > 0.0
-    level = damping * np.eye(len(error))
-    while free.any():
-        columns = jacobian * free
-        eased = columns * box.mobility
-        push = np.linalg.solve(eased @ columns.T + level, error - columns @ pulls)
-        wanted = now + pulls + eased.T @ push
-        held = np.clip(wanted, box.lower, box.upper)
-        stopped = free & (held != wanted)
-        settled = stopped if stopped.any() else free
-        stepped[settled] = held[settled]
-        error = error - jacobian[:, settled] @ (held - now)[settled]
-        free = free & ~settled
-    return stepped
+def _step_within_box(
+    current: Floats, error: Floats, jacobian: Floats, pulls: Floats, box: Box, damping: float
+) -> Floats:
+    """Take one damped Gauss-Newton step within the bounds.
+
+    The step is dq = p + W J^T (J W J^T + lambda^2)^-1 (e - J p), solved again without variables at their limits.
+    """
+    result, is_free = current.copy(), box.mobility > 0.0
+    damping_matrix = damping * np.eye(len(error))
+    while is_free.any():
+        columns = jacobian * is_free
+        weighted = columns * box.mobility
+        push = np.linalg.solve(weighted @ columns.T + damping_matrix, error - columns @ pulls)
+        target = current + pulls + weighted.T @ push
+        clipped = np.clip(target, box.lower, box.upper)
+        is_clipped = is_free & (clipped != target)
+        is_final = is_clipped if is_clipped.any() else is_free
+        result[is_final] = clipped[is_final]
+        error = error - jacobian[:, is_final] @ (clipped - current)[is_final]
+        is_free = is_free & ~is_final
+    return result

@@ -1,27 +1,19 @@
-"""The postures of an arm from key to key: each begins where the one before it has left the arm.
-
-The compiled kernel answers all keys in one call; what stands here is its specification.
-"""
+"""Arm postures at successive keys, each solved from the previous one."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 
 import numpy as np
-from msgspec import structs
 
 from kinesic.body.arrays import Floats
 from kinesic.body.chain import Chain
 from kinesic.body.reach import Reach
-from kinesic.ik.arm.compiled import KERNEL, arm_of
-from kinesic.ik.arm.swivel import swivel
-from kinesic.ik.pointing import best_swivel
-from kinesic.ik.solve import solve
-from kinesic.kernels import Kernel
+from kinesic.ik.arm.compiled import arm_of
 
 
 class ArmMode(IntEnum):
-    """What an arm does in a key."""
+    """Kind of arm target at a key."""
 
     REST = 0  # it takes the key's rest
     STILL = 1  # it stays as it is
@@ -30,7 +22,7 @@ class ArmMode(IntEnum):
 
 @dataclass(frozen=True)
 class Key:
-    """What one hand is asked in a key, in the frame of its arm's base."""
+    """Target of one hand at a key, in the arm's base frame."""
 
     mode: ArmMode
     rest: Floats  # (k,) [rad] of whatever the reach leaves open
@@ -41,7 +33,7 @@ class Key:
 
 @dataclass(frozen=True)
 class ReachManner:
-    """How far an arm goes for its hand."""
+    """Limits on elbow and hinge changes between keys."""
 
     widest: float  # [rad] that an elbow swings aside for the palm and the pointing of its hand
     leap: float  # [rad] of a hinge from key to key, at most, where the elbow need not swing for these
@@ -50,7 +42,7 @@ class ReachManner:
 
 @dataclass(frozen=True, eq=False)
 class KeyArms:
-    """An arm in each of its keys."""
+    """Solved postures of an arm at all its keys."""
 
     angles: Floats  # (m, k) [rad]
     beginnings: Floats  # (m, k) [rad] the arm as the path began that it is then on
@@ -64,9 +56,8 @@ def pose_keys(
     *,
     now: Floats,
     began: Floats | None,
-    kernel: Kernel = KERNEL,
 ) -> KeyArms:
-    """Solves an arm for each of its keys.
+    """Solve an arm for each of its keys.
 
     Args:
         chain: the arm.
@@ -74,26 +65,10 @@ def pose_keys(
         manner: of all keys.
         now: (k,) [rad] the arm before the first key.
         began: (k,) [rad] the arm as the path began that it is on before the first key; `now` where it is on none.
-        kernel: which implementation answers; "numpy" is the specification of the other.
 
     Raises:
         ValueError: a shape is wrong or a number is not finite.
     """
-    if kernel == "compiled":
-        return _compiled(chain, keys, manner, now, began)
-    angles, beginnings, swivels = [], [], []
-    here, before = now, began
-    for key in keys:
-        here, asked = _posture(chain, key, manner, here, here if before is None else before, kernel)
-        before = before if key.passing and before is not None else here
-        angles.append(here)
-        beginnings.append(before)
-        swivels.append(np.nan if asked is None else asked)
-    shape = (len(keys), len(chain.rest))
-    return KeyArms(np.reshape(angles, shape), np.reshape(beginnings, shape), np.array(swivels))
-
-
-def _compiled(chain: Chain, keys: Sequence[Key], manner: ReachManner, now: Floats, began: Floats | None) -> KeyArms:
     count, hinges = len(keys), len(chain.rest)
     places = np.full((3, count, 3), np.nan)  # positions, pointings, palms
     swivels = np.full(count, np.nan)
@@ -106,10 +81,10 @@ def _compiled(chain: Chain, keys: Sequence[Key], manner: ReachManner, now: Float
         if key.reach.swivel is not None:
             swivels[k] = key.reach.swivel
     rests = np.reshape([key.rest for key in keys], (count, hinges))
-    asked = np.array([key.mode is ArmMode.REACH for key in keys], dtype=bool)
-    if not (np.isfinite(places[0, asked]).all() and np.isfinite(rests).all() and np.isfinite(now).all()):
+    has_reach = np.array([key.mode is ArmMode.REACH for key in keys], dtype=bool)
+    if not (np.isfinite(places[0, has_reach]).all() and np.isfinite(rests).all() and np.isfinite(now).all()):
         raise ValueError("keys: every position, rest and start must be finite")
-    found = KeyArms(np.empty((count, hinges)), np.empty((count, hinges)), np.empty(count))
+    key_arms = KeyArms(np.empty((count, hinges)), np.empty((count, hinges)), np.empty(count))
     arm_of(chain).pose_keys(
         np.array([key.mode for key in keys], dtype=np.int64),
         np.array([key.passing for key in keys], dtype=bool),
@@ -124,44 +99,8 @@ def _compiled(chain: Chain, keys: Sequence[Key], manner: ReachManner, now: Float
         manner.widest,
         manner.leap,
         manner.open,
-        found.angles,
-        found.beginnings,
-        found.swivels,
+        key_arms.angles,
+        key_arms.beginnings,
+        key_arms.swivels,
     )
-    return found
-
-
-def _posture(
-    chain: Chain, key: Key, manner: ReachManner, now: Floats, began: Floats, kernel: Kernel
-) -> tuple[Floats, float | None]:
-    """The arm (k,) [rad] in one key, and the swivel that was asked of it."""
-    if key.reach is None or key.mode is not ArmMode.REACH:
-        return key.rest if key.mode is ArmMode.REST else now, None
-    if key.passing:
-        asked = structs.replace(key.reach, swivel=swivel(chain, began))
-        return solve(chain, asked, start=began, rest=key.rest, kernel=kernel).angles, asked.swivel
-    free = _swing_elbow(chain, key.reach, key.rest, manner, now, kernel)
-    opened = structs.replace(key.reach, swivel=_opened(chain, free, key.openness, manner.open))
-    if opened.swivel is not None:
-        free = solve(chain, opened, start=free, rest=key.rest, kernel=kernel).angles
-    return free, opened.swivel
-
-
-def _swing_elbow(
-    chain: Chain, reach: Reach, rest: Floats, manner: ReachManner, start: Floats, kernel: Kernel
-) -> Floats:
-    """Swings the elbow for palm and pointing, (k,) [rad]; where an arm would turn over for that, it stays as it was."""
-    swung = best_swivel(chain, reach, start=start, rest=rest, widest=manner.widest, kernel=kernel).angles
-    kept = swivel(chain, start)
-    if kept is None or np.abs(swung - start).max() <= manner.leap:
-        return swung
-    plain = solve(chain, structs.replace(reach, swivel=kept), start=start, rest=rest, kernel=kernel)
-    return plain.angles if plain.reached and np.abs(plain.angles - start).max() <= manner.leap else swung
-
-
-def _opened(chain: Chain, angles: Floats, openness: float, widest: float) -> float | None:
-    """Swivel [rad] that openness asks of an arm; None where it asks nothing."""
-    present = swivel(chain, angles)
-    if openness <= 0.0 or present is None or present >= widest:
-        return None
-    return float(present + openness * (widest - present))
+    return key_arms

@@ -1,4 +1,4 @@
-"""Vectors and rotations as tuples of floats, several times faster than arrays in loops over a few hinges."""
+"""3D vectors and rotations as tuples, faster than small arrays."""
 
 from math import sqrt
 
@@ -8,63 +8,80 @@ from kinesic.ik.angles import cosine_sine
 Vector = tuple[float, float, float]
 Rotation = tuple[float, float, float, float, float, float, float, float, float]  # row by row
 
-IDENTITY: Rotation = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+IDENTITY_ROTATION: Rotation = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)  # 3 x 3 identity matrix, row by row
 
 
 def vector(array: Floats) -> Vector:
-    """Takes the three numbers of a (3,) array."""
+    """Convert a (3,) array to a tuple of floats."""
     x, y, z = array.tolist()
     return x, y, z
 
 
 def plus(a: Vector, b: Vector) -> Vector:
-    """Adds two vectors."""
+    """Return the sum of two vectors."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
 def minus(a: Vector, b: Vector) -> Vector:
-    """Subtracts b from a: the way from b to a."""
+    """Return a - b, the vector from b to a."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
 def scaled(a: Vector, factor: float) -> Vector:
-    """Multiplies by a number."""
+    """Return a vector times a number."""
     return a[0] * factor, a[1] * factor, a[2] * factor
 
 
 def dot(a: Vector, b: Vector) -> float:
-    """Scalar product."""
+    """Return the scalar product of two vectors."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def cross(a: Vector, b: Vector) -> Vector:
-    """Vector product."""
+    """Return the cross product of two vectors."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 def norm(a: Vector) -> float:
-    """Length."""
+    """Return the length of a vector."""
     return sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
 
 
 def distance(a: Vector, b: Vector) -> float:
-    """Measures the distance of two points."""
+    """Return the distance between two points."""
     return norm(minus(a, b))
 
 
 def unit(a: Vector) -> Vector:
-    """Scales a vector to length 1; the null vector has no direction and stays null."""
+    """Normalise a vector, keeping the zero vector."""
     length = norm(a)
     return scaled(a, 1.0 / length) if length > 0.0 else a
 
 
 def across(a: Vector, axis: Vector) -> Vector:
-    """Takes the part of a vector perpendicular to a unit axis."""
+    """Return a vector's component perpendicular to a unit axis."""
     return minus(a, scaled(axis, dot(a, axis)))
 
 
+def clamp(target: Vector, base: Vector, reach: float) -> Vector:
+    """Move a target towards the base until its distance is within reach.
+
+    The thesis prints the factor as d / D_max; it is D_max / d.
+
+    Args:
+        target: [m].
+        base: [m] centre of the first joint.
+        reach: [m] D_max.
+    """
+    d = distance(target, base)
+    return target if d <= reach else plus(base, scaled(minus(target, base), reach / d))
+
+
 def turned(a: Vector, axis: Vector, angle: float) -> Vector:
-    """Turns a vector about a unit axis (Rodrigues' formula), angle in [rad]."""
+    """Rotate a vector about a unit axis by an angle [rad].
+
+    By Rodrigues' formula.
+    """
     c, s = cosine_sine(angle)
     d = dot(axis, a) * (1.0 - c)
     x, y, z = cross(axis, a)
@@ -72,19 +89,22 @@ def turned(a: Vector, axis: Vector, angle: float) -> Vector:
 
 
 def rotated(r: Rotation, a: Vector) -> Vector:
-    """Rotates a vector out of a frame: R a."""
+    """Multiply a vector by a rotation matrix."""
     x, y, z = a
     return r[0] * x + r[1] * y + r[2] * z, r[3] * x + r[4] * y + r[5] * z, r[6] * x + r[7] * y + r[8] * z
 
 
 def within(r: Rotation, a: Vector) -> Vector:
-    """Rotates a vector into a frame: R transposed, times a."""
+    """Convert a vector from base to frame coordinates."""
     x, y, z = a
     return r[0] * x + r[3] * y + r[6] * z, r[1] * x + r[4] * y + r[7] * z, r[2] * x + r[5] * y + r[8] * z
 
 
 def after(r: Rotation, axis: Vector, angle: float) -> Rotation:
-    """Turns a frame R by a hinge with a unit axis in it: R about(axis, angle), angle in [rad]."""
+    """Rotate a frame about an axis given in frame coordinates.
+
+    That is R about(axis, angle) for a frame R, a unit axis and an angle [rad].
+    """
     x, y, z = axis
     c, s = cosine_sine(angle)
     d = 1.0 - c

@@ -1,4 +1,4 @@
-"""The chain of parts from a robot's root to one of them: where its end is, and how it moves with each hinge."""
+"""Kinematic chains from the robot's root to a segment."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,12 +8,12 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.body.skeleton import Skeleton
-from kinesic.ik.scalar3 import IDENTITY, Vector, after, cross, minus, plus, rotated, vector
+from kinesic.ik.scalar3 import IDENTITY_ROTATION, Vector, after, cross, minus, plus, rotated, vector
 
 
 @dataclass(frozen=True)
 class ChainLink:
-    """One part on the way: where it sits on the one before, and what turns it."""
+    """One segment of a kinematic chain, with offset and hinges."""
 
     offset: Vector  # [m] of its centre in the part before
     hinges: tuple[tuple[int, Vector, Vector], ...]  # index in the robot's joint order, axis, where it passes [m]
@@ -21,17 +21,20 @@ class ChainLink:
 
 @dataclass(frozen=True)
 class Strand:
-    """The chain from the root to a segment: without those of its own hinges that do not move its centre, or whole."""
+    """Kinematic chain from the root to a segment.
+
+    Its last hinges are left out if they do not move the segment's centre, unless the chain is whole.
+    """
 
     segments: tuple[ChainLink, ...]
 
     @property
     def joints(self) -> tuple[int, ...]:
-        """Indices of its hinges in the robot's joint order."""
+        """Joint indices of the chain's hinges."""
         return tuple(joint for segment in self.segments for joint, _, _ in segment.hinges)
 
     def end(self, angles: Sequence[float]) -> tuple[Vector, Floats]:
-        """Where the end is, and how it moves.
+        """Compute the segment's position and its Jacobian.
 
         Args:
             angles: (n,) [rad] of the whole robot.
@@ -39,7 +42,7 @@ class Strand:
         Returns:
             The end's centre [m] in the world, and (h, 3) [m/rad] its motion with each hinge of `joints`.
         """
-        rotation, centre = IDENTITY, (0.0, 0.0, 0.0)
+        rotation, centre = IDENTITY_ROTATION, (0.0, 0.0, 0.0)
         axes: list[tuple[Vector, Vector]] = []
         for segment in self.segments:
             centre = plus(centre, rotated(rotation, segment.offset))
@@ -53,7 +56,7 @@ class Strand:
 
 @lru_cache(maxsize=32)
 def strand_to(skeleton: Skeleton, name: str, *, whole: bool = False) -> Strand:
-    """Finds the strand that carries a segment's centre; the whole one carries its frame, too."""
+    """Return the kinematic chain from the robot's root to a segment."""
     segments: list[ChainLink] = []
     at: str | None = name
     while at is not None:

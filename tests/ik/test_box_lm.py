@@ -12,7 +12,7 @@ def _line(angles: Floats) -> tuple[Floats, Floats]:
     return np.array([2.0 - angles.sum()]), np.ones((1, 3))
 
 
-def test_what_a_stopped_variable_cannot_give_the_others_take_over():
+def test_least_squares_compensates_for_a_bounded_variable_with_others():
     box = Box(np.zeros(3), np.array([0.1, 5.0, 5.0]), np.zeros(3), ALL)
     found = descend(_line, np.zeros(3), box, tolerance=1e-9)
     assert found.miss < 1e-9
@@ -20,21 +20,21 @@ def test_what_a_stopped_variable_cannot_give_the_others_take_over():
     assert found.angles[1] == pytest.approx(found.angles[2])
 
 
-def test_a_variable_without_mobility_stays():
+def test_least_squares_variable_without_mobility_keeps_its_value():
     box = Box(-5 * ALL, 5 * ALL, ALL, np.array([0.0, 1.0, 1.0]))
     found = descend(_line, np.zeros(3), box, tolerance=1e-9)
     assert found.angles[0] == 0.0
     assert found.miss < 1e-9
 
 
-def test_a_heavy_variable_moves_less():
+def test_variable_with_low_mobility_moves_less():
     box = Box(-5 * ALL, 5 * ALL, np.zeros(3), np.array([0.1, 1.0, 1.0]))
     found = descend(_line, np.zeros(3), box, tolerance=1e-9)
     assert found.miss < 1e-9
     assert 0.0 < found.angles[0] < 0.2 * found.angles[1]
 
 
-def test_springs_draw_what_the_error_leaves_open():
+def test_preferred_posture_acts_only_in_the_null_space():
     home = np.array([2.0, 1.0, -1.0])
     box = Box(-5 * ALL, 5 * ALL, home, ALL)
     near, far = np.array([2.5, 0.0, 0.0]), np.array([5.0, -5.0, 5.0])
@@ -44,7 +44,7 @@ def test_springs_draw_what_the_error_leaves_open():
         assert np.linalg.norm(found.angles - home) < np.linalg.norm(start - home)
 
 
-def test_what_cannot_be_had_ends_at_the_best_in_bounded_rounds():
+def test_infeasible_least_squares_problem_ends_at_the_best_point():
     box = Box(np.zeros(3), 0.5 * ALL, np.zeros(3), ALL)
     found = descend(_line, np.zeros(3), box, tolerance=1e-9)
     assert found.miss == pytest.approx(0.5, abs=1e-6)

@@ -14,12 +14,12 @@ ARM = ROBOT.arms["l"]
 PLACE = np.array([0.28, 0.10, -0.05])  # [m] in the frame of the arm's base
 
 
-def test_they_are_functions_also_after_their_modules_were_imported():
+def test_ik_entry_points_are_not_hidden_by_modules_of_the_same_name():
     assert (ik.solve, ik.pose, ik.hold, ik.two_hands) == (solve, solve_pose, hold_reach, reach_both)
     assert all(callable(getattr(ik, name)) for name in ("solve", "pose", "two_hands", "track"))
 
 
-def test_track_answers_each_target_before_it_asks_for_the_next():
+def test_tracker_returns_a_posture_before_requesting_the_next_target():
     asked = []
 
     def targets():
@@ -34,13 +34,13 @@ def test_track_answers_each_target_before_it_asks_for_the_next():
     assert np.linalg.norm(ARM.hand(last) - PLACE - [0.0, 0.038, 0.0]) < 1e-5
 
 
-def test_track_steps_as_its_tracker_does():
+def test_ik_track_yields_the_same_postures_as_tracker_steps():
     tracker = ik.Tracker(ARM, period=0.01)
     targets = [PLACE + np.array([0.0, 0.0, 0.001 * k]) for k in range(10)]
     found = np.array(list(ik.track(ARM, targets, period=0.01)))
     np.testing.assert_array_equal(found, [tracker.step(target) for target in targets])
 
 
-def test_track_refuses_a_wrong_period_before_it_asks_for_a_target():
+def test_tracker_rejects_an_invalid_period_before_iteration():
     with pytest.raises(ValueError, match="period is 0"):
         ik.track(ARM, iter(()), period=0.0)

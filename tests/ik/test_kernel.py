@@ -1,9 +1,5 @@
 """The compiled solver as a whole, against its specification and on arms of every shape."""
 
-import subprocess
-import sys
-from importlib.util import find_spec
-
 import numpy as np
 import pytest
 from numpy.random import Generator, default_rng
@@ -17,7 +13,7 @@ from kinesic.body.skeleton import Hinge
 from kinesic.ik.arm.compiled import arm_of
 from kinesic.ik.solve import Solution, solve
 
-pytestmark = pytest.mark.skipif(find_spec("kinesic.ik._kernel") is None, reason="the kernel was not compiled here")
+from ..reference.ik import solve as reference
 
 ROBOT = Robot.load()
 LEFT, RIGHT = ROBOT.arms["l"], ROBOT.arms["r"]
@@ -65,8 +61,8 @@ def _agreement(chain: Chain, count: int, seed: int) -> int:
         rest = random.uniform(chain.lower - 0.1, chain.upper + 0.1) if k % 3 == 0 else None
         mobility = random.uniform(0.0, 1.0, len(chain.rest)) if k % 5 == 0 else None
         reach = _reach(random, chain, k)
-        specified = solve(chain, reach, start=start, rest=rest, mobility=mobility, kernel="numpy")
-        compiled = solve(chain, reach, start=start, rest=rest, mobility=mobility, kernel="compiled")
+        specified = reference.solve(chain, reach, start=start, rest=rest, mobility=mobility)
+        compiled = solve(chain, reach, start=start, rest=rest, mobility=mobility)
         assert np.all((chain.lower <= compiled.angles) & (compiled.angles <= chain.upper))
         assert compiled.reached == specified.reached
         agreed += _same(specified, compiled)
@@ -74,38 +70,38 @@ def _agreement(chain: Chain, count: int, seed: int) -> int:
 
 
 @pytest.mark.parametrize("chain", [LEFT, RIGHT], ids=["left", "right"])
-def test_whole_solves_agree_with_the_specification(chain: Chain) -> None:
+def test_compiled_arm_solutions_equal_the_python_reference(chain: Chain) -> None:
     assert _agreement(chain, 200, 21) >= 0.999 * 200
 
 
-def test_whole_solves_of_other_arms_agree_too() -> None:
+def test_compiled_solutions_of_random_arms_equal_the_python_reference() -> None:
     random = default_rng(22)
     assert sum(_agreement(random_arm(random), 8, seed) for seed in range(25)) >= 0.999 * 200
 
 
-def test_in_limit_targets_are_reached_to_a_tenth_of_a_millimetre() -> None:
+def test_feasible_targets_are_reached_within_100_um() -> None:
     random = default_rng(23)
     for chain in (LEFT, RIGHT, *(random_arm(random) for _ in range(8))):
         count, precise = 200, 0
         for _ in range(count):
             position = chain.hand(random.uniform(chain.lower, chain.upper))
-            angles = solve(chain, Reach(position), start=chain.rest, kernel="compiled").angles
+            angles = solve(chain, Reach(position), start=chain.rest).angles
             assert np.all((chain.lower <= angles) & (angles <= chain.upper))
             precise += bool(np.linalg.norm(chain.hand(angles) - position) < 1e-4)
         assert precise >= 0.998 * count, chain.name
 
 
-def test_the_same_question_gets_the_same_bytes() -> None:
+def test_repeated_ik_kernel_calls_give_identical_bytes() -> None:
     random = default_rng(24)
     for k in range(100):
         reach = _reach(random, LEFT, k)
-        one, two = (solve(LEFT, reach, start=LEFT.rest, kernel="compiled") for _ in range(2))
+        one, two = (solve(LEFT, reach, start=LEFT.rest) for _ in range(2))
         assert one.angles.tobytes() == two.angles.tobytes()
         assert one.iterations == two.iterations
 
 
-def test_the_answer_is_read_only_and_of_plain_types() -> None:
-    solution = solve(LEFT, Reach(LEFT.hand(LEFT.rest)), start=LEFT.rest, kernel="compiled")
+def test_ik_solution_has_read_only_arrays_and_plain_python_types() -> None:
+    solution = solve(LEFT, Reach(LEFT.hand(LEFT.rest)), start=LEFT.rest)
     assert not solution.angles.flags.writeable
     assert not solution.target.flags.writeable
     assert type(solution.residual) is float
@@ -113,43 +109,34 @@ def test_the_answer_is_read_only_and_of_plain_types() -> None:
     assert type(solution.iterations) is int
 
 
-def test_a_start_outside_the_ranges_is_pulled_in() -> None:
+def test_ik_kernel_clips_a_start_posture_outside_the_ranges() -> None:
     reach, out = Reach(LEFT.hand(LEFT.rest + 0.1)), LEFT.upper + 3.0
-    inside = solve(LEFT, reach, start=LEFT.upper, kernel="compiled")
-    assert np.array_equal(solve(LEFT, reach, start=out, kernel="compiled").angles, inside.angles)
+    inside = solve(LEFT, reach, start=LEFT.upper)
+    assert np.array_equal(solve(LEFT, reach, start=out).angles, inside.angles)
 
 
-def test_lists_integers_and_strided_arrays_are_answered_alike() -> None:
+def test_ik_solution_is_equal_for_integer_and_strided_input_arrays() -> None:
     position = LEFT.hand(LEFT.rest + 0.1)
-    plain = solve(LEFT, Reach(position), start=np.zeros(8), kernel="compiled")
+    plain = solve(LEFT, Reach(position), start=np.zeros(8))
     for strange in (np.repeat(position, 2)[::2], np.array(position, dtype=">f8")):
-        assert np.array_equal(solve(LEFT, Reach(strange), start=np.zeros(8), kernel="compiled").angles, plain.angles)
-    whole = solve(LEFT, Reach(position), start=np.zeros(8, dtype=np.int64), kernel="compiled")
+        assert np.array_equal(solve(LEFT, Reach(strange), start=np.zeros(8)).angles, plain.angles)
+    whole = solve(LEFT, Reach(position), start=np.zeros(8, dtype=np.int64))
     assert np.array_equal(whole.angles, plain.angles)
 
 
 @pytest.mark.parametrize("odd", [None, 3.0, np.zeros((3, 1)), np.zeros(2), np.array([0.0, np.nan, 0.0])])
-def test_what_is_no_position_is_refused_in_words(odd: object) -> None:
+def test_invalid_position_raises_a_clear_error(odd: object) -> None:
     with pytest.raises(ValueError, match=r"reach\.position"):
-        solve(LEFT, Reach(odd), start=LEFT.rest, kernel="compiled")  # type: ignore[arg-type]  # that is the question
+        solve(LEFT, Reach(odd), start=LEFT.rest)  # type: ignore[arg-type]  # that is the question
 
 
-def test_an_arm_is_packed_once() -> None:
+def test_arm_data_of_a_chain_are_packed_once() -> None:
     assert arm_of(LEFT) is arm_of(LEFT)
     assert arm_of(LEFT) is not arm_of(RIGHT)
 
 
-def test_a_joint_with_too_many_hinges_is_refused() -> None:
+def test_joint_with_too_many_hinges_raises_an_error() -> None:
     hinges = _hinges("wrist", "xyz" * 4, [(-1.0, 1.0)] * 12)
     joints = (*LEFT.joints[:-1], ChainJoint("wrist", hinges, sealed([0, 0, -0.08])))
     with pytest.raises(ValueError, match="at most two may"):
         arm_of(Chain("many", "trunk", LEFT.origin_in_base, joints, tuple(range(18)), LEFT.palm))
-
-
-@pytest.mark.parametrize(("asked", "answers"), [("numpy", "numpy"), ("", "compiled")])
-def test_the_environment_chooses_the_kernel(asked: str, answers: str) -> None:
-    code = "import kinesic.ik; print(kinesic.ik.KERNEL)"
-    told = subprocess.run(
-        [sys.executable, "-c", code], env={"KINESIC_KERNEL": asked}, capture_output=True, text=True, check=True
-    )
-    assert told.stdout.strip() == answers

@@ -1,7 +1,6 @@
 """Each compiled stage against its specification."""
 
 from collections.abc import Iterator
-from importlib.util import find_spec
 
 import numpy as np
 import pytest
@@ -9,20 +8,20 @@ from numpy.random import Generator, default_rng
 
 from kinesic.body.robot import Robot
 from kinesic.ik.arm.compiled import arm_of
-from kinesic.ik.arm.hinges import extract
 from kinesic.ik.arm.linkage import linkage_of
-from kinesic.ik.arm.masses import settle_masses
-from kinesic.ik.arm.multistart import RESTARTS
-from kinesic.ik.arm.polish import polish
-from kinesic.ik.arm.seeds import nearest_seeds, seeds
-from kinesic.ik.arm.shoulder_elbow import bend_elbow, gap, place_shoulder
+from kinesic.ik.arm.seeds import seeds
 from kinesic.ik.arm.subproblems import first_of_two, turn_towards
-from kinesic.ik.arm.swivel import elbow_at, swivel_of
-from kinesic.ik.arm.wrist import HandDirection, orient
+from kinesic.ik.arm.swivel import swivel_of
 from kinesic.ik.scalar3 import Vector, unit, vector
-from kinesic.ik.track import soften_target
 
-pytestmark = pytest.mark.skipif(find_spec("kinesic.ik._kernel") is None, reason="the kernel was not compiled here")
+from ..reference.ik.hinges import extract
+from ..reference.ik.masses import settle_masses
+from ..reference.ik.multistart import RESTARTS, nearest_seeds
+from ..reference.ik.polish import polish
+from ..reference.ik.shoulder_elbow import bend_elbow, gap, place_shoulder
+from ..reference.ik.swivel import elbow_at
+from ..reference.ik.track import soften_target
+from ..reference.ik.wrist import HandDirection, orient
 
 CHAIN = Robot.load().arms["l"]
 LINKAGE = linkage_of(CHAIN)
@@ -51,7 +50,7 @@ def _directions(random: Generator, count: int) -> list[Vector]:
     return [unit(vector(random.normal(size=3))) for _ in range(count)]
 
 
-def test_forward_kinematics() -> None:
+def test_compiled_forward_kinematics_equal_the_python_reference() -> None:
     random, arm = default_rng(1), arm_of(CHAIN)
     for _ in range(100):
         posture = _posture(random)
@@ -59,7 +58,7 @@ def test_forward_kinematics() -> None:
 
 
 @pytest.mark.parametrize("bones", [2, 3, 5])
-def test_masses(bones: int) -> None:
+def test_compiled_settled_chain_masses_equal_the_python_reference(bones: int) -> None:
     random, arm = default_rng(2), arm_of(CHAIN)
     for _ in range(50):
         points = [vector(point) for point in random.normal(size=(bones + 1, 3))]
@@ -71,7 +70,7 @@ def test_masses(bones: int) -> None:
     _agree((found.points, found.iterations, found.energy), arm.settle(straight, [0.3] * bones, (0.0, 0.0, -0.2)))
 
 
-def test_subproblems() -> None:
+def test_compiled_paden_kahan_subproblems_equal_the_python_reference() -> None:
     random, arm = default_rng(3), arm_of(CHAIN)
     for _ in range(200):
         first, second, rest, wanted = _directions(random, 4)
@@ -82,7 +81,7 @@ def test_subproblems() -> None:
     assert arm.first_of_two(x, y, x, x) == []
 
 
-def test_extraction() -> None:
+def test_compiled_joint_angles_from_bone_directions_equal_the_python_reference() -> None:
     random, arm = default_rng(4), arm_of(CHAIN)
     for _ in range(150):
         points = LINKAGE.walk(_posture(random), 3)[1][1:]
@@ -93,7 +92,7 @@ def test_extraction() -> None:
             _agree((found.angles, found.miss), arm.extract(given, near))
 
 
-def test_elbow() -> None:
+def test_compiled_elbow_positions_equal_the_python_reference() -> None:
     random, arm = default_rng(5), arm_of(CHAIN)
     for _ in range(100):
         shoulder, elbow, hand = LINKAGE.walk(_posture(random), 3)[1][-3:]
@@ -105,7 +104,7 @@ def test_elbow() -> None:
 
 
 @pytest.mark.parametrize("size", [0.3, 0.55, 1.5])
-def test_place_and_bend(size: float) -> None:
+def test_compiled_shoulder_and_elbow_placement_equal_the_python_reference(size: float) -> None:
     random, arm = default_rng(6), arm_of(CHAIN)
     for swivel in (None, 0.4, 2.8, None, -1.0) * 12:
         near, rest, (direction,) = _posture(random), _posture(random), _directions(random, 1)
@@ -118,14 +117,14 @@ def test_place_and_bend(size: float) -> None:
         assert bend.exact == found[1]
 
 
-def test_gap_to_the_most_helpful_shoulder() -> None:
+def test_compiled_shoulder_target_distance_equals_the_python_reference() -> None:
     random, arm = default_rng(11), arm_of(CHAIN)
     for size in np.linspace(0.05, 2.0, 60):
         target = vector(np.array(LINKAGE.origin) + size * np.array(_directions(random, 1)[0]))
         _agree(gap(LINKAGE, target), arm.gap(target))
 
 
-def test_polish() -> None:
+def test_compiled_numerical_angle_correction_equals_the_python_reference() -> None:
     random, arm = default_rng(7), arm_of(CHAIN)
     for _ in range(100):
         target, angles, posture = vector(CHAIN.hand(np.array(_posture(random)))), _posture(random), _posture(random)
@@ -134,7 +133,7 @@ def test_polish() -> None:
             _agree((found.angles, found.miss, found.rounds), arm.polish(target, angles, posture, mobility))
 
 
-def test_seeds() -> None:
+def test_compiled_multistart_postures_equal_the_python_reference() -> None:
     random, arm = default_rng(8), arm_of(CHAIN)
     for _ in range(50):
         target = vector(random.uniform(-0.6, 0.6, 3))
@@ -143,7 +142,7 @@ def test_seeds() -> None:
 
 
 @pytest.mark.parametrize("count", [0, 1, 2])
-def test_wrist(count: int) -> None:
+def test_compiled_wrist_angles_equal_the_python_reference(count: int) -> None:
     random, arm, link = default_rng(9), arm_of(CHAIN), LINKAGE.links[-1]
     for _ in range(60):
         frame = LINKAGE.walk(_posture(random), 3)[0]
@@ -153,7 +152,7 @@ def test_wrist(count: int) -> None:
         _agree(orient(link, frame, wishes, rest), tuple(arm.orient(frame, own, wanted, rest)))
 
 
-def test_soft_end_of_the_reach() -> None:
+def test_compiled_soft_limit_of_arm_reach_equals_the_python_reference() -> None:
     random, arm = default_rng(10), arm_of(CHAIN)
     for size in np.linspace(0.3, 1.2, 40):
         target = vector(np.array(LINKAGE.origin) + size * np.array(_directions(random, 1)[0]))

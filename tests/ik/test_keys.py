@@ -7,10 +7,11 @@ from numpy.random import default_rng
 from kinesic.body.chain import Chain
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot
-from kinesic.ik import KERNEL
 from kinesic.ik.arm.swivel import swivel
 from kinesic.ik.keys import ArmMode, Key, ReachManner, pose_keys
 from kinesic.ik.solve import solve
+
+from ..reference.ik import keys as reference
 
 ARMS = Robot.load().arms
 LEFT = ARMS["l"]
@@ -34,45 +35,39 @@ def _keys(chain: Chain, count: int, seed: int) -> list[Key]:
     return keys
 
 
-@pytest.mark.skipif(KERNEL != "compiled", reason="the kernel was not compiled here")
 @pytest.mark.parametrize("chain", ARMS.values(), ids=ARMS)
 @pytest.mark.parametrize("on_path", [True, False])
-def test_all_keys_in_one_call_are_the_specification_key_by_key(chain: Chain, on_path: bool):
+def test_arm_keys_solved_in_one_kernel_call_equal_the_python_reference(chain: Chain, on_path: bool):
     keys, began = _keys(chain, 12, seed=3), chain.rest + 0.05 if on_path else None
-    one, two = (
-        pose_keys(chain, keys, MANNER, now=chain.rest, began=began, kernel=kernel) for kernel in ("numpy", KERNEL)
-    )
+    one, two = (pose(chain, keys, MANNER, now=chain.rest, began=began) for pose in (reference.pose_keys, pose_keys))
     assert np.array_equal(one.angles[:8], two.angles[:8])  # before the first that is out of reach
     for name in ("angles", "beginnings", "swivels"):
         assert getattr(one, name) == pytest.approx(getattr(two, name), abs=1e-9, nan_ok=True)
 
 
-@pytest.mark.parametrize("kernel", ["numpy", KERNEL])
-def test_keys_may_be_asked_in_parts(kernel):
+def test_arm_keys_solved_in_parts_match_one_ik_call():
     keys = _keys(LEFT, 7, seed=4)
-    whole = pose_keys(LEFT, keys, MANNER, now=LEFT.rest, began=None, kernel=kernel)
+    whole = pose_keys(LEFT, keys, MANNER, now=LEFT.rest, began=None)
     now, began = LEFT.rest, None
     for k, key in enumerate(keys):
-        part = pose_keys(LEFT, [key], MANNER, now=now, began=began, kernel=kernel)
+        part = pose_keys(LEFT, [key], MANNER, now=now, began=began)
         assert np.array_equal(part.angles[0], whole.angles[k])
         now, began = part.angles[0], part.beginnings[0]
 
 
-@pytest.mark.parametrize("kernel", ["numpy", KERNEL])
-def test_a_path_keeps_the_swivel_that_it_began_with_and_takes_postures_near_its_beginning(kernel):
+def test_arm_keeps_its_first_swivel_angle_along_a_hand_path():
     places = [np.array([0.28, 0.10 + 0.02 * k, -0.05]) for k in (0, 1, 2, 1, 0)]
     keys = [Key(ArmMode.REACH, LEFT.rest, Reach(place), passing=k > 0) for k, place in enumerate(places)]
-    found = pose_keys(LEFT, keys, MANNER, now=LEFT.rest, began=None, kernel=kernel)
+    found = pose_keys(LEFT, keys, MANNER, now=LEFT.rest, began=None)
     first = found.angles[0]
     assert np.array_equal(found.beginnings, np.tile(first, (5, 1)))
     for place, angles, turn in zip(places[1:], found.angles[1:], found.swivels[1:], strict=True):
         assert turn == swivel(LEFT, first)
-        assert np.array_equal(angles, solve(LEFT, Reach(place, swivel=turn), start=first, kernel=kernel).angles)
+        assert np.array_equal(angles, solve(LEFT, Reach(place, swivel=turn), start=first).angles)
     assert np.array_equal(found.angles[1], found.angles[3])
 
 
-@pytest.mark.parametrize("kernel", ["numpy", KERNEL])
-def test_rest_still_and_openness(kernel):
+def test_arm_keys_of_modes_rest_still_and_reach_get_arm_postures():
     reach = Reach(np.array([0.28, 0.10, -0.05]))
     keys = [
         Key(ArmMode.REACH, LEFT.rest, reach),
@@ -80,17 +75,17 @@ def test_rest_still_and_openness(kernel):
         Key(ArmMode.REACH, LEFT.rest, reach, openness=1.0),
         Key(ArmMode.REST, LEFT.rest),
     ]
-    found = pose_keys(LEFT, keys, MANNER, now=LEFT.rest, began=None, kernel=kernel).angles
+    found = pose_keys(LEFT, keys, MANNER, now=LEFT.rest, began=None).angles
     assert np.array_equal(found[0], found[1])
     assert swivel(LEFT, found[2]) == pytest.approx(MANNER.open, abs=1e-6)
     assert np.array_equal(found[3], LEFT.rest)
 
 
-def test_no_keys_are_no_postures():
+def test_empty_arm_key_list_gives_no_postures():
     assert pose_keys(LEFT, [], MANNER, now=LEFT.rest, began=None).angles.shape == (0, 8)
 
 
-def test_what_is_no_number_is_refused():
+def test_nan_arm_key_target_raises_an_error():
     lost = Key(ArmMode.REACH, LEFT.rest, Reach(np.array([np.nan, 0.0, 0.0])))
     with pytest.raises(ValueError, match="finite"):
         pose_keys(LEFT, [lost], MANNER, now=LEFT.rest, began=None)

@@ -6,10 +6,11 @@ from kinesic.body.arrays import Floats
 from kinesic.body.chain import Chain
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot
-from kinesic.ik import KERNEL
 from kinesic.ik.arm.swivel import swivel
 from kinesic.ik.pointing import best_swivel
 from kinesic.ik.solve import Solution, solve
+
+from ..reference.ik import pointing as reference
 
 ARMS = Robot.load().arms
 LEFT = ARMS["l"]
@@ -22,27 +23,27 @@ def _held(chain: Chain, angles: Floats, *, palm: bool) -> Reach:
     return Reach(centres[-2], along / np.linalg.norm(along), rotations[-1] @ chain.palm if palm else None)
 
 
-def _left(solution: Solution) -> float:
+def _direction_error(solution: Solution) -> float:
     return (solution.pointing_error or 0.0) + (solution.palm_error or 0.0)
 
 
 @pytest.mark.parametrize(("palm", "satisfied"), [(False, 0.95), (True, 0.88)])
-def test_where_the_swivel_is_free_most_directions_can_be_had(palm, satisfied):
+def test_free_elbow_swivel_meets_most_hand_directions(palm, satisfied):
     random, before, after = default_rng(31), [], []
     for _ in range(100):
         reach = _held(LEFT, random.uniform(LEFT.lower, LEFT.upper), palm=palm)
         first, found = solve(LEFT, reach, start=LEFT.rest), best_swivel(LEFT, reach, start=LEFT.rest)
-        assert _left(found) <= _left(first)
+        assert _direction_error(found) <= _direction_error(first)
         assert np.all((LEFT.lower <= found.angles) & (found.angles <= LEFT.upper))
         assert np.linalg.norm(LEFT.hand(found.angles) - reach.position) == pytest.approx(found.residual, abs=1e-9)
         assert found.residual < 1e-4
-        before.append(_left(first))
-        after.append(_left(found))
+        before.append(_direction_error(first))
+        after.append(_direction_error(found))
     assert np.mean(np.array(after) < 0.01) >= satisfied
     assert np.percentile(after, 90) < 0.25 * np.percentile(before, 90)
 
 
-def test_the_errors_are_those_of_the_angles():
+def test_reported_direction_errors_match_the_angles():
     random = default_rng(32)
     for _ in range(20):
         reach = _held(LEFT, random.uniform(LEFT.lower, LEFT.upper), palm=True)
@@ -57,16 +58,16 @@ def test_the_errors_are_those_of_the_angles():
 
 
 @pytest.mark.parametrize("side", ["l", "r"])
-@pytest.mark.parametrize("widest", [np.pi, 0.6])
-def test_both_kernels_swing_alike(side, widest):
+@pytest.mark.parametrize("max_swivel", [np.pi, 0.6])
+def test_compiled_elbow_swivel_search_equals_the_python_reference(side, max_swivel):
     random, swung, chain = default_rng(36), 0, ARMS[side]
     for k in range(18):
         held = _held(chain, random.uniform(chain.lower, chain.upper), palm=k % 3 != 1)
         reach = Reach(held.position, held.pointing if k % 3 else None, held.palm)
         rest = random.uniform(chain.lower - 0.1, chain.upper + 0.1) if k % 4 == 0 else None
         one, two = (
-            best_swivel(chain, reach, start=chain.rest, rest=rest, widest=widest, kernel=kernel)
-            for kernel in ("numpy", KERNEL)
+            solve_swivel(chain, reach, start=chain.rest, rest=rest, max_swivel=max_swivel)
+            for solve_swivel in (reference.best_swivel, best_swivel)
         )
         assert np.array_equal(one.angles, two.angles)
         assert (one.residual, one.pointing_error, one.palm_error) == (two.residual, two.pointing_error, two.palm_error)
@@ -74,25 +75,25 @@ def test_both_kernels_swing_alike(side, widest):
     assert swung > 4
 
 
-def test_a_first_answer_that_satisfies_is_kept():
+def test_swivel_search_keeps_solutions_with_small_direction_errors():
     for reach in (Reach(np.array([0.25, 0.15, -0.05])), _held(LEFT, LEFT.rest, palm=True)):
         first, found = solve(LEFT, reach, start=LEFT.rest), best_swivel(LEFT, reach, start=LEFT.rest)
         assert found.angles.tobytes() == first.angles.tobytes()
 
 
-def test_a_swivel_that_was_asked_is_kept():
+def test_requested_elbow_swivel_is_kept_in_pointing():
     random = default_rng(33)
     held = _held(LEFT, random.uniform(LEFT.lower, LEFT.upper), palm=True)
     reach = Reach(held.position, held.pointing, held.palm, swivel=0.5)
     assert np.array_equal(best_swivel(LEFT, reach, start=LEFT.rest).angles, solve(LEFT, reach, start=LEFT.rest).angles)
 
 
-def test_the_elbow_swings_no_wider_than_allowed():
+def test_elbow_swivel_change_is_bounded():
     random, swung = default_rng(34), 0
     for _ in range(30):
         reach = _held(LEFT, random.uniform(LEFT.lower, LEFT.upper), palm=True)
         first = swivel(LEFT, solve(LEFT, reach, start=LEFT.rest).angles)
-        found = swivel(LEFT, best_swivel(LEFT, reach, start=LEFT.rest, widest=0.5).angles)
+        found = swivel(LEFT, best_swivel(LEFT, reach, start=LEFT.rest, max_swivel=0.5).angles)
         if first is None or found is None:
             continue
         assert abs(np.arctan2(np.sin(found - first), np.cos(found - first))) <= 0.5 + 1e-6
@@ -100,7 +101,7 @@ def test_the_elbow_swings_no_wider_than_allowed():
     assert swung > 5
 
 
-def test_the_right_arm_mirrors_the_left():
+def test_swivel_search_of_the_right_arm_mirrors_the_left():
     random, flip = default_rng(35), np.array([1.0, -1.0, 1.0])
     for _ in range(10):
         reach = _held(LEFT, random.uniform(LEFT.lower, LEFT.upper), palm=True)

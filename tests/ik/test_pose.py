@@ -11,10 +11,12 @@ from kinesic.body.arrays import Floats
 from kinesic.body.chain import Chain
 from kinesic.body.robot import Robot
 from kinesic.body.skeleton import Hinge
-from kinesic.ik import KERNEL
 from kinesic.ik.arm.linkage import linkage_of
-from kinesic.ik.arm.swivel_search import GIRDLE_STEPS, SWIVELS
-from kinesic.ik.pose import PoseSolution, _errors, solve_pose
+from kinesic.ik.pose import PoseSolution, solve_pose
+
+from ..reference.ik import pose as reference
+from ..reference.ik.pose import _errors
+from ..reference.ik.swivel_search import GIRDLE_STEPS, SWIVELS
 
 ARMS = Robot.load().arms
 LEFT = ARMS["l"]
@@ -34,7 +36,7 @@ def _check(chain: Chain, found: PoseSolution, position: Floats, rotation: Floats
 
 
 @pytest.mark.parametrize("side", ["l", "r"])
-def test_poses_of_random_postures_are_held(side):
+def test_ik_reaches_hand_poses_of_random_postures(side):
     chain, random = ARMS[side], default_rng(21)
     for _ in range(200):
         position, rotation = _pose(chain, random.uniform(chain.lower, chain.upper))
@@ -43,7 +45,7 @@ def test_poses_of_random_postures_are_held(side):
         assert found.reached
 
 
-def test_cornered_starts_hold_poses_too():
+def test_ik_reaches_hand_poses_from_starts_at_the_joint_limits():
     random = default_rng(22)
     for start in (LEFT.lower, LEFT.upper, np.zeros(8)):
         for _ in range(20):
@@ -51,7 +53,7 @@ def test_cornered_starts_hold_poses_too():
             assert solve_pose(LEFT, position, rotation, start=start).reached
 
 
-def test_hinges_at_their_stops_hold_poses_too():
+def test_ik_reaches_hand_poses_with_joints_at_their_limits():
     random = default_rng(25)
     for _ in range(60):
         share = random.uniform(0.0, 1.0, (2, len(LEFT.lower)))
@@ -60,24 +62,23 @@ def test_hinges_at_their_stops_hold_poses_too():
         assert solve_pose(LEFT, *_pose(LEFT, angles), start=start).residual < 1e-3
 
 
-@pytest.mark.skipif(KERNEL != "compiled", reason="the kernel was not compiled here")
 @pytest.mark.parametrize("chain", [*ARMS.values(), *(random_arm(default_rng(seed)) for seed in range(70, 75))])
-def test_the_kernel_searches_as_its_specification_does(chain: Chain):
+def test_compiled_hand_pose_search_equals_the_python_reference(chain: Chain):
     """The same cells and rounds; angles to the last bit where nothing descends, else as far as a descent goes."""
     random = default_rng(42)
     for k in range(8):
         start, angles = random.uniform(chain.lower, chain.upper, (2, len(chain.rest)))
         position, rotation = _pose(chain, angles)
         asked = position * (1.5 if k == 7 else 1.0)
-        one, two = (solve_pose(chain, asked, rotation, start=start, kernel=kernel) for kernel in ("numpy", KERNEL))
+        one, two = (hold(chain, asked, rotation, start=start) for hold in (reference.solve_pose, solve_pose))
         assert one.cells == two.cells
         assert (one.reached, one.residual) == pytest.approx((two.reached, two.residual), abs=1e-6)
         assert np.abs(one.angles - two.angles).max() < (1e-12 if one.rounds == 0 else 1e-5)
 
 
-def test_poses_of_arms_of_every_shape_are_held():
+def test_ik_reaches_hand_poses_of_random_arms():
     random, held = default_rng(43), []
-    for _ in range(24 if KERNEL == "compiled" else 2):
+    for _ in range(24):
         chain = random_arm(random)
         for _ in range(25):
             position, rotation = _pose(chain, random.uniform(chain.lower, chain.upper))
@@ -85,7 +86,7 @@ def test_poses_of_arms_of_every_shape_are_held():
     assert np.mean(held) >= 0.995
 
 
-def test_a_pose_that_is_held_already_changes_nothing():
+def test_ik_keeps_a_posture_that_already_has_the_hand_pose():
     random = default_rng(23)
     for _ in range(30):
         angles = random.uniform(0.9 * LEFT.lower, 0.9 * LEFT.upper)
@@ -94,7 +95,7 @@ def test_a_pose_that_is_held_already_changes_nothing():
         assert np.abs(found.angles - angles).max() < 1e-6
 
 
-def test_an_arm_without_collar_bone_and_with_other_wrists():
+def test_ik_reaches_hand_poses_without_collar_bone_or_with_swapped_wrist_axes():
     random, bare = default_rng(24), replace(LEFT, joints=LEFT.joints[1:], indices=LEFT.indices[1:])
     hand = bare.joints[-1]
     swapped = replace(bare, joints=(*bare.joints[:-1], replace(hand, hinges=hand.hinges[::-1])))
@@ -104,7 +105,7 @@ def test_an_arm_without_collar_bone_and_with_other_wrists():
             assert solve_pose(chain, position, rotation, start=chain.rest).reached
 
 
-def test_a_wrist_of_two_hinges_keeps_the_place_and_turns_as_far_as_it_can():
+def test_two_hinge_wrist_keeps_position_and_minimises_rotation_error():
     elbow = LEFT.joints[2]
     stiff = replace(LEFT, joints=(*LEFT.joints[:2], replace(elbow, hinges=elbow.hinges[:1]), LEFT.joints[3]))
     position, rotation = _pose(stiff, np.array([0.1, 0.6, 0.4, -0.3, 1.2, 0.1, -0.1]))
@@ -113,21 +114,21 @@ def test_a_wrist_of_two_hinges_keeps_the_place_and_turns_as_far_as_it_can():
     assert found.reached
 
 
-def test_a_pose_beyond_reach_is_an_answer():
+def test_unreachable_pose_returns_the_best_solution():
     position, rotation = np.array([2.0, 0.5, 0.0]), Rotation.from_rotvec([0.3, 2.0, -1.0]).as_matrix()
     found = solve_pose(LEFT, position, rotation, start=LEFT.rest)
     _check(LEFT, found, position, rotation)
     assert not found.reached
 
 
-def test_half_turns_are_measured():
+def test_hand_orientation_error_of_half_a_turn_is_measured():
     position, rotation = _pose(LEFT, LEFT.rest)
     for axis in np.eye(3):
         opposite = rotation @ Rotation.from_rotvec(np.pi * axis).as_matrix()
         _check(LEFT, solve_pose(LEFT, position, opposite, start=LEFT.rest), position, opposite)
 
 
-def test_wrong_questions_are_refused_and_explained():
+def test_invalid_hand_pose_arguments_raise_clear_errors():
     good, straight = np.array([0.3, 0.2, 0.0]), np.eye(3)
     with pytest.raises(ValueError, match=r"position is .*nan.*finite"):
         solve_pose(LEFT, np.array([np.nan, 0, 0]), straight, start=LEFT.rest)
@@ -148,7 +149,7 @@ def with_hand(chain: Chain, *hinges: Hinge) -> Chain:
     return replace(chain, joints=(*chain.joints[:-1], replace(chain.joints[-1], hinges=hinges)))
 
 
-def test_of_two_ways_that_hold_a_pose_the_nearer_is_taken():
+def test_nearer_of_two_pose_solutions_is_chosen():
     """A wrist that turns as far as it likes holds every orientation in two ways."""
     bend, tilt = (replace(hinge, **ANY_TURN) for hinge in BARE.joints[-1].hinges)
     elbow, twist = BARE.joints[-2].hinges
@@ -164,7 +165,7 @@ def test_of_two_ways_that_hold_a_pose_the_nearer_is_taken():
 
 
 @pytest.mark.parametrize("axis", [(0, 0, 1), (0, 1, 0), (0, 1, 1), (0, 1, -1), (1, 0, 1), (1, 1, 0), (1, 1, 1)])
-def test_the_last_hinge_of_a_wrist_may_lie_as_it_likes(axis: tuple[int, int, int]):
+def test_ik_reaches_hand_poses_for_any_direction_of_the_last_wrist_axis(axis: tuple[int, int, int]):
     """Along an axis or between two or three, and a pose that it can hold is held."""
     bend, tilt = BARE.joints[-1].hinges
     chain = with_hand(BARE, bend, replace(tilt, axis=np.array(axis) / np.linalg.norm(axis), **ANY_TURN))
@@ -178,7 +179,7 @@ def test_the_last_hinge_of_a_wrist_may_lie_as_it_likes(axis: tuple[int, int, int
 
 
 @pytest.mark.parametrize("twist", [-0.7, 0.4])
-def test_in_gimbal_lock_the_first_hinge_stays_where_it_is(twist: float):
+def test_first_of_two_parallel_wrist_axes_keeps_its_angle(twist: float):
     """Twist, bend, twist: with a straight hand both twists do the same, and the second one does what is asked."""
     bend, tilt = BARE.joints[-1].hinges
     along = replace(tilt, axis=BARE.joints[-2].hinges[-1].axis, lower=-2.0, upper=2.0)
@@ -189,7 +190,7 @@ def test_in_gimbal_lock_the_first_hinge_stays_where_it_is(twist: float):
     assert found.angles == pytest.approx([*posture[:4], twist, 0.0, 0.9 - twist], abs=1e-6)
 
 
-def test_a_pose_is_held_within_a_tenth_of_a_millimetre():
+def test_hand_pose_counts_as_reached_within_0_1_mm():
     straight = np.array([0.3, 0.5, 0.0, 0.0, 0.2, 0.1, 0.0])
     position, rotation = _pose(BARE, straight)
     outward = (position - BARE.origin_in_base) / np.linalg.norm(position - BARE.origin_in_base)
@@ -201,7 +202,7 @@ def test_a_pose_is_held_within_a_tenth_of_a_millimetre():
         assert found.reached == reached
 
 
-def test_a_pose_is_held_within_a_milliradian():
+def test_hand_pose_counts_as_reached_within_one_milliradian():
     """An arm that cannot move at all is turned by what was asked beyond where it is."""
     posture = np.array([0.3, 0.5, 0.2, 0.9, 0.4, 0.3, -0.2])
     ends = iter(posture.tolist())
@@ -219,7 +220,7 @@ def test_a_pose_is_held_within_a_milliradian():
         assert found.reached == reached
 
 
-def test_what_was_looked_at_is_counted():
+def test_hand_pose_search_counts_the_tried_postures():
     random = default_rng(26)
     position, rotation = _pose(LEFT, random.uniform(0.5 * LEFT.lower, 0.5 * LEFT.upper))
     near, far = (solve_pose(LEFT, factor * position, rotation, start=LEFT.rest) for factor in (1.0, 9.0))
@@ -229,14 +230,14 @@ def test_what_was_looked_at_is_counted():
     assert far.rounds > 0
 
 
-def test_a_start_outside_its_ranges_is_the_stop():
+def test_start_angle_outside_its_range_is_clipped_to_the_limit():
     position, rotation = _pose(LEFT, LEFT.rest)
     for stop, away in ((LEFT.upper, 1.0), (LEFT.lower, -1.0)):
         inside, outside = (solve_pose(LEFT, position, rotation, start=start) for start in (stop, stop + away))
         assert (inside.angles == outside.angles).all()
 
 
-def test_a_matrix_is_a_rotation_up_to_rounding():
+def test_rotation_matrix_is_accepted_up_to_rounding_errors():
     position, rotation = _pose(LEFT, LEFT.rest)
     assert solve_pose(LEFT, position, rotation * (1.0 + 4e-7), start=LEFT.rest).reached
     with pytest.raises(ValueError, match="perpendicular unit vectors"):
@@ -245,7 +246,7 @@ def test_a_matrix_is_a_rotation_up_to_rounding():
         solve_pose(LEFT, position, rotation * (1.0 - 6e-7), start=LEFT.rest)
 
 
-def test_the_jacobian_is_the_derivative_of_the_errors():
+def test_pose_jacobian_is_the_derivative_of_the_errors():
     linkage, random, step = linkage_of(LEFT), default_rng(28), 1e-6
     for _ in range(10):
         angles = random.uniform(LEFT.lower, LEFT.upper)

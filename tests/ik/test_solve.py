@@ -5,7 +5,6 @@ from numpy.random import default_rng
 from kinesic.body.arrays import Floats
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot
-from kinesic.ik import KERNEL
 from kinesic.ik.arm.swivel import swivel
 from kinesic.ik.solve import Solution, as_floats, solve
 
@@ -48,7 +47,7 @@ def test_targets_of_random_postures_are_reached_from_rest() -> None:
     assert precise >= 0.99 * 400
 
 
-def test_a_straight_or_cornered_start_reaches_too() -> None:
+def test_ik_reaches_targets_from_straight_or_limit_start_postures() -> None:
     random = default_rng(13)
     for start in (np.zeros(8), LEFT.lower, LEFT.upper):
         for _ in range(40):
@@ -57,7 +56,7 @@ def test_a_straight_or_cornered_start_reaches_too() -> None:
 
 
 @pytest.mark.parametrize("depth", list(DEPTHS))
-def test_sectors_of_gesture_space_need_no_torso(depth: str) -> None:
+def test_gesture_space_is_reachable_without_the_torso(depth: str) -> None:
     for row, up in zip(UPRIGHT[depth], HEIGHTS, strict=True):
         for mark, out in zip(row, SIDEWAYS, strict=True):
             point = ROBOT.gesture_origin + ROBOT.arm_length * np.array([DEPTHS[depth], out, up])
@@ -65,14 +64,14 @@ def test_sectors_of_gesture_space_need_no_torso(depth: str) -> None:
             assert mark != "#" or solution.residual < 0.02, (depth, up, out)
 
 
-def test_the_same_question_gets_the_same_answer() -> None:
+def test_repeated_ik_calls_with_directions_give_the_same_solution() -> None:
     reach = Reach(np.array([-0.1, 0.3, 0.2]), pointing=np.array([0.0, 1.0, 0.0]), palm=np.array([0.0, 0.0, 1.0]))
     one, two = (solve(LEFT, reach, start=LEFT.rest) for _ in range(2))
     assert one.angles.tobytes() == two.angles.tobytes()
     assert one.iterations == two.iterations
 
 
-def test_an_unreachable_target_is_pointed_at_with_a_straight_arm() -> None:
+def test_ik_stretches_the_arm_towards_an_unreachable_target() -> None:
     position = np.array([3.0, 1.0, 0.5])
     solution = solve(LEFT, Reach(position), start=LEFT.rest)
     _check(solution, position)
@@ -86,19 +85,19 @@ def test_an_unreachable_target_is_pointed_at_with_a_straight_arm() -> None:
 
 
 @pytest.mark.parametrize("position", [[0, 0.155, -0.035], [0, 0, 0], [1e6, -1e6, 1e6], [-2, -2, 0], [0, 0.155, 0.38]])
-def test_odd_targets_have_answers(position: list[float]) -> None:
+def test_ik_returns_finite_solutions_for_degenerate_targets(position: list[float]) -> None:
     solution = solve(LEFT, Reach(np.array(position, dtype=float)), start=LEFT.rest)
     _check(solution, np.array(position))
     assert np.isfinite(solution.residual)
 
 
-def test_the_collar_bone_stays_at_rest_in_easy_reach() -> None:
+def test_collar_bone_stays_at_rest_for_targets_within_easy_reach() -> None:
     for out in (0.0, 0.25, 0.5):
         point = ROBOT.gesture_origin + ROBOT.arm_length * np.array([0.65, out, 0.25])
         assert solve(LEFT, Reach(_in_base(point)), start=LEFT.rest).angles[0] == pytest.approx(LEFT.rest[0], abs=1e-9)
 
 
-def test_swivel_is_met_and_clipped_by_the_ranges() -> None:
+def test_requested_swivel_is_met_within_the_joint_ranges() -> None:
     position, found = np.array([0.25, 0.15, -0.05]), []
     for wished in (-0.5, 0.0, 0.5, 1.0, 1.5, 3.0):
         solution = solve(LEFT, Reach(position, swivel=wished), start=LEFT.rest)
@@ -109,7 +108,7 @@ def test_swivel_is_met_and_clipped_by_the_ranges() -> None:
     assert 1.5 < found[5] < 3.0
 
 
-def test_an_unasked_swivel_is_natural() -> None:
+def test_default_swivel_lets_the_elbow_hang() -> None:
     for out in (0.0, 0.25, 0.5):
         point = ROBOT.gesture_origin + ROBOT.arm_length * np.array([0.5, out, 0.25])
         solution = solve(LEFT, Reach(_in_base(point)), start=LEFT.rest)
@@ -118,7 +117,7 @@ def test_an_unasked_swivel_is_natural() -> None:
         assert 0.0 < (swivel(LEFT, solution.angles) or 0.0) < 0.8
 
 
-def test_pointing_and_palm_come_as_near_as_the_wrist_allows() -> None:
+def test_pointing_and_palm_errors_are_minimal_for_the_wrist() -> None:
     random = default_rng(14)
     for _ in range(30):
         angles = random.uniform(LEFT.lower, LEFT.upper)
@@ -134,14 +133,14 @@ def test_pointing_and_palm_come_as_near_as_the_wrist_allows() -> None:
         )
 
 
-def test_errors_of_directions_are_absent_when_not_asked_and_the_hand_rests() -> None:
+def test_wrist_rests_and_reports_no_error_without_requested_directions() -> None:
     solution = solve(LEFT, Reach(np.array([0.25, 0.15, -0.05])), start=LEFT.upper)
     assert solution.pointing_error is None
     assert solution.palm_error is None
     assert np.array_equal(solution.angles[5:], LEFT.rest[5:])
 
 
-def test_a_walk_of_close_targets_makes_no_jump() -> None:
+def test_close_ik_targets_give_close_postures() -> None:
     angles, laps = LEFT.rest, []
     for step in range(160):
         turn = 2 * np.pi * step / 80
@@ -153,7 +152,7 @@ def test_a_walk_of_close_targets_makes_no_jump() -> None:
     assert np.abs(laps[79] - laps[159]).max() < 0.01
 
 
-def test_the_right_arm_mirrors_the_left() -> None:
+def test_ik_solution_of_the_right_arm_mirrors_the_left() -> None:
     random = default_rng(15)
     for _ in range(60):
         position, pointing, palm = random.uniform(-0.5, 0.5, 3), random.normal(size=3), random.normal(size=3)
@@ -163,7 +162,7 @@ def test_the_right_arm_mirrors_the_left() -> None:
         assert np.abs(left.angles - right.angles).max() < 1e-9
 
 
-def test_rest_and_mobility_can_be_given() -> None:
+def test_ik_accepts_a_rest_posture_and_joint_mobilities() -> None:
     rest = LEFT.rest.copy()
     rest[5] = 0.4
     reach = Reach(np.array([0.25, 0.15, -0.05]))
@@ -173,7 +172,7 @@ def test_rest_and_mobility_can_be_given() -> None:
     assert np.all(np.isfinite(solve(LEFT, far, start=LEFT.rest, mobility=still).angles))
 
 
-def test_a_wrong_question_is_refused_and_explained() -> None:
+def test_invalid_ik_arguments_raise_clear_errors() -> None:
     good = np.array([0.3, 0.2, 0.0])
     with pytest.raises(ValueError, match=r"reach.position is .*nan.*finite"):
         solve(LEFT, Reach(np.array([np.nan, 0, 0])), start=LEFT.rest)
@@ -187,22 +186,21 @@ def test_a_wrong_question_is_refused_and_explained() -> None:
         solve(LEFT, Reach(good, swivel=np.inf), start=LEFT.rest)
 
 
-@pytest.mark.parametrize("kernel", ["numpy", *(["compiled"] if KERNEL == "compiled" else [])])
-def test_a_start_outside_the_ranges_is_pulled_in_and_said(kernel) -> None:
+def test_ik_clips_and_reports_a_start_posture_outside_the_ranges() -> None:
     chain = Robot.load().arms["l"]
     start = chain.rest.copy()
     start[2] = chain.upper[2] + 0.3
-    outside = solve(chain, Reach(chain.hand(chain.rest)), start=start, kernel=kernel)
+    outside = solve(chain, Reach(chain.hand(chain.rest)), start=start)
     assert outside.pulled_in == pytest.approx(0.3)
     assert np.all((chain.lower <= outside.angles) & (outside.angles <= chain.upper))
-    assert solve(chain, Reach(chain.hand(chain.rest)), start=chain.rest, kernel=kernel).pulled_in == 0.0
+    assert solve(chain, Reach(chain.hand(chain.rest)), start=chain.rest).pulled_in == 0.0
 
 
-def test_good_numbers_pass_as_floats():
+def test_valid_ik_inputs_become_float64():
     assert as_floats("place", [1, 2, 3], (3,)).dtype == np.float64
 
 
-def test_others_are_refused_and_explained():
+def test_ik_input_arrays_of_wrong_shape_or_value_raise_clear_errors():
     with pytest.raises(ValueError, match=r"place has shape \(2,\); it needs shape \(3,\)"):
         as_floats("place", np.zeros(2), (3,))
     with pytest.raises(ValueError, match=r"place is \[inf, 0.0\]; every number must be finite"):

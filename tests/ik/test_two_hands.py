@@ -1,5 +1,4 @@
 from dataclasses import replace
-from importlib.util import find_spec
 
 import numpy as np
 import pytest
@@ -9,6 +8,8 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.ik.strand import strand_to
 from kinesic.ik.two_hands import Both, reach_both
+
+from ..reference.ik import two_hands as reference
 
 ROBOT = Robot.load()
 SKELETON = ROBOT.skeleton
@@ -30,7 +31,7 @@ def _check(found: Both, targets: dict[Side, Floats]) -> None:
     assert found.torso_travel == pytest.approx(np.abs(found.angles - REST)[TORSO].sum())
 
 
-def test_pairs_of_random_postures_are_reached_and_a_heavy_torso_travels_less():
+def test_low_torso_weight_reaches_two_hand_targets_with_less_torso_motion():
     travel, reached = {1.0: 0.0, 0.15: 0.0}, {1.0: 0, 0.15: 0}
     for weight in travel:
         random = default_rng(51)
@@ -44,7 +45,7 @@ def test_pairs_of_random_postures_are_reached_and_a_heavy_torso_travels_less():
     assert travel[0.15] < travel[1.0]
 
 
-def test_a_torso_that_is_not_needed_stays():
+def test_torso_stays_still_if_the_arms_reach_the_targets():
     targets = _hands(REST)
     found = reach_both(ROBOT, targets, start=REST)
     _check(found, targets)
@@ -52,7 +53,7 @@ def test_a_torso_that_is_not_needed_stays():
     assert found.torso_travel == 0.0
 
 
-def test_a_torso_of_no_weight_stays_even_when_needed():
+def test_torso_with_weight_zero_never_moves():
     targets = {"l": np.array([0.6, 0.2, 0.9]), "r": np.array([0.6, -0.2, 0.9])}
     stays = reach_both(ROBOT, targets, start=REST, torso_weight=0.0)
     helps = reach_both(ROBOT, targets, start=REST, torso_weight=1.0)
@@ -61,7 +62,7 @@ def test_a_torso_of_no_weight_stays_even_when_needed():
     assert sum(helps.residuals.values()) < sum(stays.residuals.values())
 
 
-def test_hinges_that_carry_no_hand_stay():
+def test_hinges_outside_torso_and_arms_do_not_move():
     start = REST.copy()
     others = [k for k in range(len(REST)) if k not in (*TORSO, *ROBOT.arms["l"].indices, *ROBOT.arms["r"].indices)]
     start[others] = 0.1
@@ -70,7 +71,7 @@ def test_hinges_that_carry_no_hand_stay():
 
 
 @pytest.mark.parametrize(("first", "other"), [("l", "r"), ("r", "l")])
-def test_where_both_cannot_be_had_one_may_come_first(first, other):
+def test_hand_with_priority_reaches_its_target_exactly(first, other):
     random, away = default_rng(52), {"l": 1.0, "r": -1.0}
     for _ in range(8):
         targets = _hands(random.uniform(SKELETON.lower, SKELETON.upper))
@@ -81,15 +82,14 @@ def test_where_both_cannot_be_had_one_may_come_first(first, other):
         assert not found.reached
 
 
-def test_the_answer_is_the_same_twice():
+def test_repeated_two_hand_solves_are_identical():
     targets = _hands(SKELETON.upper * 0.6)
     one, two = (reach_both(ROBOT, targets, start=REST) for _ in range(2))
     assert one.angles.tobytes() == two.angles.tobytes()
 
 
-@pytest.mark.skipif(find_spec("kinesic.ik._kernel") is None, reason="the kernel was not compiled here")
 @pytest.mark.parametrize("name", ["upper22", "upper36"])
-def test_the_kernel_gives_the_answers_of_its_specification(name: str):
+def test_compiled_two_hand_solutions_equal_the_python_reference(name: str):
     robot, random = Robot.load(name), default_rng(53)
     lower, upper = robot.skeleton.lower, robot.skeleton.upper
     for k in range(12):
@@ -98,8 +98,8 @@ def test_the_kernel_gives_the_answers_of_its_specification(name: str):
         start = lower * 0.4 + upper * 0.3 if k % 2 else robot.skeleton.rest
         weight, first = (0.15, 1.0, 0.0)[k // 4 % 3], (None, "l", "r")[k % 3]
         one, other = (
-            reach_both(robot, targets, start=start, torso_weight=weight, priority=first, kernel=kernel)
-            for kernel in ("compiled", "numpy")
+            solve_both(robot, targets, start=start, torso_weight=weight, priority=first)
+            for solve_both in (reach_both, reference.reach_both)
         )
         assert np.abs(one.angles - other.angles).max() < 1e-8
         assert (one.rounds, one.reached) == (other.rounds, other.reached)
@@ -107,7 +107,7 @@ def test_the_kernel_gives_the_answers_of_its_specification(name: str):
         assert all(one.residuals[side] == pytest.approx(other.residuals[side], abs=1e-8) for side in SIDES)
 
 
-def test_wrong_questions_are_refused_and_explained():
+def test_invalid_two_hand_ik_arguments_raise_clear_errors():
     good = _hands(REST)
     with pytest.raises(ValueError, match=r"hands are \['l'\]; both are needed"):
         reach_both(ROBOT, {"l": good["l"]}, start=REST)
@@ -119,7 +119,7 @@ def test_wrong_questions_are_refused_and_explained():
         reach_both(ROBOT, good, start=np.zeros(3))
 
 
-def test_the_end_and_its_motion_are_those_of_the_skeleton():
+def test_end_position_and_jacobian_of_a_joint_path_match_the_skeleton():
     random = default_rng(61)
     for name in ("l_wrist", "r_wrist", "skullbase"):
         strand = strand_to(SKELETON, name)
@@ -132,13 +132,13 @@ def test_the_end_and_its_motion_are_those_of_the_skeleton():
             assert np.allclose((np.array(strand.end(moved.tolist())[0]) - end) / 1e-6, column, atol=1e-5)
 
 
-def test_the_own_hinges_of_the_end_are_left_out():
+def test_joint_path_to_a_segment_excludes_joints_that_do_not_move_its_origin():
     strand = strand_to(SKELETON, "l_wrist")
     assert set(strand.joints).isdisjoint(SKELETON.joints_of(("l_wrist",)))
     assert len(strand.joints) == 3 + 1 + 3 + 2
 
 
-def test_hinges_that_miss_their_centre_move_it():
+def test_joints_with_axis_offset_are_included_in_the_path_and_its_jacobian():
     random = default_rng(62)
     hinges = [replace(hinge, at=sealed(random.uniform(-0.03, 0.03, 3))) for hinge in SKELETON.hinges]
     skeleton = replace(SKELETON, hinges=tuple(hinges))

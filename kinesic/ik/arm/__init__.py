@@ -1,1 +1,1 @@
-"""Solves one arm: shoulder, elbow and wrist in closed form, and a polish inside the limits."""
+"""Inverse kinematics of one arm: shoulder, elbow and wrist."""

@@ -1,4 +1,4 @@
-"""Validates chains for the solver: brings each to one normal form, or refuses it and names the broken rule.
+"""Validation and normal form of arm chains.
 
 The closed forms aim a bone with at most two hinges and turn it about itself with one more. Axes need not be
 perpendicular to one another or to the bone.
@@ -14,15 +14,15 @@ from kinesic.body.chain import Chain, ChainJoint
 from kinesic.body.config import ConfigError
 from kinesic.body.skeleton import Hinge
 
-PARALLEL = 1e-9  # sine of the angle below which two lines are one
-ZERO = 1e-6  # of the chain's length: a shorter bone has no direction
-UNIT = 1e-6  # how far an axis' length may be from 1
-FEWEST_JOINTS = 3  # joints: shoulder, elbow, wrist
-MOST_SWINGS = 2  # of one joint
+PARALLEL_SINE = 1e-9  # sine of the angle below which two lines are parallel
+MIN_BONE_RATIO = 1e-6  # shortest accepted bone / length of the chain
+UNIT_TOLERANCE = 1e-6  # largest deviation of an axis' length from 1
+MIN_JOINTS = 3  # smallest number of joints of an arm: shoulder, elbow and wrist
+MAX_SWING_HINGES = 2  # hinges of one joint that swing its bone
 
 
 def accept_chain(chain: Chain) -> Chain:
-    """Brings a chain to the form that the solver takes.
+    """Convert an arm chain to the solver's normal form, or raise.
 
     A joint's first hinge that lies along the parent's bone slides down that bone and becomes the parent's twist:
     the motion is the same. So a wrist written as twist, pitch, roll leaves two hinges to aim the hand.
@@ -37,7 +37,7 @@ def accept_chain(chain: Chain) -> Chain:
         ConfigError: the rule that the chain breaks, where, and what would have worked.
     """
     where = f"chain {chain.name}"
-    if len(chain.joints) < FEWEST_JOINTS:
+    if len(chain.joints) < MIN_JOINTS:
         raise ConfigError(f"{where} has {len(chain.joints)} joints; an arm has at least shoulder, elbow, wrist")
     _check_figures(where, "origin_in_base", chain.origin_in_base)
     _check_figures(where, "palm", chain.palm)
@@ -55,7 +55,7 @@ def accept_chain(chain: Chain) -> Chain:
 
 
 def _slid(joints: Sequence[ChainJoint]) -> tuple[ChainJoint, ...]:
-    """Each first hinge that lies along the parent's bone moved to the parent."""
+    """Move a joint's first hinge to the parent if parallel to its bone."""
     slid = [joints[0]]
     for joint in joints[1:]:
         parent = slid[-1]
@@ -74,7 +74,7 @@ def _check_joint(where: str, joint: ChainJoint) -> None:
             )
     twists = bool(joint.hinges) and _parallel(joint.hinges[-1].axis, joint.bone)
     swings = [hinge.name for hinge in (joint.hinges[:-1] if twists else joint.hinges)]
-    if len(swings) > MOST_SWINGS:
+    if len(swings) > MAX_SWING_HINGES:
         raise ConfigError(
             f"{where}: joint {joint.name}: hinges {', '.join(swings)} all swing its bone {joint.bone.tolist()}; "
             f"at most two may, and one more, the last, may twist: turn {swings[-1]} to lie along the bone"
@@ -83,7 +83,7 @@ def _check_joint(where: str, joint: ChainJoint) -> None:
 
 def _check_bone(where: str, joint: ChainJoint, size: float) -> None:
     length = float(np.linalg.norm(joint.bone))
-    if not length > ZERO * size:
+    if not length > MIN_BONE_RATIO * size:
         raise ConfigError(
             f"{where}: joint {joint.name}: its bone is {length:g} m long; it must lead somewhere: hinges that share "
             f"a centre belong to one joint, and only the hand's own bone may be without length"
@@ -93,7 +93,7 @@ def _check_bone(where: str, joint: ChainJoint, size: float) -> None:
 def _check_hinge(where: str, hinge: Hinge) -> None:
     _check_figures(where, "axis", hinge.axis)
     length = float(np.linalg.norm(hinge.axis))
-    if abs(length - 1.0) > UNIT:
+    if abs(length - 1.0) > UNIT_TOLERANCE:
         raise ConfigError(f"{where}: axis {hinge.axis.tolist()} has length {length:g}; divide it by that to make it 1")
     if not np.isfinite([hinge.lower, hinge.upper, hinge.rest]).all():
         raise ConfigError(f"{where}: range [{hinge.lower}, {hinge.upper}], rest {hinge.rest}: all must be finite [rad]")
@@ -107,4 +107,4 @@ def _check_figures(where: str, name: str, values: Floats) -> None:
 
 
 def _parallel(axis: Floats, line: Floats) -> bool:
-    return float(np.linalg.norm(np.cross(axis, line))) < PARALLEL * float(np.linalg.norm(line))
+    return float(np.linalg.norm(np.cross(axis, line))) < PARALLEL_SINE * float(np.linalg.norm(line))

@@ -1,35 +1,26 @@
-"""The compiled kernel: whether it is there, and an arm as it holds it, packed once per chain."""
+"""Arm data for the compiled solver, cached per chain."""
 
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
+from kinesic._kernel import ik as kernel
 from kinesic.body.chain import Chain
 from kinesic.ik.arm.linkage import linkage_of
 from kinesic.ik.arm.mirror import is_right, mirror_chain
 from kinesic.ik.arm.seeds import seeds
 from kinesic.ik.scalar3 import vector
-from kinesic.kernels import Kernel, find_kernel
-
-if TYPE_CHECKING:
-    from kinesic.ik import _kernel
-
-KERNEL: Kernel = find_kernel("kinesic.ik._kernel")  # which implementation runs
 
 
 @lru_cache(maxsize=32)
-def arm_of(chain: Chain) -> "_kernel.Arm":
-    """Packs a chain; a right arm as the left one in its mirror.
+def arm_of(chain: Chain) -> kernel.Arm:
+    """Convert a chain to solver data, mirroring right arms to left.
 
     Raises:
-        ValueError: the chain is no arm, or has more than 6 joints or 12 hinges.
-        ImportError: the kernel was not compiled.
+        ValueError: the chain is no arm, or has more than 8 joints or 12 hinges.
     """
-    from kinesic.ik import _kernel  # noqa: PLC0415 - exists only where there was a compiler
-
     right = is_right(chain)
     left = mirror_chain(chain) if right else chain
     linkage = linkage_of(left)
-    return _kernel.Arm(
+    return kernel.Arm(
         origin=linkage.origin,
         counts=[len(link.pivots) for link in linkage.links],
         bones=[link.bone for link in linkage.links],

@@ -1,4 +1,4 @@
-"""A chain as the solver walks it: for each bone, the hinges that aim it."""
+"""Arm chains regrouped: each bone with the hinges that aim it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from kinesic.body.skeleton import Hinge
 from kinesic.ik.arm.accepts import accept_chain
 from kinesic.ik.arm.subproblems import first_of_two, turn_towards
 from kinesic.ik.scalar3 import (
-    IDENTITY,
+    IDENTITY_ROTATION,
     Rotation,
     Vector,
     after,
@@ -26,13 +26,13 @@ from kinesic.ik.scalar3 import (
     vector,
 )
 
-PARALLEL = 1e-9  # sine of the angle below which a hinge lies along its bone
-GIRDLE_MOBILITY = 0.1  # the collar bone moves late
+PARALLEL_SINE = 1e-9  # sine of the angle below which a hinge lies along its bone
+GIRDLE_MOBILITY = 0.1  # mobility of collar-bone hinges, so that they move last
 
 
 @dataclass(frozen=True)
 class Pivot:
-    """One hinge in plain numbers."""
+    """One hinge of an arm, as plain numbers."""
 
     axis: Vector
     lower: float  # [rad]
@@ -40,7 +40,10 @@ class Pivot:
     rest: float  # [rad]
 
     def held(self, angle: float, near: float) -> float:
-        """The angle inside the range that stands for `angle`, whole turns aside: nearest to `near`, or a stop [rad]."""
+        """Return the equivalent in-range angle [rad] nearest to `near`.
+
+        If no whole turn brings it into the range, return the nearer stop.
+        """
         same = near + remainder(angle - near, tau)
         if self.lower <= same <= self.upper:
             return same
@@ -53,7 +56,7 @@ class Pivot:
 
 @dataclass(frozen=True)
 class Link:
-    """A bone and the hinges that aim it, the nearest to the base first."""
+    """A bone with the hinges that aim it, innermost first."""
 
     pivots: tuple[Pivot, ...]
     bone: Vector  # [m]
@@ -62,7 +65,7 @@ class Link:
     first: int  # index of its first hinge in the chain
 
     def turn(self, frame: Rotation, angles: Sequence[float]) -> Rotation:
-        """Turns a frame by the angles [rad] of the link's hinges."""
+        """Rotate a frame by the hinge angles [rad] of this link."""
         for pivot, angle in zip(self.pivots, angles, strict=True):
             frame = after(frame, pivot.axis, angle)
         return frame
@@ -70,7 +73,7 @@ class Link:
 
 @dataclass(frozen=True, eq=False)
 class Linkage:
-    """Links from the base outward; the last bone runs along the hand and moves no position."""
+    """All links of an arm, from the base to the hand."""
 
     origin: Vector  # [m] in the base
     links: tuple[Link, ...]
@@ -80,22 +83,22 @@ class Linkage:
 
     @cached_property
     def pivots(self) -> tuple[Pivot, ...]:
-        """All hinges in the chain's order."""
+        """All hinges in chain order."""
         return tuple(pivot for link in self.links for pivot in link.pivots)
 
     @cached_property
     def girdle(self) -> tuple[Link, ...]:
-        """What carries the shoulder; empty for an arm without collar bone."""
+        """Collar-bone links, empty for arms without collar bone."""
         return self.links[:-3]
 
     @cached_property
     def mobility(self) -> tuple[float, ...]:
-        """How readily each hinge moves unless something else is asked."""
+        """Default mobility of each hinge, from 0 (fixed) to 1 (free)."""
         girdle = self.links[-3].first
         return tuple(GIRDLE_MOBILITY if k < girdle else 1.0 for k in range(len(self.pivots)))
 
     def walk(self, angles: Sequence[float], links: int) -> tuple[Rotation, list[Vector]]:
-        """Forward kinematics of the first links.
+        """Compute the joint centres of the first links, and the last link's frame.
 
         Args:
             angles: [rad] of at least their hinges.
@@ -104,7 +107,7 @@ class Linkage:
         Returns:
             Frame after their hinges, and their joints' centres [m] in the base, one more than links.
         """
-        rotation, points = IDENTITY, [self.origin]
+        rotation, points = IDENTITY_ROTATION, [self.origin]
         for link in self.links[:links]:
             for k, pivot in enumerate(link.pivots, link.first):
                 rotation = after(rotation, pivot.axis, angles[k])
@@ -112,8 +115,8 @@ class Linkage:
         return rotation, points
 
     def hinge_lines(self, angles: Sequence[float]) -> tuple[Vector, list[tuple[Vector, Vector]]]:
-        """Finds the hand [m] in the base, and for each hinge before its own the axis and a point [m] of it."""
-        rotation, centre = IDENTITY, self.origin
+        """Return the hand's position [m] and the axis line of each hinge."""
+        rotation, centre = IDENTITY_ROTATION, self.origin
         lines: list[tuple[Vector, Vector]] = []
         for link in self.links[:-1]:
             for k, pivot in enumerate(link.pivots, link.first):
@@ -123,13 +126,13 @@ class Linkage:
         return centre, lines
 
     def hand(self, angles: Sequence[float]) -> Vector:
-        """[m] the wrist's centre in the base."""
+        """Compute the wrist's position in the base frame [m]."""
         return self.walk(angles, len(self.links) - 1)[1][-1]
 
 
 @lru_cache(maxsize=32)
 def linkage_of(chain: Chain) -> Linkage:
-    """Regroups the hinges of a chain by the bone that they aim.
+    """Regroup the hinges of a chain by the bone that they aim.
 
     A joint's last hinge, where it lies along the joint's own bone, turns only what comes after: it joins the
     hinges of the next bone. So an elbow's plane (twist of the upper arm, flexion) is solved like a shoulder.
@@ -144,21 +147,21 @@ def linkage_of(chain: Chain) -> Linkage:
     for joint in chain.joints:
         hinges, bone = [*carried, *joint.hinges], vector(joint.bone)
         twists = bool(joint.hinges) and joint is not chain.joints[-1]
-        twists = twists and float(np.linalg.norm(np.cross(hinges[-1].axis, unit(bone)))) < PARALLEL
+        twists = twists and float(np.linalg.norm(np.cross(hinges[-1].axis, unit(bone)))) < PARALLEL_SINE
         carried = [hinges.pop()] if twists else []
         pivots = tuple(Pivot(vector(h.axis), float(h.lower), float(h.upper), float(h.rest)) for h in hinges)
         links.append(Link(pivots, bone, unit(bone), norm(bone), first))
         first += len(hinges)
     origin = vector(chain.origin_in_base)
     upper, fore = links[-3], links[-2]
-    twisted = bool(fore.pivots) and norm(cross(fore.pivots[0].axis, upper.along)) < PARALLEL
+    twisted = bool(fore.pivots) and norm(cross(fore.pivots[0].axis, upper.along)) < PARALLEL_SINE
     aside = origin[1] + sum(link.bone[1] for link in links[:-3])
     farthest, closest = (_extreme(upper.bone, fore.pivots[twisted:], fore.bone, way=way) for way in (1.0, -1.0))
     return Linkage(origin, tuple(links), -1.0 if aside < 0.0 else 1.0, farthest, closest)
 
 
 def _extreme(upper: Vector, pivots: Sequence[Pivot], fore: Vector, *, way: float) -> float:
-    """The longest or shortest distance from shoulder to hand that at most two hinges between their bones allow [m].
+    """Return the longest or shortest possible shoulder-hand distance [m].
 
     It is where both hinges aim one bone along the other, or where one of them is stopped and the other aims; `way` is
     1 for the longest, and -1 for the shortest, where the bones lie against one another.
@@ -172,8 +175,8 @@ def _extreme(upper: Vector, pivots: Sequence[Pivot], fore: Vector, *, way: float
         return norm(plus(upper, turned(fore, first.axis, angle)))
     ways = first_of_two(first.axis, last.axis, unit(fore), aim)
     firsts = (first.lower, first.upper, *(first.held(turn, first.rest) for turn in ways))
-    found = (
+    distances = (
         *(_extreme(turned(upper, first.axis, -turn), (last,), fore, way=way) for turn in firsts),
         *(_extreme(upper, (first,), turned(fore, last.axis, turn), way=way) for turn in (last.lower, last.upper)),
     )
-    return max(found) if way > 0.0 else min(found)
+    return max(distances) if way > 0.0 else min(distances)

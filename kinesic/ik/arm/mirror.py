@@ -1,4 +1,4 @@
-"""Right arms are solved as left ones in a mirror, so that mirrored reaches give the very same angles."""
+"""Mirror images of chains and targets, for right arms."""
 
 from dataclasses import replace
 from functools import lru_cache
@@ -9,44 +9,50 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.chain import Chain, ChainJoint
 from kinesic.body.reach import Reach
 
-ACROSS = sealed([1.0, -1.0, 1.0])  # a place or direction in the mirror (the xz plane)
-ABOUT = sealed([-1.0, 1.0, -1.0])  # an axis in the mirror, for the same angle
+MIRROR_SIGNS = sealed([1.0, -1.0, 1.0])  # signs that mirror a position or direction in the xz plane
+MIRRORED_AXIS_SIGNS = sealed([-1.0, 1.0, -1.0])  # signs that mirror a hinge axis; equal angles mirror the posture
 
 
 def is_right(chain: Chain) -> bool:
-    """Whether a chain begins on the right of the midline."""
+    """Return whether a chain's base lies right of the body's midline."""
     return bool(chain.origin_in_base[1] < 0)
 
 
 @lru_cache(maxsize=32)
 def mirror_chain(chain: Chain) -> Chain:
-    """Mirrors a chain; equal angles are mirror postures."""
+    """Mirror a chain so that equal angles give mirror-image postures."""
     joints = tuple(
         ChainJoint(
             joint.name,
-            tuple(replace(hinge, axis=_seen(hinge.axis, ABOUT)) for hinge in joint.hinges),
-            _seen(joint.bone, ACROSS),
+            tuple(replace(hinge, axis=_seen(hinge.axis, MIRRORED_AXIS_SIGNS)) for hinge in joint.hinges),
+            _seen(joint.bone, MIRROR_SIGNS),
         )
         for joint in chain.joints
     )
     return replace(
-        chain, origin_in_base=_seen(chain.origin_in_base, ACROSS), joints=joints, palm=_seen(chain.palm, ACROSS)
+        chain,
+        origin_in_base=_seen(chain.origin_in_base, MIRROR_SIGNS),
+        joints=joints,
+        palm=_seen(chain.palm, MIRROR_SIGNS),
     )
 
 
 def mirror_reach(reach: Reach) -> Reach:
-    """Mirrors a reach; the swivel stays, since it counts outward on both sides."""
+    """Mirror a hand target, keeping its swivel angle.
+
+    The swivel counts outward on both sides.
+    """
     return Reach(
-        _seen(reach.position, ACROSS),
-        None if reach.pointing is None else _seen(reach.pointing, ACROSS),
-        None if reach.palm is None else _seen(reach.palm, ACROSS),
+        _seen(reach.position, MIRROR_SIGNS),
+        None if reach.pointing is None else _seen(reach.pointing, MIRROR_SIGNS),
+        None if reach.palm is None else _seen(reach.palm, MIRROR_SIGNS),
         reach.swivel,
     )
 
 
 def mirror_place(place: Floats) -> Floats:
-    """Mirrors a place (3,)."""
-    return _seen(place, ACROSS)
+    """Mirror a position (3,) in the midline plane."""
+    return _seen(place, MIRROR_SIGNS)
 
 
 def _seen(values: Floats, signs: Floats) -> Floats:

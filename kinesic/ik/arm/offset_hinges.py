@@ -1,4 +1,4 @@
-"""Arms whose hinges of one joint do not meet in one point: solved as if they did, then polished on the true arm.
+"""Arms with offset joint axes: nominal solution, then numerical correction.
 
 Such a joint is described as two, with a short bone between them. Closed forms need one centre: the nominal arm
 leaves the short bones out. What that moves the hand is small, and Levenberg-Marquardt removes it.
@@ -14,17 +14,19 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.chain import Chain
 from kinesic.body.reach import Reach
 from kinesic.ik.arm.accepts import accept_chain
+from kinesic.ik.arm.compiled import arm_of
 from kinesic.ik.arm.linkage import linkage_of
+from kinesic.ik.arm.mirror import is_right, mirror_chain, mirror_place, mirror_reach
 from kinesic.ik.arm.multistart import approach
-from kinesic.ik.arm.wrist import orient
-from kinesic.ik.scalar3 import distance, dot, rotated, vector
-from kinesic.ik.solve import REACHED, Solution, hand_directions, solve
+from kinesic.ik.arm.seeds import seeds
+from kinesic.ik.scalar3 import distance, dot, rotated, unit, vector
+from kinesic.ik.solve import REACHED_DISTANCE, Solution, solve
 
-SHORT = 0.2  # of the longest bone: a shorter one within the arm is an offset inside a joint
+OFFSET_BONE_RATIO = 0.2  # bones shorter than this fraction of the longest count as joint offsets
 
 
 def nominal(chain: Chain) -> Chain:
-    """Gives all hinges of a joint one centre.
+    """Return the chain with each joint's hinge axes moved to one centre.
 
     Args:
         chain: the true arm.
@@ -33,7 +35,7 @@ def nominal(chain: Chain) -> Chain:
         A chain with the same hinges in the same order. A joint with a short bone is joined to the next one; the
         part of the short bone along its neighbours' bones stays. The same chain where no bone is short.
     """
-    short = SHORT * float(chain.lengths.max())
+    short = OFFSET_BONE_RATIO * float(chain.lengths.max())
     joints = [chain.joints[0]]
     for joint in chain.joints[1:]:
         before = joints[-1]
@@ -47,7 +49,7 @@ def nominal(chain: Chain) -> Chain:
 
 
 def solve_offset(chain: Chain, reach: Reach, *, start: Floats) -> Solution:
-    """Solves a reach as `solve` does, for an arm whose hinges need not meet.
+    """Solve a hand target for an arm with offset joint axes.
 
     Args:
         chain: the true arm, joints with offsets written as two joints with a short bone between them.
@@ -61,27 +63,39 @@ def solve_offset(chain: Chain, reach: Reach, *, start: Floats) -> Solution:
         ValueError: a shape is wrong or a number is not finite.
         ConfigError: the nominal arm is none that the solver takes.
     """
+    if is_right(chain):
+        solution = _solve_left(mirror_chain(chain), mirror_reach(reach), start)
+        return structs.replace(solution, target=mirror_place(solution.target))
+    return _solve_left(chain, reach, start)
+
+
+def _solve_left(chain: Chain, reach: Reach, start: Floats) -> Solution:
     ideal = accept_chain(nominal(chain))
     guess = solve(ideal, reach, start=start)
-    linkage, target = linkage_of(chain), vector(reach.position)
+    arm, linkage, target, rest = arm_of(chain), linkage_of(chain), vector(reach.position), chain.rest.tolist()
     mobility = linkage_of(ideal).mobility
-    polished = approach(linkage, target, guess.angles.tolist(), posture=chain.rest.tolist(), mobility=mobility)
-    moving = polished.angles
+    moving, rounds = approach(arm, seeds(linkage), target, guess.angles.tolist(), posture=rest, mobility=mobility)
     frame, points = linkage.walk(moving, len(linkage.links) - 1)
-    directions = hand_directions(chain, reach)
-    angles = (*moving, *orient(linkage.links[-1], frame, directions, chain.rest.tolist()[len(moving) :]))
+    directions = [  # in the hand, and in the base
+        (unit(vector(inward)), unit(vector(outward)))
+        for inward, outward in ((chain.joints[-1].bone, reach.pointing), (chain.palm, reach.palm))
+        if outward is not None
+    ]
+    wrist = arm.orient(
+        frame, [hand_direction for hand_direction, _ in directions], [aim for _, aim in directions], rest[len(moving) :]
+    )
+    angles = (*moving, *wrist)
     hand = linkage.walk(angles, len(linkage.links))[0]
-    errors = {
-        direction.name: acos(max(-1.0, min(1.0, dot(rotated(hand, direction.own), direction.wanted))))
-        for direction in directions
-    }
+    errors = iter(
+        [acos(max(-1.0, min(1.0, dot(rotated(hand, hand_direction), aim)))) for hand_direction, aim in directions]
+    )
     residual = distance(points[-1], target)
     return structs.replace(
         guess,
         angles=sealed(angles),
         residual=residual,
-        pointing_error=errors.get("pointing"),
-        palm_error=errors.get("palm"),
-        reached=residual <= REACHED,
-        iterations=guess.iterations + polished.rounds,
+        pointing_error=None if reach.pointing is None else next(errors),
+        palm_error=None if reach.palm is None else next(errors),
+        reached=residual <= REACHED_DISTANCE,
+        iterations=guess.iterations + rounds,
     )

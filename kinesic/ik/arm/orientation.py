@@ -1,16 +1,13 @@
-"""Whole orientations of the hand: what two directions make, and the shortest turn from one to another."""
-
-from math import pi
+"""Hand orientations from pointing and palm directions."""
 
 from kinesic.body.chain import Chain
-from kinesic.ik.angles import arctangent
-from kinesic.ik.scalar3 import Rotation, Vector, across, cross, norm, rotated, scaled, unit, vector
+from kinesic.ik.scalar3 import Rotation, Vector, across, cross, norm, rotated, unit, vector
 
-LIKE = 1e-6  # [rad] nearer than this to the other one, a direction says nothing
+PARALLEL_SINE = 1e-6  # sine of the angle below which two directions are parallel
 
 
 def orientation_of(chain: Chain, pointing: Vector, palm: Vector) -> Rotation | None:
-    """Finds the orientation of a hand that points and faces as asked.
+    """Return the hand's rotation matrix for pointing and palm directions.
 
     Args:
         chain: the arm whose hand it is.
@@ -21,35 +18,24 @@ def orientation_of(chain: Chain, pointing: Vector, palm: Vector) -> Rotation | N
         Of the last segment, in the frame of the chain's base; None where the palm lies along the pointing.
     """
     along = unit(vector(chain.joints[-1].bone))
-    own, seen = across(unit(vector(chain.palm)), along), across(palm, pointing)
-    if norm(own) < LIKE or norm(seen) < LIKE:
+    hand_palm, target_palm = across(unit(vector(chain.palm)), along), across(palm, pointing)
+    if norm(hand_palm) < PARALLEL_SINE or norm(target_palm) < PARALLEL_SINE:
         return None
-    return product(_triad(pointing, unit(seen)), transposed(_triad(along, unit(own))))
-
-
-def shortest_turn(present: Rotation, wanted: Rotation) -> Vector:
-    """Finds the shortest turn from one orientation to another [rad]: axis times angle, in the base."""
-    a, b, c, d, e, f, g, h, i = product(wanted, transposed(present))
-    axis, twice_cosine = (h - f, c - g, d - b), a + e + i - 1.0
-    twice_sine = norm(axis)
-    if twice_sine < 1e-12 and twice_cosine < 0.0:
-        widest = max(range(3), key=lambda k: (a, e, i)[k])
-        return scaled(unit(((a + 1.0, b, c), (d, e + 1.0, f), (g, h, i + 1.0))[widest]), pi)
-    return scaled(axis, arctangent(twice_sine, twice_cosine) / twice_sine if twice_sine > 0.0 else 0.5)
+    return product(_triad(pointing, unit(target_palm)), transposed(_triad(along, unit(hand_palm))))
 
 
 def product(left: Rotation, right: Rotation) -> Rotation:
-    """Multiplies two rotations: first the right one, then the left one."""
+    """Return the product of two rotation matrices."""
     return _of_columns(*(rotated(left, column) for column in (right[0::3], right[1::3], right[2::3])))
 
 
 def transposed(r: Rotation) -> Rotation:
-    """Turns a rotation back."""
+    """Return the transposed (inverse) rotation matrix."""
     return r[0], r[3], r[6], r[1], r[4], r[7], r[2], r[5], r[8]
 
 
 def _triad(along: Vector, aside: Vector) -> Rotation:
-    """Columns: two unit vectors that are perpendicular, and the third."""
+    """Return the rotation matrix with two given orthogonal columns."""
     return _of_columns(along, aside, cross(along, aside))
 
 

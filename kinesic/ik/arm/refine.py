@@ -1,4 +1,4 @@
-"""Finishes a reach on the arm as it really is, where closed forms solved an ideal one.
+"""Correction of an arm solution for the robot's true hinge axes.
 
 The hinges of a foreign robot need not meet in one point, and its twists need not lie along the bones. The ideal
 arm's angles are the start; Levenberg-Marquardt on the true axes brings the hand to its place, first with the
@@ -13,21 +13,21 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot, Side
-from kinesic.body.rotation import about
+from kinesic.body.rotation import rotation_about
 from kinesic.body.skeleton import Frames
 from kinesic.ik.box_lm import Box, ErrorFunction, descend
 
-DIRECTION_WEIGHT = 0.05  # of a direction beside an arm's length of the hand
-ELBOW_WEIGHT = 0.02  # of the elbow's place on the ideal arm, where its swivel was asked
-ARRIVED_WITHIN = 1e-5  # arm lengths at which the hand is there
-FAR = 2e-3  # arm lengths at which other starts are tried
-TRAVEL = 0.03  # price of a radian of travel, beside that of the rows
-LOST = 1e3  # price of a hand that is not there
+DIRECTION_WEIGHT = 0.05  # weight of a direction error [rad] relative to a position error in arm lengths
+ELBOW_WEIGHT = 0.02  # weight of the elbow's position if a swivel is requested
+ARRIVAL_TOLERANCE = 1e-5  # [arm lengths] error at which the solver stops
+RETRY_DISTANCE = 2e-3  # [arm lengths] error above which other start postures are tried
+TRAVEL_WEIGHT = 0.03  # cost of joint travel [1/rad] relative to the errors
+MISS_PENALTY = 1e3  # cost of missing the hand target
 
 
 @dataclass(frozen=True, eq=False)
 class TrueArm:
-    """An arm's hinges as lines in the frame of its base, all angles zero."""
+    """True hinge axes of an arm, as lines in its base frame."""
 
     joints: tuple[int, ...]  # in the skeleton's order
     anchors: Floats  # (k, 3) [m]
@@ -38,13 +38,16 @@ class TrueArm:
     exact: bool  # the ideal arm is this one
 
     def posture(self, angles: Floats) -> tuple[Floats, Floats, Floats]:
-        """Elbow and hand (2, 3) [m], directions (2, 3), and how all move: (4, 3, k)."""
+        """Compute elbow, hand and directions with their Jacobians.
+
+        Elbow and hand have shape (2, 3) [m], the directions (2, 3), and the Jacobians of all four (4, 3, k).
+        """
         rotation, shift = np.eye(3), np.zeros(3)
         poles, axes = np.empty_like(self.anchors), np.empty_like(self.axes)
         elbow = self.places[0]
         for k, (anchor, axis, angle) in enumerate(zip(self.anchors, self.axes, angles, strict=True)):
             poles[k], axes[k] = rotation @ anchor + shift, rotation @ axis
-            turn = about(axis, angle)
+            turn = rotation_about(axis, angle)
             shift = shift + rotation @ (anchor - turn @ anchor)
             rotation = rotation @ turn
             if k + 1 == self.elbow:
@@ -60,9 +63,9 @@ class TrueArm:
 
 @lru_cache(maxsize=8)
 def true_arm(robot: Robot, side: Side) -> TrueArm:
-    """Packs a robot's arm, once."""
+    """Return a robot's true arm geometry, cached."""
     skeleton, chain, arm = robot.skeleton, robot.arms[side], robot.arm(side)
-    origins = skeleton.straight.origins
+    origins = skeleton.zero_frames.origins
     base = origins[skeleton.segment(chain.base)]
     hinges = [skeleton.hinges[k] for k in arm.joints]
     places = np.array([origins[arm.elbow] - base, origins[arm.wrist] - base])
@@ -80,7 +83,7 @@ def true_arm(robot: Robot, side: Side) -> TrueArm:
 
 
 def refine_posture(robot: Robot, side: Side, reach: Reach, angles: Floats, *, near: Floats) -> Floats:
-    """Brings the hand of a solved posture to its place on the true arm.
+    """Correct a solved posture until the true arm's hand is on target.
 
     Args:
         robot: whose arm.
@@ -106,15 +109,17 @@ def refine_posture(robot: Robot, side: Side, reach: Reach, angles: Floats, *, ne
     led, there = _errors(arm, desired, elbow, size), _errors(arm, Reach(desired.position), None, size)
     best, least = guess, np.inf
     for k, start in enumerate((guess, present, rest, (lower + upper) / 2)):
-        if k > 1 and least < LOST:
+        if k > 1 and least < MISS_PENALTY:
             break
         box = Box(lower, upper, sealed(start), np.ones(len(joints)))
-        turned = descend(led, start, box, tolerance=ARRIVED_WITHIN).angles
-        found = descend(there, turned, replace(box, home=turned), tolerance=ARRIVED_WITHIN)
-        price = float(np.linalg.norm(led(found.angles)[0])) + TRAVEL * float(np.linalg.norm(found.angles - present))
-        price += LOST * (found.miss > FAR) * (1.0 + found.miss)
+        turned = descend(led, start, box, tolerance=ARRIVAL_TOLERANCE).angles
+        descent = descend(there, turned, replace(box, home=turned), tolerance=ARRIVAL_TOLERANCE)
+        price = float(np.linalg.norm(led(descent.angles)[0])) + TRAVEL_WEIGHT * float(
+            np.linalg.norm(descent.angles - present)
+        )
+        price += MISS_PENALTY * (descent.miss > RETRY_DISTANCE) * (1.0 + descent.miss)
         if price < least:
-            best, least = found.angles, price
+            best, least = descent.angles, price
     settled = np.array(angles)
     settled[joints] = best
     return settled
@@ -127,7 +132,7 @@ def _in_base(reach: Reach, frames: Frames, base: int) -> Reach:
 
 
 def _errors(arm: TrueArm, reach: Reach, elbow: Floats | None, size: float) -> ErrorFunction:
-    """Rows for the hand's place, its directions and the elbow, as far as they are asked."""
+    """Make the error function of hand position, directions and elbow."""
     given = [reach.pointing, reach.palm]
     rows_of = [k for k in range(2) if given[k] is not None]
     aims = np.array([direction for direction in given if direction is not None]).reshape(-1, 3)

@@ -1,4 +1,4 @@
-"""Where the elbow may be while shoulder and hand stay: a circle, and the swivel that tells the place on it.
+"""Swivel angle: rotation of the elbow about the shoulder-hand line.
 
 The swivel is measured from the hanging elbow. "Hanging" is carried from the arm that reaches straight forward
 (elbow below) to every other direction by the shortest turn: backward with the arm hanging, below with the arm
@@ -6,44 +6,20 @@ to the side, forward with the arm up. So the zero is defined and smooth wherever
 vertical plane is not.
 """
 
-from collections.abc import Callable, Sequence
-from math import sqrt
-from typing import TypeVar
+from collections.abc import Sequence
 
 from kinesic.body.arrays import Floats
 from kinesic.body.chain import Chain
-from kinesic.ik.angles import arctangent, cosine_sine
+from kinesic.ik.angles import arctangent
 from kinesic.ik.arm.linkage import Linkage, linkage_of
 from kinesic.ik.arm.mirror import is_right, mirror_chain
-from kinesic.ik.scalar3 import Vector, across, cross, distance, dot, minus, norm, plus, scaled, unit
+from kinesic.ik.scalar3 import Vector, across, cross, dot, minus, norm, unit
 
-Posture = TypeVar("Posture")
-
-BACKWARD = -1.0 + 1e-9  # cosine to the forward axis at which the hanging direction is undefined
-
-
-def bisect_edge(
-    at: Callable[[float], Posture],
-    outside: float,
-    inside: float,
-    found: Posture,
-    *,
-    fits: Callable[[Posture], bool],
-    rounds: int,
-) -> Posture:
-    """Bisects from a swivel [rad] whose posture does not fit to one whose posture does; the last that fits."""
-    for _ in range(rounds):
-        middle = 0.5 * (outside + inside)
-        tried = at(middle)
-        if fits(tried):
-            inside, found = middle, tried
-        else:
-            outside = middle
-    return found
+BACKWARD_COSINE = -1.0 + 1e-9  # cosine to the forward axis below which the hanging direction is undefined
 
 
 def hanging_direction(line: Vector) -> Vector:
-    """Finds the direction of a hanging elbow, off the line from shoulder to hand.
+    """Return the direction in which a relaxed elbow hangs.
 
     Args:
         line: unit, from the shoulder to the hand.
@@ -52,14 +28,14 @@ def hanging_direction(line: Vector) -> Vector:
         Unit vector perpendicular to the line.
     """
     x, y, z = line
-    if x < BACKWARD:
+    if x < BACKWARD_COSINE:
         return 0.0, 0.0, 1.0
     share = z / (1.0 + x)
     return unit((share * (x + 1.0), share * y, share * z - 1.0))
 
 
 def swivel_of(linkage: Linkage, points: Sequence[Vector]) -> float | None:
-    """Measures the swivel [rad] of shoulder, elbow and hand, three points [m]; None for a straight arm."""
+    """Compute the swivel angle [rad] from joint positions, None if undefined."""
     shoulder, elbow, hand = points
     line = unit(minus(hand, shoulder))
     off = across(minus(elbow, shoulder), line)
@@ -69,36 +45,8 @@ def swivel_of(linkage: Linkage, points: Sequence[Vector]) -> float | None:
     return linkage.side * arctangent(dot(off, cross(line, zero)), dot(off, zero))
 
 
-def elbow_at(linkage: Linkage, shoulder: Vector, hand: Vector, swivel: float) -> Vector:
-    """Places the elbow [m] on its circle, for shoulder and hand [m] and a swivel [rad].
-
-    Where the bones cannot span the distance, the elbow lies on the line.
-    """
-    between = minus(hand, shoulder)
-    line = unit(between) if norm(between) > 0.0 else (1.0, 0.0, 0.0)
-    along, radius = _circle(linkage, norm(between))
-    zero = hanging_direction(line)
-    cosine, sine = cosine_sine(swivel)
-    off = plus(scaled(zero, cosine), scaled(cross(line, zero), linkage.side * sine))
-    return plus(shoulder, plus(scaled(line, along), scaled(off, radius)))
-
-
-def elbow_radius(linkage: Linkage, shoulder: Vector, hand: Vector) -> float:
-    """Measures the radius [m] of the elbow's circle for shoulder and hand [m]; 0 where bones do not span it."""
-    return _circle(linkage, distance(shoulder, hand))[1]
-
-
-def _circle(linkage: Linkage, between: float) -> tuple[float, float]:
-    """How far along the line from shoulder to hand the elbow's circle is, and its radius [m]."""
-    upper, fore = linkage.links[-3].length, linkage.links[-2].length
-    span = max(between, 1e-9 * linkage.farthest)
-    along = (upper * upper - fore * fore + span * span) / (2.0 * span)
-    along = max(-upper, min(upper, along))
-    return along, sqrt(upper * upper - along * along)
-
-
 def swivel(chain: Chain, angles: Floats) -> float | None:
-    """Measures how far the elbow is turned about the line from shoulder to hand.
+    """Compute the swivel angle of an arm posture [rad].
 
     Args:
         chain: the arm.

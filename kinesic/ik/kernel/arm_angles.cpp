@@ -1,4 +1,4 @@
-// Compiled by itself, so that every caller shares one copy.
+// A separate compilation unit, so that every caller uses the same code.
 
 #include "arm_angles.h"
 
@@ -13,7 +13,7 @@ namespace {
 
 constexpr double NARROW = 0.41421356237309504880;  // tangent of pi / 8
 
-// Of a tangent within +-NARROW: a quotient of polynomials (Cephes, Moshier).
+// Arc tangent of numbers within +-NARROW: a quotient of polynomials (Cephes, Moshier).
 Lanes small_arctangent(Lanes t) {
     const Lanes z = t * t;
     const Lanes p = -6.485021904942025371773e1 +

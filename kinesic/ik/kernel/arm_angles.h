@@ -1,5 +1,5 @@
-// Sine, cosine and arc tangent in plain arithmetic: the same bits wherever doubles are IEEE's, and no tables that an
-// occasional call would find cold. Within three units in the last place of the true value.
+// Sine, cosine and arc tangent in plain arithmetic: bit-identical on all IEEE processors, and without tables that an
+// occasional call would find uncached. Within three units in the last place of the true value.
 
 #pragma once
 
@@ -9,13 +9,13 @@ struct Turn {
     double cosine, sine;
 };
 
-// Of an angle of a few turns.
+// Cosine and sine of an angle of a few turns [rad].
 Turn turn_of(double angle);
 
-// The angle of the point (x, y), as std::atan2 of finite numbers.
+// Angle of the point (x, y), like std::atan2 of finite numbers.
 double arctangent(double y, double x);
 
-// Of -1 to 1.
+// Arc cosine of a number in -1..1.
 double arccosine(double x);
 
 }  // namespace kinesic::arm

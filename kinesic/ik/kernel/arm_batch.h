@@ -1,4 +1,4 @@
-// `polish` of several targets in step: the same rounds, each branch a mask over the lanes.
+// `polish` for several targets at once: the same iterations, each branch as a mask over the lanes.
 
 #pragma once
 
@@ -7,12 +7,12 @@
 
 namespace kinesic::arm {
 
-struct Polishing {  // the angles of each lane, and how far they are
+struct Polishing {  // angles of each lane, and their distances
     Lanes angles[MOST_HINGES];
     Lanes miss;
 };
 
-// The hands, and how they move per radian of each hinge.
+// Hand positions, and their derivatives by each hinge.
 inline Vectors columns(const Linkage& arm, const Lanes* angles, Vectors* column) {
     Vectors axis[MOST_HINGES], pole[MOST_HINGES], centre = all(arm.origin);
     Rotations rotation;
@@ -31,7 +31,7 @@ inline Vectors columns(const Linkage& arm, const Lanes* angles, Vectors* column)
     return centre;
 }
 
-// (J W J^T + damping)^-1 error, three by three, by Cramer's rule.
+// Computes (J W J^T + damping)^-1 error by Cramer's rule for 3 x 3.
 inline Vectors pushed(const Vectors* column, const Lanes* weight, int count, Lanes damping, const Vectors& error) {
     Lanes xx = damping, yy = damping, zz = damping, xy = all(0.0), xz = all(0.0), yz = all(0.0);
     for (int k = 0; k < count; ++k) {
@@ -46,7 +46,7 @@ inline Vectors pushed(const Vectors* column, const Lanes* weight, int count, Lan
            (1.0 / dot(first, a));
 }
 
-// The angles after one step of every lane that is `going`.
+// Takes one step in every lane that is `going`.
 inline void stepped(const Linkage& arm, const Lanes* angles, Vectors error, const Vectors* column, const Lanes* pulls,
                     const double* mobility, Lanes damping, Mask going, Lanes* result) {
     const int n = arm.own();
@@ -82,7 +82,7 @@ inline void stepped(const Linkage& arm, const Lanes* angles, Vectors error, cons
     }
 }
 
-// `polish` in every lane.
+// Runs `polish` in every lane.
 inline Polishing polish(const Linkage& arm, const Vectors& target, const double* angles, const double* posture,
                         const double* mobility, int rounds) {
     using namespace polishing;

@@ -1,4 +1,4 @@
-// The arm as Python holds it: packed once, asked often.
+// Arm data packed once per chain for calls from Python.
 
 #pragma once
 
@@ -11,16 +11,16 @@ namespace kinesic::arm {
 namespace nb = nanobind;
 
 struct Arm {
-    bool mirrored = false;         // a right arm, packed as the left one in the mirror
-    double rest[MOST_HINGES];      // [rad] inside the ranges
-    double mobility[MOST_HINGES];  // how readily each hinge moves unless something else is asked
+    bool mirrored = false;         // whether this is a right arm, packed as its left mirror image
+    double rest[MOST_HINGES];      // [rad] rest posture, inside the ranges
+    double mobility[MOST_HINGES];  // mobility of each hinge in motions with free choices
     Linkage linkage;
 
     Vector seen(const Vector& p) const { return {p.x, mirrored ? 0.0 - p.y : p.y, p.z}; }
     Vector seen(const double* p) const { return seen(Vector{p[0], p[1], p[2]}); }
 };
 
-// Copies a posture's finite angles, clipped to the ranges; false for anything else.
+// Copies a posture clipped to the ranges; false if it is not finite.
 bool read_posture(const Arm& arm, nb::handle source, double* into);
 
 void bind_stages(nb::class_<Arm>& arm);

@@ -1,4 +1,4 @@
-// From points to hinge angles in closed form, every branch looked at (kinesic/ik/arm/hinges.py).
+// Hinge angles from joint positions in closed form, over all branches (tests/reference/ik/hinges.py).
 
 #pragma once
 
@@ -8,12 +8,12 @@
 
 namespace kinesic::arm {
 
-constexpr double UNDEFINED = 1e-9;    // nearer than this to the axis, a direction defines no angle
-constexpr double MISS_COST = 1e3;     // per arm length that a joint misses its point
-constexpr double TRAVEL_COST = 1e-3;  // per radian away from the current angles
-constexpr double SLACK = 1e-4;        // of the bones' length: costs as much as a travel of a hundred radians
+constexpr double UNDEFINED = 1e-9;    // distance to the axis below which a direction defines no angle
+constexpr double MISS_COST = 1e3;     // cost per arm length of a joint's distance from its point
+constexpr double TRAVEL_COST = 1e-3;  // cost per radian of travel from the current angles
+constexpr double SLACK = 1e-4;        // fraction of the bones' length that costs as much as a travel of a hundred radians
 
-// Subproblem 1: th = atan2(a.(r x v), r.v - (a.r)(a.v)); not `defined` where a direction lies along the axis.
+// Subproblem 1: th = atan2(a.(r x v), r.v - (a.r)(a.v)); not `defined` for a direction along the axis.
 inline Lanes turn_towards(const Vector& axis, const Vector& rest, const Vectors& wanted, Mask& defined) {
     const Vectors a = all(axis), r = all(rest);
     const Lanes s = dot(a, cross(r, wanted));
@@ -22,14 +22,14 @@ inline Lanes turn_towards(const Vector& axis, const Vector& rest, const Vectors&
     return arctangent(s, c);
 }
 
-// One of them; false where it is not defined.
+// Solves subproblem 1; false if it is not defined.
 inline bool turn_towards(const Vector& axis, const Vector& rest, const Vector& wanted, double& turn) {
     Mask defined;
     turn = turn_towards(axis, rest, all(wanted), defined)[0];
     return defined[0];
 }
 
-// Subproblem 2, its first hinge: A cos q1 + B sin q1 = C. Up to two branches; their number is returned.
+// Solves subproblem 2 for its first hinge: A cos q1 + B sin q1 = C. Returns the number of branches, at most two.
 inline int first_of_two(const Vector& first, const Vector& second, const Vector& rest, const Vector& wanted,
                         double* turns) {
     const double along = dot(first, wanted), skew = dot(second, first);
@@ -52,13 +52,13 @@ inline int first_of_two(const Vector& first, const Vector& second, const Vector&
 }
 
 struct Extraction {
-    double angles[MOST_HINGES] = {};  // [rad] of the hinges of the extracted bones
-    double miss = INFINITY;      // [m] sum over the joints
+    double angles[MOST_HINGES] = {};  // [rad] angles of the hinges that aim the bones
+    double miss = INFINITY;      // [m] sum of the joints' distances from their points
 };
 
 namespace hinges {
 
-struct Branch {  // the first links aimed in one of the possible ways
+struct Branch {  // solution of the first links on one branch
     double cost, miss;
     Rotation frame;
     Vector end;
@@ -66,13 +66,13 @@ struct Branch {  // the first links aimed in one of the possible ways
     int links;
 };
 
-struct Ways {  // in which a link's hinges aim its bone, side by side
+struct Ways {  // solutions of one link's hinges, in array form
     Lanes angle[MOST_HINGES];
     Turns turns[MOST_HINGES];
     int count = 1;
 };
 
-// How far points [m] are from an arc about an axis, at least.
+// Returns the smallest possible distance of points [m] from an arc about an axis.
 inline Lanes off_arc(const Arc& arc, const Vector& axis, const Vectors& point) {
     const Lanes along = dot(all(axis), point);
     const Mask beside = dot(all(arc.middle), point) >= arc.opening * norm(point - all(axis) * along);
@@ -80,7 +80,7 @@ inline Lanes off_arc(const Arc& arc, const Vector& axis, const Vectors& point) {
     return either(beside, magnitude(along - arc.height), either(lower < upper, lower, upper));
 }
 
-// The ways to aim the next bone: its last two hinges aim, any before them stay. None where all miss by more than `most`.
+// Returns the solutions for the next bone: its last two hinges aim, others keep their angles. None if all miss > `most`.
 inline Ways aimed(const Linkage& arm, const Branch& branch, const Vector& point, const double* near, double most) {
     const Link& link = arm.link[branch.links];
     const int end = link.first + link.count;
@@ -116,7 +116,7 @@ inline Ways aimed(const Linkage& arm, const Branch& branch, const Vector& point,
     return ways;
 }
 
-// The branch with one more link, aimed in every way. At most two children are written, none where all miss by more than
+// Extends a branch by one link in all possible ways. Writes at most two children, none if all miss by more than
 // `most`.
 inline int grown(const Linkage& arm, const Branch& branch, const Vector& point, const double* near, double size,
                  Branch* children, double most = INFINITY) {
@@ -145,7 +145,7 @@ inline int grown(const Linkage& arm, const Branch& branch, const Vector& point, 
     return ways.count;
 }
 
-// The ways to aim the first bone, the cheaper last: the same for all postures whose first joint's centre is the same.
+// Returns the solutions for the first bone, the cheaper last: equal for all postures with the same first joint centre.
 struct Stem {
     Branch ways[2];
     int count = 0;
@@ -171,13 +171,13 @@ inline double length_of(const Linkage& arm, int count) {
 
 }  // namespace hinges
 
-// The angles inside the ranges whose joint centres come nearest to the points: depth-first, cheaper branch first,
-// because a shoulder's branch can only be judged by what the elbow makes of it. A posture that misses by more than
-// `bound` need not be found: the miss is then told as infinite, or as that of another one beyond the bound.
+// Finds the angles in range whose joint centres are nearest to the points: depth-first, cheaper branch first, because a
+// shoulder branch can be judged only with its elbow. A posture with a miss above `bound` need not be found: the returned
+// miss is then infinite, or that of another posture above the bound.
 inline Extraction extract(const Linkage& arm, const hinges::Stem& stem, const Vector* points, int count,
                           const double* near, double bound = INFINITY) {
     const double size = hinges::length_of(arm, count);
-    hinges::Branch waiting[MOST_LINKS + 1];  // each level leaves at most one
+    hinges::Branch waiting[MOST_LINKS + 1];  // each level leaves at most one waiting branch
     int left = stem.count;
     std::copy_n(stem.ways, left, waiting);
     Extraction best;

@@ -1,4 +1,4 @@
-// One arm from key to key (kinesic/ik/keys.py): each posture begins where the one before it has left the arm.
+// Arm postures at successive keys (kinesic/ik/keys.py): each is solved from the previous one.
 
 #pragma once
 
@@ -7,22 +7,22 @@
 
 namespace kinesic::arm {
 
-enum class Mode { rest, still, reach };  // numbered as kinesic.ik.keys.Mode
+enum class Mode { rest, still, reach };  // values as in kinesic.ik.keys.Mode
 
 struct Manner {
-    double widest;  // [rad] that an elbow swings aside for the directions of its hand
-    double leap;    // [rad] of a hinge from key to key, at most, where the elbow need not swing
+    double widest;  // [rad] largest elbow swing for the hand's directions
+    double leap;    // [rad] largest hinge rotation between keys without an elbow swing
     double open;    // [rad] swivel at openness 1
 };
 
 struct Key {
-    Question question;  // its start and its swivel are found on the way
-    bool passing;  // on a path
+    Question question;  // input of the solver, completed with start and swivel
+    bool passing;  // whether the key is on a path
     double openness;
     const double* swivel;  // [rad] or null
 };
 
-struct Walk {  // an arm on its way through the keys
+struct Walk {  // state of an arm between its keys
     const Linkage& arm;
     const double *rest, *mobility;
     const Manner manner;
@@ -45,7 +45,7 @@ struct Walk {  // an arm on its way through the keys
         return sum;
     }
 
-    // Solves a key; where the wrist cannot give the hand its directions, the elbow swings aside.
+    // Solves a key; swings the elbow if the wrist alone cannot meet the hand's directions.
     Answer swung(const Key& key, const double* start, double widest) const {
         Answer first = solved(key.question, start, key.swivel);
         const int count = key.question.wish_count;
@@ -67,7 +67,7 @@ struct Walk {  // an arm on its way through the keys
         return false;
     }
 
-    // The elbow swings for palm and pointing; where an arm would turn over for that, it stays as it was.
+    // Swings the elbow for palm and pointing, unless the arm would turn over for them.
     Answer free(const Key& key, const double* start) const {
         const Answer found = swung(key, start, manner.widest);
         double kept;
@@ -76,7 +76,7 @@ struct Walk {  // an arm on its way through the keys
         return plain.residual <= REACHED && !leaps(start, plain.angles) ? plain : found;
     }
 
-    // From `now`, or on a path from where it began, to the key's posture; the swivel that was asked of it, or NaN.
+    // Solves a key from `now`, or on a path from the path's start; returns the requested swivel, or NaN.
     double pose(const Key& key, const double* now, const double* began, double* angles) const {
         if (key.passing) {
             double kept;

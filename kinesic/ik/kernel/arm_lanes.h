@@ -1,14 +1,23 @@
-// Several arms in step: one number of each beside the other, in the registers that every processor of its kind has.
+// Several arms at once: one number of each arm per lane of a SIMD register that every processor of this kind has.
 
 #pragma once
 
 #include "arm_linkage.h"
 
+#if defined(_MSC_VER) && !defined(__clang__) && !defined(KINESIC_PLAIN_LANES)
+#define KINESIC_PLAIN_LANES
+#endif
+#ifdef KINESIC_PLAIN_LANES
+#include "plain_lanes.h"
+#endif
+
 namespace kinesic::arm {
 
 constexpr int LANES = 2;
+#ifndef KINESIC_PLAIN_LANES
 typedef double Lanes __attribute__((vector_size(8 * LANES)));
-typedef long long Mask __attribute__((vector_size(8 * LANES)));  // of each lane all bits or none
+typedef long long Mask __attribute__((vector_size(8 * LANES)));  // all bits of a lane are set, or none
+#endif
 
 inline Lanes all(double value) { return Lanes{value, value}; }
 inline Lanes either(Mask mask, Lanes yes, Lanes no) { return Lanes((mask & Mask(yes)) | (~mask & Mask(no))); }
@@ -27,7 +36,7 @@ inline Lanes root(Lanes a) {
     return a;
 }
 
-// Sine and cosine of angles of a few turns: Cody and Waite's reduction to an eighth of a turn, then the minimax
+// Sine and cosine of moderate angles: Cody and Waite's reduction to an eighth of a turn, then the minimax
 // polynomials of fdlibm; within one unit in the last place.
 inline void sincos(Lanes angle, Lanes& sine, Lanes& cosine) {
     const Lanes shift = all(6755399441055744.0);  // 1.5 x 2^52: adding it rounds, and leaves the integer in the low bits
@@ -61,7 +70,7 @@ struct Turns {
     Lanes cosine, sine;
 };
 
-// As those of one angle in arm_angles.h, which take their bits from here.
+// Same as for one angle in arm_angles.h, whose bits come from here.
 Turns turns_of(Lanes angle);
 Lanes arctangent(Lanes y, Lanes x);
 
@@ -98,7 +107,7 @@ Vectors rotated(const Rotations& r, const Each& a) {
             r.x.z * a.x + r.y.z * a.y + r.z.z * a.z};
 }
 
-// Where a hinge's axis points.
+// Direction of a hinge's axis.
 inline Vectors pointing(const Rotations& r, const Pivot& pivot) {
     switch (pivot.kind) {
         case Kind::x: return r.x * all(pivot.axis.x);
@@ -108,14 +117,14 @@ inline Vectors pointing(const Rotations& r, const Pivot& pivot) {
     }
 }
 
-// As `turned` of one vector.
+// Same as `turned` for one vector.
 inline Vectors turned(const Vectors& a, const Vector& axis, Lanes c, Lanes s) {
     const Lanes d = (axis.x * a.x + axis.y * a.y + axis.z * a.z) * (1.0 - c);
     const Vectors k{axis.y * a.z - axis.z * a.y, axis.z * a.x - axis.x * a.z, axis.x * a.y - axis.y * a.x};
     return {a.x * c + k.x * s + axis.x * d, a.y * c + k.y * s + axis.y * d, a.z * c + k.z * s + axis.z * d};
 }
 
-// As `behind` of one frame.
+// Same as `behind` for one frame.
 inline Rotations behind(const Rotations& r, const Pivot& pivot, const Turns& turns) {
     const Lanes c = turns.cosine, s = turns.sine, d = 1.0 - c, one = c + d;
     const Vector& a = pivot.axis;

@@ -1,4 +1,4 @@
-// A chain as the solver walks it (kinesic/ik/arm/linkage.py), in arrays of fixed size.
+// Kinematic chain of an arm (kinesic/ik/arm/linkage.py) in arrays of fixed size.
 
 #pragma once
 
@@ -6,11 +6,11 @@
 
 namespace kinesic::arm {
 
-constexpr int MOST_LINKS = 6;
+constexpr int MOST_LINKS = 8;
 constexpr int MOST_HINGES = 12;
 constexpr int MOST_SEEDS = 64;
 
-enum class Kind { x, y, z, oblique };  // along which axis of its frame a hinge lies
+enum class Kind { x, y, z, oblique };  // axis of its frame along which a hinge lies
 
 struct Pivot {  // one hinge
     Vector axis;
@@ -25,7 +25,7 @@ struct Pivot {  // one hinge
         if (axis.x == 0.0 && axis.y == 0.0) kind = Kind::z;
     }
 
-    // The angle inside the range that stands for `angle`, whole turns aside: nearest to `near`, or a stop.
+    // Returns the equivalent angle in range nearest to `near`, or the nearer limit.
     double held(double angle, double near) const {
         const double same = near + wrapped(angle - near);
         if (lower <= same && same <= upper) return same;
@@ -37,15 +37,15 @@ struct Pivot {  // one hinge
     double clipped(double angle) const { return angle < lower ? lower : angle > upper ? upper : angle; }
 };
 
-struct Link {  // a bone and the hinges that aim it
+struct Link {  // bone with the hinges that aim it
     int first = 0, count = 0;  // its hinges in the chain
-    Vector bone, along;        // [m], and its direction
+    Vector bone, along;        // [m] bone vector, and its direction
     double length = 0.0;       // [m]
 };
 
-struct Arc {  // on which a bone's end lies, whatever the last of its hinges does, seen from where the bone begins
-    Vector lower, upper;  // [m] at the stops
-    Vector middle;        // direction of the halfway from the hinge's axis; null for a bone along it
+struct Arc {  // arc of a bone's end as its last hinge rotates, seen from the bone's start
+    Vector lower, upper;  // [m] end of the bone at both limits
+    Vector middle;        // direction from the hinge's axis to the middle of the arc; null for a bone along it
     double opening = 0.0;  // cosine of half the range; -2 for a whole turn
     double height = 0.0;  // [m] along the axis
 
@@ -60,7 +60,7 @@ struct Arc {  // on which a bone's end lies, whatever the last of its hinges doe
     }
 };
 
-struct Seed {  // a posture to begin again from, and where it holds the hand
+struct Seed {  // start posture with its hand position
     double angles[MOST_HINGES];
     Vector hand;
 };
@@ -68,18 +68,18 @@ struct Seed {  // a posture to begin again from, and where it holds the hand
 struct Linkage {
     Vector origin;  // [m] in the base
     int links = 0, hinges = 0, seeds = 0;
-    Link link[MOST_LINKS];  // from the base outward; the last bone runs along the hand and moves no position
-    Arc arc[MOST_LINKS];    // of each link that has hinges
+    Link link[MOST_LINKS];  // from the base outward; the last bone is the hand, which moves no joint
+    Arc arc[MOST_LINKS];    // arc of each link with hinges
     Pivot pivot[MOST_HINGES];
     double side = 1.0;      // +1: an arm on the left; -1: on the right
-    double farthest = 0.0;  // [m] shoulder to hand with the elbow as straight as it goes
-    double closest = 0.0;   // [m] likewise with the elbow as bent as it goes
+    double farthest = 0.0;  // [m] shoulder to hand with the elbow as straight as possible
+    double closest = 0.0;   // [m] shoulder to hand with the elbow as bent as possible
     Vector palm;            // unit, in the last segment
-    Vector resting;         // [m] the shoulder with the girdle at rest
-    Seed seed[MOST_SEEDS];  // last, because few solves look at them
+    Vector resting;         // [m] shoulder position with the collar bone at rest
+    Seed seed[MOST_SEEDS];  // last, because few solves read them
 
-    int girdle() const { return links - 3; }                   // links that carry the shoulder
-    int own() const { return link[links - 1].first; }          // hinges before the hand's own
+    int girdle() const { return links - 3; }                   // number of links before the shoulder
+    int own() const { return link[links - 1].first; }          // number of hinges before those of the hand
     const Link& upper() const { return link[links - 3]; }      // from shoulder to elbow
     const Link& fore() const { return link[links - 2]; }       // from elbow to hand
     const Link& last() const { return link[links - 1]; }       // along the hand
@@ -90,7 +90,7 @@ struct Linkage {
     }
 };
 
-// The frame behind a hinge: `after`, without the products with zeros that most axes have.
+// Computes the frame behind a hinge like `after`, without products with the zeros of most axes.
 inline Rotation behind(const Rotation& r, const Pivot& pivot, double angle) {
     const auto [c, s] = turn_of(angle);
     const double one = c + (1.0 - c);
@@ -103,7 +103,7 @@ inline Rotation behind(const Rotation& r, const Pivot& pivot, double angle) {
     }
 }
 
-// Forward kinematics: the frame after `count` links, and their joints' centres, one more than links.
+// Forward kinematics: frame after `count` links, and their joint centres, one more than links.
 inline Rotation walk(const Linkage& arm, const double* angles, int count, Vector* points) {
     Rotation rotation;
     points[0] = arm.origin;

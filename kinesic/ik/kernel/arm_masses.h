@@ -1,4 +1,4 @@
-// Masses and springs find where the joints go (kinesic/ik/arm/masses.py; thesis 7.3.1, method 2).
+// Joint positions from masses and springs (tests/reference/ik/masses.py; thesis 7.3.1, method 2).
 
 #pragma once
 
@@ -7,12 +7,12 @@
 namespace kinesic::arm {
 
 struct Settled {
-    Vector points[MOST_LINKS + 1];  // [m] one more than bones
+    Vector points[MOST_LINKS + 1];  // [m] mass positions, one more than bones
     int iterations = 0;
     double energy = 0.0;  // in units of stiffness x chain length
 };
 
-// The target, or the point at the reach in its direction: factor D_max / d (thesis eq. 7.3.7, printed upside down).
+// Target, or the point at the reach in its direction: factor D_max / d (thesis eq. 7.3.7, printed upside down).
 inline Vector clamp(const Vector& target, const Vector& base, double reach) {
     const double d = distance(target, base);
     return d <= reach ? target : base + (target - base) * (reach / d);
@@ -31,7 +31,7 @@ struct Tuned {
     double stiffness, momentum;
 };
 
-// Heavy-ball optimum of the springs' Laplacian: k = 4 / (sqrt L + sqrt m)^2, a function of the number of bones alone.
+// Optimal heavy-ball parameter for the springs' Laplacian: k = 4 / (sqrt L + sqrt m)^2, a function of the bone count.
 inline Tuned tuned(int bones) {
     const double slow = std::sqrt(2.0 - 2.0 * turn_of(PI / bones).cosine);
     const double fast = std::sqrt(2.0 - 2.0 * turn_of(PI * (bones - 1) / bones).cosine);
@@ -45,7 +45,7 @@ inline Vector pull(const Vector& near, const Vector& far, double rest) {  // Hoo
     return length > 0.0 ? stretch * (1.0 - rest / length) : Vector{0.0, 0.0, -rest};
 }
 
-// A chain on one line never leaves it: its inner masses are moved a little aside first.
+// Moves the inner masses of a straight chain slightly aside, because it would never leave its line.
 inline void bend(Vector* mass, int bones) {
     Vector line = unit(mass[bones] - mass[0]);
     if (null(line)) line = unit(mass[1] - mass[0]);
@@ -58,8 +58,8 @@ inline void bend(Vector* mass, int bones) {
 
 }  // namespace masses
 
-// Lets unit masses swing to rest between base and target (Stoermer-Verlet, eq. 7.3.6), in units of the chain's length.
-// `BONES`: their number where it is known beforehand, so that the masses stay in registers; else 0.
+// Relaxes unit masses between base and target (Stoermer-Verlet, eq. 7.3.6), in units of the chain's length.
+// `BONES`: their number if known at compile time, so that the masses stay in registers; otherwise 0.
 template <int BONES>
 Settled swing_masses(const Vector* points, const double* lengths, int number, const Vector& target, int rounds) {
     const int bones = BONES ? BONES : number;

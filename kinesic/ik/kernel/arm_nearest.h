@@ -1,4 +1,4 @@
-// As near to a target beyond reach as the ranges allow (kinesic/ik/arm/nearest.py): Newton's method in the box.
+// Posture nearest to a target beyond reach within the ranges (tests/reference/ik/nearest.py), by projected Newton steps.
 
 #pragma once
 
@@ -19,7 +19,7 @@ constexpr int SWEEPS = 30;
 
 using Matrix = double[MOST_HINGES][MOST_HINGES];
 
-struct Shape {  // half the squared distance, to second order about a posture
+struct Shape {  // half the squared distance, to second order around a posture
     double distance;            // [m]
     double slope[MOST_HINGES];  // [m^2/rad]
     Matrix curvature;           // [m^2/rad^2]
@@ -39,7 +39,7 @@ inline void measure(const Linkage& arm, const Vector& target, const double* angl
     }
 }
 
-// The lowest eigenvalue of a symmetric matrix, by Jacobi's rotations.
+// Lowest eigenvalue of a symmetric matrix, by Jacobi rotations.
 inline double lowest(const Matrix& given, int size) {
     Matrix m;
     for (int i = 0; i < size; ++i) std::copy_n(given[i], size, m[i]);
@@ -71,7 +71,7 @@ inline double lowest(const Matrix& given, int size) {
     return least;
 }
 
-// The lower factor of a symmetric matrix with something added to its diagonal; false where it is not positive.
+// Cholesky factor of a symmetric matrix with a constant added to its diagonal; false if not positive definite.
 inline bool factored(const Matrix& given, int size, double raised, Matrix& lower) {
     for (int j = 0; j < size; ++j)
         for (int i = 0; i <= j; ++i) {
@@ -83,7 +83,7 @@ inline bool factored(const Matrix& given, int size, double raised, Matrix& lower
     return true;
 }
 
-// The step to where the slope ends; about a saddle the curvature is raised until there is a bottom.
+// Newton step to zero slope; near a saddle the curvature is increased until it is positive.
 inline void newton(const double* slope, const Matrix& curvature, int size, double damping, double* step) {
     Matrix lower;
     if (!factored(curvature, size, 0.0, lower)) damping += std::max(0.0, -2.0 * lowest(curvature, size));
@@ -99,7 +99,7 @@ inline void newton(const double* slope, const Matrix& curvature, int size, doubl
     }
 }
 
-// The posture after one step of the hinges that are not held by their stops; whether any moved.
+// Moves the hinges that are not at their limits by one step; returns whether any moved.
 inline bool stepped(const Linkage& arm, const double* now, const Shape& here, double damping, double* tried) {
     int free[MOST_HINGES], count = 0;
     Matrix curvature;
@@ -126,7 +126,7 @@ inline bool stepped(const Linkage& arm, const double* now, const Shape& here, do
 
 }  // namespace nearing
 
-// Downhill from the nearer of two postures; the first is kept where that does not win a millimetre or more.
+// Descends from the nearer of two postures; keeps the first one if that gains less than a millimetre.
 inline Polished finish(const Linkage& arm, const Vector& target, const double* kept, const double* elsewhere) {
     using namespace nearing;
     const int n = arm.own();
@@ -160,8 +160,8 @@ inline Polished finish(const Linkage& arm, const Vector& target, const double* k
     return found;
 }
 
-// An answer out of reach goes the last steps to the nearest that the hand can come, where they win something: which
-// side of the body the arm goes was judged by the clamped target; the asked one may lie nearer to the other.
+// Improves an unreached solution to the nearest posture if that gains something: the side of the body was chosen for
+// the clamped target, but the requested target may be nearer to the other side.
 [[gnu::cold, gnu::noinline]] inline void finish(const Linkage& arm, const Question& question, const double* rest, const double* mobility,
                    Answer& answer) {
     const Polished elsewhere = approach(arm, question.position, answer.angles, rest, mobility);
@@ -175,7 +175,7 @@ inline Polished finish(const Linkage& arm, const Vector& target, const double* k
     answer.iterations += best.rounds;
 }
 
-// The whole answer: solved, and where that does not reach, brought as near as it comes.
+// Solves a target and, if it is not reached, approaches it as closely as possible.
 inline Answer answer(const Linkage& arm, const Question& question, const double* rest, const double* mobility) {
     Answer found = solve(arm, question);
     if (found.residual > REACHED) finish(arm, question, rest, mobility, found);

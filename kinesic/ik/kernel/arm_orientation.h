@@ -1,4 +1,4 @@
-// Whole orientations of the hand (kinesic/ik/arm/orientation.py): what two directions make, and what a wrist makes of it.
+// Hand orientations (kinesic/ik/arm/orientation.py): from two directions, and the wrist angles for them.
 
 #pragma once
 
@@ -7,7 +7,7 @@
 
 namespace kinesic::arm {
 
-constexpr double LIKE = 1e-6;  // [rad] a turn that small is none
+constexpr double LIKE = 1e-6;  // [rad] smaller rotations count as zero
 
 inline Rotation product(const Rotation& a, const Rotation& b) {
     return {rotated(a, b.x), rotated(a, b.y), rotated(a, b.z)};
@@ -17,7 +17,7 @@ inline Rotation transposed(const Rotation& r) {
     return {{r.x.x, r.y.x, r.z.x}, {r.x.y, r.y.y, r.z.y}, {r.x.z, r.y.z, r.z.z}};
 }
 
-// The shortest turn from one orientation to another [rad]: axis times angle, in the base.
+// Shortest rotation between two orientations as a vector [rad] in the base.
 inline Vector shortest_turn(const Rotation& present, const Rotation& wanted) {
     const Rotation m = product(wanted, transposed(present));
     const Vector axis{m.y.z - m.z.y, m.z.x - m.x.z, m.x.y - m.y.x};
@@ -31,8 +31,8 @@ inline Vector shortest_turn(const Rotation& present, const Rotation& wanted) {
     return axis * (twice_sine > 0.0 ? arctangent(twice_sine, twice_cosine) / twice_sine : 0.5);
 }
 
-// The orientation that points as asked and turns the palm as near to what is asked as that leaves; false where the
-// palm's direction says nothing, because it lies along the other.
+// Orientation with the requested pointing and the nearest possible palm direction; false if the palm's direction is
+// parallel to the pointing.
 inline bool orientation_of(const Vector& along, const Vector& palm, const Vector& pointing, const Vector& facing,
                            Rotation& wanted) {
     const Vector own = across(palm, along), seen = across(facing, pointing);
@@ -46,7 +46,7 @@ inline bool orientation_of(const Vector& along, const Vector& palm, const Vector
 
 namespace wrist {
 
-// about(a1, q1) about(a2, q2) about(a3, q3) = R, both branches: where R takes a3 gives q1 and q2.
+// Solves about(a1, q1) about(a2, q2) about(a3, q3) = R for both branches: the image of a3 under R gives q1 and q2.
 inline int three_turns(const Pivot* pivots, const Rotation& wanted, const double* now, double ways[2][3]) {
     const Vector &first = pivots[0].axis, &second = pivots[1].axis, &third = pivots[2].axis;
     const Vector aside =
@@ -66,7 +66,7 @@ inline int three_turns(const Pivot* pivots, const Rotation& wanted, const double
 
 }  // namespace wrist
 
-// The hand's own angles for an orientation, held in their ranges, from the frame of the forearm; the turn left [rad].
+// Wrist angles in range for an orientation, from the frame of the forearm; returns the remaining rotation [rad].
 inline double face(const Linkage& arm, const Rotation& frame, const Rotation& wanted, const double* near,
                    double* angles) {
     const int hinges = arm.last().count;

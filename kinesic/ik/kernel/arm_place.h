@@ -1,4 +1,4 @@
-// Where shoulder and elbow go for a target (kinesic/ik/arm/shoulder_elbow.py, swivel.py).
+// Positions of shoulder and elbow for a target (tests/reference/ik/shoulder_elbow.py, swivel.py).
 
 #pragma once
 
@@ -18,26 +18,26 @@ constexpr int STEPS = 12;
 constexpr int BISECTIONS = 6;
 constexpr double BACKWARD = -1.0 + 1e-9;
 
-struct Place {  // a shoulder that can serve a target, and the target within its reach
-    Vector ends[MOST_LINKS];  // [m] of the girdle's bones; the elbow and the target follow when the arm is bent
+struct Place {  // shoulder position for a target, and the target within reach
+    Vector ends[MOST_LINKS];  // [m] ends of the collar bones; elbow and target follow once the arm is bent
     Vector shoulder, target;  // [m]
     int iterations = 0;
 };
 
 struct Bend {
-    double angles[MOST_HINGES];  // [rad] of the hinges before the hand's own
+    double angles[MOST_HINGES];  // [rad] of the hinges before the hand
     bool exact = false;
     int iterations = 0;
 };
 
-// The direction of a hanging elbow, off the unit line from shoulder to hand.
+// Direction of a hanging elbow from the shoulder-hand line.
 inline Vector hanging(const Vector& line) {
     if (line.x < BACKWARD) return {0.0, 0.0, 1.0};
     const double share = line.z / (1.0 + line.x);
     return unit({share * (line.x + 1.0), share * line.y, share * line.z - 1.0});
 }
 
-// The swivel of shoulder, elbow, hand; false for a straight arm.
+// Swivel of shoulder, elbow, hand; false for a straight arm.
 inline bool swivel_of(const Linkage& arm, const Vector* points, double& swivel) {
     const Vector line = unit(points[2] - points[0]);
     const Vector off = across(points[1] - points[0], line);
@@ -47,8 +47,8 @@ inline bool swivel_of(const Linkage& arm, const Vector* points, double& swivel) 
     return true;
 }
 
-struct Circle {  // on which the elbow can be while shoulder and hand stay
-    Vector shoulder, axial;  // [m], and from there to the centre
+struct Circle {  // circle of possible elbow positions for a fixed shoulder and hand
+    Vector shoulder, axial;  // [m] shoulder, and vector from it to the centre
     Vector zero, quarter;    // directions of swivel 0 and 90 degrees
     double radius;           // [m]
 
@@ -73,12 +73,12 @@ struct Circle {  // on which the elbow can be while shoulder and hand stay
 
 namespace places {
 
-// The girdle's joints when it aims at these ends.
+// Aims the collar bones at given ends.
 inline void girdle(const Linkage& arm, const Vector* ends, const double* near, Vector* points) {
     walk(arm, extract(arm, ends, arm.girdle(), near).angles, arm.girdle(), points);
 }
 
-// The girdle's joints when the shoulder comes as near to a target as it can.
+// Moves the shoulder as near to a target as possible.
 inline void nearest_girdle(const Linkage& arm, const Vector& target, const double* near, Vector* points) {
     const Vector line = unit(target - arm.origin);
     Vector ends[MOST_LINKS + 1] = {arm.origin};
@@ -97,7 +97,7 @@ inline Place made(const Linkage& arm, const Vector* points, const Vector& target
 
 }  // namespace places
 
-// Leaves the shoulder at rest for a target in easy reach; beyond, the taut arm pulls it along.
+// Keeps the shoulder at rest for a target in easy reach; beyond it, the taut arm pulls the shoulder along.
 inline Place placed(const Linkage& arm, const Vector& target, const double* near, const double* rest) {
     const int n = arm.girdle();
     const double reach = arm.farthest;
@@ -119,14 +119,14 @@ inline Place placed(const Linkage& arm, const Vector& target, const double* near
     return places::made(arm, pulled, target, settled.iterations);
 }
 
-// The place that a posture gives its shoulder.
+// Shoulder position in a posture.
 inline Place place_of(const Linkage& arm, const double* angles, const Vector& target) {
     Vector points[MOST_LINKS + 1];
     walk(arm, angles, arm.girdle(), points);
     return places::made(arm, points, target, 0);
 }
 
-// How far a target is from the shoulder when the girdle does what it can.
+// Distance of a target from the nearest possible shoulder position.
 inline double gap(const Linkage& arm, const Vector& target, const double* rest) {
     Vector points[MOST_LINKS + 1];
     places::nearest_girdle(arm, target, rest, points);
@@ -135,7 +135,7 @@ inline double gap(const Linkage& arm, const Vector& target, const double* rest) 
 
 namespace places {
 
-// The least by which a hand so far from the shoulder is missed with the elbow anywhere on its circle.
+// Smallest distance by which a hand this far from the shoulder is missed, over all elbow positions.
 inline double least_miss(const Linkage& arm, double span) {
     const double upper = arm.upper().length, fore = arm.fore().length;
     if (!(std::abs(upper - fore) < span && span < arm.closest && arm.closest <= upper)) return 0.0;
@@ -145,17 +145,17 @@ inline double least_miss(const Linkage& arm, double span) {
     return 2.0 * fore * turn_of(0.5 * (inner(arm.closest) - inner(span))).sine;
 }
 
-struct Scan {  // postures with the elbow at one swivel after the other
+struct Scan {  // postures with the elbow at successive swivels
     const Linkage& arm;
     const Circle circle;
     const double* near;
     Vector ends[MOST_LINKS + 1];
     double wish, tolerance;
-    double least = 0.0;  // [m] where a posture misses no more, no other swivel is tried
-    double most = INFINITY;  // [m] a posture that misses more is of no use
-    hinges::Stem stem = {};  // the collar bone's, which no swivel moves
+    double least = 0.0;  // [m] miss below which no other swivel is tried
+    double most = INFINITY;  // [m] miss above which a posture is rejected
+    hinges::Stem stem = {};  // collar bone, which no swivel moves
 
-    // A posture that misses by more than `bound` says no more than that.
+    // Computes a posture; its miss is exact only up to `bound`.
     Extraction at(double offset, double bound = INFINITY) {
         ends[arm.girdle()] = circle.at(arm.side, wish + offset);
         const int count = arm.links - 1;
@@ -163,7 +163,7 @@ struct Scan {  // postures with the elbow at one swivel after the other
         return extract(arm, stem, ends, count, near, bound);
     }
 
-    // Bisects to where the ranges begin to allow the posture.
+    // Bisects to the swivel at which the ranges begin to allow the posture.
     Extraction edge(double outside, double inside, Extraction found) {
         for (int step = 0; step < BISECTIONS; ++step) {
             const double middle = 0.5 * (outside + inside);
@@ -178,7 +178,7 @@ struct Scan {  // postures with the elbow at one swivel after the other
         return found;
     }
 
-    // Outward from offset zero to the first posture that misses nothing; else the one that misses least.
+    // Searches outward from offset zero for the first posture without a miss, otherwise returns the one with the least.
     Extraction nearest(double towards, bool& exact) {
         Extraction best = at(0.0, most);
         exact = best.miss <= tolerance;
@@ -198,15 +198,15 @@ struct Scan {  // postures with the elbow at one swivel after the other
 
 }  // namespace places
 
-// Chooses the elbow's place on its circle, as near to the wished swivel as the ranges allow. `swivel` null: between the
-// one to which the masses swing from `near`, and the natural one. `exact`: another posture is of no use.
+// Chooses the elbow position nearest to the requested swivel within the ranges. `swivel` null: a mean of that from the
+// masses started at `near` and the natural one. `exact`: only exact postures are useful.
 inline Bend bent(const Linkage& arm, const Place& place, const double* near, const double* swivel, bool exact = false) {
     Vector points[MOST_LINKS + 1];
     walk(arm, near, arm.links - 2, points);
     const double lengths[2] = {arm.upper().length, arm.fore().length};
     const Vector begin[3] = {place.shoulder, points[arm.links - 2], place.target};
     const Circle circle(arm, place.shoulder, place.target);
-    const bool point = circle.radius == 0.0;  // the arm is too short: all swivels are one, whatever the masses say
+    const bool point = circle.radius == 0.0;  // the arm is too short, so that all swivels are equal
     const int rounds = point ? 0 : circle.radius > SLIM * arm.farthest ? masses::SWUNG : masses::ROUNDS;
     const Settled settled = settle(begin, lengths, 2, place.target, rounds);
     double present = NATURAL_SWIVEL;

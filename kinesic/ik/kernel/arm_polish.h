@@ -1,4 +1,4 @@
-// Levenberg-Marquardt with an active set (kinesic/ik/arm/polish.py): what a stopped hinge cannot give, others take over.
+// Levenberg-Marquardt with an active set (tests/reference/ik/polish.py): free hinges compensate for limited ones.
 
 #pragma once
 
@@ -23,12 +23,12 @@ constexpr double CAUTION = 8.0;
 }  // namespace polishing
 
 struct Polished {
-    double angles[MOST_HINGES] = {};  // [rad] of the hinges before the hand's own
+    double angles[MOST_HINGES] = {};  // [rad] of the hinges before the hand
     double miss = INFINITY;      // [m]
     int rounds = 0;
 };
 
-// The hand [m], and the axis of each hinge before its own with a point on it.
+// Hand position [m], and a point and the axis of each hinge before the hand.
 inline Vector walked(const Linkage& arm, const double* angles, Vector* axis, Vector* pole) {
     Vector centre = arm.origin;
     Rotation rotation;
@@ -44,7 +44,7 @@ inline Vector walked(const Linkage& arm, const double* angles, Vector* axis, Vec
     return centre;
 }
 
-// The hand, and how it moves per radian of each hinge before its own.
+// Hand position, and its derivative by each hinge before the hand.
 inline Vector columns(const Linkage& arm, const double* angles, Vector* column) {
     Vector axis[MOST_HINGES], pole[MOST_HINGES];
     const Vector centre = walked(arm, angles, axis, pole);
@@ -52,7 +52,7 @@ inline Vector columns(const Linkage& arm, const double* angles, Vector* column) 
     return centre;
 }
 
-// (J W J^T + damping)^-1 error over the free hinges, three by three, by Cramer's rule.
+// Computes (J W J^T + damping)^-1 error over the free hinges by Cramer's rule for 3 x 3.
 inline Vector pushed(const Vector* column, const double* mobility, const int* free, int count, double damping,
                      const Vector& error) {
     double xx = damping, yy = damping, zz = damping, xy = 0.0, xz = 0.0, yz = 0.0;
@@ -70,7 +70,7 @@ inline Vector pushed(const Vector* column, const double* mobility, const int* fr
             (a.z * error.x + b.z * error.y + c.z * error.z) / volume};
 }
 
-// The angles after one step; what a stopped hinge cannot give is solved again on those that are free.
+// Takes one step; free hinges compensate for those at their limits.
 inline void stepped(const Linkage& arm, const double* angles, Vector error, const Vector* column, const double* pulls,
                     const double* mobility, double damping, double* result) {
     int free[MOST_HINGES], count = 0;
@@ -104,7 +104,7 @@ inline void stepped(const Linkage& arm, const double* angles, Vector error, cons
     }
 }
 
-// Moves the hand to a target, springs drawing to `posture` what the hand does not need; the best angles met.
+// Moves the hand to a target, with a null-space pull towards `posture`; returns the best angles.
 inline Polished polish(const Linkage& arm, const Vector& target, const double* angles, const double* posture,
                        const double* mobility, int most_rounds = polishing::ROUNDS) {
     using namespace polishing;

@@ -1,4 +1,4 @@
-// A posture that holds the hand in a pose (kinesic/ik/pose.py): the elbow's circle is searched, the rest closed form.
+// Posture for a full hand pose (kinesic/ik/pose.py): search over the elbow's circle, the rest in closed form.
 
 #pragma once
 
@@ -7,13 +7,13 @@
 
 namespace kinesic::arm {
 
-struct Pose {  // what is asked
+struct Pose {  // requested pose
     Vector position;  // [m] in the base
     Rotation wanted;
     double near[MOST_HINGES];  // [rad] inside the ranges
 };
 
-struct Held {  // what is found
+struct Held {  // solution of a pose
     double angles[MOST_HINGES];
     double residual = INFINITY;  // [m]
     double turn = INFINITY;      // [rad]
@@ -23,19 +23,19 @@ struct Held {  // what is found
 
 namespace poses {
 
-constexpr double NEAR_ENOUGH = 1e-4;  // [m]
-constexpr double LIKE_ENOUGH = 1e-3;  // [rad]
+constexpr double NEAR_ENOUGH = 1e-4;  // [m] largest position error of a solved pose
+constexpr double LIKE_ENOUGH = 1e-3;  // [rad] largest rotation error of a solved pose
 constexpr double PERFECT = 1e-6;
 constexpr double ALIKE = 0.05;
 constexpr int CANDIDATES = 12;
 constexpr int SWIVELS = 24;
 constexpr int GIRDLE_STEPS = 5;
 constexpr double MISS_COST = 10.0;
-constexpr int MOST_GIRDLE = 3;                    // hinges of a girdle that is searched
-constexpr int WAYS = GIRDLE_STEPS + 1;            // places of each of them, the present one first
-constexpr int MOST_WAYS = WAYS * WAYS * WAYS;     // of the whole girdle
+constexpr int MOST_GIRDLE = 3;                    // largest number of collar-bone hinges in the search
+constexpr int WAYS = GIRDLE_STEPS + 1;            // values per hinge, the present one first
+constexpr int MOST_WAYS = WAYS * WAYS * WAYS;     // combinations of all collar-bone hinges
 
-// 0, then both sides in turn, once round the circle [rad].
+// Swivel offsets around the circle [rad]: 0, then alternating sides.
 inline double outward(int k) {
     const double step = TAU / SWIVELS;
     return ((k + 1) / 2) * (k % 2 ? step : -step);
@@ -49,7 +49,7 @@ inline void judge(const Linkage& arm, const Pose& pose, Held& held) {
     held.reached = held.residual <= NEAR_ENOUGH && held.turn <= LIKE_ENOUGH;
 }
 
-struct Search {  // the cells: girdle after girdle, the nearest first, and round the elbow's circle with each
+struct Search {  // search cells: collar-bone postures by distance, each with a full circle of elbow positions
     const Linkage& arm;
     const Pose& pose;
     double begin = NATURAL_SWIVEL;
@@ -65,7 +65,7 @@ struct Search {  // the cells: girdle after girdle, the nearest first, and round
         order[0] = 0;
     }
 
-    // The posture whose girdle goes one of the ways: its digits say where each hinge goes, the first hinge's leads.
+    // Collar-bone posture of a combination: each digit selects the value of a hinge, the first hinge has the highest digit.
     void carry(int way, double* angles) const {
         std::copy_n(pose.near, arm.hinges, angles);
         for (int k = girdle - 1; k >= 0; --k, way /= WAYS) {
@@ -75,7 +75,7 @@ struct Search {  // the cells: girdle after girdle, the nearest first, and round
         }
     }
 
-    // Sorts the girdle's ways by how far they turn it; the first one, which turns it not at all, stays first.
+    // Sorts the collar-bone combinations by rotation; the first one, without rotation, stays first.
     void arrange() {
         double away[MOST_WAYS];
         for (int way = 0; way < ways; ++way) {
@@ -89,7 +89,7 @@ struct Search {  // the cells: girdle after girdle, the nearest first, and round
         }
     }
 
-    // The posture of one swivel with a girdle; what it costs.
+    // Computes the posture of one swivel with a collar-bone posture, and its cost.
     double at(const double* near, const Place& place, const Circle& circle, int swivel, double* angles) const {
         Vector ends[MOST_LINKS + 1], points[MOST_LINKS + 1];
         std::copy(place.ends, place.ends + arm.girdle(), ends);
@@ -102,7 +102,7 @@ struct Search {  // the cells: girdle after girdle, the nearest first, and round
         return error + MISS_COST * distance(points[arm.links - 1], place.target) / arm.farthest;
     }
 
-    // A cell by its number.
+    // Computes a cell by its number.
     void again(int cell, double* angles) const {
         double near[MOST_HINGES];
         carry(order[cell / SWIVELS], near);
@@ -110,7 +110,7 @@ struct Search {  // the cells: girdle after girdle, the nearest first, and round
         at(near, place, Circle(arm, place.shoulder, place.target), cell % SWIVELS, angles);
     }
 
-    // Looks at cells until one is perfect; the cheapest one's number, and its angles.
+    // Evaluates cells until one is perfect; returns the number and the angles of the cheapest.
     int cheapest(double* best) {
         int least = 0;
         for (int way = 0; way < ways; ++way) {
@@ -138,7 +138,7 @@ inline bool alike(const double* one, const double* other, int count) {
     return std::sqrt(sum) <= ALIKE;
 }
 
-// Descends from a posture; keeps what comes nearer to the pose than the best so far.
+// Descends from a posture, and keeps the result if it is better than the best.
 inline void improve(const Linkage& arm, const Pose& pose, const double* mobility, const double* from, Held& best) {
     Held found;
     std::copy_n(from, arm.hinges, found.angles);
@@ -149,13 +149,13 @@ inline void improve(const Linkage& arm, const Pose& pose, const double* mobility
     best.residual = found.residual, best.turn = found.turn, best.reached = found.reached;
 }
 
-// Numbers in the order of what they cost, the cheapest first.
+// Returns indices sorted by cost, the cheapest first.
 inline void rank(const double* cost, int count, int* order) {
     for (int k = 0; k < count; ++k) order[k] = k;
     std::sort(order, order + count, [cost](int a, int b) { return cost[a] < cost[b] || (cost[a] == cost[b] && a < b); });
 }
 
-// Descends from the cheapest cells that differ, until one of them holds the pose.
+// Descends from the cheapest distinct cells until one solves the pose.
 inline void refine(const Search& search, const double* mobility, Held& best) {
     const Linkage& arm = search.arm;
     double kept[CANDIDATES][MOST_HINGES];
@@ -172,7 +172,7 @@ inline void refine(const Search& search, const double* mobility, Held& best) {
     }
 }
 
-// Descends from postures all over the ranges, the nearest to the pose first.
+// Descends from start postures all over the ranges, the nearest to the pose first.
 inline void reseed(const Linkage& arm, const Pose& pose, const double* mobility, Held& best) {
     double cost[MOST_SEEDS], postures[MOST_SEEDS][MOST_HINGES];
     int order[MOST_SEEDS];
@@ -190,7 +190,7 @@ inline void reseed(const Linkage& arm, const Pose& pose, const double* mobility,
 
 }  // namespace poses
 
-// Whether an arm's girdle is small enough to be searched here.
+// Whether an arm has few enough collar-bone hinges for this search.
 inline bool searched(const Linkage& arm) { return arm.upper().first <= poses::MOST_GIRDLE; }
 
 inline Held hold(const Linkage& arm, const Pose& pose, const double* mobility) {

@@ -1,4 +1,4 @@
-// Levenberg-Marquardt for place and orientation together, inside the ranges (kinesic/ik/pose.py).
+// Levenberg-Marquardt for position and orientation together, within the ranges (kinesic/ik/pose.py).
 
 #pragma once
 
@@ -9,11 +9,11 @@ namespace kinesic::arm {
 
 namespace six {
 
-constexpr double TOLERANCE = 1e-7;  // arm lengths and rad together
+constexpr double TOLERANCE = 1e-7;  // error in arm lengths and rad
 
 using Misfit = box::Misfit<MOST_HINGES>;
 
-// Place in arm lengths, orientation in rad.
+// Errors: position in arm lengths, orientation in rad.
 inline void measure(const Linkage& arm, const Vector& target, const Rotation& wanted, const double* angles,
                     Misfit& misfit) {
     Vector axis[MOST_HINGES], pole[MOST_HINGES], centre = arm.origin, hand;
@@ -39,7 +39,7 @@ inline void measure(const Linkage& arm, const Vector& target, const Rotation& wa
     std::copy_n(row, box::ROWS, misfit.row);
 }
 
-// Descends from the angles, in place, springs drawing to `home` what the pose leaves open; the rounds taken.
+// Descends in place, with a null-space pull towards `home`; returns the number of iterations.
 inline int descend(const Linkage& arm, const Vector& target, const Rotation& wanted, const double* home,
                    const double* mobility, double* angles) {
     double lower[MOST_HINGES], upper[MOST_HINGES];

@@ -15,22 +15,22 @@ constexpr double REACHED = 1e-3;
 struct Question {
     Vector position;                   // [m] in the base
     const double* swivel = nullptr;    // [rad] or null
-    Wish wishes[MOST_WISHES];          // pointing, palm
+    Wish wishes[MOST_WISHES];          // desired pointing and palm directions
     int wish_count = 0;
-    double near[MOST_HINGES];          // [rad] inside the ranges
-    double home[MOST_HINGES];          // [rad] inside the ranges
+    double near[MOST_HINGES];          // [rad] start posture, inside the ranges
+    double home[MOST_HINGES];          // [rad] preferred posture, inside the ranges
     double mobility[MOST_HINGES];
 };
 
 struct Answer {
     double angles[MOST_HINGES] = {};   // [rad] inside the ranges
-    double errors[MOST_WISHES] = {};   // [rad] in the order of the wishes
+    double errors[MOST_WISHES] = {};   // [rad] direction errors in the order of `wishes`
     double residual = 0.0;             // [m]
     int iterations = 0;
     Vector target;                     // [m] after clamping to the reach
 };
 
-// The seeds whose hands are nearest to a target, best first.
+// Returns the start postures whose hands are nearest to a target, best first.
 inline void nearest(const Linkage& arm, const Vector& target, int count, int* chosen) {
     double near[MOST_SEEDS];
     int kept = 0;
@@ -47,7 +47,7 @@ inline void nearest(const Linkage& arm, const Vector& target, int count, int* ch
     }
 }
 
-// Polishes from the angles, then from other postures while the hand is not there; the best of all.
+// Corrects the angles numerically, then from other postures until the hand arrives; returns the best.
 inline Polished approach(const Linkage& arm, const Vector& target, const double* angles, const double* posture,
                          const double* mobility) {
     Polished best = polish(arm, target, angles, posture, mobility);
@@ -62,7 +62,7 @@ inline Polished approach(const Linkage& arm, const Vector& target, const double*
     return best;
 }
 
-// Closed forms first; where they miss, polish, from other postures if need be.
+// Solves in closed form; if that misses, corrects numerically, also from other postures.
 inline Bend found(const Linkage& arm, const Place& place, const Question& question) {
     Bend first = bent(arm, place, question.near, question.swivel);
     if (first.exact) return first;

@@ -1,4 +1,4 @@
-// The elbow swings as far as the hand's directions need it (kinesic/ik/pointing.py).
+// Elbow swing needed for the hand's directions (kinesic/ik/pointing.py).
 
 #pragma once
 
@@ -6,10 +6,10 @@
 
 namespace kinesic::arm {
 
-struct Cell {  // the posture of one swivel, inside the ranges
+struct Cell {  // posture of one swivel, inside the ranges
     double angles[MOST_HINGES];
-    double errors[MOST_WISHES];  // [rad] in the order of the wishes
-    double error = 0.0;          // [rad] all together
+    double errors[MOST_WISHES];  // [rad] direction errors
+    double error = 0.0;          // [rad] sum of the direction errors
     double miss = 0.0;           // [m] of the hand
 };
 
@@ -21,7 +21,7 @@ constexpr double PRICE = 0.03;
 constexpr int BISECTIONS = 8;
 constexpr double OFF = 1e-6;
 
-struct Sweep {  // postures with the elbow at one swivel after the other, their hands turned
+struct Sweep {  // postures with the elbow at successive swivels and the wrist turned
     places::Scan scan;
     const Question& question;
 
@@ -40,7 +40,7 @@ struct Sweep {  // postures with the elbow at one swivel after the other, their 
 
     bool serves(const Cell& cell) const { return cell.miss <= scan.tolerance && cell.error <= SATISFIED; }
 
-    // Bisects to where the directions begin to be satisfied.
+    // Bisects to the swivel at which the directions begin to be met.
     Cell edge(double outside, double inside, Cell found) {
         for (int step = 0; step < BISECTIONS; ++step) {
             const double middle = 0.5 * (outside + inside);
@@ -55,7 +55,7 @@ struct Sweep {  // postures with the elbow at one swivel after the other, their 
         return found;
     }
 
-    // The smallest swing that satisfies, looked for outward; else the best for its width.
+    // Returns the smallest swing that meets the directions, searched outward; otherwise the best by error and width.
     Cell smallest(double widest) {
         Cell best = at(0.0);
         double least = INFINITY;
@@ -76,7 +76,7 @@ struct Sweep {  // postures with the elbow at one swivel after the other, their 
 
 }  // namespace swings
 
-// Collar bone and hand stay where `question.near` has them; its swivel is free.
+// Swings the elbow; collar bone and hand keep their positions of `question.near`.
 inline Cell swing(const Linkage& arm, const Question& question, double widest) {
     const Place place = place_of(arm, question.near, question.position);
     Vector points[MOST_LINKS + 1];

@@ -1,4 +1,4 @@
-// Following a moving target, warm and without leaps (kinesic/ik/track.py).
+// Tracking of a moving target from the previous posture (kinesic/ik/track.py).
 
 #pragma once
 
@@ -10,14 +10,14 @@ namespace kinesic::arm {
 namespace tracking {
 
 constexpr int ROUNDS = 8;
-constexpr double TOLERANCE = 1e-8;      // of the arm's length
+constexpr double TOLERANCE = 1e-8;      // [arm lengths] largest remaining distance
 constexpr double DAMPING = 0.3;         // lambda^2 = DAMPING e^2 + LEAST_DAMPING size^2
 constexpr double LEAST_DAMPING = 1e-7;
-constexpr double SOFT = 0.05;           // the last part of the reach, given out ever more slowly
+constexpr double SOFT = 0.05;           // last fraction of the reach, which is approached asymptotically
 
 }  // namespace tracking
 
-// The target drawn softly inside the reach: d' = s + w (1 - exp((s - d) / w)) beyond s = (1 - SOFT) D, w = SOFT D.
+// Target moved smoothly inside the reach: d' = s + w (1 - exp((s - d) / w)) beyond s = (1 - SOFT) D, w = SOFT D.
 inline Vector softened(const Linkage& arm, const Vector& target, const double* rest) {
     using namespace tracking;
     const double width = SOFT * arm.farthest, begin = STRETCH * arm.farthest - width;
@@ -30,8 +30,8 @@ inline Vector softened(const Linkage& arm, const Vector& target, const double* r
     return shoulder + (target - shoulder) * ((begin + width * (1.0 - std::exp((begin - d) / width))) / d);
 }
 
-// Moves the angles until the hand is on the target, its first round drawing them to rest by the share `pull`.
-// Returns what the hand misses [m].
+// Moves the angles until the hand is on the target; the first iteration pulls them towards rest by the fraction `pull`.
+// Returns the remaining distance [m].
 inline Vector moved(const Linkage& arm, const Vector& target, double pull, const double* rest, const double* mobility,
                     double* angles) {
     using namespace tracking;
@@ -51,7 +51,7 @@ inline Vector moved(const Linkage& arm, const Vector& target, double pull, const
     return error;
 }
 
-// One tick: the way to the target in `parts` equal steps. Returns the distance from the hand to the target asked [m].
+// Tracks for one tick in `parts` equal steps. Returns the distance from the hand to the requested target [m].
 inline double follow(const Linkage& arm, const Vector& target, double pull, int parts, const double* rest,
                      const double* mobility, double* angles) {
     const Vector goal = softened(arm, target, rest), from = parts > 1 ? hand(arm, angles) : goal;

@@ -1,4 +1,4 @@
-// Three numbers and nine numbers: the same arithmetic as kinesic/ik/scalar3.py, in the same order.
+// 3D vectors and rotation matrices: the same arithmetic as kinesic/ik/scalar3.py, in the same order.
 
 #pragma once
 
@@ -29,16 +29,16 @@ inline double norm(const Vector& a) { return std::sqrt(a.x * a.x + a.y * a.y + a
 inline double distance(const Vector& a, const Vector& b) { return norm(a - b); }
 inline bool null(const Vector& a) { return a.x == 0.0 && a.y == 0.0 && a.z == 0.0; }
 
-// The direction; the null vector has none and stays null.
+// Unit direction; the null vector stays null.
 inline Vector unit(const Vector& a) {
     const double length = norm(a);
     return length > 0.0 ? a * (1.0 / length) : a;
 }
 
-// The part perpendicular to a unit axis.
+// Component perpendicular to a unit axis.
 inline Vector across(const Vector& a, const Vector& axis) { return a - axis * dot(a, axis); }
 
-// About a unit axis (Rodrigues), given cosine and sine of the angle.
+// Rotation about a unit axis (Rodrigues), given cosine and sine of the angle.
 inline Vector turned(const Vector& a, const Vector& axis, double c, double s) {
     const double d = dot(axis, a) * (1.0 - c);
     const Vector k = cross(axis, a);
@@ -50,7 +50,7 @@ inline Vector turned(const Vector& a, const Vector& axis, double angle) {
     return turned(a, axis, turn.cosine, turn.sine);
 }
 
-// Nearest representative of an angle to zero, whole turns aside [rad]. One turn is subtracted without rounding, as
+// Equivalent angle nearest to zero [rad]. One turn is subtracted without rounding, as
 // std::remainder does, in a tenth of its time.
 inline double wrapped(double angle) {
     if (std::abs(angle) <= PI) return angle;
@@ -58,17 +58,17 @@ inline double wrapped(double angle) {
     return std::abs(once) < PI ? once : std::remainder(angle, TAU);
 }
 
-struct Rotation {  // columns: where the frame's own axes point
+struct Rotation {  // columns: axes of the frame
     Vector x{1.0, 0.0, 0.0}, y{0.0, 1.0, 0.0}, z{0.0, 0.0, 1.0};
 };
 
-// Out of a frame: R a.
+// From frame to base coordinates: R a.
 inline Vector rotated(const Rotation& r, const Vector& a) {
     return {r.x.x * a.x + r.y.x * a.y + r.z.x * a.z, r.x.y * a.x + r.y.y * a.y + r.z.y * a.z,
             r.x.z * a.x + r.y.z * a.y + r.z.z * a.z};
 }
 
-// Into a frame: R transposed, times a.
+// From base to frame coordinates: R transposed times a.
 inline Vector within(const Rotation& r, const Vector& a) { return {dot(r.x, a), dot(r.y, a), dot(r.z, a)}; }
 
 // R about(axis, angle), given cosine and sine of the angle.

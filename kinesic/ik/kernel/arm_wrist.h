@@ -1,4 +1,4 @@
-// Turns the hand's own hinges so that it points and its palm faces as asked (kinesic/ik/arm/wrist.py).
+// Wrist angles that meet pointing and palm directions (tests/reference/ik/wrist.py).
 
 #pragma once
 
@@ -11,7 +11,7 @@ namespace kinesic::arm {
 constexpr int MOST_WISHES = 2;
 
 struct Wish {
-    Vector own, wanted;  // unit, in the last segment and in the base
+    Vector own, wanted;  // unit: direction in the last segment, and desired direction in the base
 };
 
 namespace wrist {
@@ -21,15 +21,15 @@ constexpr double TOLERANCE = 1e-6;
 constexpr double PERFECT = 1e-4;
 constexpr double POSTURE = 2e-4;
 
-struct Aim {  // a hinge at an angle
+struct Aim {  // hinge at an angle
     double angle;
     Turn turn;
 };
 
-struct Hinge {  // one of the hand's own, with what no climb changes
+struct Hinge {  // wrist hinge, with the data that stay constant in the search
     Vector axis;
     Aim lower, upper;
-    Turn home;  // where it rests
+    Turn home;  // rest angle
 };
 
 struct Peak {
@@ -47,7 +47,7 @@ inline Vector back(const Vector& a, const Hinge& hinge, const Aim& aim) {
     return turned(a, hinge.axis, aim.turn.cosine, -aim.turn.sine);
 }
 
-// How well directions agree is A cos q + B sin q in each single hinge: its best angle inside the range.
+// Agreement of directions is A cos q + B sin q in each hinge: returns its best angle in range.
 inline Peak best(const Hinge& hinge, const Vector* looks, const Vector* owns, int wishes) {
     double a = POSTURE * hinge.home.cosine, b = POSTURE * hinge.home.sine, level = 0.0;
     for (int i = 0; i < wishes; ++i) {
@@ -64,12 +64,12 @@ inline Peak best(const Hinge& hinge, const Vector* looks, const Vector* owns, in
     return {aim, level + height(aim)};
 }
 
-// Hinge after hinge to its best angle until none moves; how well the directions agree then.
+// Optimises hinge after hinge until none moves; returns the agreement of the directions.
 inline double climbed(const Hinge* hinge, int hinges, const Vector* wanted, const Wish* wishes, int count, Aim* aims) {
     double height = 0.0;
     for (int round = 0; round < ROUNDS; ++round) {
         double change = 0.0;
-        Vector looks[MOST_WISHES], owns[MOST_HINGES][MOST_WISHES];  // seen where a hinge turns, and just behind it
+        Vector looks[MOST_WISHES], owns[MOST_HINGES][MOST_WISHES];  // desired directions in front of, hand's behind a hinge
         for (int i = 0; i < count; ++i) {
             looks[i] = wanted[i];
             owns[hinges - 1][i] = wishes[i].own;
@@ -89,7 +89,7 @@ inline double climbed(const Hinge* hinge, int hinges, const Vector* wanted, cons
 
 }  // namespace wrist
 
-// The angles of the hand's own hinges; where stops make several peaks the climb begins again at each corner.
+// Computes the wrist angles; with several local optima due to limits the search restarts at each corner.
 inline void orient(const Linkage& arm, const Rotation& frame, const Wish* wishes, int count, const double* rest,
                    double* angles) {
     const int hinges = arm.last().count;
@@ -118,7 +118,7 @@ inline void orient(const Linkage& arm, const Rotation& frame, const Wish* wishes
     for (int k = 0; k < hinges; ++k) angles[k] = found[k].angle;
 }
 
-// Turns the hand of an arm bent to `angles`, from the frame of its forearm; what each direction then is off [rad].
+// Turns the wrist of an arm with `angles`, from the frame of its forearm; computes the direction errors [rad].
 inline void turn_hand(const Linkage& arm, Rotation frame, const Wish* wishes, int count, const double* home,
                       double* angles, double* errors) {
     orient(arm, frame, wishes, count, home + arm.own(), angles + arm.own());

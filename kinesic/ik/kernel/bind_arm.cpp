@@ -1,4 +1,4 @@
-// The solver of arms for Python. Anything but finite float64 of the right size is refused, and kinesic/ik explains why.
+// Python interface of the arm solver. It refuses anything but finite float64 of the right size; kinesic/ik explains why.
 
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
@@ -34,7 +34,7 @@ using Array = nb::ndarray<double, Shape..., nb::c_contig, nb::device::cpu>;
 
 Vector vector(const Triple& p) { return {p[0], p[1], p[2]}; }
 
-// Hinges are given in a row; `counts` says how many aim each bone.
+// Hinges are given in one list; `counts` has the number that aim each bone.
 void pack(Arm* self, const Triple& origin, const std::vector<int>& counts, const Triples& bones, const Triples& axes,
           const Numbers& lower, const Numbers& upper, const Numbers& rest, const Numbers& mobility, const Triple& palm,
           double side, double farthest, double closest, const std::vector<Numbers>& seeds, bool mirrored) {
@@ -42,7 +42,7 @@ void pack(Arm* self, const Triple& origin, const std::vector<int>& counts, const
     if (aiming != hinges || counts.size() < 3 || counts.size() > MOST_LINKS || bones.size() != counts.size() ||
         hinges > MOST_HINGES || lower.size() != hinges || upper.size() != hinges || rest.size() != hinges ||
         mobility.size() != hinges || seeds.size() > MOST_SEEDS)
-        throw std::invalid_argument("an arm has 3 to 6 bones, at most 12 hinges and 64 seeds, and each its numbers");
+        throw std::invalid_argument("an arm has 3 to 8 bones, at most 12 hinges and 64 seeds, and each its numbers");
     Arm* arm = new (self) Arm();
     Linkage& linkage = arm->linkage;
     linkage.origin = vector(origin);
@@ -88,13 +88,13 @@ bool read_wishes(const Arm& arm, nb::handle pointing, nb::handle palm, Question&
            read_wish(arm, palm, arm.linkage.palm, question);
 }
 
-// Errors of pointing and palm; None for what was not asked.
+// Errors of pointing and palm; None for a direction that was not requested.
 std::pair<nb::object, nb::object> told(nb::handle pointing, nb::handle palm, const double* errors) {
     return {pointing.is_none() ? nb::none() : nb::cast(errors[0]),
             palm.is_none() ? nb::none() : nb::cast(errors[pointing.is_none() ? 0 : 1])};
 }
 
-// The fields of kinesic.ik.solve.Solution in their order. None: refused.
+// Fields of kinesic.ik.solve.Solution in order. None: refused.
 nb::object ask(const Arm& arm, nb::handle position, nb::handle pointing, nb::handle palm, nb::handle swivel,
                nb::handle start, nb::handle rest, nb::handle mobility) {
     const int n = arm.linkage.hinges;
@@ -133,7 +133,7 @@ nb::object ask(const Arm& arm, nb::handle position, nb::handle pointing, nb::han
                           found.iterations, sealed(clamped, 3), pulled);
 }
 
-// From a solved posture the elbow swings at most `widest` aside: angles, residual, errors of pointing and palm.
+// Swings the elbow of a solved posture by at most `widest`: angles, residual, errors of pointing and palm.
 nb::object swung(const Arm& arm, nb::handle position, nb::handle pointing, nb::handle palm, nb::handle home,
                  nb::handle angles, double widest) {
     Question question;
@@ -151,7 +151,7 @@ nb::object swung(const Arm& arm, nb::handle position, nb::handle pointing, nb::h
     return nb::make_tuple(sealed(cell.angles, arm.linkage.hinges), cell.miss, first, second);
 }
 
-// Polish from the angles, in place; from other postures where it stalls. Returns the residual [m].
+// Corrects the angles in place, from other postures if it stalls. Returns the residual [m].
 double reach(const Arm& arm, nb::handle target, nb::handle angles) {
     double place[3], now[MOST_HINGES];
     if (!read(target, place, 3) || !read_posture(arm, angles, now))
@@ -166,7 +166,7 @@ double reach(const Arm& arm, nb::handle target, nb::handle angles) {
     return best.miss;
 }
 
-// Each target from the same start by polish alone, at most `rounds` of it.
+// Solves each target from the same start by numerical correction alone, with at most `rounds` iterations.
 void reach_many(const Arm& arm, Array<const double, nb::shape<-1, 3>> targets, Array<const double, nb::shape<-1>> start,
                 int rounds, Array<double, nb::shape<-1, -1>> angles, Array<double, nb::shape<-1>> residuals) {
     const int n = arm.linkage.hinges;
@@ -178,7 +178,7 @@ void reach_many(const Arm& arm, Array<const double, nb::shape<-1, 3>> targets, A
     for (int k = 0; k < n; ++k) now[k] = arm.linkage.pivot[k].clipped(start.data()[k]);
     for (size_t i = 0; i < count; i += LANES) {
         Vectors target = all(Vector{});
-        for (size_t lane = 0; lane < LANES; ++lane) {  // the last target fills the lanes that are left over
+        for (size_t lane = 0; lane < LANES; ++lane) {  // the last target fills the remaining lanes
             const Vector seen = arm.seen(targets.data() + 3 * std::min(i + lane, count - 1));
             target.x[lane] = seen.x, target.y[lane] = seen.y, target.z[lane] = seen.z;
         }
@@ -192,7 +192,7 @@ void reach_many(const Arm& arm, Array<const double, nb::shape<-1, 3>> targets, A
     }
 }
 
-// One tick of tracking, in place, too short to let others run meanwhile. Returns the residual [m].
+// One tick of tracking, in place, too short to release Python's lock. Returns the residual [m].
 double track(const Arm& arm, nb::handle target, double pull, int parts, nb::handle angles) {
     double place[3], now[MOST_HINGES];
     if (!read(target, place, 3) || !read(angles, now, arm.linkage.hinges))

@@ -14,7 +14,7 @@ namespace kinesic {
 
 namespace nb = nanobind;
 
-// The numbers of an array; null unless it is a contiguous one of `count` float64.
+// Returns the numbers of an array; null unless it is contiguous float64 of length `count`.
 inline double* numbers(nb::handle source, int count) {
     if (!PyArray_Check(source.ptr())) return nullptr;
     auto* array = reinterpret_cast<PyArrayObject*>(source.ptr());
@@ -23,7 +23,7 @@ inline double* numbers(nb::handle source, int count) {
     return good ? static_cast<double*>(PyArray_DATA(array)) : nullptr;
 }
 
-// Copies finite numbers out of an array of their count; false for anything else.
+// Copies finite numbers from an array of the expected length; false for anything else.
 inline bool read(nb::handle source, double* into, int count) {
     const double* from = numbers(source, count);
     if (!from) return false;
@@ -42,7 +42,7 @@ inline bool read_square(nb::handle source, double* into, int side) {
     return std::all_of(into, into + side * side, [](double number) { return std::isfinite(number); });
 }
 
-// Copies numbers into a writable array of their count; false for anything else.
+// Copies numbers into a writable array of the expected length; false for anything else.
 inline bool write(nb::handle target, const double* from, int count) {
     double* into = numbers(target, count);
     if (!into || !PyArray_ISWRITEABLE(reinterpret_cast<PyArrayObject*>(target.ptr()))) return false;

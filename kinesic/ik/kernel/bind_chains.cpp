@@ -1,4 +1,4 @@
-// Ball chains from Python: one solve, and many solves timed one by one.
+// Python interface of ball chains: one solve, and many solves timed one by one.
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
@@ -21,7 +21,7 @@ namespace chains = kinesic::chains;
 
 namespace {
 
-constexpr int REPEATS = 3;  // of each timed solve; the shortest counts, so that interruptions do not
+constexpr int REPEATS = 3;  // repetitions of each timed solve; the shortest time counts, which excludes interruptions
 
 using Rows3 = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
 using Three = nb::ndarray<const double, nb::shape<3>, nb::c_contig, nb::device::cpu>;

@@ -1,4 +1,4 @@
-// The postures of all keys of a hand, in one call (kinesic/ik/keys.py).
+// Python interface for the postures of all keys of a hand in one call (kinesic/ik/keys.py).
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
@@ -23,8 +23,8 @@ void add_wish(const Arm& arm, const double* wanted, const Vector& own, Question&
     question.wishes[question.wish_count++] = {own, unit(arm.seen(wanted))};
 }
 
-// The angles of every key, where the path that it is on began, and the swivel that was asked; `now` and `began` are
-// those before the first.
+// Returns angles, start angles of the current path and requested swivel of every key; `now` and `began` are the values
+// before the first key.
 void pose_keys(const Arm& arm, Modes modes, Flags passing, Triples positions, Triples pointings, Triples palms, Row swivels,
                Table rests, Row openness, Row now, Row began, double widest, double leap, double open,
                Array<double, nb::shape<-1, -1>> angles, Array<double, nb::shape<-1, -1>> beginnings,

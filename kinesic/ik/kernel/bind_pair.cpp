@@ -1,4 +1,4 @@
-// Both hands for Python. Anything but finite float64 of the right size is refused, and kinesic/ik/two_hands.py explains.
+// Python interface for both hands. Refuses anything but finite float64 of the right size; kinesic/ik/two_hands.py says why.
 
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/array.h>
@@ -18,14 +18,14 @@ namespace kinesic::pair {
 namespace {
 
 using Triple = std::array<double, 3>;
-using Hinges = std::vector<std::tuple<int, Triple, Triple>>;  // joint, axis, where it passes [m]
+using Hinges = std::vector<std::tuple<int, Triple, Triple>>;  // joint, axis, point on the axis [m]
 using Parts = std::vector<std::pair<Triple, Hinges>>;         // offset [m], hinges
 using Numbers = std::vector<double>;
 using Joints = std::vector<int>;
 
 struct Pair {
     Body body;
-    nb::object arms[2];  // kept alive: the body looks into them
+    nb::object arms[2];  // references that keep the arms alive
 };
 
 Vector vector(const Triple& p) { return {p[0], p[1], p[2]}; }
@@ -45,7 +45,7 @@ Strand strand(const Parts& parts, int joints) {
     return made;
 }
 
-// Left before right in all that comes in two.
+// All pairs are ordered left, right.
 void pack(Pair* self, const Numbers& lower, const Numbers& upper, const Joints& torso, double length,
           const std::vector<nb::object>& arms, const std::vector<Joints>& joints, const std::vector<Parts>& bases,
           const std::vector<Parts>& hands) {
@@ -76,18 +76,19 @@ void pack(Pair* self, const Numbers& lower, const Numbers& upper, const Joints& 
             if (joint < 0 || joint >= body.joints) throw std::invalid_argument("a joint is none of the robot");
 }
 
-// Angles, residuals left and right, the torso's travel, rounds. `first`: 0 left, 1 right, -1 none. None: refused.
+// Returns angles, both residuals, torso travel, iterations. `first`: 0 left, 1 right, -1 none. None: refused.
 nb::object reach_both(const Pair& pair, nb::handle left, nb::handle right, nb::handle start, double torso_weight,
                       int first) {
     Wanted wanted;
     const nb::handle targets[2] = {left, right};
     for (int side = 0; side < 2; ++side) {
         double place[3];
-        if (!read(targets[side], place, 3)) return nb::none();
+        if (!read(targets[side], place, 3)) throw nb::value_error("a target needs 3 finite numbers in a float64 array");
         wanted.target[side] = {place[0], place[1], place[2]};
     }
     const Body& body = pair.body;
-    if (!read(start, wanted.present, body.joints)) return nb::none();
+    if (!read(start, wanted.present, body.joints))
+        throw nb::value_error("the start needs a finite angle for each hinge in a float64 array");
     for (int k = 0; k < body.joints; ++k)
         wanted.present[k] = std::max(body.lower[k], std::min(body.upper[k], wanted.present[k]));
     wanted.torso_weight = torso_weight;

@@ -1,4 +1,4 @@
-// Poses for Python. Anything but finite float64 of the right size is refused, and kinesic/ik/pose.py explains why.
+// Python interface for hand poses. It refuses anything but finite float64 of the right size; kinesic/ik/pose.py says why.
 
 #include <nanobind/nanobind.h>
 
@@ -11,7 +11,7 @@ namespace kinesic::arm {
 
 namespace {
 
-constexpr double ORTHONORMAL = 1e-6;  // how far R^T R may be from 1
+constexpr double ORTHONORMAL = 1e-6;  // largest deviation of R^T R from 1
 
 bool is_rotation(const Rotation& r) {
     const Vector* columns[3] = {&r.x, &r.y, &r.z};
@@ -21,7 +21,7 @@ bool is_rotation(const Rotation& r) {
     return dot(cross(r.x, r.y), r.z) > 0.0;
 }
 
-// The fields of kinesic.ik.pose.PoseSolution in their order.
+// Fields of kinesic.ik.pose.PoseSolution in order.
 nb::object answered(const Arm& arm, const Pose& pose) {
     Held held;
     {

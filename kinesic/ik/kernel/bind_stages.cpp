@@ -1,4 +1,4 @@
-// The stages one by one, so that tests can hold each against its specification.
+// Python interface of single stages, which tests compare with their reference.
 
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
@@ -37,7 +37,7 @@ Triples triples(const Vector* points, int count) {
     return listed;
 }
 
-struct Angles {  // of all hinges; missing ones are zero
+struct Angles {  // angles of all hinges; missing ones are zero
     double at[MOST_HINGES] = {};
     explicit Angles(const Numbers& given) {
         if (given.size() > MOST_HINGES) throw std::invalid_argument("too many angles");

@@ -1,4 +1,4 @@
-// Levenberg-Marquardt inside a box for six rows (kinesic/ik/box_lm.py): a variable that meets its stop stays there.
+// Levenberg-Marquardt with bounds for six residuals (kinesic/ik/box_lm.py): a variable that reaches its bound stays there.
 
 #pragma once
 
@@ -18,7 +18,7 @@ constexpr int PATIENCE = 6;
 constexpr double CAUTION = 8.0;
 
 template <int Most>
-struct Misfit {  // wanted minus present, in units of order one, and how the present moves with each variable
+struct Misfit {  // desired minus present value, in units of order one, and the derivative by each variable
     double row[ROWS];
     double column[Most][ROWS];
 
@@ -29,7 +29,7 @@ struct Misfit {  // wanted minus present, in units of order one, and how the pre
     }
 };
 
-struct Box {  // ranges of the variables, and how readily each moves
+struct Box {  // ranges and mobilities of the variables
     int count;
     const double *lower, *upper, *home, *mobility;
 
@@ -43,7 +43,7 @@ struct Descent {
     double miss = 0.0;
 };
 
-// Solves the symmetric positive system by Cholesky's method, in place.
+// Solves a symmetric positive definite system by Cholesky's method, in place.
 inline void resolve(double matrix[ROWS][ROWS], double* right) {
     for (int j = 0; j < ROWS; ++j) {
         for (int i = 0; i <= j; ++i) {
@@ -60,7 +60,7 @@ inline void resolve(double matrix[ROWS][ROWS], double* right) {
     }
 }
 
-// One damped step dq = p + W J^T (J W J^T + lambda^2)^-1 (e - J p); solved again without what is stopped.
+// Takes one damped step dq = p + W J^T (J W J^T + lambda^2)^-1 (e - J p); repeats it without limited variables.
 template <int Most>
 void step(const Box& box, const double* now, const Misfit<Most>& misfit, const double* pulls, double damping,
           double* result) {
@@ -107,7 +107,7 @@ void step(const Box& box, const double* now, const Misfit<Most>& misfit, const d
     }
 }
 
-// Makes the misfit small from where the variables are, in place; `measure(now, misfit)` says how large it is.
+// Minimises the residuals from the variables' values, in place; `measure(now, misfit)` computes them.
 template <int Most, typename Measure>
 Descent descend(const Box& box, const Measure& measure, double tolerance, double* now) {
     Misfit<Most> buffers[2], *here = buffers, *spare = buffers + 1;

@@ -1,4 +1,4 @@
-// kinesic.ik._kernel: inverse kinematics compiled. Each part binds itself.
+// kinesic._kernel.ik: inverse kinematics. Each bind_*.cpp file adds its functions.
 
 #include <nanobind/nanobind.h>
 
@@ -8,7 +8,7 @@ void bind_arm(nb::module_& module);
 void bind_chains(nb::module_& module);
 void bind_pairs(nb::module_& module);
 
-NB_MODULE(_kernel, module) {
+void bind_ik(nb::module_& module) {
     bind_arm(module);
     bind_chains(module);
     bind_pairs(module);

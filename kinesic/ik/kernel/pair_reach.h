@@ -1,4 +1,4 @@
-// One posture of torso and arms for both hands (kinesic/ik/two_hands.py): six rows, the torso's hinges shared.
+// One posture of torso and arms for both hands (kinesic/ik/two_hands.py): six residuals with common torso hinges.
 
 #pragma once
 
@@ -10,19 +10,19 @@ namespace kinesic::pair {
 
 constexpr int MOST_JOINTS = 128;
 constexpr int MOST_TORSO = 6;
-constexpr double TOLERANCE = 1e-6;  // of the arm's length, at which an attempt ends
+constexpr double TOLERANCE = 1e-6;  // [arm lengths] error at which an attempt ends
 constexpr double SPREAD[2] = {0.25, 0.75};
 constexpr double YIELDING[3] = {0.1, 0.01, 0.001};
 constexpr int NOBODY = -1;
 
 using Misfit = box::Misfit<MOST_JOINTS>;
 
-struct Limb {  // an arm, and how it hangs on the robot
+struct Limb {  // arm with its position in the robot
     const arm::Linkage* linkage;
     const double *rest, *mobility;
     bool mirrored;
-    int joint[arm::MOST_HINGES];  // of the arm's hinges, in the robot's order
-    Strand base, hand;            // to the segment that carries it, and to the wrist
+    int joint[arm::MOST_HINGES];  // joint index of each hinge of the arm
+    Strand base, hand;            // chains to the segment that carries the arm, and to the wrist
 };
 
 struct Body {
@@ -33,21 +33,21 @@ struct Body {
     Limb limb[2];         // left, right
 };
 
-struct Both {  // what is found
+struct Both {  // solution for both hands
     double angles[MOST_JOINTS];
     double residual[2];  // [m]
     double travel = 0.0;  // [rad] of the torso
     int rounds = 0;
 };
 
-struct Wanted {  // two hands, left and right, and where the robot is
+struct Wanted {  // targets of both hands, and the present posture
     Vector target[2];             // [m] of each wrist's centre, in the world
     double present[MOST_JOINTS];  // [rad] inside the ranges
-    double torso_weight = 0.0;    // how readily the torso moves: 0 it stays, 1 like an arm
-    int first = NOBODY;  // the hand that comes first where not both can be had
+    double torso_weight = 0.0;    // mobility of the torso: 0 fixed, 1 like an arm
+    int first = NOBODY;  // hand with priority if not both can be reached
 };
 
-// Three rows for each hand, in arm lengths; those of the hand that yields times a weight.
+// Three residuals per hand, in arm lengths; those of the hand without priority are weighted.
 inline void measure(const Body& body, const Wanted& wanted, double weight, const double* angles, Misfit& misfit) {
     for (int k = 0; k < body.joints; ++k) std::fill_n(misfit.column[k], box::ROWS, 0.0);
     for (int side = 0; side < 2; ++side) {
@@ -66,7 +66,7 @@ inline void measure(const Body& body, const Wanted& wanted, double weight, const
     }
 }
 
-// Brings each arm as near to its target as it comes with the torso as it is; changes the angles.
+// Brings each arm as near to its target as possible with a fixed torso; changes the angles.
 inline void reach_apart(const Body& body, const Wanted& wanted, double* angles) {
     double posture[MOST_JOINTS];
     std::copy_n(angles, body.joints, posture);
@@ -87,7 +87,7 @@ inline void reach_apart(const Body& body, const Wanted& wanted, double* angles) 
     }
 }
 
-// Writes the n-th beginning: the present posture, then the torso at each pair of SPREAD, the last hinge varying fastest.
+// Writes the n-th start posture: the present one, then the torso at each pair of SPREAD, the last hinge varying fastest.
 inline void begin(const Body& body, const Wanted& wanted, int n, double* angles) {
     std::copy_n(wanted.present, body.joints, angles);
     if (n == 0) return;
@@ -97,7 +97,7 @@ inline void begin(const Body& body, const Wanted& wanted, int n, double* angles)
     }
 }
 
-// Writes how readily each hinge moves: torso and arms; those that only turn the hand stay (own() counts those before).
+// Writes the mobility of each hinge of torso and arms; hinges that only turn the hand are fixed.
 inline void ease(const Body& body, double torso_weight, double* mobility) {
     std::fill_n(mobility, body.joints, 0.0);
     for (int k = 0; k < body.torso_joints; ++k) mobility[body.torso[k]] = torso_weight;
@@ -105,7 +105,7 @@ inline void ease(const Body& body, double torso_weight, double* mobility) {
         for (int k = 0; k < limb.linkage->own(); ++k) mobility[limb.joint[k]] = limb.mobility[k];
 }
 
-// The first posture found in which both hands are there; else the best, from which one hand yields if the other is first.
+// Returns the first posture that reaches both hands; otherwise the best, in which the hand without priority yields.
 inline Both reach(const Body& body, const Wanted& wanted) {
     double mobility[MOST_JOINTS];
     ease(body, wanted.torso_weight, mobility);

@@ -1,4 +1,4 @@
-// The chain of parts from the root to a segment, as far as two hands need it (kinesic/ik/two_hands.py, Strand).
+// Chain of segments from the root to a segment, for two hands (kinesic/ik/two_hands.py, Strand).
 
 #pragma once
 
@@ -14,15 +14,15 @@ constexpr int MOST_PARTS = 24;
 constexpr int MOST_HINGES = 48;
 
 struct Hinge {
-    int joint = 0;  // in the robot's order
+    int joint = 0;  // index in the robot's joint order
     Pivot pivot;
-    Vector at;  // [m] where its axis passes the part's centre
+    Vector at;  // [m] point on its axis, relative to the segment's centre
 };
 
 struct Strand {
     int parts = 0, hinges = 0;
-    Vector offset[MOST_PARTS];       // [m] of a part's centre in the part before
-    int end[MOST_PARTS];             // of a part's hinges
+    Vector offset[MOST_PARTS];       // [m] centre of a segment in its parent
+    int end[MOST_PARTS];             // one past the last hinge of a segment
     Hinge hinge[MOST_HINGES];
 };
 
@@ -30,7 +30,7 @@ struct Lines {  // the axis of each hinge in the world, with a point on it [m]
     Vector axis[MOST_HINGES], pole[MOST_HINGES];
 };
 
-// The end's centre [m] in the world and its frame.
+// Returns the end's centre [m] in the world and its frame.
 inline Vector walk(const Strand& strand, const double* angles, Lines& lines, Rotation& frame) {
     Vector centre;
     frame = Rotation{};

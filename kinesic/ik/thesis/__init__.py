@@ -1,1 +1,1 @@
-"""Chapter 7 of the thesis as it was written: ball joints, masses, springs and boxed Euler limits."""
+"""NumPy implementation of the thesis' inverse kinematics (chapter 7)."""

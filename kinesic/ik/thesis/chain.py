@@ -1,4 +1,4 @@
-"""A row of ball joints as masses and springs see it (thesis 7.3.1): a mass per joint, a spring per bone.
+"""Chains of ball joints, modelled as point masses and springs (thesis 7.3.1).
 
 Solvers divide every length by the chain's own, so thresholds mean the same for a finger and for a crane.
 """
@@ -10,16 +10,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.body.chain import Chain
 from kinesic.ik.thesis.boxes import EulerBoxes
 
-REST_BEND = float(np.radians(10.0))  # [rad] from bone to bone of a chain that rests in a gentle curve
-NO_LENGTH = 1e-9  # share of the chain's length below which a bone has no direction
+MIN_BONE_RATIO = 1e-9  # bone length / chain length below which a bone has no direction
 
 
 @dataclass(frozen=True, eq=False)
 class BallChain:
-    """n ball joints, n bones and n + 1 masses, at rest."""
+    """Chain of ball joints in its rest posture."""
 
     points: Floats  # (n + 1, 3) [m] the base, the joints between the bones, the end effector
     ups: Floats  # (n, 3) unit, perpendicular to each bone: they tell its twist
@@ -39,7 +37,7 @@ class BallChain:
         damping: float | None = None,
         limits: EulerBoxes | None = None,
     ) -> "BallChain":
-        """Makes a chain from its points at rest.
+        """Make a chain from its joint positions at rest.
 
         Args:
             points: (n + 1, 3) [m].
@@ -59,7 +57,7 @@ class BallChain:
         bones = np.diff(places, axis=0)
         lengths = np.linalg.norm(bones, axis=1)
         for k, length in enumerate(lengths):
-            if length <= NO_LENGTH * lengths.sum():
+            if length <= MIN_BONE_RATIO * lengths.sum():
                 raise ValueError(
                     f"bone {k}, from point {k} to {k + 1}, is {length:g} m long; every bone needs a length"
                 )
@@ -77,7 +75,7 @@ class BallChain:
     def curved(
         cls, lengths: ArrayLike, *, bend: float = np.radians(10.0), base: ArrayLike = (0.0, 0.0, 0.0)
     ) -> "BallChain":
-        """Makes a chain that rests in a gentle curve in the x-z plane, beginning along x.
+        """Make a chain that bends gently at rest.
 
         A straight rest is the one posture that springs along the bones cannot leave by themselves.
 
@@ -90,16 +88,6 @@ class BallChain:
         angles = bend * np.arange(len(sizes))
         bones = sizes[:, None] * np.stack([np.cos(angles), np.zeros_like(angles), np.sin(angles)], axis=1)
         return cls.of(np.asarray(base, dtype=np.float64) + np.vstack([np.zeros(3), np.cumsum(bones, axis=0)]))
-
-    @classmethod
-    def of_limb(cls, chain: Chain, angles: Floats) -> "BallChain":
-        """Makes a chain of the ball joints of a robot's limb, at rest in a posture.
-
-        Args:
-            chain: the limb; its hand is the end effector.
-            angles: (k,) [rad] of its hinges.
-        """
-        return cls.of(chain.frames(angles)[1][:-1])
 
     def __post_init__(self) -> None:
         bones = len(self.points) - 1
@@ -114,22 +102,22 @@ class BallChain:
 
     @cached_property
     def lengths(self) -> Floats:
-        """(n,) [m] of the bones."""
+        """Lengths of the bones, shape (n,) [m]."""
         return sealed(np.linalg.norm(np.diff(self.points, axis=0), axis=1))
 
     @cached_property
     def size(self) -> float:
-        """D_max of eq. 7.3.7: the sum of the bones [m], the unit of every solver here."""
+        """Sum of the bone lengths (D_max of eq. 7.3.7) [m]."""
         return float(self.lengths.sum())
 
     @cached_property
     def frames(self) -> Floats:
-        """(n, 3, 3) at rest: columns along the bone, aside, up."""
+        """Bone frames at rest, (n, 3, 3): columns forward, sideways, up."""
         along = np.diff(self.points, axis=0) / self.lengths[:, None]
         return sealed(np.stack([along, np.cross(self.ups, along), self.ups], axis=2))
 
     def beyond(self, joints: int) -> "BallChain":
-        """Leaves out the first joints."""
+        """Return the chain without its first `joints` joints."""
         limits = None if self.limits is None else self.limits.beyond(joints)
         return BallChain(
             self.points[joints:],
@@ -142,7 +130,7 @@ class BallChain:
 
 
 def perpendicular(wish: Floats, along: Floats) -> Floats:
-    """Finds unit vectors across directions, as near to a wish as possible.
+    """Return unit vectors perpendicular to directions, nearest to a preferred vector.
 
     Args:
         wish: (3,) or (n, 3).

@@ -1,4 +1,4 @@
-"""Relaxes all springs of method 2 at once, by linear systems instead of integration in time.
+"""Spring relaxation by solving linear systems (variant of method 2).
 
 The thesis integrates in time. But the springs of a chain only know their neighbours, so the correction that brings
 all of them to rest together is one tridiagonal system (extended position-based dynamics: Macklin et al. 2016). It
@@ -9,14 +9,14 @@ import numpy as np
 from scipy.linalg import solveh_banded
 
 from kinesic.body.arrays import Floats
-from kinesic.ik.thesis.springs import NO_LENGTH
+from kinesic.ik.thesis.springs import MIN_SPRING_LENGTH
 from kinesic.ik.thesis.task import Rest, Task
 
-COMPLIANCE = 1e-3  # per stiffness: keeps the system regular where all bones lie on one line
+SPRING_COMPLIANCE = 1e-3  # regularisation of the spring equations for collinear bones
 
 
 def balance_springs(task: Task) -> Rest:
-    """Corrects all bones together until they have their lengths between the base and the target.
+    """Move all masses together until bones have their rest lengths.
 
     With the stretch c_j of bone j, its direction u_j and weights w = 1 / m (0 at the pinned ends), each step solves
     (w_j + w_j+1 + a / k_j) l_j - w_j u_j.u_j-1 l_j-1 - w_j+1 u_j.u_j+1 l_j+1 = c_j
@@ -34,12 +34,12 @@ def balance_springs(task: Task) -> Rest:
 
 
 def _correction(points: Floats, task: Task, weights: Floats) -> Floats:
-    """(n + 1, 3) how the masses move."""
+    """Return the displacement of each mass, (n + 1, 3)."""
     bones = np.diff(points, axis=0)
-    lengths = np.maximum(np.sqrt((bones * bones).sum(axis=1)), NO_LENGTH)
+    lengths = np.maximum(np.sqrt((bones * bones).sum(axis=1)), MIN_SPRING_LENGTH)
     along = bones / lengths[:, None]
     bands = np.zeros((2, len(lengths)))
-    bands[0] = weights[:-1] + weights[1:] + COMPLIANCE / task.stiffness
+    bands[0] = weights[:-1] + weights[1:] + SPRING_COMPLIANCE / task.stiffness
     bands[1, :-1] = -weights[1:-1] * (along[:-1] * along[1:]).sum(axis=1)
     pulls = solveh_banded(bands, lengths - task.rests, lower=True)[:, None] * along
     moves: Floats = np.zeros_like(points)

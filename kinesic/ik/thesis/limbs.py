@@ -1,4 +1,4 @@
-"""A tree of chains: limbs that hang on the end of another limb, at its sub-base joint (thesis 7.3.2)."""
+"""Branching chains: limbs that start at the end of others (thesis 7.3.2)."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,7 +12,7 @@ from kinesic.ik.thesis.chain import BallChain
 
 @dataclass(frozen=True, eq=False)
 class Limb:
-    """A sub-chain; it begins where the limb that carries it ends."""
+    """Chain of ball joints that starts at another limb's end."""
 
     name: str
     chain: BallChain
@@ -21,7 +21,7 @@ class Limb:
 
 @dataclass(frozen=True, eq=False)
 class Limbs:
-    """Sub-chains, carriers first.
+    """Tree of limbs, each after the limb that carries it.
 
     First bones of limbs on the same sub-base joint are parts of one rigid body: they turn together. The limits of
     that joint would be told in as many frames as bones leave it, so a limb that hangs on another has none there.
@@ -42,7 +42,7 @@ class Limbs:
 
     @classmethod
     def of_robot(cls, robot: Robot) -> "Limbs":
-        """Takes torso and both arms of a robot as ball joints, at its rest posture: "torso", "l_arm", "r_arm".
+        """Make the limbs torso, left arm and right arm of a robot.
 
         The torso runs from its first segment to the one that carries the arms, which is the sub-base joint.
         """
@@ -58,36 +58,36 @@ class Limbs:
 
     @cached_property
     def reach(self) -> dict[str, float]:
-        """D_max of each limb's end: sum of the bones from the world to it [m]."""
-        found: dict[str, float] = {}
+        """Distance from the tree's base to each stretched limb's end [m]."""
+        reach_by_limb: dict[str, float] = {}
         for limb in self.members:
-            found[limb.name] = limb.chain.size + (0.0 if limb.on is None else found[limb.on])
-        return found
+            reach_by_limb[limb.name] = limb.chain.size + (0.0 if limb.on is None else reach_by_limb[limb.on])
+        return reach_by_limb
 
     @property
     def size(self) -> float:
-        """The longest reach [m], the unit of the solver."""
+        """Longest reach of any limb, used as length unit [m]."""
         return max(self.reach.values())
 
     def root(self, name: str) -> Floats:
-        """Finds the base of the root limb that carries a limb, (3,) [m] in the world."""
+        """Return the base position [m] of the root limb below a limb."""
         limb = next(limb for limb in self.members if limb.name == name)
         return limb.chain.points[0] if limb.on is None else self.root(limb.on)
 
     @cached_property
     def indices(self) -> dict[str, list[int]]:
-        """Indices of each limb's points among all masses of the tree; a sub-base joint is one mass."""
-        found: dict[str, list[int]] = {}
+        """Mass indices of each limb within the tree."""
+        indices_by_limb: dict[str, list[int]] = {}
         masses = 0
         for limb in self.members:
-            first = [masses] if limb.on is None else [found[limb.on][-1]]
+            first = [masses] if limb.on is None else [indices_by_limb[limb.on][-1]]
             after = masses + 1 if limb.on is None else masses
             masses = after + len(limb.chain.lengths)
-            found[limb.name] = first + list(range(after, masses))
-        return found
+            indices_by_limb[limb.name] = first + list(range(after, masses))
+        return indices_by_limb
 
     def hanging_on(self, name: str) -> list[Limb]:
-        """Lists the limbs that a limb carries."""
+        """Return the limbs attached to a limb's end."""
         return [limb for limb in self.members if limb.on == name]
 
     def _check(self, limb: Limb, ends: dict[str, Floats]) -> None:

@@ -1,4 +1,4 @@
-"""Algorithm 3: boxed Euler limits from the end to the root; what is cut off goes to the parent by the arc rule.
+"""Joint limits applied from end to root (thesis 7.3.3).
 
 The algorithm prints the parent's share as q' / q, the way back from the cut-off rotation, which would take the hand
 further away; its figure 7.4 and "Arc = alpha L1 = beta L2" mean q / q', which is used here.
@@ -11,11 +11,11 @@ from kinesic.body.arrays import Floats
 from kinesic.ik.thesis.chain import BallChain
 from kinesic.ik.thesis.rotations import Carrier, Stance, stance_of
 
-NO_ARM = 1e-9  # of the chain's length: a parent that sits on the target cannot move the hand along an arc
+MIN_LEVER_RATIO = 1e-9  # [chain lengths] distance from parent joint to target below which the joint is skipped
 
 
 def within_limits(chain: BallChain, stance: Stance, target: Floats, carrier: Carrier) -> Stance:
-    """Cuts each joint's rotation to its box and hands the excess to the parent, from the end to the root.
+    """Clip joints to their limits, compensating each by its parent.
 
     A joint p_i that loses the turn alpha moves the hand by an arc alpha |t - p_i|; its parent turns by
     beta = alpha |t - p_i| / |t - p_i-1| about the same axis to bring the hand back. The root's excess is lost.
@@ -37,7 +37,7 @@ def within_limits(chain: BallChain, stance: Stance, target: Floats, carrier: Car
         clamped = chain.limits.clamp(rotations[k], k)
         if clamped is rotations[k]:
             continue
-        if k > 0 and arms[k - 1] > NO_ARM * chain.size:
+        if k > 0 and arms[k - 1] > MIN_LEVER_RATIO * chain.size:
             into_parent = chain.frames[k - 1].T @ chain.frames[k]
             excess = into_parent @ Rotation.from_matrix(rotations[k] @ clamped.T).as_rotvec()
             rotations[k - 1] = rotations[k - 1] @ _arc(excess, float(arms[k] / arms[k - 1]))
@@ -46,7 +46,7 @@ def within_limits(chain: BallChain, stance: Stance, target: Floats, carrier: Car
 
 
 def _arc(excess: Floats, ratio: float) -> Floats:
-    """The parent's turn (3, 3), at most half a turn, for a rotation vector (3,) [rad] that its child lost."""
+    """Return the parent rotation that compensates a clipped child rotation."""
     angle = float(np.linalg.norm(excess)) * ratio
     turn: Floats = Rotation.from_rotvec(excess * ratio * np.pi / max(angle, np.pi)).as_matrix()
     return turn

@@ -1,4 +1,4 @@
-"""From points to rotations of ball joints and back, in closed form from bone and up vectors (thesis 7.3.1).
+"""Conversion between joint rotations and joint positions (thesis 7.3.1).
 
 A joint's rotation is told away from rest, in the frame of its bone at rest: x along the bone, y aside, z up. Its up
 vector travels with the bone by the smallest turn, so that a bone which is aimed is not twisted.
@@ -9,29 +9,29 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.body.rotation import about
-from kinesic.ik.thesis.chain import NO_LENGTH, BallChain
+from kinesic.body.rotation import rotation_about
+from kinesic.ik.thesis.chain import MIN_BONE_RATIO, BallChain
 
-OPPOSITE = 1e-9  # sine of the angle between two directions below which they are the same or opposite
-SIDEWAYS = 1e-9  # of the chain's length: inner points nearer to the line have no swivel
+PARALLEL_SINE = 1e-9  # sine of the angle below which two directions are parallel
+MIN_OFFSET_RATIO = 1e-9  # [chain lengths] distance from the base-hand line below which a point has no swivel
 
 
 @dataclass(frozen=True, eq=False)
 class Carrier:
-    """What carries a chain: where the chain's base stands, and how far it is turned away from rest."""
+    """Position and rotation of the base on which a chain stands."""
 
     point: Floats  # (3,) [m]
     rotation: Floats  # (3, 3) in the world
 
     @classmethod
     def at_rest(cls, chain: BallChain) -> "Carrier":
-        """Makes the ground that a chain stands on."""
+        """Make an unrotated base at the chain's first joint."""
         return cls(chain.points[0], np.eye(3))
 
 
 @dataclass(frozen=True, eq=False)
 class Stance:
-    """A chain with its bones at their true lengths."""
+    """Posture of a ball-joint chain, as rotations, frames and positions."""
 
     rotations: Floats  # (n, 3, 3) of the joints away from rest, each in the frame of its own bone at rest
     frames: Floats  # (n, 3, 3) in the world: columns along the bone, aside, up
@@ -40,7 +40,7 @@ class Stance:
 
 
 def transport_up(up: Floats, start: Floats, end: Floats) -> Floats:
-    """Carries an up vector (3,) along when its bone swings from one direction to another by the smallest turn.
+    """Rotate an up vector together with its bone, without twist.
 
     The turn is about start x end; between opposite directions it is a half turn about the up vector itself.
 
@@ -51,14 +51,14 @@ def transport_up(up: Floats, start: Floats, end: Floats) -> Floats:
     """
     normal = np.cross(start, end)
     sine = float(np.linalg.norm(normal))
-    if sine < OPPOSITE:
+    if sine < PARALLEL_SINE:
         return up
-    turned: Floats = about(normal / sine, float(np.arctan2(sine, start @ end))) @ up
+    turned: Floats = rotation_about(normal / sine, float(np.arctan2(sine, start @ end))) @ up
     return turned
 
 
 def stance_of(chain: BallChain, rotations: Floats, carrier: Carrier) -> Stance:
-    """Solves the forward kinematics.
+    """Compute joint positions and frames from joint rotations.
 
     Args:
         chain: at rest.
@@ -75,7 +75,7 @@ def stance_of(chain: BallChain, rotations: Floats, carrier: Carrier) -> Stance:
 
 
 def aim_bones(chain: BallChain, before: Floats, points: Floats, carrier: Carrier) -> Stance:
-    """Turns each joint, from the base outward, by the smallest turn that aims its bone along a pair of points.
+    """Aim each bone at the next point by the smallest rotation.
 
     Args:
         chain: at rest.
@@ -89,7 +89,7 @@ def aim_bones(chain: BallChain, before: Floats, points: Floats, carrier: Carrier
     for k, rest in enumerate(chain.frames):
         carried = turn @ rest
         frame = carried @ before[k]
-        if lengths[k] > NO_LENGTH * chain.size:
+        if lengths[k] > MIN_BONE_RATIO * chain.size:
             frame = _led(frame, bones[k] / lengths[k])
         rotations[k] = carried.T @ frame
         turn = frame @ rest.T
@@ -97,14 +97,14 @@ def aim_bones(chain: BallChain, before: Floats, points: Floats, carrier: Carrier
 
 
 def _led(frame: Floats, along: Floats) -> Floats:
-    """A bone's frame (3, 3) when the bone swings to a direction, built anew from bone and up vector."""
+    """Return a bone's frame (3, 3) rotated without twist to another direction."""
     side = np.cross(transport_up(frame[:, 2], frame[:, 0], along), along)
     side /= np.linalg.norm(side)
     return np.stack([along, side, np.cross(along, side)], axis=1)
 
 
 def swivel_chain(points: Floats, up: Floats) -> Floats:
-    """Turns a chain about the line from base to hand until it bends towards a direction.
+    """Rotate a chain about its base-hand line towards a direction.
 
     Both ends stay, and so does every spring: the swivel is what the masses leave open.
 
@@ -117,13 +117,13 @@ def swivel_chain(points: Floats, up: Floats) -> Floats:
     """
     line = points[-1] - points[0]
     span, size = float(np.linalg.norm(line)), float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
-    if span < SIDEWAYS * size:
+    if span < MIN_OFFSET_RATIO * size:
         return points
     axis = line / span
     away = (points - points[0]).mean(axis=0)
     bend, wish = away - (away @ axis) * axis, up - (up @ axis) * axis
-    if np.linalg.norm(bend) < SIDEWAYS * size or np.linalg.norm(wish) < SIDEWAYS * np.linalg.norm(up):
+    if np.linalg.norm(bend) < MIN_OFFSET_RATIO * size or np.linalg.norm(wish) < MIN_OFFSET_RATIO * np.linalg.norm(up):
         return points
     angle = float(np.arctan2(axis @ np.cross(bend, wish), bend @ wish))
-    turned: Floats = points[0] + (points - points[0]) @ about(axis, angle).T
+    turned: Floats = points[0] + (points - points[0]) @ rotation_about(axis, angle).T
     return turned

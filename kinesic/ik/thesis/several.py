@@ -1,9 +1,9 @@
-"""Several targets at once (Algorithm 2): limbs that share sub-base joints reach together.
+"""Several simultaneous targets for connected limbs (thesis Algorithm 2).
 
-All hands are put on their targets and the masses of the whole tree swing to rest; a sub-base joint is one mass that
-all its limbs pull, so no centroid has to be computed. A skeleton's joint has one rotation only: where limbs wish
-different ones, it is their weighted mean, or that of the limb with priority. Each limb then reaches anew from where
-the shared joint really put it.
+All hands are put on their targets, and the masses of the whole tree are relaxed to equilibrium. A joint that several
+limbs have in common is one mass that all its limbs pull, so no centroid has to be computed. Such a joint has only one
+rotation: the weighted mean of the limbs' rotations, or that of the limb with priority. Each limb then reaches for its
+target again from the actual position of this joint.
 """
 
 from collections.abc import Mapping, Sequence
@@ -14,9 +14,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.ik.arm.masses import clamp
-from kinesic.ik.scalar3 import vector
-from kinesic.ik.solve import three
+from kinesic.ik.scalar3 import clamp, vector
+from kinesic.ik.solve import as_triple
 from kinesic.ik.thesis.limbs import Limb, Limbs
 from kinesic.ik.thesis.limits import within_limits
 from kinesic.ik.thesis.rotations import Carrier, Stance, aim_bones, stance_of
@@ -25,12 +24,12 @@ from kinesic.ik.thesis.springs import Springs
 from kinesic.ik.thesis.task import Effort, Rest
 from kinesic.ik.thesis.verlet import swing_to_rest
 
-YIELD = 0.1  # what is left per round of the pull of a limb whose better has not arrived
-FAINT = 1e-3  # the least pull that is left: weaker springs would hardly settle
+PULL_DECAY = 0.1  # factor per iteration on the weight of limbs with lower priority
+MIN_PULL = 1e-3  # smallest limb weight: weaker springs would hardly settle
 
 
 def standing_limbs(limbs: Limbs) -> dict[str, Stance]:
-    """Lets all limbs stand at rest."""
+    """Return the rest posture of each limb."""
     stances: dict[str, Stance] = {}
     for limb in limbs.members:
         carrier = Carrier.at_rest(limb.chain) if limb.on is None else stances[limb.on].end
@@ -40,7 +39,7 @@ def standing_limbs(limbs: Limbs) -> dict[str, Stance]:
 
 @dataclass(frozen=True, eq=False)
 class Wishes:
-    """Points and targets towards which a tree's joints are turned."""
+    """Relaxed mass positions, targets, weights and priority of a tree's limbs."""
 
     points: Mapping[str, Floats]  # (n + 1, 3) [m] masses at rest, per limb
     targets: Mapping[str, Floats]  # (3,) [m] of the limbs that have one, within reach
@@ -51,14 +50,14 @@ class Wishes:
 def turn_joints(
     limbs: Limbs, before: Mapping[str, Stance], wishes: Wishes, *, method: Method, effort: Effort
 ) -> dict[str, Stance]:
-    """Turns the joints of all limbs towards where the masses went, carriers first.
+    """Rotate all joints towards their point masses, from the root outward.
 
     Args:
         limbs: the tree.
         before: stances to begin with.
         wishes: of the limbs.
-        method: by which a limb reaches anew from where its carrier really is.
-        effort: of that reach; lengths in units of `Limbs.size`.
+        method: with which a limb solves for its target again, from the actual position of its carrier.
+        effort: of that solution; lengths in units of `Limbs.size`.
     """
     stances: dict[str, Stance] = {}
     turns: dict[str, Floats] = {}
@@ -88,7 +87,10 @@ def turn_joints(
 
 
 def _outer(limb: Limb, begun: Floats, wishes: Wishes, footing: Carrier, *, method: Method, effort: Effort) -> Floats:
-    """(n, 3, 3) rotations of what a limb has beyond its shared bone; none for a limb of one bone."""
+    """Solve the joint rotations of a limb beyond its first bone.
+
+    Empty for a limb of one bone.
+    """
     if not len(begun):
         return begun
     chain, points, target = limb.chain.beyond(1), wishes.points[limb.name][1:], wishes.targets.get(limb.name)
@@ -100,7 +102,7 @@ def _outer(limb: Limb, begun: Floats, wishes: Wishes, footing: Carrier, *, metho
 
 
 def _agreed(siblings: Sequence[Limb], before: Mapping[str, Stance], carrier: Carrier, wishes: Wishes) -> Floats:
-    """The one rotation (3, 3) away from rest of a joint that several limbs wish to turn, each its own way."""
+    """Return the rotation of the joint that several limbs have in common."""
     turns: dict[str, Floats] = {}
     for limb in siblings:
         rest = limb.chain.frames[0]
@@ -116,7 +118,7 @@ def _agreed(siblings: Sequence[Limb], before: Mapping[str, Stance], carrier: Car
 
 @dataclass(frozen=True, eq=False)
 class Reached:
-    """A tree of chains at rest."""
+    """Postures and remaining distances of a tree of limbs."""
 
     stances: Mapping[str, Stance]  # of each limb, bones at their true lengths
     residuals: Mapping[str, float]  # [m] from each end that has a target to that target
@@ -133,7 +135,7 @@ def solve_several(
     method: Method = "position",
     effort: Effort | None = None,
 ) -> Reached:
-    """Brings the ends of several limbs to a target each.
+    """Move the ends of several limbs to their targets.
 
     Args:
         limbs: the tree.
@@ -147,10 +149,15 @@ def solve_several(
         ValueError: an unknown limb, no target, a target that is not three finite numbers, a weight not above zero.
     """
     effort = effort or Effort()
-    asked = _checked(limbs, targets, weights or {}, priority)
+    checked_targets = _checked(limbs, targets, weights or {}, priority)
     pulls = {limb.name: float((weights or {}).get(limb.name, 1.0)) for limb in limbs.members}
-    near = {name: sealed(clamp(vector(t), vector(limbs.root(name)), limbs.reach[name])) for name, t in asked.items()}
-    ranks = [name for name in priority if name in asked] + [name for name in asked if name not in priority]
+    near = {
+        name: sealed(clamp(vector(t), vector(limbs.root(name)), limbs.reach[name]))
+        for name, t in checked_targets.items()
+    }
+    ranks = [name for name in priority if name in checked_targets] + [
+        name for name in checked_targets if name not in priority
+    ]
     stances = standing_limbs(limbs)
     best, least, iterations, done = stances, [np.inf], 0, 0
     while done < effort.rounds:
@@ -168,15 +175,17 @@ def solve_several(
             break
         if priority:
             first = next(k for k, miss in enumerate(late) if miss)
-            pulls |= {name: max(YIELD * pulls[name], FAINT) for name in ranks[first + 1 :]}
-    residuals = {name: float(np.linalg.norm(best[name].points[-1] - target)) for name, target in asked.items()}
+            pulls |= {name: max(PULL_DECAY * pulls[name], MIN_PULL) for name in ranks[first + 1 :]}
+    residuals = {
+        name: float(np.linalg.norm(best[name].points[-1] - target)) for name, target in checked_targets.items()
+    }
     return Reached(best, residuals, done, iterations)
 
 
 def _swung(
     limbs: Limbs, stances: Mapping[str, Stance], near: Mapping[str, Floats], pulls: Mapping[str, float], effort: Effort
 ) -> Rest:
-    """The masses of the whole tree at rest, in units of its size."""
+    """Relax all point masses of a limb tree, scaled to unit size."""
     count = 1 + max(max(rows) for rows in limbs.indices.values())
     points, masses = np.zeros((count, 3)), np.ones(count)
     pairs: list[tuple[int, int]] = []
@@ -217,4 +226,4 @@ def _checked(
     for name, weight in weights.items():
         if not 0.0 < weight < np.inf:
             raise ValueError(f"weight of {name} is {weight}; weights are above zero and finite")
-    return {name: three(f"target of {name}", target) for name, target in targets.items()}
+    return {name: as_triple(f"target of {name}", target) for name, target in targets.items()}

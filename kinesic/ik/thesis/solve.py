@@ -1,4 +1,4 @@
-"""Iterates the stages of the thesis's inverse kinematics: relax masses, turn joints, enforce limits.
+"""Iterative solution of ball-joint chains: relax masses, rotate joints, apply limits.
 
 This is the loop of appendix 11.2. Without limits one relaxation suffices; with limits the joints that stand inside
 them are the masses of the next relaxation, until the hand arrives or the rounds are over.
@@ -11,9 +11,8 @@ from typing import Literal
 import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.ik.arm.masses import clamp
-from kinesic.ik.scalar3 import vector
-from kinesic.ik.solve import three
+from kinesic.ik.scalar3 import clamp, vector
+from kinesic.ik.solve import as_triple
 from kinesic.ik.thesis.chain import BallChain
 from kinesic.ik.thesis.direct import balance_springs
 from kinesic.ik.thesis.limits import within_limits
@@ -22,29 +21,29 @@ from kinesic.ik.thesis.task import Effort, RelaxationMethod, Rest, Task
 from kinesic.ik.thesis.verlet import draw_by_force, swing_pinned
 
 Method = Literal["force", "position", "direct"]
-RELAXATIONS: Mapping[Method, RelaxationMethod] = {
+RELAXATION_METHODS: Mapping[Method, RelaxationMethod] = {
     "force": draw_by_force,
     "position": swing_pinned,
     "direct": balance_springs,
 }
-STRAIGHT = 1e-4  # of the chain's length: masses and target this near to one line stay on it
-NUDGE = 0.02  # of the chain's length, along the up vector, to leave the line
+STRAIGHTNESS_TOLERANCE = 1e-4  # [chain lengths] distance from a line below which a chain is straight
+NUDGE_DISTANCE = 0.02  # [chain lengths] displacement along the up vector that bends a straight chain
 
 
 @dataclass(frozen=True, eq=False)
 class ChainStart:
-    """Where a chain begins."""
+    """Initial posture of a ball-joint chain."""
 
     rotations: Floats | None = None  # (n, 3, 3) away from rest, for instance an earlier result's; None: at rest
     carrier: Carrier | None = None  # what the chain stands on; None: the ground, at its rest
 
 
-GROUND = ChainStart()
+GROUND_START = ChainStart()  # start at rest with a fixed base
 
 
 @dataclass(frozen=True, eq=False)
 class Relaxed:
-    """A chain at rest. An unreachable target is an answer, not an error: read the residual."""
+    """Solved ball-joint chain, with its remaining distance to the target."""
 
     points: Floats  # (n + 1, 3) [m], bones at their true lengths
     rotations: Floats  # (n, 3, 3) of the joints away from rest, each in the frame of its own bone at rest
@@ -61,11 +60,11 @@ def solve_ball_chain(
     target: Floats,
     *,
     method: Method = "position",
-    start: ChainStart = GROUND,
+    start: ChainStart = GROUND_START,
     up: Floats | None = None,
     effort: Effort | None = None,
 ) -> Relaxed:
-    """Brings the end of a chain of ball joints to a target.
+    """Move the end of a chain of ball joints to a target.
 
     Args:
         chain: at rest.
@@ -81,14 +80,14 @@ def solve_ball_chain(
     Raises:
         ValueError: a target or direction that is not three finite numbers, or an unknown method.
     """
-    if method not in RELAXATIONS:
-        raise ValueError(f"method is {method!r}; known are {', '.join(RELAXATIONS)}")
-    asked = three("target", target)
-    wish = None if up is None else three("up", up)
+    if method not in RELAXATION_METHODS:
+        raise ValueError(f"method is {method!r}; known are {', '.join(RELAXATION_METHODS)}")
+    hand_target = as_triple("target", target)
+    wish = None if up is None else as_triple("up", up)
     effort = effort or Effort()
     tolerance = effort.tolerance * chain.size
     ground = start.carrier or Carrier.at_rest(chain)
-    near = sealed(clamp(vector(asked), vector(ground.point), chain.size))
+    near = sealed(clamp(vector(hand_target), vector(ground.point), chain.size))
     stance = within_limits(chain, stance_of(chain, _begun(chain, start.rotations), ground), near, ground)
     best, energy, iterations, done = stance, 0.0, 0, 0
     while done == 0 or (chain.limits is not None and done < effort.rounds and _miss(best, near) > tolerance):
@@ -98,13 +97,13 @@ def solve_ball_chain(
         iterations, done = iterations + rest.iterations, done + 1
         if done == 1 or _miss(stance, near) < _miss(best, near):
             best, energy = stance, rest.energy
-    residual = float(np.linalg.norm(best.points[-1] - asked))
+    residual = float(np.linalg.norm(best.points[-1] - hand_target))
     ups = sealed(best.frames[:, :, 2])
     return Relaxed(sealed(best.points), sealed(best.rotations), ups, near, residual, iterations, done, energy)
 
 
 def _begun(chain: BallChain, start: Floats | None) -> Floats:
-    """(n, 3, 3) rotations to begin with."""
+    """Return the start rotations of all joints, (n, 3, 3)."""
     shape = chain.frames.shape
     if start is None:
         return np.broadcast_to(np.eye(3), shape)
@@ -114,21 +113,21 @@ def _begun(chain: BallChain, start: Floats | None) -> Floats:
 
 
 def bend_straight_chain(points: Floats, ups: Floats) -> Floats:
-    """Bends a chain that is collinear with its target a little, as springs alone would keep it straight.
+    """Bend a straight chain slightly, so that it can fold.
 
     Args:
         points: (n + 1, 3) in units of the chain, the last on the target.
         ups: (n, 3) unit, of the bones.
     """
-    if len(points) < 3 or np.linalg.svd(points - points[0], compute_uv=False)[1] > STRAIGHT:
+    if len(points) < 3 or np.linalg.svd(points - points[0], compute_uv=False)[1] > STRAIGHTNESS_TOLERANCE:
         return points
-    bow = NUDGE * np.sin(np.linspace(0.0, np.pi, len(points)))
+    bow = NUDGE_DISTANCE * np.sin(np.linspace(0.0, np.pi, len(points)))
     nudged: Floats = points + bow[:, None] * ups[0]
     return nudged
 
 
 def _relaxed(chain: BallChain, stance: Stance, target: Floats, *, method: Method, effort: Effort) -> Rest:
-    """The masses at rest, in [m]."""
+    """Relax the chain's masses towards the target."""
     base, size = stance.points[0], chain.size
     points = np.vstack([stance.points[:-1], target])
     points = bend_straight_chain((points - base) / size, stance.frames[:, :, 2])
@@ -142,7 +141,7 @@ def _relaxed(chain: BallChain, stance: Stance, target: Floats, *, method: Method
         chain.damping,
         effort,
     )
-    rest = RELAXATIONS[method](task)
+    rest = RELAXATION_METHODS[method](task)
     return Rest(base + size * rest.points, rest.iterations, rest.energy)
 
 

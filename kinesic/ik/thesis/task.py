@@ -1,4 +1,4 @@
-"""One reach in units of the chain, as each of the three methods takes it, and what each of them gives back."""
+"""Input and result of the spring relaxation methods, in chain lengths."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -7,12 +7,12 @@ from functools import cached_property
 import numpy as np
 
 from kinesic.body.arrays import Floats
-from kinesic.ik.thesis.springs import NO_LENGTH, Springs
+from kinesic.ik.thesis.springs import MIN_SPRING_LENGTH, Springs
 
 
 @dataclass(frozen=True)
 class Effort:
-    """How long and how hard to try; lengths in units of the chain."""
+    """Tolerances and iteration limits of the solver, in chain lengths."""
 
     tolerance: float = 1e-3  # distance from hand to target at which the reach is done; 0: only forces count
     threshold: float = 1e-6  # epsilon of Algorithm 1: sum of the forces per stiffness at which masses are at rest
@@ -29,7 +29,7 @@ class Effort:
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """A chain whose base stands at points[0] and whose hand shall go to the target."""
+    """Chain of masses and springs with a target for its hand."""
 
     points: Floats  # (n + 1, 3) to begin with
     target: Floats  # (3,) within reach
@@ -41,7 +41,7 @@ class Task:
 
     @cached_property
     def springs(self) -> Springs:
-        """A spring per bone; base and hand are pinned."""
+        """Springs of all bones, with base and hand pinned."""
         bones = len(self.rests)
         return Springs.between(
             [(k, k + 1) for k in range(bones)],
@@ -52,17 +52,17 @@ class Task:
         )
 
     def arrived(self, points: Floats) -> bool:
-        """Whether rigid bones along the springs put the hand on the target."""
+        """Return whether the hand is on target with bones at rest length."""
         bones = points[1:] - points[:-1]
         lengths = np.sqrt((bones * bones).sum(axis=1))
-        hand = points[0] + (self.rests / np.maximum(lengths, NO_LENGTH)) @ bones
+        hand = points[0] + (self.rests / np.maximum(lengths, MIN_SPRING_LENGTH)) @ bones
         away = hand - self.target
         return float(away @ away) <= self.effort.tolerance**2
 
 
 @dataclass(frozen=True, eq=False)
 class Rest:
-    """The positions at which masses have come to rest, or to which they came within the effort."""
+    """Result of a relaxation: mass positions, iterations and remaining energy."""
 
     points: Floats  # (p, 3) in units of the chain
     iterations: int

@@ -1,4 +1,4 @@
-"""Lets masses swing to rest by Stoermer-Verlet integration (eq. 7.3.6): the loop of Algorithm 1, by both its methods.
+"""Relaxation of masses by Stoermer-Verlet integration (thesis Algorithm 1).
 
 Method 1 draws the end effector by an outer force f = k (T - E), and the springs draw the rest. The thesis's text prints
 f = -k (T - E), which would push the hand away; its Algorithm 1 has the sign used here. Method 2 puts the end effector
@@ -13,16 +13,16 @@ from kinesic.body.arrays import Floats
 from kinesic.ik.thesis.springs import Springs
 from kinesic.ik.thesis.task import Effort, Rest, Task
 
-EXPLODED = 1e6  # in chain lengths: the step lies beyond the stability bound
+DIVERGENCE_LIMIT = 1e6  # [chain lengths] distance of a mass at which integration has diverged
 
 
 def swing_to_rest(
     springs: Springs, points: Floats, *, damping: float | None, effort: Effort, arrived: Callable[[Floats], bool]
 ) -> Rest:
-    """Integrates x' = x + (1 - c) (x - x_before) + dt^2 f / m until the forces are gone.
+    """Integrate damped masses until the spring forces vanish.
 
-    The thesis writes the scheme without c, but undamped masses swing for ever; its damping factor beta of eq. 7.3.3
-    enters as c = beta dt / m.
+    The scheme is x' = x + (1 - c) (x - x_before) + dt^2 f / m. The thesis writes it without c, but undamped masses
+    swing for ever; its damping factor beta of eq. 7.3.3 enters as c = beta dt / m.
 
     Args:
         springs: the system.
@@ -38,7 +38,7 @@ def swing_to_rest(
     now = before = np.array(points)
     forces = springs.forces(now)
     energy, done = springs.energy(forces), 0
-    while effort.threshold < energy < EXPLODED and done < effort.iterations and not arrived(now):
+    while effort.threshold < energy < DIVERGENCE_LIMIT and done < effort.iterations and not arrived(now):
         now, before = now + kept * (now - before) + gain * forces, now
         forces = springs.forces(now)
         energy, done = springs.energy(forces), done + 1
@@ -46,13 +46,13 @@ def swing_to_rest(
 
 
 def swing_pinned(task: Task) -> Rest:
-    """Lets a chain swing to rest between its base and its target (method 2)."""
+    """Relax a chain with its hand fixed at the target (method 2)."""
     start = np.vstack([task.points[:-1], task.target])
     return swing_to_rest(task.springs, start, damping=task.damping, effort=task.effort, arrived=task.arrived)
 
 
 def draw_by_force(task: Task) -> Rest:
-    """Draws the free end of a chain to its target (method 1).
+    """Pull a chain's free hand to the target by force (method 1).
 
     The outer force is that of a spring without length between the end effector and the target, as stiff as the last
     bone: so the loop is that of method 2 with one spring more.

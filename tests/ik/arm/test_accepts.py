@@ -40,12 +40,12 @@ def _with(chain: Chain, joint: int, **changes: object) -> Chain:
 
 
 @pytest.mark.parametrize("side", ["l", "r"])
-def test_the_arms_of_the_default_robot_are_solved_as_they_are(side):
+def test_arms_of_the_default_robot_are_already_in_ik_normal_form(side):
     chain = Robot.load().arms[side]
     assert linkage_of(accept_chain(chain)).links == linkage_of(chain).links
 
 
-def test_a_first_hinge_along_the_parents_bone_slides_down_it_and_nothing_moves_otherwise():
+def test_joint_axis_along_the_parent_bone_moves_to_the_parent_without_kinematic_change():
     chain = _arm("yx", "zy", "zyx")
     taken = accept_chain(chain)
     assert [[hinge.name for hinge in joint.hinges] for joint in taken.joints] == [
@@ -62,7 +62,7 @@ def test_a_first_hinge_along_the_parents_bone_slides_down_it_and_nothing_moves_o
 
 
 @pytest.mark.parametrize("arm", [("yxz", "y", "yx"), ("xyz", "xz", "xy"), ("zxz", "yz", "yx"), ("yx", "yz", "yx")])
-def test_usual_arms_are_taken_and_solved(arm):
+def test_common_arm_joint_layouts_are_accepted_and_solved_by_ik(arm):
     chain = accept_chain(_arm(*arm))
     random = np.random.default_rng(72)
     for _ in range(15):
@@ -70,7 +70,7 @@ def test_usual_arms_are_taken_and_solved(arm):
         assert solve(chain, Reach(position), start=chain.rest).reached
 
 
-def test_axes_need_not_be_perpendicular():
+def test_arm_hinge_axes_need_not_be_perpendicular():
     random = np.random.default_rng(73)
     for _ in range(4):
         chain = LEFT
@@ -91,25 +91,25 @@ def _tilted(axis: Floats, random: np.random.Generator, by: float) -> Floats:
     return sealed(aside / np.linalg.norm(aside))
 
 
-def test_three_hinges_that_swing_one_bone_break_a_rule():
+def test_three_swing_hinges_of_one_bone_raise_an_error():
     with pytest.raises(ConfigError, match=r"chain arm: joint s: hinges s0, s1, s2 all swing .* at most two may"):
         accept_chain(_arm("xyx", "y", "zyx"))
     with pytest.raises(ConfigError, match=r"joint w: hinges w1, w2, w3 all swing"):
         accept_chain(_arm("yxz", "y", "zyxy"))
 
 
-def test_two_hinges_on_one_line_break_a_rule():
+def test_two_parallel_hinges_of_one_joint_raise_an_error():
     with pytest.raises(ConfigError, match=r"joint s: hinges s2 and e0 turn about the same line"):
         accept_chain(_arm("yxz", "zy", "yx"))
 
 
-def test_a_bone_without_length_leads_nowhere():
+def test_zero_length_bone_raises_an_error():
     with pytest.raises(ConfigError, match=r"chain l_arm: joint l_elbow: its bone is 0 m long; it must lead somewhere"):
         accept_chain(_with(LEFT, 2, bone=sealed([0.0, 0.0, 0.0])))
     assert accept_chain(_with(LEFT, 3, bone=sealed([0.0, 0.0, 0.0]))).lengths[-1] == 0.0
 
 
-def test_numbers_that_make_no_sense_are_refused():
+def test_arm_chain_with_invalid_numbers_raises_an_error():
     with pytest.raises(ConfigError, match=r"has 2 joints; an arm has at least shoulder, elbow, wrist"):
         accept_chain(replace(LEFT, joints=LEFT.joints[:2]))
     with pytest.raises(ConfigError, match=r"bone of joint l_elbow is .*nan.*three finite numbers"):

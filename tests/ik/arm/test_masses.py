@@ -2,8 +2,9 @@ import numpy as np
 import pytest
 from numpy.random import Generator, default_rng
 
-from kinesic.ik.arm.masses import ROUNDS, SWUNG, TOLERANCE, clamp, settle_masses
-from kinesic.ik.scalar3 import Vector, across, cross, distance, dot, minus, norm, plus, scaled, unit
+from kinesic.ik.scalar3 import Vector, across, clamp, cross, distance, dot, minus, norm, plus, scaled, unit
+
+from ...reference.ik.masses import ROUNDS, SWUNG, TOLERANCE, settle_masses
 
 LENGTHS = (0.115, 0.22, 0.20)
 POINTS: tuple[Vector, ...] = ((0.0, 0.0, 0.0), (0.0, 0.115, 0.0), (0.05, 0.15, -0.2), (0.2, 0.15, -0.3))
@@ -18,7 +19,7 @@ def unit_vector(random: Generator) -> np.ndarray:
     return np.asarray(line / np.linalg.norm(line))
 
 
-def test_bones_keep_their_length_and_the_ends_stay_pinned() -> None:
+def test_settled_mass_chain_keeps_bone_lengths_and_both_ends() -> None:
     random = default_rng(1)
     for _ in range(40):
         line = unit(tuple(random.normal(size=3).tolist()))
@@ -31,12 +32,12 @@ def test_bones_keep_their_length_and_the_ends_stay_pinned() -> None:
         assert 0 < settled.iterations <= ROUNDS
 
 
-def test_a_settled_chain_is_at_rest_at_once() -> None:
+def test_mass_chain_that_is_already_settled_needs_no_iterations() -> None:
     settled = settle_masses(POINTS, LENGTHS, (0.3, 0.1, 0.1))
     assert settle_masses(settled.points, LENGTHS, (0.3, 0.1, 0.1)).iterations == 0
 
 
-def test_an_unreachable_target_is_pointed_at() -> None:
+def test_mass_chain_points_straight_at_an_unreachable_target() -> None:
     settled = settle_masses(POINTS, LENGTHS, (3.0, 2.0, 1.0))
     line = unit((3.0, 2.0, 1.0))
     assert settled.iterations <= ROUNDS
@@ -44,12 +45,12 @@ def test_an_unreachable_target_is_pointed_at() -> None:
     assert all(norm(cross(line, point)) < 0.05 * sum(LENGTHS) for point in settled.points)
 
 
-def test_the_clamp_brings_a_far_target_to_the_reach_and_leaves_a_near_one() -> None:
+def test_only_targets_beyond_the_reach_are_clamped() -> None:
     assert clamp((0.0, 0.0, 3.0), (0.0, 0.0, 1.0), 0.5) == (0.0, 0.0, 1.5)
     assert clamp((0.0, 0.0, 1.2), (0.0, 0.0, 1.0), 0.5) == (0.0, 0.0, 1.2)
 
 
-def test_two_scales_give_the_same_shape() -> None:
+def test_settled_chain_shape_is_independent_of_scale() -> None:
     target = (0.25, 0.1, 0.1)
     small = settle_masses(POINTS, LENGTHS, target)
     scale = 1000.0
@@ -63,19 +64,19 @@ def test_two_scales_give_the_same_shape() -> None:
 
 
 @pytest.mark.parametrize("line", [(1.0, 0.0, 0.0), (0.0, 0.0, -1.0), (0.0, 0.0, 1.0)])
-def test_a_straight_chain_leaves_the_line_of_its_target(line: Vector) -> None:
+def test_straight_mass_chain_bends_sideways_to_reach_a_near_target(line: Vector) -> None:
     ends = [scaled(line, length) for length in (0.0, 0.115, 0.335, 0.535)]
     settled = settle_masses(ends, LENGTHS, scaled(line, 0.3))
     assert _stretch(settled.points, LENGTHS) < 1e-4
     assert max(norm(cross(line, point)) for point in settled.points) > 0.05
 
 
-def test_a_target_on_the_base_is_served() -> None:
+def test_chain_with_its_target_at_the_base_is_solved() -> None:
     settled = settle_masses(POINTS, LENGTHS, POINTS[0])
     assert _stretch(settled.points, LENGTHS) < 1e-4
 
 
-def test_the_chain_may_stand_anywhere() -> None:
+def test_settled_chain_is_independent_of_its_base_position() -> None:
     shift = (0.3, -0.2, 1.0)
     here = settle_masses(POINTS, LENGTHS, (0.3, 0.1, 0.1))
     there = settle_masses([plus(point, shift) for point in POINTS], LENGTHS, plus((0.3, 0.1, 0.1), shift))
@@ -83,7 +84,7 @@ def test_the_chain_may_stand_anywhere() -> None:
         assert distance(a, minus(b, shift)) < 1e-9
 
 
-def test_one_free_mass_stays_on_the_side_where_it_is_after_a_few_rounds() -> None:
+def test_single_elbow_mass_stays_on_its_side_of_the_shoulder_hand_line() -> None:
     random = default_rng(3)
     for case in range(60):
         upper = random.uniform(0.2, 0.8)

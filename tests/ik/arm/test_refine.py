@@ -29,13 +29,13 @@ ROBOT = crooked()
 HAND = ROBOT.skeleton.segment("l_wrist")
 
 
-def test_an_ideal_arm_is_left_alone():
+def test_refinement_does_not_change_an_arm_with_ideal_axes():
     assert true_arm(UPPER22, "l").exact
     rest = UPPER22.skeleton.rest
     assert refine_posture(UPPER22, "l", Reach(np.zeros(3)), rest, near=rest) is rest
 
 
-def test_the_packed_arm_is_the_skeletons():
+def test_arm_geometry_and_jacobians_with_axis_offsets_match_the_skeleton():
     arm, joints = true_arm(ROBOT, "l"), list(ROBOT.joints("l_arm"))
     posture = np.array(ROBOT.skeleton.rest)
     posture[joints] = np.linspace(0.1, 0.8, len(joints))
@@ -52,7 +52,7 @@ def test_the_packed_arm_is_the_skeletons():
         assert (ahead[1] - directions) / 1e-6 == pytest.approx(moves[2:, :, k], abs=1e-5)
 
 
-def test_the_hand_comes_where_the_ideal_arm_misses():
+def test_true_arm_reaches_targets_that_the_ideal_arm_misses():
     random = np.random.default_rng(3)
     joints, rest = list(ROBOT.joints("l_arm")), ROBOT.skeleton.rest
     chain = ROBOT.arms["l"]
@@ -76,7 +76,7 @@ def test_the_hand_comes_where_the_ideal_arm_misses():
     assert np.median(missed) > 0.01
 
 
-def test_directions_are_served_as_far_as_they_can():
+def test_refined_hand_directions_are_met_as_nearly_as_possible():
     rest = ROBOT.skeleton.rest
     target = ROBOT.gesture_origin + ROBOT.arm_length * np.array([0.6, 0.3, 0.3])
     plain = refine_posture(ROBOT, "l", Reach(target), rest, near=rest)

@@ -2,23 +2,25 @@ import numpy as np
 
 from kinesic.body.robot import Robot
 from kinesic.ik.arm.linkage import linkage_of
-from kinesic.ik.arm.seeds import COUNT, nearest_seeds, seeds
+from kinesic.ik.arm.seeds import SEED_COUNT, seeds
 from kinesic.ik.scalar3 import distance
+
+from ...reference.ik.multistart import nearest_seeds
 
 CHAIN = Robot.load().arms["l"]
 ARM = linkage_of(CHAIN)
 
 
-def test_seeds_lie_inside_the_ranges_and_fill_them() -> None:
+def test_start_postures_cover_the_joint_ranges() -> None:
     angles = np.array([seed.angles for seed in seeds(ARM)])
     shares = (angles - CHAIN.lower[:5]) / (CHAIN.upper[:5] - CHAIN.lower[:5])
-    assert angles.shape == (COUNT, 5)
+    assert angles.shape == (SEED_COUNT, 5)
     assert np.all((shares >= 0.0) & (shares <= 1.0))
     for column in shares.T:
-        assert np.all(np.histogram(column, bins=4, range=(0, 1))[0] >= COUNT // 8)
+        assert np.all(np.histogram(column, bins=4, range=(0, 1))[0] >= SEED_COUNT // 8)
 
 
-def test_seeds_are_made_once_and_the_nearest_come_first() -> None:
+def test_start_postures_are_cached_and_sorted_by_distance() -> None:
     arm = linkage_of(CHAIN)
     assert seeds(arm) is seeds(arm)
     found = nearest_seeds(ARM, (0.2, 0.1, 0.0), 5)

@@ -4,13 +4,15 @@ from numpy.random import default_rng
 
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot
-from kinesic.ik.arm import shoulder_elbow
-from kinesic.ik.arm.hinges import extract
 from kinesic.ik.arm.linkage import linkage_of
-from kinesic.ik.arm.shoulder_elbow import STRETCH, TAUT, bend_elbow, carry_shoulder, gap, place_of, place_shoulder
+from kinesic.ik.arm.passive_shoulder import carry_shoulder
 from kinesic.ik.arm.swivel import swivel_of
 from kinesic.ik.scalar3 import cross, distance, minus, norm, unit, vector
 from kinesic.ik.solve import solve
+
+from ...reference.ik import shoulder_elbow
+from ...reference.ik.hinges import extract
+from ...reference.ik.shoulder_elbow import STRETCH, TAUT, bend_elbow, gap, place_of, place_shoulder
 
 ROBOT = Robot.load()
 CHAIN = ROBOT.arms["l"]
@@ -20,14 +22,14 @@ SHOULDER = ARM.walk(REST, 1)[1][-1]
 HIGH, LOW = np.array([0.25, 0.2, 0.2]), np.array([0.25, 0.2, -0.2])
 
 
-def test_the_shoulder_rests_for_a_target_in_easy_reach() -> None:
+def test_shoulder_stays_at_rest_for_targets_within_easy_reach() -> None:
     place = place_shoulder(ARM, (0.3, 0.2, -0.1), near=REST, rest=REST)
     assert place.shoulder == SHOULDER
     assert place.target == (0.3, 0.2, -0.1)
     assert place.iterations == 0
 
 
-def test_a_taut_arm_pulls_the_shoulder_along_and_more_so_further_away() -> None:
+def test_shoulder_rises_more_the_farther_the_target_beyond_easy_reach() -> None:
     lifts = []
     for share in (TAUT, TAUT + 0.01, 1.0, 1.02, 1.05):
         place = place_shoulder(
@@ -40,7 +42,7 @@ def test_a_taut_arm_pulls_the_shoulder_along_and_more_so_further_away() -> None:
     assert lifts[-1] > 0.02
 
 
-def test_a_target_beyond_reach_comes_to_the_reach_of_the_most_helpful_shoulder() -> None:
+def test_unreachable_target_is_moved_towards_the_shoulder_into_reach() -> None:
     target = (0.3, 2.0, 1.5)
     place = place_shoulder(ARM, target, near=REST, rest=REST)
     assert distance(place.shoulder, place.target) == pytest.approx(STRETCH * ARM.farthest)
@@ -48,7 +50,7 @@ def test_a_target_beyond_reach_comes_to_the_reach_of_the_most_helpful_shoulder()
     assert gap(ARM, target) == pytest.approx(distance(place.shoulder, target))
 
 
-def test_no_collar_bone_angle_brings_the_shoulder_nearer_than_the_gap() -> None:
+def test_shoulder_target_gap_equals_the_least_distance_of_a_dense_search() -> None:
     random, collar = default_rng(11), ARM.pivots[0]
     for _ in range(20):
         target = tuple(random.uniform(-0.8, 0.8, 3).tolist())
@@ -58,7 +60,7 @@ def test_no_collar_bone_angle_brings_the_shoulder_nearer_than_the_gap() -> None:
         assert gap(ARM, target) <= nearest + 1e-12
 
 
-def test_the_wished_swivel_is_met_inside_the_ranges() -> None:
+def test_requested_swivel_is_met_within_the_ranges() -> None:
     place = place_shoulder(ARM, (0.25, 0.15, -0.05), near=REST, rest=REST)
     for wished in (0.0, 0.4, 0.9):
         bend = bend_elbow(ARM, place, near=REST, swivel=wished)
@@ -66,7 +68,7 @@ def test_the_wished_swivel_is_met_inside_the_ranges() -> None:
         assert swivel_of(ARM, ARM.walk(bend.angles, 3)[1][-3:]) == pytest.approx(wished)
 
 
-def test_an_impossible_swivel_comes_as_near_as_the_ranges_allow() -> None:
+def test_infeasible_swivel_is_met_as_nearly_as_possible() -> None:
     place = place_shoulder(ARM, (0.25, 0.15, -0.05), near=REST, rest=REST)
     bend = bend_elbow(ARM, place, near=REST, swivel=2.5)
     found = swivel_of(ARM, ARM.walk(bend.angles, 3)[1][-3:])
@@ -77,32 +79,32 @@ def test_an_impossible_swivel_comes_as_near_as_the_ranges_allow() -> None:
     assert min(stops[1:]) < 0.02
 
 
-def test_a_posture_gives_its_own_place() -> None:
+def test_shoulder_and_elbow_of_a_solved_posture_are_recovered() -> None:
     hand = vector(CHAIN.hand(CHAIN.rest))
     place = place_of(ARM, REST, hand)
     assert place.shoulder == SHOULDER
     assert place.target == hand
 
 
-def test_without_effort_the_shoulder_stays():
+def test_shoulder_posture_is_unchanged_at_zero_effort():
     assert carry_shoulder(CHAIN, HIGH, 0.0) is CHAIN.rest
 
 
 @pytest.mark.parametrize(("target", "sign"), [(HIGH, 1.0), (LOW, -1.0)])
-def test_more_effort_takes_the_shoulder_further_towards_the_hand(target, sign):
+def test_shoulder_effort_moves_the_shoulder_towards_the_hand(target, sign):
     followed = [sign * (carry_shoulder(CHAIN, target, effort)[0] - CHAIN.rest[0]) for effort in (0.0, 0.3, 0.6, 1.0)]
     assert followed == sorted(followed)
     assert followed[-1] > np.radians(5)
     np.testing.assert_array_equal(carry_shoulder(CHAIN, target, 1.0)[1:], CHAIN.rest[1:])
 
 
-def test_an_arm_that_is_stretched_pulls_harder():
+def test_stretched_arm_pulls_the_shoulder_more():
     shoulder = CHAIN.frames(CHAIN.rest)[1][1]
     near, far = (carry_shoulder(CHAIN, shoulder + share * (HIGH - shoulder), 0.5)[0] for share in (0.5, 0.9))
     assert far > near > 0.0
 
 
-def test_the_ranges_hold_and_the_hand_stays():
+def test_shoulder_raised_by_effort_stays_in_range_and_keeps_the_hand_position():
     for target in (HIGH, LOW, np.array([0.0, 0.9, 2.0])):
         rest = carry_shoulder(CHAIN, target, 1.0)
         assert np.all((CHAIN.lower <= rest) & (rest <= CHAIN.upper))
@@ -111,12 +113,12 @@ def test_the_ranges_hold_and_the_hand_stays():
     assert pulled.angles[0] == pytest.approx(carry_shoulder(CHAIN, HIGH, 1.0)[0])
 
 
-def test_the_right_shoulder_mirrors_the_left():
+def test_right_shoulder_mirrors_the_left():
     flip = np.array([1.0, -1.0, 1.0])
     np.testing.assert_array_equal(carry_shoulder(ROBOT.arms["r"], HIGH * flip, 0.7), carry_shoulder(CHAIN, HIGH, 0.7))
 
 
-def test_where_the_elbow_cannot_bend_enough_no_other_swivel_is_tried(monkeypatch) -> None:
+def test_target_closer_than_the_elbow_can_bend_tries_only_one_swivel_angle(monkeypatch) -> None:
     looked, down = [], np.array(unit((0.3, 0.3, -0.9)))
     near = vector(np.add(SHOULDER, 0.9 * ARM.closest * down))
     place = place_shoulder(ARM, near, near=REST, rest=REST)
@@ -129,7 +131,7 @@ def test_where_the_elbow_cannot_bend_enough_no_other_swivel_is_tried(monkeypatch
     assert swivel_of(ARM, points[-3:]) == pytest.approx(0.4, abs=0.005)
 
 
-def test_an_arm_that_is_too_short_tries_one_swivel_and_lets_no_mass_swing(monkeypatch) -> None:
+def test_target_beyond_the_arm_length_tries_one_swivel_angle_without_iterations(monkeypatch) -> None:
     looked, line = [], np.array(unit((0.3, 0.3, -0.9)))
     lengths = ARM.links[-3].length, ARM.links[-2].length
     far = vector(np.add(SHOULDER, 1.02 * sum(lengths) * line))

@@ -10,12 +10,12 @@ from kinesic.ik.scalar3 import distance, turned, unit
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
 
-def test_one_hinge_takes_a_direction_onto_another() -> None:
+def test_one_hinge_rotates_a_direction_onto_another() -> None:
     assert turn_towards(Z, X, Y) == pytest.approx(math.pi / 2)
     assert turn_towards(Z, Y, X) == pytest.approx(-math.pi / 2)
 
 
-def test_one_hinge_comes_nearest_to_a_direction_out_of_its_plane() -> None:
+def test_one_axis_rotation_minimises_the_angle_to_an_unreachable_direction() -> None:
     wanted = unit((1.0, 1.0, 3.0))
     angle = turn_towards(Z, X, wanted)
     assert angle is not None
@@ -23,12 +23,12 @@ def test_one_hinge_comes_nearest_to_a_direction_out_of_its_plane() -> None:
     assert angle == pytest.approx(nearest, abs=0.01)
 
 
-def test_a_direction_along_the_hinge_defines_no_angle() -> None:
+def test_direction_along_the_rotation_axis_gives_no_angle() -> None:
     assert turn_towards(Z, X, Z) is None
     assert turn_towards(Z, Z, X) is None
 
 
-def test_two_hinges_aim_exactly_on_both_branches_even_when_oblique() -> None:
+def test_two_oblique_axes_aim_exactly_in_both_solutions() -> None:
     random = default_rng(3)
     for _ in range(50):
         first, second, rest = (unit(tuple(random.normal(size=3).tolist())) for _ in range(3))
@@ -43,11 +43,11 @@ def test_two_hinges_aim_exactly_on_both_branches_even_when_oblique() -> None:
             assert distance(turned(turned(rest, second, last), first, branch), wanted) < 1e-7
 
 
-def test_two_hinges_in_gimbal_lock_have_no_first_angle() -> None:
+def test_two_axis_aiming_in_gimbal_lock_has_no_solution_angle() -> None:
     assert first_of_two(Z, X, Z, Z) == ()
 
 
-def test_two_hinges_out_of_reach_give_the_one_nearest_angle() -> None:
+def test_unreachable_direction_gives_the_nearest_angle() -> None:
     second = unit((0.0, 1.0, 1.0))
     wanted = unit((1.0, 0.0, -2.0))
     (branch,) = first_of_two(Z, second, Z, wanted)

@@ -5,8 +5,10 @@ import pytest
 
 from kinesic.body.robot import Robot
 from kinesic.ik.arm.linkage import linkage_of
-from kinesic.ik.arm.swivel import elbow_at, hanging_direction, swivel, swivel_of
+from kinesic.ik.arm.swivel import hanging_direction, swivel, swivel_of
 from kinesic.ik.scalar3 import Vector, distance, dot, unit
+
+from ...reference.ik.swivel import elbow_at
 
 ROBOT = Robot.load()
 ARM = linkage_of(ROBOT.arms["l"])
@@ -21,11 +23,11 @@ ARM = linkage_of(ROBOT.arms["l"])
         ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0)),
     ],
 )
-def test_an_elbow_hangs_below_a_raised_arm_and_behind_a_hanging_one(line: Vector, expected: Vector) -> None:
+def test_zero_swivel_direction_is_below_a_raised_and_behind_a_hanging_arm(line: Vector, expected: Vector) -> None:
     assert hanging_direction(line) == pytest.approx(expected)
 
 
-def test_hanging_is_perpendicular_and_smooth() -> None:
+def test_zero_swivel_direction_is_perpendicular_to_the_arm_and_continuous() -> None:
     before = None
     for angle in np.linspace(0.0, 2.0, 100):
         line = unit((math.cos(angle), math.sin(angle), 0.3 * math.sin(3 * angle)))
@@ -36,7 +38,7 @@ def test_hanging_is_perpendicular_and_smooth() -> None:
         before = zero
 
 
-def test_the_elbow_keeps_both_bones_and_its_swivel() -> None:
+def test_elbow_position_keeps_bone_lengths_and_swivel() -> None:
     shoulder, hand = (0.0, 0.155, -0.035), (0.25, 0.2, -0.1)
     for wished in (-2.0, -0.5, 0.0, 1.0, 3.0):
         elbow = elbow_at(ARM, shoulder, hand, wished)
@@ -45,7 +47,7 @@ def test_the_elbow_keeps_both_bones_and_its_swivel() -> None:
         assert swivel_of(ARM, (shoulder, elbow, hand)) == pytest.approx(wished)
 
 
-def test_positive_is_away_from_the_body_on_both_sides() -> None:
+def test_positive_swivel_points_away_from_the_body() -> None:
     hand = (0.3, 0.0, 0.0)
     left = elbow_at(ARM, (0.0, 0.0, 0.0), hand, 1.0)
     right = elbow_at(linkage_of(ROBOT.arms["r"]), (0.0, 0.0, 0.0), hand, 1.0)
@@ -53,12 +55,12 @@ def test_positive_is_away_from_the_body_on_both_sides() -> None:
     assert right == pytest.approx((left[0], -left[1], left[2]))
 
 
-def test_a_straight_arm_has_no_swivel() -> None:
+def test_straight_arm_has_no_swivel() -> None:
     chain = ROBOT.arms["l"]
     assert swivel(chain, np.zeros(8)) is None
     assert swivel(chain, chain.rest) is not None
 
 
-def test_a_span_out_of_reach_puts_the_elbow_on_the_line() -> None:
+def test_elbow_lies_on_the_shoulder_target_line_if_the_target_is_beyond_reach() -> None:
     assert elbow_at(ARM, (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), 0.3) == pytest.approx((0.22, 0.0, 0.0))
     assert all(math.isfinite(x) for x in elbow_at(ARM, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.3))

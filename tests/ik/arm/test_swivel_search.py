@@ -3,10 +3,11 @@ import pytest
 
 from kinesic.body.robot import Robot
 from kinesic.ik.arm.linkage import linkage_of
-from kinesic.ik.arm.shoulder_elbow import place_of
 from kinesic.ik.arm.swivel import swivel
-from kinesic.ik.arm.swivel_search import GIRDLE_STEPS, SWIVELS, cell_at, cells, present_swivel
 from kinesic.ik.scalar3 import Rotation, vector
+
+from ...reference.ik.shoulder_elbow import place_of
+from ...reference.ik.swivel_search import GIRDLE_STEPS, SWIVELS, cell_at, cells, present_swivel
 
 LEFT = Robot.load().arms["l"]
 LINKAGE = linkage_of(LEFT)
@@ -18,13 +19,13 @@ def _still(frame: Rotation) -> tuple[tuple[float, ...], float]:
     return (0.2, 0.1, -0.1), 0.0
 
 
-def test_the_first_cell_is_the_present_posture():
+def test_swivel_search_starts_with_the_present_arm_posture():
     first = next(cells(LINKAGE, TARGET, _still, near=POSTURE.tolist()))
     assert first.angles == pytest.approx(POSTURE.tolist(), abs=1e-9)
     assert first.cost < 1e-9
 
 
-def test_every_cell_is_inside_the_ranges_and_tells_its_miss():
+def test_searched_postures_are_in_range_and_report_their_error():
     seen = list(cells(LINKAGE, TARGET, _still, near=POSTURE.tolist()))
     assert len(seen) == SWIVELS * (GIRDLE_STEPS + 1)
     for cell in seen:
@@ -34,13 +35,13 @@ def test_every_cell_is_inside_the_ranges_and_tells_its_miss():
     assert sum(cell.miss < 1e-9 for cell in seen) > SWIVELS
 
 
-def test_without_the_girdle_the_collar_bone_stays():
+def test_collar_bone_stays_if_excluded_from_the_search():
     seen = list(cells(LINKAGE, TARGET, _still, near=POSTURE.tolist(), girdle=False))
     assert len(seen) == SWIVELS
     assert {round(cell.angles[0], 9) for cell in seen} == {0.1}
 
 
-def test_a_cell_has_the_swivel_that_was_asked():
+def test_searched_posture_has_the_requested_swivel():
     place = place_of(LINKAGE, POSTURE.tolist(), TARGET)
     now = present_swivel(LINKAGE, POSTURE.tolist())
     cell = cell_at(LINKAGE, place, now + 0.2, _still, near=POSTURE.tolist())

@@ -7,11 +7,12 @@ import pytest
 from numpy.random import default_rng
 
 from kinesic.body.robot import Robot
-from kinesic.ik.arm import wrist
 from kinesic.ik.arm.linkage import Link, Pivot, linkage_of
-from kinesic.ik.arm.wrist import TOLERANCE, HandDirection, direction_errors, orient
-from kinesic.ik.arm.wrist import _best as best
-from kinesic.ik.scalar3 import IDENTITY, Rotation, Vector, across, after, dot, rotated, unit
+from kinesic.ik.scalar3 import IDENTITY_ROTATION, Rotation, Vector, across, after, dot, rotated, unit
+
+from ...reference.ik import wrist
+from ...reference.ik.wrist import TOLERANCE, HandDirection, direction_errors, orient
+from ...reference.ik.wrist import _best as best
 
 CHAIN = Robot.load().arms["l"]
 ARM = linkage_of(CHAIN)
@@ -26,7 +27,7 @@ def _agreement(frame: Rotation, wishes: list[HandDirection], angles: tuple[float
     return sum(dot(rotated(frame, wish.own), wish.wanted) for wish in wishes)
 
 
-def test_directions_of_a_posture_inside_the_ranges_are_met() -> None:
+def test_feasible_wrist_directions_are_met() -> None:
     random = default_rng(8)
     for _ in range(60):
         angles = random.uniform(CHAIN.lower, CHAIN.upper).tolist()
@@ -40,7 +41,7 @@ def test_directions_of_a_posture_inside_the_ranges_are_met() -> None:
 
 
 @pytest.mark.parametrize("named", [("pointing",), ("palm",), ("pointing", "palm")])
-def test_no_posture_of_a_fine_grid_agrees_better(named: tuple[str, ...]) -> None:
+def test_no_wrist_posture_on_a_grid_has_a_smaller_error(named: tuple[str, ...]) -> None:
     random = default_rng(9)
     grid = list(itertools.product(*(np.linspace(p.lower, p.upper, 13).tolist() for p in LINK.pivots)))
     for _ in range(4):
@@ -56,7 +57,7 @@ def test_no_posture_of_a_fine_grid_agrees_better(named: tuple[str, ...]) -> None
         assert _agreement(frame, wishes, found) >= max(_agreement(frame, wishes, a) for a in grid) - 1e-3
 
 
-def test_no_hinge_alone_can_do_better() -> None:
+def test_wrist_solution_is_a_coordinatewise_optimum() -> None:
     random = default_rng(10)
     for _ in range(12):
         frame = ARM.walk(random.uniform(CHAIN.lower, CHAIN.upper).tolist(), 3)[0]
@@ -71,12 +72,12 @@ def test_no_hinge_alone_can_do_better() -> None:
                     assert _agreement(frame, wishes, tuple(aside_of)) < height
 
 
-def test_without_a_wish_the_hand_rests() -> None:
+def test_wrist_stays_at_rest_without_requested_directions() -> None:
     frame = ARM.walk(CHAIN.rest.tolist(), 3)[0]
     assert orient(LINK, frame, [], (0.1, 0.2, 0.0)) == (0.1, 0.2, 0.0)
 
 
-def test_a_wish_that_is_already_met_moves_nothing() -> None:
+def test_wrist_is_unchanged_if_directions_are_already_met() -> None:
     frame = ARM.walk(CHAIN.rest.tolist(), 3)[0]
     wishes = [HandDirection("pointing", LINK.along, rotated(frame, LINK.along))]
     assert orient(LINK, frame, wishes, REST) == pytest.approx(REST, abs=1e-6)
@@ -104,68 +105,66 @@ def level(angle: float) -> Vector:
         (3.0, -2.9),
     ],
 )
-def test_one_hinge_turns_to_the_direction_or_to_the_nearer_stop(wanted: float, found: float) -> None:
+def test_one_axis_wrist_turns_to_the_direction_or_the_nearer_limit(wanted: float, found: float) -> None:
     wishes = [HandDirection("pointing", level(0.0), level(wanted))]
-    assert orient(one_hinge(-2.9, 1.0), IDENTITY, wishes, (0.0,)) == pytest.approx((found,), abs=1e-3)
+    assert orient(one_hinge(-2.9, 1.0), IDENTITY_ROTATION, wishes, (0.0,)) == pytest.approx((found,), abs=1e-3)
 
 
 @pytest.mark.parametrize(("rest", "found"), [(-0.5, (-1.0, -1.0)), (0.5, (1.0, 1.0))])
-def test_of_two_ways_that_are_as_good_the_one_on_the_side_of_rest_is_taken(
-    rest: float, found: tuple[float, float]
-) -> None:
+def test_wrist_rest_posture_decides_between_equal_solutions(rest: float, found: tuple[float, float]) -> None:
     """Two hinges about one axis cannot turn to the back; by the left they come as near as by the right."""
     hinge = one_hinge(-1.0, 1.0)
     twice = replace(hinge, pivots=hinge.pivots * 2)
     wishes = [HandDirection("pointing", (1.0, 0.0, 0.0), (-1.0, 0.0, 0.0))]
-    assert orient(twice, IDENTITY, wishes, (rest, 0.0)) == found
+    assert orient(twice, IDENTITY_ROTATION, wishes, (rest, 0.0)) == found
 
 
 @pytest.mark.parametrize(("rest", "rounds"), [(0.0, 1), (-TOLERANCE, 1), (-2 * TOLERANCE, 2), (-0.5, 2)])
-def test_a_climb_is_over_with_the_round_that_changes_next_to_nothing(
+def test_wrist_search_ends_after_a_round_with_little_change(
     rest: float, rounds: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Of a hinge that stands at its stop, or comes there in the first round, and wants no more than 1e-3 beyond."""
     looked = []
     monkeypatch.setattr(wrist, "_best", lambda *asked: (looked.append(asked), best(*asked))[1])
     wishes = [HandDirection("pointing", level(0.0), level(1e-3))]
-    assert orient(one_hinge(-2.0, 0.0), IDENTITY, wishes, (rest,)) == (0.0,)
+    assert orient(one_hinge(-2.0, 0.0), IDENTITY_ROTATION, wishes, (rest,)) == (0.0,)
     assert len(looked) == rounds
 
 
-def test_directions_that_differ_are_missed_alike() -> None:
+def test_wrist_divides_the_error_equally_between_conflicting_directions() -> None:
     wishes = [HandDirection("a", level(0.0), level(0.2)), HandDirection("b", level(1.5), level(1.5 + 0.6))]
-    assert orient(one_hinge(-2.0, 2.0), IDENTITY, wishes, (0.0,)) == pytest.approx((0.4,), abs=1e-3)
+    assert orient(one_hinge(-2.0, 2.0), IDENTITY_ROTATION, wishes, (0.0,)) == pytest.approx((0.4,), abs=1e-3)
 
 
-def test_what_lies_along_the_axis_does_not_count() -> None:
+def test_wrist_ignores_directions_along_its_axis() -> None:
     own, wanted = unit((1.0, 0.0, 3.0)), unit((math.cos(0.5), math.sin(0.5), 3.0))
     wishes = [HandDirection("a", own, wanted), HandDirection("b", (0.0, 0.0, 1.0), unit((1.0, 0.0, 1.0)))]
-    assert orient(one_hinge(-2.0, 2.0), IDENTITY, wishes, (0.0,)) == pytest.approx((0.5,), abs=2e-3)
+    assert orient(one_hinge(-2.0, 2.0), IDENTITY_ROTATION, wishes, (0.0,)) == pytest.approx((0.5,), abs=2e-3)
 
 
 @pytest.mark.parametrize("rest", [(0.4, 0.0, 0.0), (-1.2, 0.0, 0.0)])
-def test_what_directions_leave_open_is_at_rest(rest: tuple[float, float, float]) -> None:
+def test_wrist_hinges_without_effect_on_the_directions_rest(rest: tuple[float, float, float]) -> None:
     """The hand hangs along the first hinge, so that any twist points as well."""
     wishes = [HandDirection("pointing", LINK.along, LINK.along)]
-    assert orient(LINK, IDENTITY, wishes, rest) == pytest.approx(rest, abs=1e-6)
+    assert orient(LINK, IDENTITY_ROTATION, wishes, rest) == pytest.approx(rest, abs=1e-6)
 
 
-def test_rest_is_left_for_a_direction_even_when_that_is_far() -> None:
+def test_requested_directions_override_the_wrist_rest_posture() -> None:
     wishes = [HandDirection("pointing", level(0.0), level(1.9))]
-    (found,) = orient(one_hinge(-2.0, 2.0), IDENTITY, wishes, (-1.0,))
+    (found,) = orient(one_hinge(-2.0, 2.0), IDENTITY_ROTATION, wishes, (-1.0,))
     assert found == pytest.approx(1.9 - math.atan(2e-4 * math.sin(2.9)), abs=1e-5)  # and no more than that back
 
 
 @pytest.mark.parametrize("turn", [0.0, 1.0, -2.5])
-def test_the_base_may_stand_as_it_likes(turn: float) -> None:
+def test_wrist_solution_accounts_for_the_orientation_of_the_forearm(turn: float) -> None:
     """Directions are wanted in the base; the hinge counts from the frame that it turns in."""
     wishes = [HandDirection("pointing", level(0.0), level(turn + 0.3))]
-    frame = after(IDENTITY, (0.0, 0.0, 1.0), turn)
+    frame = after(IDENTITY_ROTATION, (0.0, 0.0, 1.0), turn)
     assert orient(one_hinge(-1.0, 1.0), frame, wishes, (0.0,)) == pytest.approx((0.3,), abs=1e-3)
 
 
-def test_errors_are_the_angles_from_where_directions_should_look() -> None:
-    frame = after(IDENTITY, (0.0, 0.0, 1.0), 0.5)
+def test_direction_errors_are_angles_to_their_targets() -> None:
+    frame = after(IDENTITY_ROTATION, (0.0, 0.0, 1.0), 0.5)
     wishes = [
         HandDirection("met", level(0.0), level(0.5)),
         HandDirection("aside", level(0.0), level(-0.7)),

@@ -11,7 +11,7 @@ ORDERS = get_args(EulerOrder)
 
 
 @pytest.mark.parametrize("order", ORDERS)
-def test_angles_are_those_of_scipy(order: EulerOrder):
+def test_euler_angles_match_scipy(order: EulerOrder):
     random = default_rng(1)
     columns = ["xyz".index(axis) for axis in order]
     for matrix in Rotation.random(50, random_state=random).as_matrix():
@@ -22,14 +22,14 @@ def test_angles_are_those_of_scipy(order: EulerOrder):
 
 @pytest.mark.parametrize("order", ORDERS)
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_gimbal_lock_still_returns_the_rotation(order: EulerOrder, sign: float):
+def test_euler_angles_in_gimbal_lock_reproduce_the_rotation(order: EulerOrder, sign: float):
     angles = np.array([0.4, 0.4, 0.4])
     angles["xyz".index(order[1])] = sign * np.pi / 2.0
     matrix = rotation_of(angles, order)
     assert rotation_of(angles_of(matrix, order), order) == pytest.approx(matrix, abs=1e-9)
 
 
-def test_the_default_order_is_the_thesis_eq_13_0_7():
+def test_default_euler_order_matches_thesis_eq_13_0_7():
     phi, theta, psi = 0.3, -0.5, 0.7
     matrix = rotation_of(np.array([phi, theta, psi]), "xyz")
     assert matrix[2, 0] == pytest.approx(-np.sin(theta))
@@ -37,7 +37,7 @@ def test_the_default_order_is_the_thesis_eq_13_0_7():
     assert matrix[2, 1] == pytest.approx(np.sin(phi) * np.cos(theta))
 
 
-def test_a_rotation_is_cut_off_at_its_box_and_left_alone_inside():
+def test_rotation_is_clipped_to_euler_angle_limits():
     boxes = EulerBoxes.of([-0.2, -0.5, -1.0], [0.2, 0.5, 1.0], joints=1)
     inside = rotation_of(np.array([0.1, -0.4, 0.9]), "xyz")
     assert boxes.clamp(inside, 0) is inside
@@ -47,7 +47,7 @@ def test_a_rotation_is_cut_off_at_its_box_and_left_alone_inside():
     assert boxes.excess(inside[None]) == 0.0
 
 
-def test_the_limit_that_is_nearer_on_the_circle_is_taken():
+def test_euler_angle_outside_its_limits_is_clipped_to_the_nearer_one_on_the_circle():
     boxes = EulerBoxes.of([0.0, -0.5, -0.5], [3.0, 0.5, 0.5], joints=1)
     held = boxes.clamp(rotation_of(np.array([-3.1, 0.0, 0.0]), "xyz"), 0)
     assert angles_of(held, "xyz")[0] == pytest.approx(3.0)
@@ -62,6 +62,6 @@ def test_the_limit_that_is_nearer_on_the_circle_is_taken():
         ([np.nan, -1.0, -1.0], [1.0, 1.0, 1.0], "about x"),
     ],
 )
-def test_bad_limits_are_refused_with_a_lesson(lower, upper, lesson):
+def test_invalid_euler_angle_limits_raise_clear_errors(lower, upper, lesson):
     with pytest.raises(ValueError, match=lesson):
         EulerBoxes.of(lower, upper, joints=2)

@@ -1,14 +1,13 @@
 import numpy as np
 import pytest
 
-from kinesic.body.robot import Robot
 from kinesic.ik.thesis.boxes import EulerBoxes
 from kinesic.ik.thesis.chain import BallChain, perpendicular
 
 POINTS = [(0.0, 0.0, 0.0), (0.3, 0.0, 0.0), (0.3, 0.0, 0.2)]
 
 
-def test_a_chain_knows_its_bones():
+def test_ball_joint_chain_derives_bone_lengths_and_frames_from_points():
     chain = BallChain.of(POINTS)
     assert chain.lengths == pytest.approx([0.3, 0.2])
     assert chain.size == pytest.approx(0.5)
@@ -18,14 +17,14 @@ def test_a_chain_knows_its_bones():
     assert chain.frames[:, :, 0] == pytest.approx(np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]))
 
 
-def test_an_up_vector_along_its_bone_is_replaced():
+def test_up_vector_parallel_to_its_bone_is_replaced():
     ups = perpendicular(np.array([0.0, 0.0, 1.0]), np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]))
     assert (ups * np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])).sum(axis=1) == pytest.approx([0.0, 0.0])
     assert np.linalg.norm(ups, axis=1) == pytest.approx([1.0, 1.0])
     assert ups[1] == pytest.approx([0.0, 0.0, 1.0])
 
 
-def test_a_curved_chain_has_the_lengths_and_the_bend_asked_for():
+def test_curved_chain_has_the_requested_lengths_and_bend():
     chain = BallChain.curved([0.2, 0.3, 0.1], bend=0.2, base=(1.0, 2.0, 3.0))
     assert chain.lengths == pytest.approx([0.2, 0.3, 0.1])
     along = chain.frames[:, :, 0]
@@ -33,14 +32,7 @@ def test_a_curved_chain_has_the_lengths_and_the_bend_asked_for():
     assert chain.points[0].tolist() == [1.0, 2.0, 3.0]
 
 
-def test_a_robots_arm_becomes_a_chain_from_its_first_joint_to_its_hand():
-    arm = Robot.load("upper22").arms["l"]
-    chain = BallChain.of_limb(arm, arm.rest)
-    assert chain.lengths == pytest.approx(arm.lengths[:-1])
-    assert chain.points[-1] == pytest.approx(arm.hand(arm.rest))
-
-
-def test_a_chain_beyond_its_first_joint_keeps_the_rest():
+def test_chain_beyond_a_joint_keeps_masses_stiffness_and_limits_of_its_points():
     boxes = EulerBoxes.of([-0.1, -0.2, -0.3], [0.1, 0.2, 0.3], joints=2)
     chain = BallChain.of(POINTS, masses=[1.0, 2.0, 3.0], stiffness=[4.0, 5.0], damping=0.1, limits=boxes)
     outer = chain.beyond(1)
@@ -52,7 +44,7 @@ def test_a_chain_beyond_its_first_joint_keeps_the_rest():
     assert len(outer.limits.lower) == 1
 
 
-def test_arrays_are_read_only():
+def test_ball_chain_arrays_are_read_only():
     chain = BallChain.of(POINTS)
     for array in (chain.points, chain.ups, chain.masses, chain.stiffness, chain.lengths, chain.frames):
         assert not array.flags.writeable
@@ -70,6 +62,6 @@ def test_arrays_are_read_only():
         ({"limits": EulerBoxes.of(-1.0, 1.0, joints=3)}, "limits are given for 3 joints; the chain has 2"),
     ],
 )
-def test_bad_chains_are_refused_with_a_lesson(change, lesson):
+def test_invalid_chains_raise_clear_errors(change, lesson):
     with pytest.raises(ValueError, match=lesson):
         BallChain.of(**({"points": POINTS} | change))

@@ -11,7 +11,7 @@ TRUNK = BallChain.of([(0.0, 0.0, 0.0), (0.0, 0.0, 0.3), (0.0, 0.0, 0.5)])
 ARM = BallChain.of([(0.0, 0.0, 0.5), (0.0, 0.2, 0.5), (0.2, 0.2, 0.5)])
 
 
-def test_a_robots_upper_body_is_a_torso_with_two_arms():
+def test_limb_tree_of_the_robot_is_a_torso_with_two_arms():
     limbs = Limbs.of_robot(ROBOT)
     assert [(limb.name, limb.on) for limb in limbs.members] == [("torso", None), ("l_arm", "torso"), ("r_arm", "torso")]
     chains = {limb.name: limb.chain for limb in limbs.members}
@@ -23,7 +23,7 @@ def test_a_robots_upper_body_is_a_torso_with_two_arms():
     assert chains["l_arm"].points == pytest.approx(chains["r_arm"].points * mirror)
 
 
-def test_a_sub_base_joint_is_one_mass():
+def test_joint_common_to_several_limbs_is_one_mass():
     limbs = Limbs((Limb("trunk", TRUNK), Limb("left", ARM, "trunk"), Limb("right", ARM, "trunk")))
     assert limbs.indices == {"trunk": [0, 1, 2], "left": [2, 3, 4], "right": [2, 5, 6]}
     assert [limb.name for limb in limbs.hanging_on("trunk")] == ["left", "right"]
@@ -32,7 +32,7 @@ def test_a_sub_base_joint_is_one_mass():
     assert limbs.root("right").tolist() == [0.0, 0.0, 0.0]
 
 
-def test_a_limb_may_limit_what_it_does_not_share():
+def test_limb_with_unlimited_first_joint_may_have_limits_beyond_it():
     wide, narrow = [np.pi, np.pi / 2.0, np.pi], [0.5, 0.5, 0.5]
     boxes = EulerBoxes.of(-np.array([wide, narrow]), np.array([wide, narrow]), joints=2)
     Limbs((Limb("trunk", TRUNK), Limb("arm", BallChain.of(ARM.points, limits=boxes), "trunk")))
@@ -54,6 +54,6 @@ def test_a_limb_may_limit_what_it_does_not_share():
         ),
     ],
 )
-def test_bad_trees_are_refused_with_a_lesson(members, lesson):
+def test_invalid_limb_trees_raise_clear_errors(members, lesson):
     with pytest.raises(ValueError, match=lesson):
         Limbs(members)

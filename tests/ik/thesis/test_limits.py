@@ -18,7 +18,7 @@ def _limited(joints: int) -> BallChain:
 
 
 @pytest.mark.parametrize("joints", [3, 6, 10, 20])
-def test_any_stance_is_brought_inside_the_limits(joints: int):
+def test_any_posture_is_clipped_to_the_limits(joints: int):
     chain, random = _limited(joints), default_rng(joints)
     ground = Carrier.at_rest(chain)
     for _ in range(10):
@@ -29,14 +29,14 @@ def test_any_stance_is_brought_inside_the_limits(joints: int):
         assert np.linalg.norm(np.diff(held.points, axis=0), axis=1) == pytest.approx(chain.lengths)
 
 
-def test_a_stance_inside_its_limits_stays():
+def test_ball_chain_posture_within_joint_limits_is_unchanged():
     chain = _limited(4)
     ground = Carrier.at_rest(chain)
     stance = stance_of(chain, np.tile(rotation_of(0.9 * BOX, "xyz"), (4, 1, 1)), ground)
     assert within_limits(chain, stance, np.ones(3), ground).rotations.tolist() == stance.rotations.tolist()
 
 
-def test_a_parent_turns_by_the_arc_rule():
+def test_parent_joint_compensates_a_clipped_joint_by_the_arc_rule():
     points = [(0.0, 0.0, 0.0), (0.3, 0.0, 0.0), (0.5, 0.0, 0.0)]
     wide = [np.pi, 1.5, np.pi]
     chain = BallChain.of(points, limits=EulerBoxes.of([[-w for w in wide], [-0.1] * 3], [wide, [0.1] * 3], joints=2))
@@ -51,7 +51,7 @@ def test_a_parent_turns_by_the_arc_rule():
 
 
 @pytest.mark.parametrize(("joints", "least"), [(3, 0.75), (6, 0.75), (10, 0.75), (20, 0.8)])
-def test_most_targets_that_limits_allow_are_reached_and_no_limit_is_broken(joints, least):
+def test_most_feasible_targets_are_reached_within_limits(joints, least):
     chain, random, reached = _limited(joints), default_rng(40 + joints), []
     ground = Carrier.at_rest(chain)
     for _ in range(24):
@@ -65,7 +65,7 @@ def test_most_targets_that_limits_allow_are_reached_and_no_limit_is_broken(joint
     assert np.mean(reached) >= least
 
 
-def test_a_start_outside_the_limits_is_pulled_in():
+def test_start_posture_outside_the_limits_gives_a_solution_within_them():
     chain = _limited(3)
     start = np.tile(rotation_of(np.array([0.0, 1.4, 0.0]), "xyz"), (3, 1, 1))
     relaxed = solve_ball_chain(chain, np.array([0.8, 0.1, 0.3]), start=ChainStart(start))

@@ -7,11 +7,12 @@ import pytest
 from numpy.random import default_rng
 
 from kinesic.body.arrays import Floats
-from kinesic.ik.arm.masses import settle_masses
 from kinesic.ik.thesis.chain import BallChain
 from kinesic.ik.thesis.direct import balance_springs
 from kinesic.ik.thesis.task import Effort, Rest, Task
 from kinesic.ik.thesis.verlet import draw_by_force, swing_pinned
+
+from ...reference.ik.masses import settle_masses
 
 WAYS = {"force": draw_by_force, "position": swing_pinned, "direct": balance_springs}
 REACHABLE, BEYOND = 40, 15
@@ -56,7 +57,7 @@ def _rests(way: str, joints: int, count: int = REACHABLE, **given) -> list[tuple
         ("direct", 32, 60, 0.97),
     ],
 )
-def test_reachable_targets_are_reached_in_the_known_number_of_iterations(way, joints, median, least):
+def test_mass_spring_methods_reach_targets_in_the_expected_number_of_iterations(way, joints, median, least):
     rests = _rests(way, joints)
     assert 0.67 * median <= np.median([rest.iterations for _, rest in rests]) <= 1.34 * median
     assert np.mean([task.arrived(rest.points) for task, rest in rests]) >= least
@@ -64,7 +65,7 @@ def test_reachable_targets_are_reached_in_the_known_number_of_iterations(way, jo
 
 @pytest.mark.parametrize("joints", [3, 6, 10, 20])
 @pytest.mark.parametrize("way", WAYS)
-def test_targets_clamped_to_the_reach_are_approached_and_reached_directly(way, joints):
+def test_mass_spring_methods_approach_targets_at_the_reach_limit(way, joints):
     strict, loose = Effort(), Effort(tolerance=0.04 if joints == 20 else 0.01)
     for line in _directions(BEYOND, 7):
         rest = WAYS[way](_task(joints, line))
@@ -78,19 +79,19 @@ def test_undamped_masses_do_not_settle(way):
     assert np.mean([rest.iterations == Effort().iterations for _, rest in rests]) > 0.9
 
 
-def test_a_step_beyond_the_bound_explodes_and_is_stopped():
+def test_too_large_time_step_diverges_and_is_stopped():
     rest = swing_pinned(_task(6, np.array([0.5, 0.2, 0.1]), effort=Effort(step=2.0)))
     assert rest.iterations < Effort().iterations
     assert rest.energy > 1e6
 
 
-def test_too_soft_springs_are_slow():
+def test_springs_softer_than_the_tuned_ones_settle_slowly():
     tuned = np.median([rest.iterations for _, rest in _rests("position", 10)])
     soft = np.median([rest.iterations for _, rest in _rests("position", 10, effort=Effort(step=np.sqrt(0.1)))])
     assert soft > 2.0 * tuned
 
 
-def test_the_energy_threshold_ends_the_iteration():
+def test_spring_energy_threshold_ends_the_iteration():
     target = np.array([0.4, 0.3, 0.2])
     coarse, fine = (swing_pinned(_task(6, target, effort=Effort(tolerance=0.0, threshold=e))) for e in (1e-2, 1e-6))
     assert 1e-6 < coarse.energy <= 1e-2
@@ -99,7 +100,7 @@ def test_the_energy_threshold_ends_the_iteration():
 
 
 @pytest.mark.parametrize("way", WAYS)
-def test_at_rest_every_spring_has_its_length(way):
+def test_relaxed_springs_have_their_rest_lengths(way):
     task = _task(6, np.array([0.3, 0.3, 0.3]), effort=Effort(tolerance=0.0, threshold=1e-8, iterations=600))
     points = WAYS[way](task).points
     assert np.linalg.norm(np.diff(points, axis=0), axis=1) == pytest.approx(task.rests, abs=1e-6)
@@ -107,7 +108,7 @@ def test_at_rest_every_spring_has_its_length(way):
     assert points[-1] == pytest.approx(task.target, abs=1e-6)
 
 
-def test_equal_masses_swing_as_in_the_production_solver():
+def test_equal_masses_settle_like_the_masses_of_the_production_solver():
     lengths, target = (0.25, 0.35, 0.4), (0.5, 0.2, 0.3)
     chain = BallChain.curved(lengths)
     mine = swing_pinned(
@@ -125,7 +126,7 @@ def test_equal_masses_swing_as_in_the_production_solver():
     assert mine.points == pytest.approx(np.array(theirs.points), abs=1e-5)
 
 
-def test_a_heavy_mass_is_moved_less_by_the_direct_correction():
+def test_direct_spring_correction_moves_a_heavy_mass_less():
     chain = BallChain.curved([0.25, 0.25, 0.25, 0.25])
     target = np.array([0.2, 0.5, 0.2])
 
@@ -138,7 +139,7 @@ def test_a_heavy_mass_is_moved_less_by_the_direct_correction():
     assert moved(20.0) < 0.8 * moved(1.0)
 
 
-def test_a_soft_bone_gives_more_where_bones_cannot_all_keep_their_lengths():
+def test_softest_bone_stretches_most_if_the_target_is_too_far():
     chain = BallChain.curved([0.25, 0.25, 0.25, 0.25])
     stiffness = np.array([1.0, 0.1, 1.0, 1.0])
     effort = Effort(tolerance=0.0, threshold=1e-7, iterations=3000)
@@ -151,6 +152,6 @@ def test_a_soft_bone_gives_more_where_bones_cannot_all_keep_their_lengths():
 @pytest.mark.parametrize(
     ("given", "lesson"), [({"step": 0.0}, "step is 0.0"), ({"rounds": 0}, "rounds"), ({"tolerance": -1.0}, "less than")]
 )
-def test_effort_below_nothing_is_refused(given, lesson):
+def test_negative_solver_tolerance_or_limit_raises_an_error(given, lesson):
     with pytest.raises(ValueError, match=lesson):
         Effort(**given)

@@ -15,14 +15,14 @@ def _turns(seed: int, most: float = 1.2):
     return Rotation.from_rotvec(default_rng(seed).uniform(-most, most, (4, 3))).as_matrix()
 
 
-def test_without_rotations_a_chain_rests():
+def test_chain_without_rotations_is_in_its_rest_posture():
     stance = stance_of(CHAIN, UNTURNED, GROUND)
     assert stance.points == pytest.approx(CHAIN.points)
     assert stance.frames == pytest.approx(CHAIN.frames)
     assert stance.end.rotation == pytest.approx(np.eye(3))
 
 
-def test_aiming_at_points_of_a_stance_puts_the_joints_there():
+def test_bones_aimed_at_the_points_of_a_posture_reproduce_its_joint_positions():
     for seed in range(20):
         wished = stance_of(CHAIN, _turns(seed), GROUND)
         stance = aim_bones(CHAIN, UNTURNED, wished.points, GROUND)
@@ -31,19 +31,19 @@ def test_aiming_at_points_of_a_stance_puts_the_joints_there():
         assert np.linalg.det(stance.rotations) == pytest.approx(np.ones(4))
 
 
-def test_aiming_does_not_twist():
+def test_aiming_a_bone_does_not_twist_it():
     stance = aim_bones(CHAIN, UNTURNED, stance_of(CHAIN, _turns(3), GROUND).points, GROUND)
     twists = Rotation.from_matrix(stance.rotations).as_rotvec()[:, 0]
     assert twists == pytest.approx(np.zeros(4), abs=1e-12)
 
 
-def test_a_chain_that_is_aimed_where_it_points_keeps_its_rotations():
+def test_chain_aimed_at_its_present_joint_positions_keeps_its_rotations():
     rotations = _turns(5)
     stance = aim_bones(CHAIN, rotations, stance_of(CHAIN, rotations, GROUND).points, GROUND)
     assert stance.rotations == pytest.approx(rotations, abs=1e-12)
 
 
-def test_what_carries_a_chain_takes_it_along():
+def test_moving_the_base_moves_the_whole_ball_joint_chain():
     turn = Rotation.from_rotvec([0.3, -0.4, 0.5]).as_matrix()
     carried = stance_of(CHAIN, _turns(2), Carrier(np.array([1.0, 2.0, 3.0]), turn))
     alone = stance_of(CHAIN, _turns(2), GROUND)
@@ -51,7 +51,7 @@ def test_what_carries_a_chain_takes_it_along():
     assert carried.end.rotation == pytest.approx(turn @ alone.end.rotation)
 
 
-def test_masses_in_one_point_leave_the_bone_between_them_as_it_was():
+def test_coincident_masses_keep_the_bone_direction():
     points = CHAIN.points.copy()
     points[2] = points[1]
     stance = aim_bones(CHAIN, UNTURNED, points, GROUND)
@@ -60,14 +60,14 @@ def test_masses_in_one_point_leave_the_bone_between_them_as_it_was():
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_an_up_vector_stays_across_its_bone(sign: float):
+def test_up_vector_stays_perpendicular_to_its_bone(sign: float):
     up, bone = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
     assert transport_up(up, bone, sign * bone).tolist() == up.tolist()
     steep = np.array([0.6, 0.0, 0.8])
     assert transport_up(up, bone, steep) == pytest.approx([-0.8, 0.0, 0.6])
 
 
-def test_a_swivel_keeps_both_ends_and_every_length_and_bends_where_it_is_told():
+def test_swivelled_chain_keeps_ends_and_lengths_and_bends_towards_the_up_vector():
     points, up = CHAIN.points, np.array([0.1, 1.0, -0.2])
     turned = swivel_chain(points, up)
     assert turned[[0, -1]] == pytest.approx(points[[0, -1]])
@@ -85,6 +85,6 @@ def test_a_swivel_keeps_both_ends_and_every_length_and_bends_where_it_is_told():
         ([[0, 0, 0], [1, 1, 0], [2, 0, 0]], [1, 0, 0]),
     ],
 )
-def test_where_a_swivel_means_nothing_the_points_stay(points, up):
+def test_chain_with_undefined_swivel_direction_is_unchanged(points, up):
     given = np.array(points, dtype=float)
     assert swivel_chain(given, np.array(up, dtype=float)) is given

@@ -34,7 +34,7 @@ def _pair(random: Generator) -> dict[str, Floats]:
 
 
 @pytest.mark.parametrize("priority", [(), ("l_arm",), ("r_arm", "l_arm")])
-def test_both_hands_reach_what_they_can_reach_together(priority):
+def test_both_hands_reach_compatible_targets(priority):
     random, both = default_rng(1), []
     for _ in range(30):
         targets = _pair(random)
@@ -53,7 +53,7 @@ def test_both_hands_reach_what_they_can_reach_together(priority):
     assert np.mean(both) >= 0.93
 
 
-def test_where_both_cannot_priority_decides():
+def test_limb_priority_decides_between_conflicting_targets():
     alone = {name: solve_several(LIMBS, {name: target}).residuals[name] for name, target in TORN.items()}
     assert max(alone.values()) < 1e-3
     for first, second in (("l_arm", "r_arm"), ("r_arm", "l_arm")):
@@ -62,7 +62,7 @@ def test_where_both_cannot_priority_decides():
         assert reached[second] > 0.05
 
 
-def test_where_both_cannot_weights_share_the_loss():
+def test_limb_weights_distribute_the_target_error():
     loss = {
         weight: solve_several(LIMBS, TORN, weights={"l_arm": weight}, effort=Effort(rounds=5)).residuals
         for weight in (0.2, 1.0, 5.0)
@@ -71,14 +71,14 @@ def test_where_both_cannot_weights_share_the_loss():
     assert loss[0.2]["r_arm"] < loss[1.0]["r_arm"] < loss[5.0]["r_arm"]
 
 
-def test_the_torso_may_have_a_target_too_and_an_end_without_one_is_free():
+def test_torso_may_have_a_target_and_an_arm_may_have_none():
     torso = CHAINS["torso"].points[-1] + np.array([0.1, 0.0, -0.0181])
     reached = solve_several(LIMBS, {"torso": torso, "r_arm": np.array([0.3, -0.2, 0.8])})
     assert set(reached.residuals) == {"torso", "r_arm"}
     assert max(reached.residuals.values()) < 1e-3
 
 
-def test_a_limb_of_one_bone_turns_with_the_joint_that_it_shares():
+def test_one_bone_limb_turns_like_other_limbs_at_the_common_joint():
     top = CHAINS["torso"].points[-1]
     head = Limb("head", BallChain.of([top, top + np.array([0.0, 0.0, 0.2])]), "torso")
     reached = solve_several(Limbs((*LIMBS.members, head)), {"l_arm": np.array([0.35, 0.1, 0.9])})
@@ -90,7 +90,7 @@ def test_a_limb_of_one_bone_turns_with_the_joint_that_it_shares():
     assert turns[0] == pytest.approx(turns[1])
 
 
-def test_two_scales_give_the_same_result():
+def test_solution_of_several_limbs_is_independent_of_length_scale():
     targets = _pair(default_rng(3))
     small = solve_several(LIMBS, targets)
     scaled = Limbs(tuple(Limb(limb.name, BallChain.of(1e3 * limb.chain.points), limb.on) for limb in LIMBS.members))
@@ -100,7 +100,7 @@ def test_two_scales_give_the_same_result():
         assert big.stances[name].points / 1e3 == pytest.approx(stance.points, abs=1e-9)
 
 
-def test_limits_hold_in_every_limb():
+def test_joint_limits_hold_in_every_limb():
     wide, narrow = [np.pi, np.pi / 2.0, np.pi], [0.8, 0.8, 0.8]
     arm = np.array([wide, narrow, narrow, narrow])
     boxes = {
@@ -124,7 +124,7 @@ def test_limits_hold_in_every_limb():
         ({"l_arm": np.zeros(3)}, {"priority": ("head",)}, "there is no limb head"),
     ],
 )
-def test_bad_questions_are_refused_with_a_lesson(targets, given, lesson):
+def test_invalid_limb_ik_arguments_raise_clear_errors(targets, given, lesson):
     with pytest.raises(ValueError, match=lesson):
         solve_several(LIMBS, targets, **given)
 
@@ -148,35 +148,35 @@ def _turn(stances, name: str) -> float:
     return float(Rotation.from_matrix(turn).as_rotvec()[2])
 
 
-def test_at_rest_every_limb_stands_where_its_chain_rests():
+def test_limbs_at_rest_have_the_rest_positions_of_their_chains():
     for limb in LIMBS.members:
         assert REST[limb.name].points == pytest.approx(limb.chain.points)
 
 
-def test_limbs_that_agree_turn_their_joint():
+def test_limbs_at_a_common_joint_get_the_same_rotation():
     stances = _postured(0.3, 0.3, {"l_arm": 1.0, "r_arm": 1.0})
     assert _turn(stances, "l_arm") == pytest.approx(_turn(stances, "r_arm"))
     assert 0.05 < _turn(stances, "l_arm") <= 0.31
 
 
-def test_a_shared_joint_has_one_rotation():
+def test_common_joint_of_differently_weighted_limbs_has_one_rotation():
     stances = _postured(0.3, -0.1, {"l_arm": 1.0, "r_arm": 3.0})
     span = [np.linalg.norm(s["l_arm"].points[1] - s["r_arm"].points[1]) for s in (REST, stances)]
     assert span[0] == pytest.approx(span[1])
 
 
 @pytest.mark.parametrize(("weight", "sign"), [(9.0, 1.0), (1.0 / 9.0, -1.0)])
-def test_by_weights_the_heavier_limb_turns_the_joint_its_way(weight: float, sign: float):
+def test_common_joint_follows_the_limb_with_more_weight(weight: float, sign: float):
     stances = _postured(0.3, -0.3, {"l_arm": weight, "r_arm": 1.0})
     assert sign * _turn(stances, "l_arm") > 0.05
 
 
-def test_equal_weights_hold_each_other():
+def test_equal_limb_weights_give_equal_target_errors():
     assert _turn(_postured(0.3, -0.3, {"l_arm": 1.0, "r_arm": 1.0}), "l_arm") == pytest.approx(0.0, abs=1e-9)
 
 
 @pytest.mark.parametrize(("first", "sign"), [("l_arm", 1.0), ("r_arm", -1.0)])
-def test_by_priority_one_limb_decides_alone(first: str, sign: float):
+def test_common_joint_follows_the_limb_with_priority_alone(first: str, sign: float):
     pulls = {"l_arm": 1.0, "r_arm": 1.0}
     stances = _postured(0.3, -0.3, pulls, priority=(first,))
     alone = _postured(sign * 0.3, sign * 0.3, pulls, priority=(first,))

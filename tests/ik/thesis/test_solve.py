@@ -5,9 +5,9 @@ from numpy.random import default_rng
 from kinesic.ik.thesis.boxes import EulerBoxes
 from kinesic.ik.thesis.chain import BallChain
 from kinesic.ik.thesis.rotations import Carrier
-from kinesic.ik.thesis.solve import RELAXATIONS, ChainStart, solve_ball_chain
+from kinesic.ik.thesis.solve import RELAXATION_METHODS, ChainStart, solve_ball_chain
 
-METHODS = list(RELAXATIONS)
+METHODS = list(RELAXATION_METHODS)
 JOINTS = (3, 6, 10, 20)
 
 
@@ -17,7 +17,7 @@ def _chain(joints: int, size: float = 1.0) -> BallChain:
 
 @pytest.mark.parametrize("joints", JOINTS)
 @pytest.mark.parametrize("method", METHODS)
-def test_the_hand_is_where_the_residual_says_and_bones_keep_their_lengths(method, joints):
+def test_residual_is_the_hand_distance_and_bones_keep_their_lengths(method, joints):
     chain, random, reached = _chain(joints), default_rng(1), []
     for _ in range(12):
         line = random.normal(size=3)
@@ -34,7 +34,7 @@ def test_the_hand_is_where_the_residual_says_and_bones_keep_their_lengths(method
 
 @pytest.mark.parametrize("joints", JOINTS)
 @pytest.mark.parametrize("method", METHODS)
-def test_a_chain_points_at_what_it_cannot_reach(method, joints):
+def test_ball_joint_chain_points_straight_at_an_unreachable_target(method, joints):
     target = np.array([1.2, -0.6, 0.9])
     relaxed = solve_ball_chain(_chain(joints), target, method=method)
     distance = np.linalg.norm(target)
@@ -44,7 +44,7 @@ def test_a_chain_points_at_what_it_cannot_reach(method, joints):
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_two_scales_give_the_same_result(method):
+def test_ball_chain_solution_is_independent_of_length_scale(method):
     target = np.array([0.3, 0.4, 0.2])
     small = solve_ball_chain(_chain(6), target, method=method)
     for scale in (1e-3, 1e4):
@@ -57,7 +57,7 @@ def test_two_scales_give_the_same_result(method):
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("line", [(1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, -0.6, 0.8)])
-def test_a_straight_chain_leaves_the_line_of_its_target(method, line):
+def test_straight_ball_joint_chain_bends_sideways_to_reach_a_near_target(method, line):
     axis = np.array(line)
     chain = BallChain.of(np.linspace(0.0, 1.0, 7)[:, None] * axis)
     for share in (0.9, 0.5, -0.5):
@@ -67,12 +67,12 @@ def test_a_straight_chain_leaves_the_line_of_its_target(method, line):
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_a_target_on_the_base_closes_the_chain(method):
+def test_ball_joint_chain_reaches_a_target_at_its_base(method):
     assert solve_ball_chain(_chain(6), np.zeros(3), method=method).residual <= 1e-3
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_one_bone_is_aimed(method):
+def test_chain_of_one_bone_points_at_its_target(method):
     relaxed = solve_ball_chain(
         BallChain.of([(0.0, 0.0, 0.0), (0.5, 0.0, 0.0)]), np.array([0.0, 0.3, 0.4]), method=method
     )
@@ -80,7 +80,7 @@ def test_one_bone_is_aimed(method):
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_an_earlier_result_is_a_start_that_needs_nothing_more(method):
+def test_chain_solved_again_from_its_solution_needs_no_iterations(method):
     target = np.array([0.3, 0.4, 0.2])
     first = solve_ball_chain(_chain(6), target, method=method)
     again = solve_ball_chain(_chain(6), target, method=method, start=ChainStart(first.rotations))
@@ -90,7 +90,7 @@ def test_an_earlier_result_is_a_start_that_needs_nothing_more(method):
     assert near.iterations < first.iterations
 
 
-def test_the_up_vector_swivels_the_chain():
+def test_up_vector_turns_the_bend_of_the_solved_chain():
     target = np.array([0.5, 0.0, 0.0])
     for up in ([0.0, 1.0, 0.0], [0.0, 0.0, -1.0]):
         relaxed = solve_ball_chain(_chain(4), target, up=np.array(up))
@@ -99,7 +99,7 @@ def test_the_up_vector_swivels_the_chain():
         assert middle @ np.array(up) == pytest.approx(np.linalg.norm(middle[1:]), rel=1e-3)
 
 
-def test_a_carried_chain_solves_from_where_it_stands():
+def test_chain_on_a_moved_base_is_solved():
     quarter = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     shift, target = np.array([1.0, 2.0, 3.0]), np.array([0.3, 0.4, 0.2])
     here = solve_ball_chain(_chain(6), target)
@@ -108,7 +108,7 @@ def test_a_carried_chain_solves_from_where_it_stands():
     assert there.rotations == pytest.approx(here.rotations, abs=1e-9)
 
 
-def test_limits_are_held_with_every_method():
+def test_solved_chain_keeps_joint_limits_with_every_method():
     rest = _chain(6)
     box = np.radians([10.0, 40.0, 40.0])
     chain = BallChain.of(rest.points, limits=EulerBoxes.of(-box, box, joints=6))
@@ -129,6 +129,6 @@ def test_limits_are_held_with_every_method():
         ([0.1, 0.2, 0.3], {"start": ChainStart(np.eye(3))}, r"start has the shape \(3, 3\)"),
     ],
 )
-def test_bad_questions_are_refused_with_a_lesson(target, given, lesson):
+def test_invalid_ball_chain_ik_arguments_raise_clear_errors(target, given, lesson):
     with pytest.raises(ValueError, match=lesson):
         solve_ball_chain(_chain(3), np.array(target), **given)

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from kinesic.ik.thesis.springs import DAMPING_SHARES, Springs
+from kinesic.ik.thesis.springs import DAMPING_FRACTIONS, Springs
 from kinesic.ik.thesis.task import Effort
 from kinesic.ik.thesis.verlet import swing_to_rest
 
@@ -19,27 +19,27 @@ def _after(iterations: int, **given):
     return swing_to_rest(_springs(), POINTS, effort=effort, arrived=lambda points: False, **given)
 
 
-def test_the_first_step_is_force_over_mass():
+def test_first_verlet_step_is_force_over_mass():
     moved = _after(1, damping=0.2).points - POINTS
     assert moved == pytest.approx(0.4**2 * _springs().forces(POINTS) / MASSES[:, None])
 
 
-def test_the_second_step_is_the_scheme_of_eq_7_3_6_with_damping():
+def test_second_verlet_step_follows_eq_7_3_6_with_damping():
     first, second = _after(1, damping=0.2).points, _after(2, damping=0.2).points
     pull = 0.4**2 * _springs().forces(first) / MASSES[:, None]
     assert second == pytest.approx(first + (1.0 - 0.2) * (first - POINTS) + pull)
 
 
-def test_damping_is_a_share_of_what_theory_advises():
+def test_default_verlet_damping_is_a_fraction_of_the_theoretical_value():
     loss = _springs().pace[1]
-    assert _after(5, damping=None).points == pytest.approx(_after(5, damping=DAMPING_SHARES[0] * loss).points)
+    assert _after(5, damping=None).points == pytest.approx(_after(5, damping=DAMPING_FRACTIONS[0] * loss).points)
 
 
-def test_undamped_masses_keep_their_swing():
+def test_undamped_masses_keep_oscillating():
     assert _after(2000, damping=0.0).energy > 0.1 * _springs().energy(_springs().forces(POINTS))
 
 
-def test_the_loop_ends_where_it_is_told_to_and_leaves_its_input_alone():
+def test_verlet_relaxation_ends_at_its_criterion_without_changing_the_input():
     before = POINTS.copy()
     told: list[float] = []
 
