@@ -1,1 +1,1 @@
-"""The robot as data, and the types that all rooms share."""
+"""Robot descriptions, and the types that all packages use."""

@@ -1,7 +1,7 @@
-"""Action units (FACS): the elementary face movements by which a face is told what to show.
+"""Action units (FACS), the elementary movements of a face.
 
 The numbers and names are those of the Facial Action Coding System (P. Ekman, W. V. Friesen and J. C. Hager, 2002;
-thesis 4.3.1). A key of `Command.face` is a number, after an L or R where the unit has sides: `L12` pulls the left
+thesis 4.3.1). A key of `Command.face` is the number of a unit, after an L or R for one side: `L12` pulls the left
 corner of the mouth, `26` drops the jaw. A number alone means both sides.
 """
 
@@ -13,22 +13,22 @@ from typing import Literal
 
 FaceSide = Literal["left", "right", "both"]
 
-ASIDE = radians(35)  # that eyes at full intensity look to a side
-UPWARD = radians(25)
-DOWNWARD = radians(30)
-INWARD = radians(15)  # that each eye turns towards the nose: at full intensity both meet a few centimetres before it
+MAX_EYE_YAW = radians(35)  # [rad] rotation of an eye to either side at full intensity
+MAX_EYE_ELEVATION = radians(25)  # [rad] upward rotation of an eye at full intensity
+MAX_EYE_DEPRESSION = radians(30)  # [rad] downward rotation of an eye at full intensity
+MAX_EYE_CONVERGENCE = radians(15)  # [rad] rotation of each eye towards the nose; the gaze then meets a few cm ahead
 
 
 @dataclass(frozen=True)
 class ActionUnit:
-    """One movement of the face that can be told apart."""
+    """One elementary movement of the face."""
 
     number: int
     name: str
-    sided: bool = True  # left and right can move apart
+    sided: bool = True  # left and right move independently
 
 
-UNITS: Mapping[int, ActionUnit] = MappingProxyType(
+ACTION_UNITS: Mapping[int, ActionUnit] = MappingProxyType(
     {
         unit.number: unit
         for unit in (
@@ -74,37 +74,39 @@ UNITS: Mapping[int, ActionUnit] = MappingProxyType(
 )
 
 
-def channels(number: int, side: FaceSide = "both") -> tuple[str, ...]:
-    """Lists the keys of `Command.face` that move one action unit.
+def unit_channels(number: int, side: FaceSide = "both") -> tuple[str, ...]:
+    """List the keys of `Command.face` that move one action unit.
 
     Args:
-        number: of the unit, one of `UNITS`.
-        side: on which it moves; a unit without sides moves as a whole.
+        number: a key of `ACTION_UNITS`.
+        side: the moving side; a unit without sides moves as a whole.
     """
-    if not UNITS[number].sided:
+    if not ACTION_UNITS[number].sided:
         return (str(number),)
     return {"left": (f"L{number}",), "right": (f"R{number}",), "both": (f"L{number}", f"R{number}")}[side]
 
 
 def face_keys(unit: str) -> tuple[str, ...]:
-    """Lists the keys of `Command.face` for a unit as people write it: with its side, or a number for both sides.
+    """List the `Command.face` keys of a unit such as `12` or `L12`.
+
+    Users write a side and a number, or a number alone for both sides.
 
     Returns:
-        Nothing for an unknown unit.
+        An empty tuple for an unknown unit.
     """
-    if unit in CHANNELS:
+    if unit in FACE_CHANNELS:
         return (unit,)
     number = int(unit) if unit.isascii() and unit.isdigit() and len(unit) <= 2 else 0
-    return channels(number) if number in UNITS else ()
+    return unit_channels(number) if number in ACTION_UNITS else ()
 
 
-def unknown_unit(unit: str) -> str:
-    """Says that there is no such unit, and which would have worked."""
+def describe_unknown_unit(unit: str) -> str:
+    """Write the error message for an unknown action unit, with valid names."""
     if unit[:1] in ("L", "R") and face_keys(unit[1:]):
-        return f"no action unit {unit}: {UNITS[int(unit[1:])].name} has no sides; write {unit[1:]}"
-    sided = ", ".join(str(number) for number, each in UNITS.items() if each.sided)
-    whole = ", ".join(str(number) for number, each in UNITS.items() if not each.sided)
+        return f"no action unit {unit}: {ACTION_UNITS[int(unit[1:])].name} has no sides; write {unit[1:]}"
+    sided = ", ".join(str(number) for number, unit_data in ACTION_UNITS.items() if unit_data.sided)
+    whole = ", ".join(str(number) for number, unit_data in ACTION_UNITS.items() if not unit_data.sided)
     return f"no action unit {unit}; known: {sided} (on one side: L or R before it), {whole}"
 
 
-CHANNELS: tuple[str, ...] = tuple(channel for number in UNITS for channel in channels(number))
+FACE_CHANNELS: tuple[str, ...] = tuple(channel for number in ACTION_UNITS for channel in unit_channels(number))

@@ -1,4 +1,4 @@
-"""The array types of the project, and how an array becomes read-only."""
+"""Array types of the project, and functions that make arrays read-only."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -6,36 +6,44 @@ from numpy.typing import ArrayLike, NDArray
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Indices = NDArray[np.intp]
-Picture = NDArray[np.uint8]  # (height, width, 3) sRGB, first row on top
+Picture = NDArray[np.uint8]  # (height, width, 3) sRGB, top row first
 
-ROWS_PER_COMPARISON = 4096  # rows that are compared together
+ROWS_PER_COMPARISON = 4096  # Rows per vectorised comparison, which bounds the memory of temporaries
 
 
-def distinct_rows(values: Floats, least: float) -> tuple[Indices, Indices]:
-    """Finds the rows that differ from the one before: where nothing changes, one row stands for many.
+def find_distinct_rows(values: Floats, resolution: float) -> tuple[Indices, Indices]:
+    """Find the rows that differ from the row before.
+
+    Runs of equal rows are replaced by their first row.
 
     Args:
         values: (m, n).
-        least: what is the same: each row is nearer than this to the one that stands for it.
+        resolution: values are rounded to multiples of it before they are compared.
 
     Returns:
-        (k,) the rows that stand for themselves and those after them; (m,) index of the one that stands for each.
+        (k,) indices of the distinct rows; (m,) position of each row's representative in the first array.
     """
-    fresh = np.ones(len(values), dtype=np.bool_)
+    is_new = np.ones(len(values), dtype=np.bool_)
     for begin in range(0, len(values) - 1, ROWS_PER_COMPARISON):
-        steps = np.round(values[begin : begin + ROWS_PER_COMPARISON + 1] / least)
-        fresh[begin + 1 : begin + ROWS_PER_COMPARISON + 1] = np.any(steps[1:] != steps[:-1], axis=1)
-    return np.flatnonzero(fresh), np.cumsum(fresh) - 1
+        steps = np.round(values[begin : begin + ROWS_PER_COMPARISON + 1] / resolution)
+        is_new[begin + 1 : begin + ROWS_PER_COMPARISON + 1] = np.any(steps[1:] != steps[:-1], axis=1)
+    return np.flatnonzero(is_new), np.cumsum(is_new) - 1
 
 
 def sealed(values: ArrayLike) -> Floats:
-    """Returns a read-only float64 copy: what every array in a public type goes through."""
+    """Return a read-only float64 copy of an array.
+
+    Every array in a public type goes through this function.
+    """
     array = np.array(values, dtype=np.float64)
     array.setflags(write=False)
     return array
 
 
-def seal_own(values: Floats) -> Floats:
-    """Makes an array that nobody else holds read-only, without copying it."""
+def seal_in_place(values: Floats) -> Floats:
+    """Make an array read-only without a copy.
+
+    The caller must hold the only reference to it.
+    """
     values.setflags(write=False)
     return values

@@ -1,4 +1,4 @@
-"""Zeros, directions and limits measured on one robot's servos, laid over its file by names of hinges."""
+"""Measured zeros, directions and ranges that override a robot's file."""
 
 import os
 from pathlib import Path
@@ -8,68 +8,76 @@ import msgspec
 from kinesic.body.config import CONFIGS, ConfigError, read_toml, suggestion
 from kinesic.body.robot_schema import HingeTable
 
-SUFFIX = ".calibration.toml"
+CALIBRATION_SUFFIX = ".calibration.toml"  # end of the name of a calibration file
 
 
 class Calibration(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Figures that `kinesic servos calibrate` measured. A hinge that it does not name is as the robot's file says."""
+    """Measurements of `kinesic servos calibrate`, by hinge name.
 
-    robot: str = ""  # whose; empty: nobody's
-    zero_ticks: dict[str, int] = {}  # where the servo stands when the hinge's angle is 0
-    inverted: dict[str, bool] = {}  # whether the servo turns against the hinge
-    range_deg: dict[str, tuple[float, float]] = {}  # how far the hinge really goes, where that is less than its range
+    A hinge without an entry keeps the values of the robot's file.
+    """
+
+    robot: str = ""  # name of the robot; empty: none
+    zero_ticks: dict[str, int] = {}  # [ticks] servo position at hinge angle 0
+    inverted: dict[str, bool] = {}  # whether servo and hinge rotate in opposite directions
+    range_deg: dict[str, tuple[float, float]] = {}  # [deg] measured range, if it is smaller than the range in the file
 
     @property
     def hinges(self) -> frozenset[str]:
-        """Names of all hinges that were measured."""
+        """Names of all measured hinges."""
         return frozenset(self.zero_ticks) | frozenset(self.inverted) | frozenset(self.range_deg)
 
 
-NONE = Calibration()
+NO_CALIBRATION = Calibration()  # robot without measured zeros, directions and ranges
 
 
 def calibration_path(robot: Path) -> Path:
-    """Finds a robot's calibration: beside its file; of a robot of this package, in the user's own folder."""
-    name = robot.stem + SUFFIX
+    """Return the path of a robot's calibration file.
+
+    It lies next to the robot's file; for a robot of this package, in the user's configuration folder.
+    """
+    name = robot.stem + CALIBRATION_SUFFIX
     if robot.resolve().is_relative_to(CONFIGS):
         return Path(os.environ.get("XDG_CONFIG_HOME") or Path.home() / ".config") / "kinesic" / name
     return robot.with_name(name)
 
 
 def read_calibration(robot: Path, name: str) -> Calibration:
-    """Reads the calibration of a robot; `NONE` if there is no file.
+    """Read the calibration of a robot, or return `NO_CALIBRATION` without a file.
 
     Args:
         robot: path of the robot's file.
-        name: of the robot.
+        name: name of the robot.
 
     Raises:
-        ConfigError: the file is wrong, or another robot's.
+        ConfigError: the file is invalid, or calibrates another robot.
     """
     path = calibration_path(robot)
     if not path.exists():
-        return NONE
+        return NO_CALIBRATION
     if not path.is_file():
         raise ConfigError(f"{path}: no ordinary file; remove or rename it")
-    found = read_toml(path, Calibration)
-    if found.robot != name:
-        raise ConfigError(f"{path}: calibrates {found.robot or 'no robot'}, but stands for {name}; remove or rename it")
-    return found
+    calibration = read_toml(path, Calibration)
+    if calibration.robot != name:
+        raise ConfigError(f"{path}: calibrates {calibration.robot or 'no robot'}, not {name}; remove or rename it")
+    return calibration
 
 
 def narrow_ranges(hinges: list[HingeTable], calibration: Calibration, path: Path) -> list[HingeTable]:
-    """Narrows the ranges of hinges to those that were measured.
+    """Narrow the ranges of hinges to the measured ranges.
 
     Raises:
-        ConfigError: the calibration names a hinge that is not there, or a range beyond the robot's.
+        ConfigError: the calibration names an unknown hinge, or a range outside the robot's.
     """
-    where, known = calibration_path(path), [hinge.name for hinge in hinges]
-    for name in sorted(calibration.hinges - set(known)):
-        raise ConfigError(f"{where}: no hinge {name}{suggestion(name, known)}")
-    found = []
+    calibration_file, hinge_names = calibration_path(path), [hinge.name for hinge in hinges]
+    for name in sorted(calibration.hinges - set(hinge_names)):
+        raise ConfigError(f"{calibration_file}: no hinge {name}{suggestion(name, hinge_names)}")
+    narrowed = []
     for hinge in hinges:
-        (lower, upper), (least, most) = calibration.range_deg.get(hinge.name, hinge.range_deg), hinge.range_deg
-        if not least <= lower < upper <= most:
-            raise ConfigError(f"{where}: range_deg of {hinge.name} is [{lower}, {upper}], outside [{least}, {most}]")
-        found.append(msgspec.structs.replace(hinge, range_deg=(lower, upper)))
-    return found
+        (lower, upper), (min_deg, max_deg) = calibration.range_deg.get(hinge.name, hinge.range_deg), hinge.range_deg
+        if not min_deg <= lower < upper <= max_deg:
+            raise ConfigError(
+                f"{calibration_file}: range_deg of {hinge.name} is [{lower}, {upper}], outside [{min_deg}, {max_deg}]"
+            )
+        narrowed.append(msgspec.structs.replace(hinge, range_deg=(lower, upper)))
+    return narrowed

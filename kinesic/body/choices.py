@@ -1,10 +1,10 @@
-"""What users choose by name: the closed sets that the command line, Python and documents share."""
+"""Option types with a fixed set of names, such as `VoiceName`."""
 
 from typing import Literal
 
-Gathering = Literal["complex", "lazy"]  # how key frames are filled: in every part, or only where a part counts enough
-VoiceName = Literal["auto", "espeak", "durations"]  # who speaks; durations is silent and the same on every machine
-GrammarName = Literal["rules", "spacy"]  # who finds phrases and clauses of a plain text
-Terms = Literal["full", "lag", "none"]  # inverted of a servo: everything; what speed needs, but no torque; nothing
-Variant = Literal["female", "male"]  # the face
-Skin = Literal["female"]  # of a whole figure
+KeyFrameFilling = Literal["complex", "lazy"]  # key frames with all body parts, or only with sufficiently important ones
+VoiceName = Literal["auto", "espeak", "durations"]  # speech engine; durations is silent and identical on all machines
+GrammarName = Literal["rules", "spacy"]  # parser of phrases and clauses in plain text
+InvertedTerms = Literal["full", "lag", "none"]  # inverted terms of the servo model: all; velocity lag only; none
+Variant = Literal["female", "male"]  # face model
+Skin = Literal["female"]  # skin of the whole figure

@@ -1,4 +1,4 @@
-"""What a robot is told at each tick, who follows it, and what was measured meanwhile."""
+"""Commands to a robot, sinks that execute them, and measurements."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -9,126 +9,175 @@ import numpy as np
 from msgspec import Struct
 from numpy.typing import NDArray
 
-from kinesic.body.arrays import Floats, seal_own
+from kinesic.body.arrays import Floats, seal_in_place
 from kinesic.body.dynamics import Clearance
 from kinesic.body.servo import Drives
 
-RATE = 100  # [Hz] of commands
-COMMANDS_PER_WINDOW = 1024  # commands whose duties are computed together
-NO_FACE: Mapping[str, float] = MappingProxyType({})
+COMMAND_RATE = 100  # [Hz] commands sent per second
+SETTLE_DURATION = 0.3  # [s] duration of commands after the end of the motion
+COMMANDS_PER_WINDOW = 1024  # Commands per evaluation of duties and torques, which bounds the memory
+NO_FACE: Mapping[str, float] = MappingProxyType({})  # face at rest, without action units
+
+
+def command_times(duration: float, *, rate: float = COMMAND_RATE, settle: float = SETTLE_DURATION) -> Floats:
+    """Return the times of all commands of a motion.
+
+    Args:
+        duration: [s] of the motion.
+        rate: [Hz] of the commands.
+        settle: [s] of further commands after the end.
+
+    Returns:
+        (m,) [s] performance times, from 0.
+    """
+    return np.arange(int(np.ceil((duration + settle) * rate)) + 1) / rate
 
 
 class State(Struct, frozen=True, eq=False, gc=False):
-    """Motion at one instant, in joint order; interruption is re-planning from here."""
+    """Joint angles, velocities and accelerations at one instant.
+
+    An interruption replans from this state.
+    """
 
     angles: Floats  # (n,) [rad]
-    speeds: Floats  # (n,) [rad/s]
+    velocities: Floats  # (n,) [rad/s]
     accelerations: Floats  # (n,) [rad/s^2]
+
+    speeds = property(lambda self: self.velocities)  # deprecated alias
 
 
 class Command(Struct, frozen=True, eq=False, gc=False):
-    """One tick: the reference that limits and reports judge, and the goals that servos follow.
+    """Reference motion and servo setpoints at one command time.
 
-    Hundreds are alive at once, and hold no cycles: the garbage collector need not look at them.
+    Limits and reports judge the reference; servos follow the setpoints. Hundreds of commands are alive at once and hold
+    no reference cycles, so the garbage collector need not track them.
     """
 
     time: float  # [s] performance time
     angles: Floats  # (n,) [rad] reference
-    speeds: Floats  # (n,) [rad/s] reference
+    velocities: Floats  # (n,) [rad/s] reference
     accelerations: Floats  # (n,) [rad/s^2] reference
-    goals: Floats  # (n,) [rad] reference plus feed-forward, clipped to range
-    face: Mapping[str, float] = NO_FACE  # action unit -> 0..1
+    setpoints: Floats  # (n,) [rad] reference plus feed-forward, clipped to range
+    face: Mapping[str, float] = NO_FACE  # action unit -> intensity 0..1
+
+    speeds = property(lambda self: self.velocities)  # deprecated alias
+    goals = property(lambda self: self.setpoints)  # deprecated alias
 
 
 class Sink(Protocol):
-    """Anything that follows commands. It is told the time and never sleeps."""
+    """Receiver of commands, such as a twin, servos or a recorder.
+
+    It is given the time with each command and never sleeps.
+    """
 
     def write(self, command: Command, /) -> None:
-        """Follows one command; times never decrease."""
+        """Take one command for the robot's joints.
+
+        Times never decrease.
+        """
 
     def close(self) -> None:
-        """Ends the performance; called once, in `finally`."""
+        """End the performance that the commands make up.
+
+        Called once, in `finally`.
+        """
 
 
 class Body(Sink, Protocol):
-    """A sink that can tell where its hinges are."""
+    """Robot or simulation that executes commands and measures joint angles."""
 
     def positions(self) -> Floats:
-        """(n,) [rad] at the last command, as its sensors have them; NaN for a servo that did not answer."""
+        """Return the joint angles (n,) [rad] measured at the last command.
+
+        NaN for a servo that did not answer.
+        """
 
 
 @dataclass(frozen=True, eq=False)
 class Power:
-    """What the servos took from the supply in the interval that ends at each command, and what it did to them."""
+    """Supply current, energy and winding temperatures of the servos.
 
-    mean: Floats  # (m,) [A] of all servos together
-    peak: Floats  # (m,) [A] largest on any physics step
-    energy: float  # [J] in all
-    volts: float  # [V] lowest of the supply
-    warming: Mapping[str, Floats]  # hinge -> (m,) [K] rise of its windings, where the servo's thermal figures are known
+    A value at a command is that of the interval which ends there.
+    """
+
+    mean: Floats  # (m,) [A] mean current of all servos together
+    peak: Floats  # (m,) [A] maximum over the physics steps
+    energy: float  # [J] in total
+    volts: float  # [V] minimum of the supply
+    warming: Mapping[str, Floats]  # hinge -> (m,) [K] temperature rise of the windings, if the servo has thermal data
 
 
 @dataclass(frozen=True, eq=False)
-class TickRows:
-    """Goals of many commands as servos hold them: whole ticks, in a quarter of the room that angles take."""
+class SetpointRows:
+    """Setpoints of many commands, stored in whole servo ticks.
 
-    counts: NDArray[np.int16] | Floats  # (m, n) ticks; floats where some goal is beyond two bytes, or not rounded
-    tick: Floats  # (n,) [rad]; 1 for goals that nobody rounds
+    They take a quarter of the memory of angles.
+    """
+
+    counts: NDArray[np.int16] | Floats  # (m, n) [ticks]; floats if a setpoint exceeds two bytes or is not rounded
+    tick: Floats  # (n,) [rad]; 1 for setpoints that are not rounded
 
     def angles(self, rows: slice = slice(None)) -> Floats:
-        """Computes the goals (k, n) [rad] of some rows."""
-        return seal_own(self.counts[rows] * self.tick)
+        """Convert some rows of servo ticks to setpoints (k, n) [rad]."""
+        return seal_in_place(self.counts[rows] * self.tick)
 
 
 @dataclass(frozen=True, eq=False)
 class Measurements:
-    """The performed motion, sampled at the times of the commands.
+    """Performed motion, sampled at the times of the commands.
 
-    Goals, duties and torques follow from what is kept by the servos' law. They are computed each time that somebody
-    asks, as those of a long motion take much room.
+    Setpoints, duties and torques are recomputed with the servo model at each access, because those of a long motion
+    take much memory.
     """
 
     times: Floats  # (m,) [s]
     angles: Floats  # (m, n) [rad]
-    speeds: Floats  # (m, n) [rad/s]
-    sent: TickRows  # goals of each command
-    in_force: TickRows  # goals that were in force just before each command
-    supplied: Floats  # (m,) share of its voltage that the supply had there
-    drives: Drives  # whose law it is
-    hands: Mapping[str, Floats]  # "l", "r" -> (m, 3) [m] the wrist's centre in the world
-    clearance: Clearance  # of the closest posture since the command before, see `sim.twin`
-    latency: float  # [s] from a command's time until its goals reach the servos
+    velocities: Floats  # (m, n) [rad/s]
+    sent: SetpointRows  # setpoints sent with each command
+    in_force: SetpointRows  # setpoints in force just before each command
+    supplied: Floats  # (m,) supply voltage relative to nominal
+    drives: Drives  # drives of the servo model
+    hands: Mapping[str, Floats]  # "l", "r" -> (m, 3) [m] wrist centre in the world
+    clearance: Clearance  # minimum since the previous command, see `sim.twin`
+    latency: float  # [s] from a command's time until its setpoints reach the servos
     power: Power
 
+    def __repr__(self) -> str:
+        samples, hinges = self.angles.shape
+        return f"<{samples} measurements of {hinges} hinges>"
+
     @property
-    def goals(self) -> Floats:
-        """(m, n) [rad] that each command sent, in ticks; what serves to fit servos."""
+    def setpoints(self) -> Floats:
+        """Setpoints (m, n) [rad] sent with each command, rounded to ticks.
+
+        Servo parameters are fitted to them.
+        """
         return self.sent.angles()
 
     @property
     def duties(self) -> Floats:
-        """(m, n) demanded PWM duty, may exceed 1."""
-        return self._of_drives(0)
+        """Demanded PWM duties (m, n), which may exceed 1."""
+        return self._driven_rows(0)
 
     @property
     def torques(self) -> Floats:
-        """(m, n) [Nm] of the drives."""
-        return self._of_drives(1)
+        """Torques (m, n) [Nm] of the drives."""
+        return self._driven_rows(1)
 
-    def _of_drives(self, part: int) -> Floats:
-        found = np.empty(self.angles.shape)
+    def _driven_rows(self, part: int) -> Floats:
+        values = np.empty(self.angles.shape)
         for rows in self.windows():
-            found[rows] = self.drive_rows(rows)[part]
-        return seal_own(found)
+            values[rows] = self.drive_rows(rows)[part]
+        return seal_in_place(values)
 
     def windows(self) -> Iterator[slice]:
-        """Yields the rows of commands whose duties are computed together, window by window."""
+        """Yield slices of commands that are evaluated together."""
         return (slice(begin, begin + COMMANDS_PER_WINDOW) for begin in range(0, len(self.times), COMMANDS_PER_WINDOW))
 
     def drive_rows(self, rows: slice) -> tuple[Floats, Floats]:
-        """Computes duties and torques [Nm] of some commands, each (k, n)."""
-        speeds, drives = self.speeds[rows], self.drives
-        duties = drives.demanded(self.in_force.angles(rows) - self.angles[rows], speeds)
-        loads = drives.loads(np.clip(duties, -1.0, 1.0), speeds, self.supplied[rows])
-        loads *= drives.stall
-        return duties, loads
+        """Compute duties and torques [Nm] of some commands, each (k, n)."""
+        velocities, drives = self.velocities[rows], self.drives
+        duties = drives.demanded_duties(self.in_force.angles(rows) - self.angles[rows], velocities)
+        torques = drives.torque_ratios(np.clip(duties, -1.0, 1.0), velocities, self.supplied[rows])
+        torques *= drives.stall
+        return duties, torques

@@ -1,6 +1,7 @@
-"""Reads TOML strictly: unknown keys, wrong types and numbers that are not finite are errors that teach.
+"""Strict reading of TOML files.
 
-Whoever sends somebody a folder names nothing outside of it.
+Unknown keys, wrong types and numbers that are not finite are errors, and each error names a remedy. A file may only
+refer to files inside its own folder.
 """
 
 import difflib
@@ -10,24 +11,25 @@ import tomllib
 from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
-from typing import TypeVar, get_args
+from types import UnionType
+from typing import Annotated, TypeVar, Union, get_args, get_origin
 
 import msgspec
 
-CONFIGS = Path(__file__).resolve().parent.parent / "configs"
+CONFIGS = Path(__file__).resolve().parent.parent / "configs"  # folder of the built-in configuration files
 
-LARGEST_FILE = 4_000_000  # [bytes]
-MOST_PARTS = 32  # of a dotted key
-MOST_NESTED = 32  # lists and tables inside one another
+MAX_FILE_SIZE = 4_000_000  # [bytes] largest accepted configuration file
+MAX_KEY_PARTS = 32  # Largest number of parts of a dotted TOML key
+MAX_NESTING = 32  # Largest depth of nested lists and tables in a TOML file
 
-_PART = r"""(?:"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+'|[\w+-]++)"""  # of a key, or a value
-_DOT = r"[ \t]*+\.[ \t]*+"
-_BASIC = r"""\"{3}(?:[^"\\]|\\.?|"{1,2}(?!"))*+(?:"{3,5}|\Z)"""  # strings of several lines
-_LITERAL = r"""'{3}(?:[^']|'{1,2}(?!'))*+(?:'{3,5}|\Z)"""
-_DEEP = rf"(?P<deep>{_PART}(?:{_DOT}{_PART}){{{MOST_PARTS}}})"
-_REST = r"""[^\w+"'#\[\]{}-]++|."""
-_TOKENS = re.compile(
-    rf"{_BASIC}|{_LITERAL}|{_DEEP}|{_PART}(?:{_DOT}{_PART})*+|\#[^\n]*+|(?P<open>[\[{{])|(?P<close>[\]}}])|{_REST}",
+_KEY_PART = r"""(?:"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+'|[\w+-]++)"""  # part of a key, or a value
+_KEY_DOT = r"[ \t]*+\.[ \t]*+"  # separator of the parts of a dotted key
+_BASIC_STRING = r"""\"{3}(?:[^"\\]|\\.?|"{1,2}(?!"))*+(?:"{3,5}|\Z)"""  # strings of several lines
+_LITERAL_STRING = r"""'{3}(?:[^']|'{1,2}(?!'))*+(?:'{3,5}|\Z)"""  # literal strings of several lines
+_DEEP_KEY = rf"(?P<deep>{_KEY_PART}(?:{_KEY_DOT}{_KEY_PART}){{{MAX_KEY_PARTS}}})"
+_OTHER_TEXT = r"""[^\w+"'#\[\]{}-]++|."""  # text without effect on nesting
+_TOKEN_PATTERN = re.compile(
+    rf"{_BASIC_STRING}|{_LITERAL_STRING}|{_DEEP_KEY}|{_KEY_PART}(?:{_KEY_DOT}{_KEY_PART})*+|\#[^\n]*+|(?P<open>[\[{{])|(?P<close>[\]}}])|{_OTHER_TEXT}",
     re.DOTALL,
 )
 
@@ -35,14 +37,17 @@ T = TypeVar("T")
 
 
 class ConfigError(ValueError):
-    """A file of facts is missing or wrong: names the file, the place, the value and what would have worked."""
+    """Missing or invalid configuration file.
+
+    The message names the file, the place, the value and a valid alternative.
+    """
 
 
 def read_toml(path: Path, schema: type[T]) -> T:
-    """Reads a TOML file into a msgspec schema.
+    """Read a TOML file into a msgspec schema.
 
     Args:
-        path: of the file.
+        path: path of the file.
         schema: a `msgspec.Struct` with `forbid_unknown_fields`.
 
     Raises:
@@ -52,16 +57,16 @@ def read_toml(path: Path, schema: type[T]) -> T:
 
 
 def read_tables(path: Path) -> dict[str, object]:
-    """Reads the tables of a TOML file as they stand there.
+    """Read the tables of a TOML file without a schema.
 
     Raises:
         ConfigError: the file is missing, not TOML, or has numbers that are not finite.
     """
     try:
         with path.open("rb") as file:
-            raw = file.read(LARGEST_FILE + 1)
-        if len(raw) > LARGEST_FILE:
-            raise ConfigError(f"{path}: more than {LARGEST_FILE // 1_000_000} MB; such a file has some kB")
+            raw = file.read(MAX_FILE_SIZE + 1)
+        if len(raw) > MAX_FILE_SIZE:
+            raise ConfigError(f"{path}: more than {MAX_FILE_SIZE // 1_000_000} MB; such a file has some kB")
         return parse_tables(raw.decode("utf-8"), path)
     except FileNotFoundError:
         raise ConfigError(f"{path}: no such file") from None
@@ -72,17 +77,17 @@ def read_tables(path: Path) -> dict[str, object]:
 
 
 def parse_tables(text: str, path: Path) -> dict[str, object]:
-    """Reads the tables of a TOML text as they stand there.
+    """Parse the tables of a TOML text without a schema.
 
     Args:
-        text: of a file.
-        path: of the file, for messages.
+        text: contents of a file.
+        path: path of the file, for messages.
 
     Raises:
-        ConfigError: it is not TOML, or has numbers that are not finite.
+        ConfigError: the text is not TOML, or has numbers that are not finite.
     """
     try:
-        data, odd = _parsed(text, trusted=path.parent.resolve().is_relative_to(CONFIGS))
+        data, odd = _parse(text, trusted=path.parent.resolve().is_relative_to(CONFIGS))
     except ValueError as error:
         raise ConfigError(f"{path}: not TOML: {error}") from None
     for place, value in odd:
@@ -90,22 +95,22 @@ def parse_tables(text: str, path: Path) -> dict[str, object]:
     return data
 
 
-def find_excess(text: str) -> str:
-    """Says what of a TOML text is too much to be parsed, and where; nothing when it may be parsed.
+def describe_excess(text: str) -> str:
+    """Describe the first nesting limit that a TOML text exceeds, or "".
 
-    The time of the parser grows with the square of the parts of a dotted key, and it calls itself for every nesting.
+    The parser's time grows with the square of the number of parts of a dotted key, and it recurses for each nesting.
     """
     nested = 0
-    for token in _TOKENS.finditer(text):
+    for token in _TOKEN_PATTERN.finditer(text):
         match token.lastgroup:
             case "open":
                 nested += 1
-                if nested > MOST_NESTED:
-                    return f"in {_line(text, token)} more than {MOST_NESTED} lists or tables are inside one another"
+                if nested > MAX_NESTING:
+                    return f"in {_line(text, token)} more than {MAX_NESTING} lists or tables are nested"
             case "close":
                 nested -= 1
             case "deep":
-                return f"a key in {_line(text, token)} has more than {MOST_PARTS} parts; a.b.c has three"
+                return f"a key in {_line(text, token)} has more than {MAX_KEY_PARTS} parts; a.b.c has three"
     return ""
 
 
@@ -114,27 +119,29 @@ def _line(text: str, token: re.Match[str]) -> str:
 
 
 def fit_schema(data: object, schema: type[T], path: Path) -> T:
-    """Fits tables to a schema.
+    """Convert parsed TOML tables to a msgspec schema.
 
     Args:
-        data: as it was read.
+        data: the parsed tables.
         schema: a `msgspec.Struct` with `forbid_unknown_fields`.
-        path: of the file, for messages.
+        path: path of the file, for messages.
 
     Raises:
-        ConfigError: they do not fit; says where, and what would have worked.
+        ConfigError: the tables do not fit; the message names the place and a valid key.
     """
     try:
         return msgspec.convert(data, schema)
     except msgspec.ValidationError as error:
-        raise ConfigError(f"{path}: {error}{_suggestion(str(error), schema)}") from None
+        raise ConfigError(f"{path}: {error}{_suggest_key(str(error), schema)}") from None
 
 
-def locate(kind: str, name: str | Path) -> Path:
-    """Finds the file of a robot or a style: a path to a TOML file, or a name in `configs/KINDs/`.
+def locate_config(kind: str, name: str | Path) -> Path:
+    """Return the file of a robot or style.
+
+    A path ends in .toml; a name is searched in `configs/KINDs/`.
 
     Raises:
-        ConfigError: there is nothing of this name.
+        ConfigError: no file has this name.
     """
     path = Path(name)
     if path.suffix == ".toml":
@@ -146,19 +153,21 @@ def locate(kind: str, name: str | Path) -> Path:
 
 
 def check_inside(folder: Path, named: Path) -> None:
-    """Refuses a file outside of a folder, by its path or through links, and what is there but no ordinary file.
+    """Refuse a path that leaves a folder or names a special file.
+
+    Links are followed. A missing file passes, because its reader reports it.
 
     Args:
-        folder: of the file that names the other one.
-        named: path of the other one; where nothing is there, whoever reads it says so.
+        folder: folder of the referring file.
+        named: path of the referenced file.
 
     Raises:
-        ConfigError: it is one of these.
+        ConfigError: the path is refused.
     """
     try:
         place, home = named.resolve(), folder.resolve()
-        is_odd = place.exists() and not place.is_file()  # whoever opens a pipe may wait for ever
-    except (OSError, RuntimeError, ValueError) as error:  # a ring of links, no name of a file
+        is_odd = place.exists() and not place.is_file()  # opening a pipe may block for ever
+    except (OSError, RuntimeError, ValueError) as error:  # cyclic links, or an invalid file name
         raise ConfigError(f"{str(named)!r} names no file: {error}") from None
     if not place.is_relative_to(home):
         raise ConfigError(f"{str(named)!r} is outside of the folder {folder}; copy that file there, and name it alone")
@@ -167,13 +176,17 @@ def check_inside(folder: Path, named: Path) -> None:
 
 
 def names_of(kind: str) -> tuple[str, ...]:
-    """Lists the names of all that `configs/KINDs/` holds."""
+    """List the built-in configurations of a kind such as `robot` or `style`."""
     return tuple(sorted(file.stem for file in (CONFIGS / f"{kind}s").glob("*.toml")))
 
 
-def suggestion(word: str, known: Iterator[str] | list[str] | tuple[str, ...]) -> str:
-    """Suggests the known word nearest to a wrong one, '; did you mean X?', or lists all when none is near."""
-    names = sorted(known)
+def suggestion(word: str, valid_names: Iterator[str] | list[str] | tuple[str, ...]) -> str:
+    """Suggest the valid name nearest to an unknown one.
+
+    Returns:
+        '; did you mean X?', or a list of all valid names if none is near.
+    """
+    names = sorted(valid_names)
     near = difflib.get_close_matches(word, names, n=1, cutoff=0.6)
     if near:
         return f"; did you mean {near[0]}?"
@@ -181,15 +194,16 @@ def suggestion(word: str, known: Iterator[str] | list[str] | tuple[str, ...]) ->
 
 
 @lru_cache(maxsize=16)
-def _parsed(text: str, *, trusted: bool) -> tuple[dict[str, object], list[tuple[str, float]]]:
-    """The tree of a TOML text, and its numbers that are not finite, with their places; robots share many files.
+def _parse(text: str, *, trusted: bool) -> tuple[dict[str, object], list[tuple[str, float]]]:
+    """Parse a TOML text and return its tree and its non-finite numbers.
 
-    Texts that come with kinesic are trusted not to have more than they need.
+    Each number comes with its place in the tree. Results are cached, because robots extend the same files. Files of
+    kinesic itself are trusted not to contain excess.
 
     Raises:
-        ValueError: it is not TOML, or more than any file needs; also of whole numbers with thousands of digits.
+        ValueError: the text is not TOML, has an excess, or has a whole number with thousands of digits.
     """
-    if not trusted and (excess := find_excess(text)):
+    if not trusted and (excess := describe_excess(text)):
         raise ValueError(excess)
     data = tomllib.loads(text)
     return data, [(place, value) for place, value in _numbers(data, "$") if not math.isfinite(value)]
@@ -206,20 +220,44 @@ def _numbers(data: object, place: str) -> Iterator[tuple[str, float]]:
         yield place, data
 
 
-def _suggestion(message: str, schema: object) -> str:
-    """What would have worked, for an unknown field."""
-    unknown = re.search(r"unknown field `([^`]+)`", message)
-    return suggestion(unknown.group(1), list(_fields(schema, set()))) if unknown else ""
+def _suggest_key(message: str, schema: object) -> str:
+    """Suggest valid keys for an unknown field, or for a value that must be a table."""
+    place = re.search(r" at `\$([^`]*)`", message)
+    schemas = [schema]
+    for part in re.findall(r"\.[^.\[]+|\[[^\]]*\]", place.group(1) if place else ""):
+        schemas = [inner for outer in schemas for inner in _enter(outer, part)]
+    valid_keys = list(dict.fromkeys(name for outer in schemas for name in _list_keys(outer)))
+    if unknown := re.search(r"unknown field `([^`]+)`", message):
+        return suggestion(unknown.group(1), valid_keys or list(_list_fields(schema, set())))
+    return f"; a table with {', '.join(valid_keys)}" if valid_keys and "Expected `object" in message else ""
 
 
-def _fields(schema: object, seen: set[object]) -> Iterator[str]:
-    """Names of all fields of a schema and of the schemas inside it."""
+def _enter(schema: object, part: str) -> Iterator[object]:
+    """Yield the types of a key (`.name`) or of the items (`[...]`) of a schema."""
+    if isinstance(schema, type) and issubclass(schema, msgspec.Struct):
+        yield from (field.type for field in msgspec.structs.fields(schema) if part == f".{field.encode_name}")
+    elif get_origin(schema) in (Union, UnionType, Annotated):
+        yield from (found for inner in get_args(schema) for found in _enter(inner, part))
+    elif part.startswith("["):
+        yield from get_args(schema)
+
+
+def _list_keys(schema: object) -> Iterator[str]:
+    """Yield the keys of a struct, or of all structs of a union."""
+    if isinstance(schema, type) and issubclass(schema, msgspec.Struct):
+        yield from (field.encode_name for field in msgspec.structs.fields(schema))
+    for inner in get_args(schema) if get_origin(schema) in (Union, UnionType, Annotated) else ():
+        yield from _list_keys(inner)
+
+
+def _list_fields(schema: object, seen: set[object]) -> Iterator[str]:
+    """Yield all field names of a schema and its nested schemas."""
     if schema in seen:
         return
     seen.add(schema)
     for inner in get_args(schema):
-        yield from _fields(inner, seen)
+        yield from _list_fields(inner, seen)
     if isinstance(schema, type) and issubclass(schema, msgspec.Struct):
         for field in msgspec.structs.fields(schema):
             yield field.encode_name
-            yield from _fields(field.type, seen)
+            yield from _list_fields(field.type, seen)

@@ -1,11 +1,11 @@
-"""A robot as its TOML describes it, with the mirrored half written out."""
+"""Contents of a robot's TOML file, with both body sides complete."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from kinesic.body.arrays import Floats
-from kinesic.body.calibration import NONE, Calibration
+from kinesic.body.calibration import NO_CALIBRATION, Calibration
 from kinesic.body.choices import Skin
 from kinesic.body.servo import Drive
 from kinesic.body.skeleton import Skeleton
@@ -13,7 +13,10 @@ from kinesic.body.skeleton import Skeleton
 
 @dataclass(frozen=True, eq=False)
 class Mount:
-    """A drive and where its servos sit (they carry weight)."""
+    """Drive of a hinge with the place of its servos.
+
+    Servos have weight.
+    """
 
     drive: Drive
     segment: str
@@ -22,15 +25,15 @@ class Mount:
 
 @dataclass(frozen=True)
 class Exclusion:
-    """Two segments whose distance does not count, and why."""
+    """Pair of segments excluded from collision checks, with the reason."""
 
     pair: frozenset[str]
-    why: str
+    why: str  # reason, for reports
 
 
 @dataclass(frozen=True, eq=False)
 class Site:
-    """A named point on a segment."""
+    """Named point on a segment."""
 
     segment: str
     position: Floats  # (3,) [m] in the segment
@@ -39,15 +42,15 @@ class Site:
 
 @dataclass(frozen=True)
 class Supply:
-    """What feeds the servos."""
+    """Power supply of the servos."""
 
-    volts: float
-    amps: float  # that it gives for long
+    volts: float  # [V]
+    amps: float  # [A] continuous
 
 
 @dataclass(frozen=True, eq=False)
 class Description:
-    """Everything that is written about a robot."""
+    """Complete description of a robot."""
 
     name: str
     path: Path
@@ -56,8 +59,8 @@ class Description:
     chains: Mapping[str, tuple[str, ...]]  # "torso", "neck", "l_arm", "r_arm" -> segments from the base outward
     sites: Mapping[str, Site]  # at least "l_palm", "r_palm", "eyes"
     exclusions: tuple[Exclusion, ...]
-    least_clearance: float  # [m]
+    min_clearance: float  # [m] required between counted pairs
     targets: Mapping[str, Floats]  # named points (3,) [m] in the world
-    skin: Skin | None = None  # None: it is drawn as it is built
-    supply: Supply | None = None  # None: not described
-    calibration: Calibration = NONE  # of this one's servos; its ranges are in the skeleton already
+    skin: Skin | None = None  # None: drawn without skin
+    supply: Supply | None = None  # None: unknown
+    calibration: Calibration = NO_CALIBRATION  # of these servos; the skeleton has its ranges already

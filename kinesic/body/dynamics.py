@@ -1,4 +1,7 @@
-"""What planning must know of the body's physics; implemented by `sim`, joined by `controller`."""
+"""Interfaces of inverse dynamics and of distances between robot segments.
+
+`sim` implements them, and `controller` passes them to planning.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,7 +12,10 @@ from kinesic.body.arrays import Floats
 
 @dataclass(frozen=True, eq=False)
 class Load:
-    """Largest holding torque and inertia of each hinge over all postures, the larger of both sides."""
+    """Largest holding torque and inertia of each hinge over all postures.
+
+    Of a left and a right hinge, both have the larger value.
+    """
 
     holding: Floats  # (n,) [Nm] torque against gravity
     inertia: Floats  # (n,) [kg m^2] diagonal of the joint-space inertia, armature included
@@ -18,12 +24,14 @@ class Load:
 class Dynamics(Protocol):
     """Inverse dynamics of a robot, in joint order."""
 
-    def torques(self, angles: Floats, speeds: Floats, accelerations: Floats) -> Floats:
-        """Computes the torque that each motion needs, gravity, inertia, armature and friction included.
+    def torques(self, angles: Floats, velocities: Floats, accelerations: Floats) -> Floats:
+        """Compute the torques of a motion by inverse dynamics.
+
+        Gravity, inertia, armature and friction are included.
 
         Args:
             angles: (m, n) [rad].
-            speeds: (m, n) [rad/s].
+            velocities: (m, n) [rad/s].
             accelerations: (m, n) [rad/s^2].
 
         Returns:
@@ -32,30 +40,41 @@ class Dynamics(Protocol):
 
     @property
     def load(self) -> Load:
-        """What each hinge bears at worst."""
+        """Largest holding torque and inertia of each hinge."""
 
 
 @dataclass(frozen=True, eq=False)
 class Clearance:
-    """Closest approach of two segments along a motion."""
+    """Smallest distance between segments along a motion."""
 
-    distances: Floats  # (m,) [m] smallest distance over all counted pairs, negative when they overlap
-    pairs: Sequence[tuple[str, str]]  # (m,) the segments that are closest
+    distances: Floats  # (m,) [m] minimum over all counted pairs, negative if they overlap
+    pairs: Sequence[tuple[str, str]]  # (m,) closest segments
 
     @property
     def worst(self) -> int:
-        """Index of the closest approach."""
+        """Index of the posture with the smallest distance."""
         return int(self.distances.argmin())
 
 
 class Distances(Protocol):
-    """Self-distance of a robot."""
+    """Distances between the segments of a robot."""
 
     def clearance(self, angles: Floats) -> Clearance:
-        """Finds the smallest distance between the capsules of counted pairs, for (m, n) [rad]."""
+        """Find the smallest distance over all checked pairs of capsules.
+
+        The angles are (m, n) [rad].
+        """
 
     def gaps(self, angles: Floats) -> Floats:
-        """Measures (m, p) [m] between the segments of each counted pair, in their order, for (m, n) [rad]."""
+        """Compute the distance (m, p) [m] of each checked pair.
+
+        Pairs keep the order of `Robot.counted_pairs`; angles are (m, n) [rad].
+        """
 
     def bounds(self, angles: Floats, turns: Floats) -> Floats:
-        """Bounds the distances (m,) [m] of postures (m, n) [rad] from below, however hinges turn by (m, n) [rad]."""
+        """Compute lower bounds of the distances (m,) [m] near given postures.
+
+        Args:
+            angles: (m, n) [rad].
+            turns: (m, n) [rad] largest deviation of each hinge from its angle.
+        """

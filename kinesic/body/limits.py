@@ -1,4 +1,4 @@
-"""What a trajectory may not exceed, per hinge."""
+"""Motion limits of each hinge."""
 
 from dataclasses import dataclass, replace
 
@@ -8,20 +8,20 @@ from kinesic.body.arrays import Floats, Indices, sealed
 from kinesic.body.dynamics import Load
 from kinesic.body.robot import Robot
 
-STALL_SHARE = 0.8  # of the stall torque that accelerating may use
-LEAST_ACCELERATION = 1.0  # [rad/s^2] what a hinge is granted that can hardly hold itself
-RISE = 0.04  # [s] in which the acceleration may go from nothing to its limit
-DUTY = 0.73  # of full PWM that a plan may use; the rest is for other hinges' pull and for servos a quarter weaker
-UNFELT = 1e-6  # share of the duty that a hinge takes at its boxes where no drive is known
-LEAST_DUTY = 0.1  # what is granted to a hinge that can hardly hold itself
+USABLE_STALL_FRACTION = 0.8  # Fraction of the stall torque available to holding, friction and acceleration
+MIN_ACCELERATION = 1.0  # [rad/s^2] lower bound of acceleration limits, for hinges that can hardly hold their load
+ACCELERATION_RISE_TIME = 0.04  # [s] time from zero acceleration to its limit at maximum jerk
+PLANNED_DUTY = 0.73  # Fraction of full PWM for plans; the rest covers coupled loads and servos that are 25 % weaker
+NEGLIGIBLE_DUTY = 1e-6  # Duty at the velocity and acceleration limits of a hinge without drive data
+MIN_DUTY = 0.1  # Lower bound of the duty limit, for hinges that can hardly hold their load
 
 
 @dataclass(frozen=True, eq=False)
 class Limits:
-    """Boxes on angle, speed, acceleration and jerk, and a row for the duty, in joint order.
+    """Limits on angle, velocity, acceleration, jerk and duty, in joint order.
 
-    The duty of a drive is torque / stall + speed / no-load; with its worst load in any posture,
-    |inertial * acceleration + viscous * speed| <= duty.
+    The duty of a drive is torque / stall + velocity / no-load. With the largest load of all postures, a motion must
+    satisfy |inertial * acceleration + viscous * velocity| <= duty.
     """
 
     lower: Floats  # (n,) [rad]
@@ -29,28 +29,28 @@ class Limits:
     speed: Floats  # (n,) [rad/s]
     acceleration: Floats  # (n,) [rad/s^2]
     jerk: Floats  # (n,) [rad/s^3]
-    inertial: Floats  # (n,) [s^2/rad] duty per acceleration
-    viscous: Floats  # (n,) [s/rad] duty per speed
-    duty: Floats  # (n,) what holding and friction leave for motion
+    inertial: Floats  # (n,) [s^2/rad] duty per unit of acceleration
+    viscous: Floats  # (n,) [s/rad] duty per unit of velocity
+    duty: Floats  # (n,) duty left for motion after holding and friction
 
-    def times(self, share: float | Floats) -> "Limits":
-        """Scales the limits of acceleration, jerk and duty by a share, or by (n,) shares."""
-        if isinstance(share, float) and share == 1.0:
+    def scaled(self, ratio: float | Floats) -> "Limits":
+        """Scale acceleration, jerk and duty limits by one ratio, or (n,) ratios."""
+        if isinstance(ratio, float) and ratio == 1.0:
             return self
         return replace(
             self,
-            acceleration=sealed(self.acceleration * share),
-            jerk=sealed(self.jerk * share),
-            duty=sealed(self.duty * share),
+            acceleration=sealed(self.acceleration * ratio),
+            jerk=sealed(self.jerk * ratio),
+            duty=sealed(self.duty * ratio),
         )
 
     def part(self, hinges: Indices) -> "Limits":
-        """Takes the limits of some hinges, in their order."""
+        """Select the limits of some hinges."""
         return Limits(*(sealed(values[hinges]) for values in vars(self).values()))
 
     @classmethod
     def box(cls, *, lower: Floats, upper: Floats, speed: Floats, acceleration: Floats, jerk: Floats) -> "Limits":
-        """Makes limits for hinges without a known drive: boxes alone, with a duty row that never binds.
+        """Make limits without drive data: the duty limit never binds.
 
         Args:
             lower: (n,) [rad].
@@ -72,22 +72,22 @@ class Limits:
         for name in ("speed", "acceleration", "jerk"):
             if not (np.isfinite(boxes[name]) & (boxes[name] > 0.0)).all():
                 raise ValueError(f"{name} is {boxes[name].tolist()}; every limit must be finite and above 0")
-        inertial, viscous = UNFELT / boxes["acceleration"], UNFELT / boxes["speed"]
+        inertial, viscous = NEGLIGIBLE_DUTY / boxes["acceleration"], NEGLIGIBLE_DUTY / boxes["speed"]
         return cls(**boxes, inertial=sealed(inertial), viscous=sealed(viscous), duty=sealed(np.ones(len(inertial))))
 
     @classmethod
     def of(cls, robot: Robot, load: Load) -> "Limits":
-        """Derives the limits of a robot whose hinges bear a load."""
+        """Derive the limits of a robot from its drives and loads."""
         stall = robot.drives.stall
-        still = (load.holding + robot.drives.frictionloss) / stall
-        acceleration = np.maximum((STALL_SHARE - still) * stall / load.inertia, LEAST_ACCELERATION)
+        holding_duty = (load.holding + robot.drives.frictionloss) / stall
+        acceleration = np.maximum((USABLE_STALL_FRACTION - holding_duty) * stall / load.inertia, MIN_ACCELERATION)
         return cls(
             lower=robot.skeleton.lower,
             upper=robot.skeleton.upper,
-            speed=robot.speed_limits,
+            speed=robot.velocity_limits,
             acceleration=sealed(acceleration),
-            jerk=sealed(acceleration / RISE),
+            jerk=sealed(acceleration / ACCELERATION_RISE_TIME),
             inertial=sealed(load.inertia / stall),
             viscous=sealed(1.0 / robot.drives.no_load),
-            duty=sealed(np.maximum(DUTY - still, LEAST_DUTY)),
+            duty=sealed(np.maximum(PLANNED_DUTY - holding_duty, MIN_DUTY)),
         )

@@ -1,41 +1,41 @@
-"""The drive of a hinge that has limits instead of a servo, as a virtual human's have: a position drive made of them."""
+"""Drives of virtual humans, derived from limits instead of a servo."""
 
 from math import pi
 
-from kinesic.body.servo import DUTY_FULL, TICKS_PER_RADIAN, Drive, ServoModel
+from kinesic.body.servo import FULL_DUTY_PWM, TICKS_PER_RADIAN, Drive, ServoModel
 
-NAME = "muscle"
-VOLT = 12.0  # of a drive that draws no current
-GAIN = 5.0  # [1/rad] duty per radian of error, about that of a servo
-SPEED_SHARE = 0.5  # of the speed at which a muscle has no force left: at its limit it still has half of it
+MUSCLE_NAME = "muscle"  # name of the servo model of drives without a servo
+MUSCLE_VOLTAGE = 12.0  # [V] nominal supply voltage of muscles, which draw no current
+MUSCLE_GAIN = 5.0  # [1/rad] duty per radian of error, about that of real servos
+MUSCLE_VELOCITY_FRACTION = 0.5  # Velocity limit / no-load velocity; half the torque is left at the limit
 
 
-def muscle(*, speed: float, acceleration: float, torque: float) -> Drive:
-    """Makes a drive that keeps the limits of a hinge.
+def make_muscle(*, speed: float, acceleration: float, torque: float) -> Drive:
+    """Make a position drive that keeps the limits of a hinge.
 
-    Its rotor is so heavy that the whole torque gives the hinge by itself the acceleration, and no more: what the drive
-    can follow keeps the limit, whatever hangs on the hinge.
+    Its rotor inertia is so large that the full torque gives the unloaded hinge just the acceleration limit. Hence any
+    motion that the drive can follow keeps the limit, with every load.
 
     Args:
-        speed: [rad/s] that a plan may use.
-        acceleration: [rad/s^2] of the hinge with nothing on it.
-        torque: [Nm] at rest.
+        speed: [rad/s] maximum velocity of a plan.
+        acceleration: [rad/s^2] limit of the unloaded hinge.
+        torque: [Nm] stall torque.
     """
     model = ServoModel(
-        name=NAME,
+        name=MUSCLE_NAME,
         model=0,
-        volt=VOLT,
+        volt=MUSCLE_VOLTAGE,
         stall_nm=torque,
         stall_a=0.0,
-        no_load_rpm=speed / SPEED_SHARE * 60 / (2 * pi),
+        no_load_rpm=speed / MUSCLE_VELOCITY_FRACTION * 60 / (2 * pi),
         gear=1.0,
         mass=0.0,
         size=(0.001, 0.001, 0.001),
-        p_gain=GAIN,
+        p_gain=MUSCLE_GAIN,
         d_gain=0.0,
-        kp_divisor=TICKS_PER_RADIAN / DUTY_FULL,
+        kp_divisor=TICKS_PER_RADIAN / FULL_DUTY_PWM,
         armature=torque / acceleration,
         frictionloss=0.0,
         damping=0.0,
     )
-    return Drive(model, 1, 1.0, SPEED_SHARE)
+    return Drive(model, 1, 1.0, MUSCLE_VELOCITY_FRACTION)

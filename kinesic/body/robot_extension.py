@@ -1,25 +1,34 @@
-"""A robot's file that extends another one: it says only what is different.
+"""Robot files that extend another robot file.
 
-`extends = "NAME"` in [robot] names a robot of this package, or a file in the folder of this one. Entries of lists are
-known by their names: one that is there already takes the keys that are written anew, others are added at the end.
-Tables take further keys. Exclusions add up, and buses, where any are described, replace those of the other robot.
+`extends = "NAME"` in [robot] names a robot of this package, or a file in the same folder. Entries of lists are matched
+by name: keys of the new file replace those of an existing entry, and unmatched entries are appended. Tables are
+merged. Exclusions add up. Buses, if the new file describes any, replace those of the other robot.
 """
 
 from collections.abc import Mapping
 from pathlib import Path
 
-from kinesic.body.config import ConfigError, T, check_inside, fit_schema, locate, names_of, read_tables, suggestion
+from kinesic.body.config import (
+    ConfigError,
+    T,
+    check_inside,
+    fit_schema,
+    locate_config,
+    names_of,
+    read_tables,
+    suggestion,
+)
 
-DEEPEST = 8  # robots that extend one another
+MAX_EXTENSION_DEPTH = 8  # Largest number of robot files in a chain of extensions
 
 Tables = dict[str, object]
 
 
 def read_robot(path: Path, schema: type[T]) -> T:
-    """Reads a robot's file, with what it takes over from others, into a schema.
+    """Read a robot's file, merged with the files that it extends.
 
     Raises:
-        ConfigError: a file is missing, wrong, or extends itself.
+        ConfigError: a file is missing, invalid, or extends itself.
     """
     return fit_schema(_read(path, ()), schema, path)
 
@@ -30,19 +39,22 @@ def _read(path: Path, below: tuple[Path, ...]) -> Tables:
     extends = robot.get("extends") if isinstance(robot, Mapping) else None
     if not isinstance(extends, str):
         return tables
-    if path in below or len(below) >= DEEPEST:
-        chain = ", which extends ".join(each.name for each in (*below, path))
+    if path in below or len(below) >= MAX_EXTENSION_DEPTH:
+        chain = ", which extends ".join(file.name for file in (*below, path))
         raise ConfigError(f"{path}: it extends itself: {chain}; one of them must describe a whole robot")
     return _extended(_read(_find(extends, path), (*below, path)), tables)
 
 
 def _find(extends: str, path: Path) -> Path:
-    """Where the other robot is: one of this package, or a file in the folder of this one or below."""
+    """Return the path of the extended robot's file.
+
+    It is a robot of this package, or a file in the folder of this one or below.
+    """
     if extends in names_of("robot"):
-        return locate("robot", extends)
+        return locate_config("robot", extends)
     if not extends.endswith(".toml"):
-        known = suggestion(extends, names_of("robot"))
-        raise ConfigError(f"{path}: no robot {extends}{known} (or name a .toml file beside this one)")
+        hint = suggestion(extends, names_of("robot"))
+        raise ConfigError(f"{path}: no robot {extends}{hint} (or name a .toml file in the same folder)")
     named = path.parent / extends
     try:
         check_inside(path.parent, named)
@@ -52,10 +64,10 @@ def _find(extends: str, path: Path) -> Path:
 
 
 def _extended(tables: Tables, added: Tables) -> Tables:
-    found = dict(tables)
+    merged = dict(tables)
     for key, value in added.items():
-        found[key] = value if key == "bus" else _joined(tables.get(key), value)
-    return found
+        merged[key] = value if key == "bus" else _joined(tables.get(key), value)
+    return merged
 
 
 def _joined(old: object, new: object) -> object:
@@ -74,7 +86,7 @@ def _joined(old: object, new: object) -> object:
 
 
 def _name_of(entry: object, index: int) -> str | int:
-    """Return the name of an entry, or its index without one.
+    """Return the name of a TOML entry, or its index if unnamed.
 
     The schema refuses names that are not text.
     """

@@ -1,4 +1,4 @@
-"""From a robot's TOML to its description: the mirrored half is made, and every name is checked."""
+"""Reading and checking of a robot's TOML file."""
 
 from collections.abc import Mapping, Sequence
 from math import hypot, radians
@@ -8,23 +8,23 @@ import msgspec
 import numpy as np
 
 from kinesic.body.arrays import sealed
-from kinesic.body.calibration import NONE, Calibration, narrow_ranges, read_calibration
+from kinesic.body.calibration import NO_CALIBRATION, Calibration, narrow_ranges, read_calibration
 from kinesic.body.config import CONFIGS, ConfigError, read_toml, suggestion
 from kinesic.body.description import Description, Exclusion, Mount, Site, Supply
-from kinesic.body.muscle import muscle
+from kinesic.body.muscle import make_muscle
 from kinesic.body.robot_extension import read_robot
 from kinesic.body.robot_mirror import with_both_sides
 from kinesic.body.robot_schema import BodyTable, CouplingTable, HingeTable, RobotFile, ServoTable
 from kinesic.body.servo import Drive, ServoModel
 from kinesic.body.skeleton import Capsule, Coupling, Hinge, Segment, Skeleton
 
-FINGERS = {"l_fingers", "r_fingers"}  # chains that count as one body for distances
-MAX_AXIS_LENGTH = 1e6  # of an axis before it is scaled to 1, and the inverse of the smallest
-SLACK = 1e-6  # [deg] by which a coupling may leave its range
+FINGER_CHAINS = {"l_fingers", "r_fingers"}  # Chains that form one body each in collision checks
+MAX_AXIS_LENGTH = 1e6  # Longest axis before normalisation; the shortest is its inverse
+RANGE_TOLERANCE = 1e-6  # [deg] excess of a coupling over its range that is accepted
 
 
 def servo_models() -> dict[str, ServoModel]:
-    """Reads all servo models of `configs/servos.toml`, by name."""
+    """Read all servo models of `configs/servos.toml`, by name."""
     return _models(read_toml(CONFIGS / "servos.toml", dict[str, ServoTable]))
 
 
@@ -33,49 +33,52 @@ def _models(tables: Mapping[str, ServoTable]) -> dict[str, ServoModel]:
 
 
 def read_description(path: Path, *, calibrated: bool = True) -> Description:
-    """Reads a robot's description.
+    """Read a robot's description from its file.
 
     Args:
-        path: of its file.
-        calibrated: with its calibration laid over it, if there is one.
+        path: path of the file.
+        calibrated: apply the robot's calibration, if there is one.
 
     Raises:
-        ConfigError: a file is missing or wrong.
+        ConfigError: a file is missing or invalid.
     """
     file = read_robot(path, RobotFile)
-    _check_whole(path, file)
-    return robot_from_tables(file, path, read_calibration(path, file.robot.name) if calibrated else NONE)
+    _check_size(path, file)
+    return robot_from_tables(file, path, read_calibration(path, file.robot.name) if calibrated else NO_CALIBRATION)
 
 
-def _check_whole(path: Path, file: RobotFile) -> None:
-    """Refuses more than any robot has, which would keep the machine busy for hours, and a clearance that is none."""
+def _check_size(path: Path, file: RobotFile) -> None:
+    """Refuse a robot file with too many parts or negative clearance.
+
+    A file with too many parts would keep the machine busy for hours.
+    """
     capsules = sum(len(body.capsules) for body in file.body)
     counts = (
         ("bodies", len(file.body), 500),
         ("hinges", len(file.hinge) + len(file.coupling), 200),
         ("capsules", capsules, 5000),
     )
-    for what, count, most in counts:
-        if count > most:
-            raise ConfigError(f"{path}: {count} {what}, at most {most} are taken")
+    for what, count, max_count in counts:
+        if count > max_count:
+            raise ConfigError(f"{path}: {count} {what}, at most {max_count} are taken")
     if file.collision.clearance < 0.0:
         what = f"{path}: [collision] clearance is {file.collision.clearance:g} m, and segments would meet"
         raise ConfigError(f"{what}; it must be 0 or more, such as 0.01")
 
 
-def robot_from_tables(file: RobotFile, path: Path, calibration: Calibration = NONE) -> Description:
-    """Makes a robot's description of its tables.
+def robot_from_tables(file: RobotFile, path: Path, calibration: Calibration = NO_CALIBRATION) -> Description:
+    """Make a robot's description from its parsed tables.
 
     Args:
-        file: as it is written.
-        path: where, for messages.
-        calibration: laid over it.
+        file: the tables.
+        path: path of the file, for messages.
+        calibration: measured values that override the file.
 
     Raises:
-        ConfigError: the tables do not fit one another.
+        ConfigError: the tables contradict one another.
     """
     file = with_both_sides(file)
-    models = servo_models() | _models(file.servos)  # the robot's own servos win
+    models = servo_models() | _models(file.servos)  # servos of the robot's file override
     _check(path, file, list(models))
     file = msgspec.structs.replace(file, hinge=narrow_ranges(file.hinge, calibration, path))
     _check(path, file, list(models))
@@ -93,7 +96,7 @@ def robot_from_tables(file: RobotFile, path: Path, calibration: Calibration = NO
         chains={name: tuple(bodies) for name, bodies in file.chains.items()},
         sites={name: Site(site.body, sealed(site.at), sealed(site.facing)) for name, site in file.sites.items()},
         exclusions=tuple(Exclusion(frozenset(entry.pair), entry.why) for entry in file.collision.exclude),
-        least_clearance=file.collision.clearance,
+        min_clearance=file.collision.clearance,
         targets={name: sealed(position) for name, position in file.targets.items()},
         skin=file.robot.skin,
         supply=None if file.supply is None else Supply(file.supply.volts, file.supply.amps),
@@ -114,13 +117,16 @@ def _hinge(hinge: HingeTable, rest: float) -> Hinge:
 
 
 def _mount(hinge: HingeTable, models: Mapping[str, ServoModel]) -> Mount:
-    """Mounts a hinge's drive: its servo, or, where only limits are given, a weightless drive that keeps them."""
+    """Return the servos of a hinge, and their mounting place.
+
+    A hinge with limits gets a massless drive made from them.
+    """
     if hinge.limits is not None:
         limits = hinge.limits
         speed, acceleration = radians(limits.speed_deg), radians(limits.acceleration_deg)
-        drive = muscle(speed=speed, acceleration=acceleration, torque=limits.torque)
+        drive = make_muscle(speed=speed, acceleration=acceleration, torque=limits.torque)
         return Mount(drive, hinge.body, sealed(hinge.at))
-    assert hinge.servo is not None  # `_check_drive` has seen to it
+    assert hinge.servo is not None  # checked by `_check_drive`
     assert hinge.mount is not None
     drive = Drive(models[hinge.servo], hinge.count, hinge.reduction)
     return Mount(drive, hinge.mount.body, sealed(hinge.mount.at))
@@ -133,45 +139,45 @@ def _coupling(coupling: CouplingTable, hinges: list[str]) -> Coupling:
 
 
 def _check(path: Path, file: RobotFile, servos: list[str]) -> None:
-    """Refuses what the schema cannot: names that exist nowhere, twice, or in the wrong order, and empty ranges."""
+    """Refuse unknown, duplicate or misplaced names, and invalid numbers, in robot files."""
     bodies: list[str] = []
     for body in file.body:
-        _unique(path, "body", body.name, bodies)
+        _check_unique(path, "body", body.name, bodies)
         if body.parent != "world":
-            _known(path, f"parent of body {body.name}", body.parent, bodies)
+            _check_known(path, f"parent of body {body.name}", body.parent, bodies)
         bodies.append(body.name)
     hinges: list[str] = []
     for hinge in file.hinge:
-        _unique(path, "hinge", hinge.name, hinges)
-        _known(path, f"body of hinge {hinge.name}", hinge.body, bodies)
+        _check_unique(path, "hinge", hinge.name, hinges)
+        _check_known(path, f"body of hinge {hinge.name}", hinge.body, bodies)
         _check_drive(path, hinge, bodies, servos)
-        _check_figures(path, hinge, file.rest.get(hinge.name, 0.0))
+        _check_hinge_numbers(path, hinge, file.rest.get(hinge.name, 0.0))
         hinges.append(hinge.name)
-    _check_alike(path, file)
+    _check_uniform_drives(path, file)
     _check_couplings(path, file, bodies, hinges)
     for name, members in file.chains.items():
         for body_name in members:
-            _known(path, f"chain {name}", body_name, bodies)
+            _check_known(path, f"chain {name}", body_name, bodies)
     for name, site in file.sites.items():
-        _known(path, f"site {name}", site.body, bodies)
+        _check_known(path, f"site {name}", site.body, bodies)
     for name in file.rest:
-        _known(path, "[rest]", name, hinges)
+        _check_known(path, "[rest]", name, hinges)
     for entry in file.collision.exclude:
         for body_name in entry.pair:
-            _known(path, "[collision] exclude", body_name, [*bodies, *(FINGERS & file.chains.keys())])
+            _check_known(path, "[collision] exclude", body_name, [*bodies, *(FINGER_CHAINS & file.chains.keys())])
     for chain in ("l_arm", "r_arm"):
-        _known(path, "[chains] needs", chain, list(file.chains))
+        _check_known(path, "[chains] needs", chain, list(file.chains))
     for site_name in ("l_palm", "r_palm"):
-        _known(path, "[sites] needs", site_name, list(file.sites))
+        _check_known(path, "[sites] needs", site_name, list(file.sites))
 
 
 def _check_drive(path: Path, hinge: HingeTable, bodies: list[str], servos: list[str]) -> None:
-    """Refuses a hinge that nothing turns, or two things do."""
+    """Refuse a hinge without a drive, or with both servo and limits."""
     if hinge.limits is None:
         if hinge.servo is None or hinge.mount is None:
             raise ConfigError(f"{path}: hinge {hinge.name}: give servo and mount, or limits where no servo turns it")
-        _known(path, f"mount of hinge {hinge.name}", hinge.mount.body, bodies)
-        _known(path, f"servo of hinge {hinge.name}", hinge.servo, servos)
+        _check_known(path, f"mount of hinge {hinge.name}", hinge.mount.body, bodies)
+        _check_known(path, f"servo of hinge {hinge.name}", hinge.servo, servos)
         return
     unfit = [key for key in ("servo", "mount") if getattr(hinge, key) is not None]
     unfit += [key for key in ("count", "reduction") if getattr(hinge, key) != 1]
@@ -182,8 +188,8 @@ def _check_drive(path: Path, hinge: HingeTable, bodies: list[str], servos: list[
             raise ConfigError(f"{path}: hinge {hinge.name}: limits.{key} is {value:g}, must be above 0")
 
 
-def _check_alike(path: Path, file: RobotFile) -> None:
-    """Refuses a robot of which only a part has servos."""
+def _check_uniform_drives(path: Path, file: RobotFile) -> None:
+    """Refuse a robot with servos on only some of its hinges."""
     without = [hinge.name for hinge in file.hinge if hinge.limits is not None]
     if without and (driven := [hinge.name for hinge in file.hinge if hinge.servo is not None]):
         raise ConfigError(
@@ -194,28 +200,30 @@ def _check_alike(path: Path, file: RobotFile) -> None:
 
 
 def _check_couplings(path: Path, file: RobotFile, bodies: list[str], hinges: list[str]) -> None:
-    """Refuses couplings that follow no hinge with a servo, or are led out of their range."""
+    """Refuse couplings without a hinge as driver, or driven out of range."""
     ranges = {hinge.name: hinge.range_deg for hinge in file.hinge}
     names: list[str] = []
     for coupling in file.coupling:
-        _unique(path, "hinge", coupling.name, [*hinges, *names])
+        _check_unique(path, "hinge", coupling.name, [*hinges, *names])
         names.append(coupling.name)
     for coupling in file.coupling:
         where = f"{path}: coupling {coupling.name}"
-        _known(path, f"body of coupling {coupling.name}", coupling.body, bodies)
+        _check_known(path, f"body of coupling {coupling.name}", coupling.body, bodies)
         if coupling.driver in names:
-            own = " itself" if coupling.driver == coupling.name else f" {coupling.driver}, which follows another one"
-            raise ConfigError(f"{where}: it follows{own}; name the hinge with the servo that moves both")
-        _known(path, f"driver of coupling {coupling.name}", coupling.driver, hinges)
+            followed = (
+                " itself" if coupling.driver == coupling.name else f" {coupling.driver}, which follows another one"
+            )
+            raise ConfigError(f"{where}: it follows{followed}; name the hinge with the servo that moves both")
+        _check_known(path, f"driver of coupling {coupling.name}", coupling.driver, hinges)
         _check_axis(where, coupling.axis)
         ends = [coupling.offset_deg + coupling.ratio * end for end in ranges[coupling.driver]]
-        (least, most), (lower, upper) = (min(ends), max(ends)), coupling.range_deg
-        if least < lower - SLACK or most > upper + SLACK:
-            led = f"{coupling.driver} leads it to {least:g}..{most:g} deg"
-            raise ConfigError(f"{where}: {led}, beyond its range_deg [{lower:g}, {upper:g}]; narrow the driver's")
+        (least, max_count), (lower, upper) = (min(ends), max(ends)), coupling.range_deg
+        if least < lower - RANGE_TOLERANCE or max_count > upper + RANGE_TOLERANCE:
+            reached = f"{coupling.driver} leads it to {least:g}..{max_count:g} deg"
+            raise ConfigError(f"{where}: {reached}, beyond its range_deg [{lower:g}, {upper:g}]; narrow the driver's")
 
 
-def _check_figures(path: Path, hinge: HingeTable, rest: float) -> None:
+def _check_hinge_numbers(path: Path, hinge: HingeTable, rest: float) -> None:
     lower, upper = hinge.range_deg
     if not lower < upper:
         raise ConfigError(f"{path}: hinge {hinge.name}: range_deg is [{lower}, {upper}], must be [low, high]")
@@ -227,18 +235,18 @@ def _check_figures(path: Path, hinge: HingeTable, rest: float) -> None:
 
 
 def _check_axis(where: str, axis: Sequence[float]) -> None:
-    """Refuse an axis without a direction or a computable length."""
+    """Refuse an axis of zero, tiny or huge length."""
     if not any(axis):
         raise ConfigError(f"{where}: axis is zero, must be a direction")
     if not 1.0 / MAX_AXIS_LENGTH <= hypot(*axis) <= MAX_AXIS_LENGTH:
         raise ConfigError(f"{where}: axis is {list(axis)}, must be a direction such as [0, 0, 1]")
 
 
-def _unique(path: Path, kind: str, name: str, known: list[str]) -> None:
-    if name in known:
+def _check_unique(path: Path, kind: str, name: str, earlier_names: list[str]) -> None:
+    if name in earlier_names:
         raise ConfigError(f"{path}: {kind} {name} is described twice")
 
 
-def _known(path: Path, where: str, name: str, known: list[str]) -> None:
-    if name not in known:
-        raise ConfigError(f"{path}: {where}: no {name}{suggestion(name, known)}")
+def _check_known(path: Path, where: str, name: str, valid_names: list[str]) -> None:
+    if name not in valid_names:
+        raise ConfigError(f"{path}: {where}: no {name}{suggestion(name, valid_names)}")

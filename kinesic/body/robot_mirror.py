@@ -1,4 +1,4 @@
-"""The side of a robot that its file leaves out: the mirror image of the one that is described."""
+"""Mirror images of the side that a robot's file describes."""
 
 from collections.abc import Callable
 from typing import TypeVar
@@ -22,15 +22,18 @@ Value = TypeVar("Value")
 
 
 def with_both_sides(file: RobotFile) -> RobotFile:
-    """Adds the mirror images of all that is on the described side; what is written out wins."""
+    """Add the mirror images of all parts on the described side.
+
+    A part that the file itself describes is kept.
+    """
     mirror = file.robot.mirror
     if mirror is None:
         return file
     return msgspec.structs.replace(
         file,
-        body=_doubled(file.body, mirror, _mirrored_body),
-        hinge=_doubled(file.hinge, mirror, _mirrored_hinge),
-        coupling=_doubled(file.coupling, mirror, _mirrored_coupling),
+        body=_mirror_tables(file.body, mirror, _mirrored_body),
+        hinge=_mirror_tables(file.hinge, mirror, _mirrored_hinge),
+        coupling=_mirror_tables(file.coupling, mirror, _mirrored_coupling),
         chains=_both(file.chains, mirror, lambda names: [_renamed(name, mirror) for name in names]),
         sites=_both(file.sites, mirror, lambda site: _mirrored_site(site, mirror)),
         rest=_both(file.rest, mirror, lambda degrees: degrees),
@@ -45,18 +48,20 @@ def with_both_sides(file: RobotFile) -> RobotFile:
     )
 
 
-def _doubled(tables: list[Table], mirror: MirrorTable, mirrored: Callable[[Table, MirrorTable], Table]) -> list[Table]:
-    """The tables, then the mirror images of those on the described side."""
+def _mirror_tables(
+    tables: list[Table], mirror: MirrorTable, mirrored: Callable[[Table, MirrorTable], Table]
+) -> list[Table]:
+    """Append the mirror images of the tables on the described side."""
     return tables + [mirrored(table, mirror) for table in tables if table.name.startswith(mirror.source)]
 
 
 def _both(table: dict[str, Value], mirror: MirrorTable, mirrored: Callable[[Value], Value]) -> dict[str, Value]:
     images = {_renamed(key, mirror): mirrored(value) for key, value in table.items() if key.startswith(mirror.source)}
-    return table | images | table  # the described side first; what is written out wins
+    return table | images | table  # the described side comes first, and written entries override mirrored ones
 
 
 def _both_pairs(pair: tuple[str, str], mirror: MirrorTable) -> list[tuple[str, str]]:
-    image = (_swapped(pair[0], mirror), _swapped(pair[1], mirror))
+    image = (_swap_prefix(pair[0], mirror), _swap_prefix(pair[1], mirror))
     return [pair] if set(image) == set(pair) else [pair, image]
 
 
@@ -92,7 +97,7 @@ def _mirrored_coupling(coupling: CouplingTable, mirror: MirrorTable) -> Coupling
 
 
 def _mirrored_axis(axis: Triple) -> Triple:
-    """Mirrors a hinge's axis so that equal angles make mirrored postures."""
+    """Mirror a hinge's axis so that equal angles make mirrored postures."""
     x, y, z = axis
     return (-x, y, -z)
 
@@ -109,8 +114,8 @@ def _renamed(name: str, mirror: MirrorTable) -> str:
     return mirror.target + name.removeprefix(mirror.source) if name.startswith(mirror.source) else name
 
 
-def _swapped(name: str, mirror: MirrorTable) -> str:
-    """The name on the other side, whichever side it is on."""
+def _swap_prefix(name: str, mirror: MirrorTable) -> str:
+    """Replace the side prefix of a name by the opposite one."""
     if name.startswith(mirror.target):
         return mirror.source + name.removeprefix(mirror.target)
     return _renamed(name, mirror)

@@ -1,4 +1,4 @@
-"""The tables of a robot's TOML and of `configs/servos.toml`, and how they are written; `robot_file` reads them."""
+"""Schema of robot files and of `configs/servos.toml`, and its TOML writer."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -11,188 +11,196 @@ Triple = tuple[float, float, float]
 
 
 class Strict(msgspec.Struct, forbid_unknown_fields=True):
-    """A table whose unknown keys are errors."""
+    """TOML table whose unknown keys are errors."""
 
 
 class MirrorTable(Strict, rename={"source": "from", "target": "to"}):
-    """Name prefixes of the described and of the derived side."""
+    """Name prefixes of the described side and of the derived side."""
 
-    source: str
-    target: str
+    source: str  # prefix of the described side, such as `l_`
+    target: str  # prefix of the derived side, such as `r_`
 
 
 class ImportTable(Strict, rename={"source": "from"}):
-    """[robot.imported], of a robot that was mapped by `kinesic robots import`."""
+    """TOML table `[robot.imported]`, written by `kinesic robots import`."""
 
-    source: str
-    confidence: float
-    review: list[str] = []
+    source: str  # file name of the imported robot
+    confidence: float  # 0..1: certainty of the mapping
+    review: list[str] = []  # hinges and servos that a person must check
 
 
 class RobotTable(Strict):
-    """[robot]."""
+    """TOML table `[robot]` with the robot's name and options."""
 
-    name: str
-    extends: str | None = None  # another robot, of which this file says only what is different: see `robot_extension`
-    mirror: MirrorTable | None = None
-    skin: Skin | None = None  # drawn on the skeleton, whose bodies must have the names of those of `human`
-    imported: ImportTable | None = None
+    name: str  # name in options and reports
+    extends: str | None = None  # robot, or file in the same folder, whose tables this file changes
+    mirror: MirrorTable | None = None  # derives one side from the other
+    skin: Skin | None = None  # skin of the virtual human; bodies must have its names
+    imported: ImportTable | None = None  # origin of an imported robot
 
 
 class CapsuleTable(Strict, rename={"start": "from", "end": "to", "radius": "r"}):
-    """One entry of `capsules`."""
+    """TOML entry of a body's list `capsules`."""
 
-    start: Triple
-    end: Triple
-    radius: float
+    start: Triple  # [m] centre of the first end, in the body's frame
+    end: Triple  # [m] centre of the second end
+    radius: float  # [m] radius
 
 
 class BodyTable(Strict):
-    """[[body]]."""
+    """TOML table `[[body]]` of one rigid segment."""
 
-    name: str
-    parent: str
-    pos: Triple
-    mass: float
-    capsules: list[CapsuleTable]
+    name: str  # H-Anim name of the segment
+    parent: str  # name of the body that carries it; `world` for the base
+    pos: Triple  # [m] origin in the parent's frame
+    mass: float  # [kg] without the servos mounted on it
+    capsules: list[CapsuleTable]  # shape for collisions
 
 
 class MountTable(Strict):
-    """`mount` of a hinge."""
+    """TOML table `mount`: body and position of a hinge's servos."""
 
-    body: str
-    at: Triple
+    body: str  # body that carries the servos
+    at: Triple  # [m] centre of the servos in that body's frame
 
 
 class LimitsTable(Strict):
-    """`limits` of a hinge without a servo."""
+    """TOML table `limits` of a hinge without a servo."""
 
-    speed_deg: float  # [deg/s]
-    acceleration_deg: float  # [deg/s^2] of the hinge with nothing on it
+    speed_deg: float  # [deg/s] largest velocity
+    acceleration_deg: float  # [deg/s^2] of the unloaded hinge
     torque: float  # [Nm]
 
 
 class HingeTable(Strict):
-    """[[hinge]]: with a servo and where it is mounted, or with limits alone."""
+    """TOML table `[[hinge]]`, with a mounted servo or with limits."""
 
-    name: str
-    body: str
-    axis: Triple
-    range_deg: tuple[float, float]
-    servo: str | None = None
-    mount: MountTable | None = None
-    limits: LimitsTable | None = None
-    count: int = 1
-    reduction: float = 1.0
-    at: Triple = (0.0, 0.0, 0.0)
+    name: str  # name of the rotation, such as `l_elbow_flexion`
+    body: str  # body that the hinge moves
+    axis: Triple  # unit vector of positive rotation
+    range_deg: tuple[float, float]  # [deg] lowest and highest angle
+    servo: str | None = None  # model in `servos.toml` or `[servos]`
+    mount: MountTable | None = None  # place of the servos
+    limits: LimitsTable | None = None  # in place of a servo
+    count: int = 1  # servos on the same shaft
+    reduction: float = 1.0  # servo revolutions per hinge revolution
+    at: Triple = (0.0, 0.0, 0.0)  # [m] centre of rotation in the body's frame
 
 
 class CouplingTable(Strict):
-    """[[coupling]]: a turn without a servo."""
+    """TOML table `[[coupling]]` of a rotation without a servo."""
 
-    name: str
-    body: str
-    axis: Triple
-    range_deg: tuple[float, float]
-    driver: str  # the hinge that it follows
-    ratio: float = 1.0
-    offset_deg: float = 0.0
+    name: str  # name of the rotation
+    body: str  # body that it moves
+    axis: Triple  # unit vector of positive rotation
+    range_deg: tuple[float, float]  # [deg] lowest and highest angle
+    driver: str  # hinge that drives it
+    ratio: float = 1.0  # angle per angle of the driver
+    offset_deg: float = 0.0  # [deg] angle at driver angle 0
 
 
 class SiteTable(Strict):
-    """One entry of [sites]."""
+    """TOML entry of `[sites]`: a named point on a body."""
 
-    body: str
-    at: Triple
-    facing: Triple
+    body: str  # body that carries the point
+    at: Triple  # [m] position in the body's frame
+    facing: Triple  # unit vector of its direction
 
 
 class ExclusionTable(Strict):
-    """One entry of `exclude`; the fingers of a hand, `l_fingers`, are one body."""
+    """TOML entry of `exclude`: a pair without collision checks.
 
-    pair: tuple[str, str]
-    why: str
+    The fingers of a hand form one body, `l_fingers`.
+    """
+
+    pair: tuple[str, str]  # names of two bodies
+    why: str  # reason, for people
 
 
 class CollisionTable(Strict):
-    """[collision]."""
+    """TOML table `[collision]` with clearance and excluded pairs."""
 
-    clearance: float
-    exclude: list[ExclusionTable] = []
+    clearance: float  # [m] smallest distance between bodies
+    exclude: list[ExclusionTable] = []  # pairs without collision checks
 
 
 class SupplyTable(Strict):
-    """[supply]."""
+    """TOML table `[supply]` of the power supply."""
 
-    volts: float
-    amps: float
+    volts: float  # [V] supply voltage
+    amps: float  # [A] continuous current
 
 
 class ServoTable(Strict):
-    """One servo model."""
+    """Data of one servo model."""
 
-    model: int
-    volt: float
-    stall_nm: float
-    stall_a: float
-    no_load_rpm: float
-    gear: float
-    mass: float
-    size: Triple
-    p_gain: float
-    d_gain: float
-    kp_divisor: float
-    armature: float
-    frictionloss: float
-    damping: float
-    idle_a: float = 0.0
-    thermal: tuple[float, float] | None = None
-    price_usd: float | None = None
+    model: int  # model number in the control table
+    volt: float  # [V] nominal voltage
+    stall_nm: float  # [Nm] stall torque
+    stall_a: float  # [A] stall current
+    no_load_rpm: float  # [1/min] no-load velocity
+    gear: float  # gear ratio
+    mass: float  # [kg] mass of one servo
+    size: Triple  # [m] width, height, depth
+    p_gain: float  # factory position P gain
+    d_gain: float  # factory position D gain
+    kp_divisor: float  # register units of the P gain per unit of gain
+    armature: float  # [kg m^2] rotor inertia at the output
+    frictionloss: float  # [Nm] Coulomb friction
+    damping: float  # [Nm s/rad] viscous friction
+    idle_a: float = 0.0  # [A] current of the electronics alone
+    thermal: tuple[float, float] | None = None  # [K/W] winding to surroundings, [J/K] of the winding
+    price_usd: float | None = None  # [USD] price of one piece
 
 
 class RobotFile(Strict):
-    """A whole robot. `bus` is read by hardware."""
+    """Complete robot file."""
 
-    robot: RobotTable
-    body: list[BodyTable]
-    hinge: list[HingeTable]
-    chains: dict[str, list[str]]
-    sites: dict[str, SiteTable]
-    collision: CollisionTable
-    coupling: list[CouplingTable] = []
-    rest: dict[str, float] = {}
-    targets: dict[str, Triple] = {}
-    servos: dict[str, ServoTable] = {}
-    supply: SupplyTable | None = None
-    bus: list[object] = []
+    robot: RobotTable  # name and options
+    body: list[BodyTable]  # rigid segments, one `[[body]]` each
+    hinge: list[HingeTable]  # rotations, one `[[hinge]]` each
+    chains: dict[str, list[str]]  # bodies from base to tip: `torso`, `neck`, `l_arm`, `r_arm`
+    sites: dict[str, SiteTable]  # named points, such as palms and eyes
+    collision: CollisionTable  # clearance between bodies
+    coupling: list[CouplingTable] = []  # rotations without a servo, one `[[coupling]]` each
+    rest: dict[str, float] = {}  # [deg] angle of each hinge at rest, if it is not 0
+    targets: dict[str, Triple] = {}  # [m] named points in the world, for gaze and pointing
+    servos: dict[str, ServoTable] = {}  # servo models of this robot
+    supply: SupplyTable | None = None  # power supply
+    bus: list[object] = []  # wiring of servos, one `[[bus]]` each
 
 
 def robot_text(file: RobotFile, *, heading: Sequence[str], remarks: Mapping[str, str]) -> str:
-    """Writes a robot without mirror and without buses as TOML.
+    """Return a robot without mirror and buses as TOML text.
 
     Args:
         file: the tables.
-        heading: lines of the comment at its top.
+        heading: comment lines for the top of the file.
         remarks: hinge or servo -> comment.
     """
     parts = [
         [f"# {line}".rstrip() for line in heading],
         _table("[robot]", {"name": file.robot.name}),
-        [] if file.robot.imported is None else _table("[robot.imported]", _plain(file.robot.imported)),
+        []
+        if file.robot.imported is None
+        else _table("[robot.imported]", _select_non_default_fields(file.robot.imported)),
         *(_body(body) for body in file.body),
         *(_hinge(hinge, remarks.get(hinge.name, "")) for hinge in file.hinge),
-        *(_table("[[coupling]]", _plain(coupling)) for coupling in file.coupling),
+        *(_table("[[coupling]]", _select_non_default_fields(coupling)) for coupling in file.coupling),
         _table("[chains]", file.chains),
-        _table("[sites]", {name: _plain(site) for name, site in file.sites.items()}),
+        _table("[sites]", {name: _select_non_default_fields(site) for name, site in file.sites.items()}),
         _table("[rest]", file.rest),
         [
             *_table("[collision]", {"clearance": file.collision.clearance}),
             "exclude = [",
-            *(f"  {_value(_plain(entry))}," for entry in file.collision.exclude),
+            *(f"  {_value(_select_non_default_fields(entry))}," for entry in file.collision.exclude),
             "]",
         ],
         _table("[targets]", file.targets),
-        *(_table(f"[servos.{name}]", _plain(servo), remarks.get(name, "")) for name, servo in file.servos.items()),
+        *(
+            _table(f"[servos.{name}]", _select_non_default_fields(servo), remarks.get(name, ""))
+            for name, servo in file.servos.items()
+        ),
     ]
     return "\n\n".join("\n".join(part) for part in parts if part) + "\n"
 
@@ -205,21 +213,23 @@ def changes_text(
     robot: Mapping[str, str],
     heading: Sequence[str],
 ) -> str:
-    """Writes what a robot that extends another one has of its own, with values that are the default, too.
+    """Write the tables of a robot that extends another as TOML.
+
+    Values that equal their default are written, too.
 
     Args:
-        bodies: that differ.
-        hinges: that differ.
-        sites: that differ.
+        bodies: changed bodies.
+        hinges: changed hinges.
+        sites: changed sites.
         robot: keys of [robot].
-        heading: lines of the comment at its top.
+        heading: comment lines for the top of the file.
     """
     parts = [
         [f"# {line}".rstrip() for line in heading],
         _table("[robot]", robot),
-        *(_table("[[body]]", _written(body)) for body in bodies),
-        *(_table("[[hinge]]", _written(hinge)) for hinge in hinges),
-        _table("[sites]", {name: _written(site) for name, site in sites.items()}) if sites else [],
+        *(_table("[[body]]", _select_given_fields(body)) for body in bodies),
+        *(_table("[[hinge]]", _select_given_fields(hinge)) for hinge in hinges),
+        _table("[sites]", {name: _select_given_fields(site) for name, site in sites.items()}) if sites else [],
     ]
     return "\n\n".join("\n".join(part) for part in parts if part) + "\n"
 
@@ -229,29 +239,32 @@ def _table(header: str, rows: Mapping[str, object], remark: str = "") -> list[st
 
 
 def _body(body: BodyTable) -> list[str]:
-    rows = {key: value for key, value in _plain(body).items() if key != "capsules"}
-    capsules = [f"  {_value(_plain(capsule))}," for capsule in body.capsules]
+    rows = {key: value for key, value in _select_non_default_fields(body).items() if key != "capsules"}
+    capsules = [f"  {_value(_select_non_default_fields(capsule))}," for capsule in body.capsules]
     return [*_table("[[body]]", rows), "capsules = [", *capsules, "]"]
 
 
 def _hinge(hinge: HingeTable, remark: str) -> list[str]:
-    rows = _plain(hinge)
+    rows = _select_non_default_fields(hinge)
     name, *rest = _table("[[hinge]]", rows)[1:]
     return ["[[hinge]]", f"{name}  # {remark}" if remark else name, *rest]
 
 
-def _plain(table: msgspec.Struct) -> dict[str, object]:
-    """Lists the fields of a table under the names that a file has for them, without those at their defaults."""
-    found: dict[str, object] = {}
+def _select_non_default_fields(table: msgspec.Struct) -> dict[str, object]:
+    """Return the non-default fields of a TOML table, by key."""
+    fields: dict[str, object] = {}
     for field in msgspec.structs.fields(table):
         value = getattr(table, field.name)
         if value != field.default and value is not None:
-            found[field.encode_name] = value
-    return found
+            fields[field.encode_name] = value
+    return fields
 
 
-def _written(table: msgspec.Struct) -> dict[str, object]:
-    """Lists the fields of a table under the names that a file has for them, without those that are None."""
+def _select_given_fields(table: msgspec.Struct) -> dict[str, object]:
+    """Return the fields of a TOML table that are not None.
+
+    Keys are those of TOML.
+    """
     rows = {field.encode_name: getattr(table, field.name) for field in msgspec.structs.fields(table)}
     return {key: value for key, value in rows.items() if value is not None}
 
@@ -262,7 +275,7 @@ def _value(value: object) -> str:
     if isinstance(value, str):
         return json.dumps(value, ensure_ascii=False)
     if isinstance(value, msgspec.Struct):
-        return _value(_plain(value))
+        return _value(_select_non_default_fields(value))
     if isinstance(value, Mapping):
         return f"{{ {', '.join(f'{key} = {_value(inner)}' for key, inner in value.items())} }}"
     if isinstance(value, list | tuple):

@@ -1,4 +1,7 @@
-"""Servos as data: a model's figures at 12 V, a drive, the servo as its hinge feels it, and all drives of a robot."""
+"""Servo models, and drives of one or more servos at a hinge.
+
+Figures of a model are those at its nominal voltage `volt`.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -7,10 +10,10 @@ from math import pi
 
 from kinesic.body.arrays import Floats, sealed
 
-TICKS_PER_TURN = 4096
-DUTY_FULL = 885  # PWM register value of full duty
-TICKS_PER_RADIAN = TICKS_PER_TURN / (2 * pi)
-SPEED_SHARE = 0.8  # of the no-load speed that a plan may use
+TICKS_PER_TURN = 4096  # position units per revolution of the output shaft
+FULL_DUTY_PWM = 885  # PWM register value at full duty
+TICKS_PER_RADIAN = TICKS_PER_TURN / (2 * pi)  # [1/rad] position units of the output shaft
+USABLE_VELOCITY_FRACTION = 0.8  # Maximum planned velocity / no-load velocity
 
 
 @dataclass(frozen=True)
@@ -18,7 +21,7 @@ class ServoModel:
     """One row of `configs/servos.toml`, at the servo's own output shaft."""
 
     name: str
-    model: int  # model number on the wire
+    model: int  # model number in the servo's control table
     volt: float
     stall_nm: float
     stall_a: float
@@ -32,81 +35,90 @@ class ServoModel:
     armature: float  # [kg m^2]
     frictionloss: float  # [Nm]
     damping: float  # [Nm s/rad]
-    idle_a: float = 0.0  # [A] of the electronics alone
-    thermal: tuple[float, float] | None = None  # [K/W] winding to surroundings, [J/K] of the winding; None: not known
-    price_usd: float | None = None  # of one piece; None: not known
+    idle_a: float = 0.0  # [A] current of the electronics alone
+    thermal: tuple[float, float] | None = None  # [K/W] winding to surroundings, [J/K] of the winding; None: unknown
+    price_usd: float | None = None  # price of one piece; None: unknown
 
 
 @dataclass(frozen=True)
 class Drive:
-    """Servo, tandem count and reduction together, at the hinge.
+    """Drive of one hinge: servo model, number of servos and gear reduction.
 
     The servo is a PWM position controller: duty = clip(gain * error, -1, 1) and
-    torque = stall * duty - (stall / no_load) * speed.
+    torque = stall * duty - (stall / no_load) * velocity.
     """
 
     servo: ServoModel
     count: int
-    reduction: float  # servo turns per hinge turn
-    speed_share: float = SPEED_SHARE  # of the no-load speed that a plan may use
+    reduction: float  # servo revolutions per hinge revolution
+    velocity_fraction: float = USABLE_VELOCITY_FRACTION  # maximum planned velocity / no-load velocity
 
     @property
     def stall(self) -> float:
-        """Stall torque [Nm]."""
+        """Stall torque of the drive at the hinge [Nm]."""
         return self.servo.stall_nm * self.count * self.reduction
 
     @property
     def no_load(self) -> float:
-        """No-load speed [rad/s]."""
+        """No-load velocity of the drive at the hinge [rad/s]."""
         return self.servo.no_load_rpm * 2 * pi / 60 / self.reduction
 
     @property
     def speed(self) -> float:
-        """Speed that a plan may use [rad/s]."""
-        return self.speed_share * self.no_load
+        """Maximum planned velocity of the drive's hinge [rad/s]."""
+        return self.velocity_fraction * self.no_load
 
     @property
     def gain(self) -> float:
-        """Duty per radian of hinge error, g = P / divisor * (4096 / 2 pi) / 885 [1/rad]."""
-        return self.servo.p_gain / self.servo.kp_divisor * TICKS_PER_RADIAN / DUTY_FULL * self.reduction
+        """Duty per radian of hinge error [1/rad].
+
+        gain = P / divisor * (4096 / 2 pi) / 885 * reduction.
+        """
+        return self.servo.p_gain / self.servo.kp_divisor * TICKS_PER_RADIAN / FULL_DUTY_PWM * self.reduction
 
     @property
     def rate_gain(self) -> float:
-        """Torque of the D term per hinge speed, at a 1 kHz loop [Nm s/rad]."""
-        return self.stall * self.servo.d_gain / 16 * TICKS_PER_RADIAN / DUTY_FULL / 1000 * self.reduction
+        """Torque of the D term per hinge velocity [Nm s/rad].
+
+        It holds for a control loop at 1 kHz.
+        """
+        return self.stall * self.servo.d_gain / 16 * TICKS_PER_RADIAN / FULL_DUTY_PWM / 1000 * self.reduction
 
     @property
     def armature(self) -> float:
-        """Reflected rotor inertia [kg m^2]."""
+        """Rotor inertia reflected to the hinge [kg m^2]."""
         return self.servo.armature * self.count * self.reduction**2
 
     @property
     def frictionloss(self) -> float:
-        """Coulomb friction [Nm]."""
+        """Coulomb friction of the drive at the hinge [Nm]."""
         return self.servo.frictionloss * self.count * self.reduction
 
     @property
     def damping(self) -> float:
-        """Viscous friction [Nm s/rad]."""
+        """Viscous friction of the drive at the hinge [Nm s/rad]."""
         return self.servo.damping * self.count * self.reduction**2
 
     @property
     def tick(self) -> float:
-        """Smallest step of the hinge's goal [rad]."""
+        """Resolution of the hinge's setpoint [rad]."""
         return 2 * pi / TICKS_PER_TURN / self.reduction
 
 
-def _row(figure: Callable[[Drive], float]) -> "cached_property[Floats]":
-    """A read-only array (n,) of one figure, made when it is first asked for."""
-    return cached_property(lambda drives: sealed([figure(drive) for drive in drives]))
+def _row(quantity: Callable[[Drive], float]) -> "cached_property[Floats]":
+    """Return a cached property with one quantity of each drive (n,)."""
+    return cached_property(lambda drives: sealed([quantity(drive) for drive in drives]))
 
 
 class Drives(tuple[Drive, ...]):
-    """The drives of a robot in joint order, and each of their figures as a read-only array (n,)."""
+    """Drives of a robot in joint order.
+
+    Each property of the drives is available as an array (n,).
+    """
 
     stall = _row(lambda drive: drive.stall)  # [Nm]
     no_load = _row(lambda drive: drive.no_load)  # [rad/s]
-    speed = _row(lambda drive: drive.speed)  # [rad/s] that a plan may use
+    speed = _row(lambda drive: drive.speed)  # [rad/s] maximum planned velocity
     gain = _row(lambda drive: drive.gain)  # [1/rad]
     rate_gain = _row(lambda drive: drive.rate_gain)  # [Nm s/rad]
     armature = _row(lambda drive: drive.armature)  # [kg m^2]
@@ -118,30 +130,33 @@ class Drives(tuple[Drive, ...]):
     stall_current = _row(lambda drive: drive.servo.stall_a * drive.count)  # [A] of all servos of the drive
     idle_current = _row(lambda drive: drive.count * drive.servo.idle_a)  # [A] of all servos of the drive
 
-    def demanded(self, errors: Floats, speeds: Floats) -> Floats:
-        """Computes the duties (m, n) that servos demand, which may exceed 1.
+    def demanded_duties(self, errors: Floats, velocities: Floats) -> Floats:
+        """Compute the demanded duties (m, n), which may exceed 1.
 
         Args:
-            errors: (m, n) [rad] goals minus angles.
-            speeds: (m, n) [rad/s].
+            errors: (m, n) [rad] setpoints minus angles.
+            velocities: (m, n) [rad/s].
         """
-        duties = self.gain * errors  # in place from here on: there are 300 steps a second
-        duties -= self.rate_gain / self.stall * speeds
+        duties = self.gain * errors  # the following lines work in place, because this runs at 300 steps per second
+        duties -= self.rate_gain / self.stall * velocities
         return duties
 
-    def loads(self, applied: Floats, speeds: Floats, supplied: Floats) -> Floats:
-        """Computes the shares (m, n) of their stall torque that servos give.
+    def torque_ratios(self, duties: Floats, velocities: Floats, supply_ratios: Floats) -> Floats:
+        """Compute the torques (m, n) of the servos, relative to stall torque.
 
         Args:
-            applied: (m, n) duties within -1..1.
-            speeds: (m, n) [rad/s].
-            supplied: (m,) or (1,) share of its voltage that the supply has.
+            duties: (m, n) applied duties within -1..1.
+            velocities: (m, n) [rad/s].
+            supply_ratios: (m,) or (1,) supply voltage relative to nominal.
         """
-        loads: Floats = supplied[:, None] * applied
-        loads -= speeds / self.no_load
-        return loads
+        torques: Floats = supply_ratios[:, None] * duties
+        torques -= velocities / self.no_load
+        return torques
 
 
-def follow_lags(drives: Drives) -> Floats:
-    """Computes (n,) [s] by which servos follow their goals late, and by which goals of a plan so lead its speed."""
+def tracking_lags(drives: Drives) -> Floats:
+    """Compute the tracking lags (n,) [s] of the servos at constant velocity.
+
+    The feed-forward offset of a setpoint is lag times velocity.
+    """
     return sealed((1.0 / drives.no_load + drives.rate_gain / drives.stall) / drives.gain)

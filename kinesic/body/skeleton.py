@@ -1,9 +1,10 @@
-"""The robot as a tree of segments joined by hinges; its hinge order is the one joint order of the project.
+"""Skeleton of a robot: a tree of segments joined by hinges.
 
-A hinge has a drive of its own. Linkages and tendons turn further ones along with it, such as the joints of a finger:
-these are couplings, no hinges, and have no place in the joint order. Forward kinematics alone asks how they stand.
+The hinge order of the skeleton is the one joint order of the project. A hinge has its own drive. A coupling is a
+rotation that a linkage or tendon drives together with a hinge, such as a finger joint; couplings have no place in the
+joint order, and only forward kinematics needs their angles.
 
-x points forward, y left, z up. Every length is in metres, every angle in radians.
+x points forward, y left, z up. Lengths are in metres, angles in radians.
 """
 
 from dataclasses import dataclass, field
@@ -12,14 +13,14 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.body.rotation import about
+from kinesic.body.rotation import rotation_about
 
-NONE: frozenset[int] = frozenset()
+NO_SEGMENTS: frozenset[int] = frozenset()  # empty set of segment indices
 
 
 @dataclass(frozen=True, eq=False)
 class Capsule:
-    """A cylinder with round ends, fixed to a segment: its shape for collisions, and where its mass lies."""
+    """Cylinder with round ends on a segment, for collisions and inertia."""
 
     start: Floats  # (3,) [m] in the segment
     end: Floats  # (3,) [m] in the segment
@@ -28,43 +29,46 @@ class Capsule:
 
 @dataclass(frozen=True, eq=False)
 class Segment:
-    """One rigid part, named after its H-Anim 1.1 joint; its hinges turn about its origin."""
+    """Rigid part, named after the H-Anim 1.1 joint at its origin."""
 
     name: str
-    parent: str | None  # None: fixed to the world
+    parent: str | None  # None: the world
     origin_in_parent: Floats  # (3,) [m]
-    mass: float  # [kg] structure only, servos add their own
+    mass: float  # [kg] structure without servos
     capsules: tuple[Capsule, ...]
 
 
 @dataclass(frozen=True, eq=False)
 class Hinge:
-    """One degree of freedom, with an MPEG-4 BAP name; hinges of one segment share its origin, or pass near it."""
+    """One degree of freedom, with an MPEG-4 BAP name.
+
+    The axes of the hinges of one segment pass through its origin or near it.
+    """
 
     name: str
     segment: str
-    axis: Floats  # (3,) unit vector in the segment, before later hinges of the same segment turn
+    axis: Floats  # (3,) unit vector in the segment, with the later hinges of the same segment at zero
     lower: float  # [rad]
     upper: float  # [rad]
     rest: float  # [rad]
-    at: Floats = field(default_factory=lambda: sealed(np.zeros(3)))  # (3,) [m] in the segment: the axis passes there
+    at: Floats = field(default_factory=lambda: sealed(np.zeros(3)))  # (3,) [m] point on the axis, in the segment
 
 
 @dataclass(frozen=True, eq=False)
 class Coupling:
-    """A turn without a drive, which follows that of a hinge: offset + ratio * its angle."""
+    """Rotation coupled to a driver hinge: offset + ratio * angle."""
 
     name: str
-    segment: str  # about whose origin it turns, before hinges of the same segment
+    segment: str  # rotates about its origin, before the hinges of the same segment
     axis: Floats  # (3,) unit vector in the segment
-    driver: int  # the hinge that it follows, in joint order
+    driver: int  # index of the driving hinge, in joint order
     ratio: float
     offset: float  # [rad]
 
 
 @dataclass(frozen=True, eq=False)
 class Frames:
-    """Where every segment is, in the world."""
+    """Rotations and origins of all segments in the world."""
 
     rotations: Floats  # (..., s, 3, 3)
     origins: Floats  # (..., s, 3) [m]
@@ -72,7 +76,7 @@ class Frames:
 
 @dataclass(frozen=True, eq=False)
 class Skeleton:
-    """Segments with parents first, hinges from root to tip."""
+    """Kinematic tree of segments and hinges, ordered from the root."""
 
     segments: tuple[Segment, ...]
     hinges: tuple[Hinge, ...]
@@ -85,17 +89,17 @@ class Skeleton:
 
     @cached_property
     def lower(self) -> Floats:
-        """(n,) [rad]."""
+        """Lower angle limits (n,) [rad]."""
         return sealed([hinge.lower for hinge in self.hinges])
 
     @cached_property
     def upper(self) -> Floats:
-        """(n,) [rad]."""
+        """Upper angle limits (n,) [rad]."""
         return sealed([hinge.upper for hinge in self.hinges])
 
     @cached_property
     def rest(self) -> Floats:
-        """(n,) [rad]."""
+        """Angles of the rest posture (n,) [rad]."""
         return sealed([hinge.rest for hinge in self.hinges])
 
     @cached_property
@@ -108,28 +112,31 @@ class Skeleton:
 
     @cached_property
     def axes(self) -> Floats:
-        """(n + c, 3) of all turns: the hinges, then the couplings."""
+        """Rotation axes (n + c, 3) of hinges and couplings."""
         return sealed(np.reshape([*(h.axis for h in self.hinges), *(c.axis for c in self.couplings)], (-1, 3)))
 
     @cached_property
     def _coupled(self) -> tuple[list[int], Floats, Floats]:
-        """The drivers, ratios (c,) and offsets (c,) [rad] of the couplings."""
+        """Drivers, ratios (c,) and offsets (c,) [rad] of the couplings."""
         ratios, offsets = zip(*((coupling.ratio, coupling.offset) for coupling in self.couplings), strict=True)
         return [coupling.driver for coupling in self.couplings], sealed(ratios), sealed(offsets)
 
     @cached_property
-    def resting(self) -> Frames:
-        """Where every segment is at rest."""
+    def rest_frames(self) -> Frames:
+        """Frames of all segments in the rest posture."""
         return self.frames(self.rest)
 
     @cached_property
-    def straight(self) -> Frames:
-        """Where every segment is with all angles zero."""
+    def zero_frames(self) -> Frames:
+        """Frames of all segments with all angles zero."""
         return self.frames(np.zeros(len(self.hinges)))
 
     @cached_property
     def steps(self) -> tuple[tuple[int, Floats, tuple[tuple[int, Floats | None], ...]], ...]:
-        """Per segment: parent (-1: world), origin in the parent, and the indices and offsets of its turns."""
+        """Forward kinematics steps, one per segment.
+
+        A step holds the parent (-1: world), the origin in the parent, and index and offset of each rotation.
+        """
         return tuple(
             (
                 -1 if segment.parent is None else self._segment_of[segment.parent],
@@ -151,53 +158,64 @@ class Skeleton:
         )
 
     def joint(self, name: str) -> int:
-        """Finds the index of a hinge in joint order."""
+        """Return the index of a hinge in joint order."""
         return self._joint_of[name]
 
     def joints_of(self, segments: tuple[str, ...]) -> tuple[int, ...]:
-        """Finds the indices of the hinges that move these segments, in joint order."""
+        """Return the indices of the hinges of some segments, in joint order."""
         return tuple(k for k, hinge in enumerate(self.hinges) if hinge.segment in segments)
 
     def segment(self, name: str) -> int:
-        """Finds the index of a segment."""
+        """Return the index of a segment."""
         return self._segment_of[name]
 
-    @lru_cache(maxsize=64)  # noqa: B019  the few skeletons of a process live as long as it
-    def beside(self, ends: frozenset[int]) -> frozenset[int]:
-        """Finds the segments that carry none of some segments, and are none of them."""
-        carrying = set[int]()
+    @lru_cache(maxsize=64)  # noqa: B019  a process has few skeletons and keeps them until it ends
+    def segments_off_path(self, ends: frozenset[int]) -> frozenset[int]:
+        """Return the segments off all paths from the root to some segments.
+
+        Args:
+            ends: indices of the segments at which the paths end; they count as on their path.
+        """
+        on_path = set[int]()
         for end in ends:
             segment = end
             while segment >= 0:
-                carrying.add(segment)
+                on_path.add(segment)
                 segment = self.steps[segment][0]
-        return frozenset(range(len(self.segments))) - carrying
+        return frozenset(range(len(self.segments))) - on_path
 
     def clamp(self, angles: Floats) -> Floats:
-        """Finds the nearest angles inside the ranges, for (..., n) [rad]."""
+        """Clip angles (..., n) [rad] to the joint limits."""
         clamped: Floats = np.clip(angles, self.lower, self.upper)
         return clamped
 
-    def turns(self, angles: Floats) -> Floats:
-        """Adds to the angles (..., n) [rad] of the hinges those of the couplings: (..., n + c) [rad]."""
+    def with_couplings(self, angles: Floats) -> Floats:
+        """Append the coupling angles to hinge angles.
+
+        Args:
+            angles: (..., n) [rad] of the hinges.
+
+        Returns:
+            (..., n + c) [rad].
+        """
         if not self.couplings:
             return angles
         drivers, ratios, offsets = self._coupled
         return np.concatenate([angles, offsets + ratios * np.asarray(angles)[..., drivers]], axis=-1)
 
-    def frames(self, angles: Floats, *, without: frozenset[int] = NONE) -> Frames:
-        """Solves the forward kinematics.
+    def frames(self, angles: Floats, *, without: frozenset[int] = NO_SEGMENTS) -> Frames:
+        """Compute the forward kinematics of all segments.
 
         Args:
             angles: (..., n) [rad] in joint order, one posture or any shape of them.
-            without: segments that nobody asks for, with all that hang on them; their frames are anything.
+            without: unneeded segments with all their descendants; their frames are undefined.
 
         Returns:
             Rotation and origin of each segment in the world, with the leading shape of `angles`.
         """
         shape = (*np.shape(angles)[:-1], len(self.segments))
         rotations, origins = np.empty((*shape, 3, 3)), np.empty((*shape, 3))
-        turns = about(self.axes, np.asarray(self.turns(angles)))
+        turn_matrices = rotation_about(self.axes, np.asarray(self.with_couplings(angles)))
         for k, (parent, origin, hinges) in enumerate(self.steps):
             if k in without:
                 continue
@@ -207,10 +225,10 @@ class Skeleton:
             else:
                 rotation = rotations[..., parent, :, :]
                 origins[..., k, :] = origins[..., parent, :] + rotation @ origin
-            for joint, aside in hinges:
-                turned = rotation @ turns[..., joint, :, :]
-                if aside is not None:
-                    origins[..., k, :] += (rotation - turned) @ aside
+            for joint, offset in hinges:
+                turned = rotation @ turn_matrices[..., joint, :, :]
+                if offset is not None:
+                    origins[..., k, :] += (rotation - turned) @ offset
                 rotation = turned
             rotations[..., k, :, :] = rotation
         return Frames(sealed(rotations), sealed(origins))

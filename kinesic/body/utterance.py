@@ -1,4 +1,4 @@
-"""Speech as facts: the text that is asked for, what it sounds like, and when its marks and phonemes fall."""
+"""Text to be spoken, and the timing of its sound."""
 
 import unicodedata
 from collections.abc import Mapping
@@ -12,17 +12,17 @@ from numpy.typing import ArrayLike, NDArray
 Samples = NDArray[np.float32]
 Stress = Literal["prosody", "emphasis", "say-as", "voice"]
 
-VOWELS = frozenset("aeiouyäöüæɐɑɒɔəɚɛɜɝɪɨʊʉʌøœɵɤɯʏᵻ")  # noqa: RUF001 - letters of the phonetic alphabet
-STRESSES = ("\u02c8", "\u02cc")  # before a sound whose syllable is stressed, the stronger first
+VOWEL_LETTERS = frozenset("aeiouyäöüæɐɑɒɔəɚɛɜɝɪɨʊʉʌøœɵɤɯʏᵻ")  # noqa: RUF001 - vowels of spelling and of the phonetic alphabet
+STRESS_MARKS = ("\u02c8", "\u02cc")  # Primary and secondary stress, written before the stressed syllable
 
 
 @dataclass(frozen=True)
 class Mark:
-    """A named place in a text, before the character at `position`."""
+    """Named position in a text, before the character at `position`."""
 
     name: str
     position: int
-    time: float | None = None  # [s] from the start of the speech, where the document says it; None: as the voice has it
+    time: float | None = None  # [s] from the start of the speech, if the document sets it; None: the voice decides
 
 
 @dataclass(frozen=True)
@@ -31,12 +31,12 @@ class Pause:
 
     position: int
     duration: float  # [s]
-    after: int = 0  # so many of the marks at this position come before it, the others after it
+    after: int = 0  # number of marks at this position that precede the pause
 
 
 @dataclass(frozen=True)
 class Emphasis:
-    """A stretch of text that is said in a way of its own, in the words of SSML."""
+    """Section of a text with its own SSML markup."""
 
     begin: int  # first character
     end: int  # after the last character
@@ -46,26 +46,26 @@ class Emphasis:
 
 @dataclass(frozen=True)
 class Recording:
-    """A sound that is played instead of an engine's, and when the marks fall in it."""
+    """Sound file that replaces synthesis, with the times of its marks."""
 
-    path: Path  # of a WAV file
+    path: Path  # WAV file
     marks: tuple[tuple[str, float], ...] = ()  # name, [s] from the start of the file
-    folder: Path | None = None  # in which it must lie, that of the document which names it; None: anywhere
+    folder: Path | None = None  # folder of the document, in which the file must lie; None: anywhere
 
 
 @dataclass(frozen=True)
 class Script:
-    """Text to be said, with marks between its words."""
+    """Text to be spoken, with marks between its words."""
 
     text: str
     marks: tuple[Mark, ...] = ()
-    language: str = "en"  # BCP 47 tag, or the name of a language as the document has it
+    language: str = "en"  # BCP 47 tag, or the language name in the document
     pauses: tuple[Pause, ...] = ()
-    emphases: tuple[Emphasis, ...] = ()  # outer ones before those inside them
+    emphases: tuple[Emphasis, ...] = ()  # outer before inner
     recording: Recording | None = None
 
     def stops(self) -> tuple[Mark | Pause, ...]:
-        """Lists marks and pauses in their order."""
+        """List marks and pauses in text order."""
         placed: list[tuple[int, float, Mark | Pause]] = []
         count: dict[int, int] = {}
         for mark in self.marks:
@@ -82,61 +82,70 @@ class Phoneme:
     symbol: str
     start: float  # [s] from the start of the utterance
     duration: float  # [s]
-    onset: float | None = None  # [s] likewise, when the mouth has come to it; None: at its start
-    release: float | None = None  # [s] likewise, when the mouth lets go, as at a burst; None: at its end
+    onset: float | None = None  # [s] from the same start, when the mouth reaches its shape; None: at its start
+    release: float | None = None  # [s] from the same start, when the mouth leaves its shape; None: at its end
 
     @property
     def letters(self) -> str:
-        """Letters of its symbol, without stress, length, tone and diacritics."""
+        """Letters of the symbol, without stress, length, tone and diacritics."""
         plain = unicodedata.normalize("NFD", self.symbol.casefold())
         return "".join(letter for letter in plain if unicodedata.category(letter) in ("Ll", "Lo"))
 
     @property
     def end(self) -> float:
-        """[s] from the start of the utterance."""
+        """End time [s] from the start of the utterance."""
         return self.start + self.duration
 
     @property
-    def made(self) -> tuple[float, float]:
-        """[s] from the start of the utterance, between which the mouth has its shape."""
+    def articulation(self) -> tuple[float, float]:
+        """Start and end [s] of the articulated mouth shape.
+
+        Times are from the start of the utterance.
+        """
         onset = self.start if self.onset is None else self.onset
         return onset, self.end if self.release is None else self.release
 
 
 @dataclass(frozen=True, eq=False)
 class Sound:
-    """Samples of one channel."""
+    """Audio samples of one channel."""
 
     rate: int  # [Hz]
     samples: Samples  # (m,) -1..1
 
     @property
     def duration(self) -> float:
-        """[s]."""
+        """Duration of the sound [s]."""
         return len(self.samples) / self.rate
 
     @classmethod
     def of(cls, rate: int, samples: ArrayLike) -> "Sound":
-        """Takes a read-only copy of (m,) samples."""
-        own: Samples = np.array(samples, dtype=np.float32)
-        own.setflags(write=False)
-        return cls(rate, own)
+        """Make a sound from a read-only copy of samples (m,)."""
+        copied: Samples = np.array(samples, dtype=np.float32)
+        copied.setflags(write=False)
+        return cls(rate, copied)
 
 
 @dataclass(frozen=True)
 class Utterance:
-    """A script as it will be said."""
+    """Timing and sound of a spoken script."""
 
     duration: float  # [s]
     marks: Mapping[str, float] = field(default_factory=dict)  # name -> [s] from the start of the utterance
     phonemes: tuple[Phoneme, ...] = ()
-    voice: str = ""  # the engine that says it
-    sound: Sound | None = None  # None: it is known how long it takes, but not heard
-    remarks: tuple[str, ...] = ()  # what the listener does not get as asked
+    voice: str = ""  # name of the engine
+    sound: Sound | None = None  # None: timing only
+    remarks: tuple[str, ...] = ()  # requested features that the voice cannot produce
 
 
 class Voice(Protocol):
-    """A speech engine: a pure function from text to facts about its sound."""
+    """Speech engine, a pure function from text to timing and sound."""
 
     def say(self, script: Script, /, *, rate: float = 1.0, pitch: float = 1.0) -> Utterance:
-        """Says a script at a rate (1: normal, 2: twice as fast) and a pitch (times the voice's own)."""
+        """Synthesise a script.
+
+        Args:
+            script: the text.
+            rate: speaking rate; 1 is normal, 2 twice as fast.
+            pitch: factor on the pitch of the voice.
+        """

@@ -3,14 +3,14 @@ from pathlib import Path
 
 import pytest
 
-from kinesic.body.calibration import NONE, calibration_path, read_calibration
+from kinesic.body.calibration import NO_CALIBRATION, calibration_path, read_calibration
 from kinesic.body.config import CONFIGS, ConfigError
 from kinesic.body.robot import Robot
 
 
 @pytest.fixture
 def mine(tmp_path: Path) -> Path:
-    """A robot's file of somebody's own."""
+    """Write a user's copy of the default robot file and return its path."""
     path = tmp_path / "mine.toml"
     path.write_text(Robot.load().path.read_text(encoding="utf-8"), encoding="utf-8")
     return path
@@ -20,19 +20,21 @@ def calibrated(robot: Path, text: str) -> None:
     calibration_path(robot).write_text(text, encoding="utf-8")
 
 
-def test_it_stands_beside_the_robot_or_in_the_users_folder(mine: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_calibration_file_is_next_to_the_robot_file_or_in_the_user_folder(
+    mine: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
     assert calibration_path(mine) == tmp_path / "mine.calibration.toml"
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
     packaged = calibration_path(CONFIGS / "robots" / "upper22.toml")
     assert packaged == tmp_path / "config" / "kinesic" / "upper22.calibration.toml"
 
 
-def test_nobody_need_calibrate(mine: Path):
-    assert read_calibration(mine, "upper22") is NONE
-    assert Robot.load(mine).calibration is NONE
+def test_robot_without_a_calibration_file_has_no_calibration(mine: Path):
+    assert read_calibration(mine, "upper22") is NO_CALIBRATION
+    assert Robot.load(mine).calibration is NO_CALIBRATION
 
 
-def test_ranges_are_narrowed_and_nothing_else_changes(mine: Path):
+def test_calibration_narrows_only_the_joint_range_that_it_contains(mine: Path):
     calibrated(mine, 'robot = "upper22"\n[range_deg]\nl_elbow_flexion = [0, 101.5]\n')
     robot, plain = Robot.load(mine), Robot.load(mine, calibrated=False)
     elbow = robot.skeleton.joint("l_elbow_flexion")
@@ -45,7 +47,7 @@ def test_ranges_are_narrowed_and_nothing_else_changes(mine: Path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ('robot = "other"', "mine.calibration.toml: calibrates other, but stands for upper22; remove or rename it"),
+        ('robot = "other"', "mine.calibration.toml: calibrates other, not upper22; remove or rename it"),
         ("", "calibrates no robot"),
         ('robot = "upper22"\n[zero_ticks]\nl_elbow = 5', "no hinge l_elbow; did you mean"),
         ('robot = "upper22"\n[range_deg]\nl_elbow_flexion = [-5, 100]', "outside [0.0, 135.0]"),
@@ -54,7 +56,7 @@ def test_ranges_are_narrowed_and_nothing_else_changes(mine: Path):
         ('robot = "upper22"\nzero = 5', "unknown field `zero`"),
     ],
 )
-def test_a_wrong_file_is_refused(mine: Path, text: str, message: str):
+def test_invalid_calibration_file_is_refused(mine: Path, text: str, message: str):
     calibrated(mine, text)
     with pytest.raises(ConfigError) as refused:
         Robot.load(mine)

@@ -1,4 +1,4 @@
-"""Turns without a servo: read from a robot's file, mirrored, and led by their drivers."""
+"""Tests of couplings: reading, mirroring and rotation with the driver hinge."""
 
 from pathlib import Path
 
@@ -7,9 +7,9 @@ import pytest
 
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import SIDES, Robot
-from kinesic.body.rotation import about
+from kinesic.body.rotation import rotation_about
 
-TIP = """
+TIP_COUPLING = """
 [[coupling]]
 name = "l_tip"
 body = "l_wrist"
@@ -23,9 +23,9 @@ offset_deg = 10
 
 @pytest.fixture
 def coupled(tmp_path: Path):
-    """Loads the default robot with further lines in front of its chains."""
+    """Return a loader of the default robot with additional TOML tables."""
 
-    def load(lines: str = TIP) -> Robot:
+    def load(lines: str = TIP_COUPLING) -> Robot:
         path = tmp_path / "robot.toml"
         path.write_text(f'[robot]\nname = "mine"\nextends = "upper22"\n{lines}', encoding="utf-8")
         return Robot.load(path)
@@ -33,32 +33,32 @@ def coupled(tmp_path: Path):
     return load
 
 
-def test_a_coupling_follows_its_driver_and_has_no_place_in_the_joint_order(coupled):
+def test_coupled_joint_follows_its_driver_joint_after_the_free_joints(coupled):
     plain, robot = Robot.load("upper22"), coupled()
     assert robot.skeleton.names == plain.skeleton.names
     assert [c.name for c in robot.skeleton.couplings] == ["l_tip", "r_tip"]
     angles = np.random.default_rng(1).uniform(plain.skeleton.lower, plain.skeleton.upper, (5, 22))
-    turned = robot.skeleton.turns(angles)
+    turned = robot.skeleton.with_couplings(angles)
     np.testing.assert_array_equal(turned[:, :22], angles)
     for column, side in enumerate(SIDES, 22):
         elbow = angles[:, robot.skeleton.joint(f"{side}_elbow_flexion")]
         np.testing.assert_allclose(turned[:, column], np.radians(10) + 0.5 * elbow)
 
 
-def test_it_turns_its_segment_before_the_hinges_of_that_segment(coupled):
+def test_coupled_rotation_is_applied_before_the_joints_of_the_segment(coupled):
     plain, robot = Robot.load("upper22"), coupled()
     angles = plain.skeleton.rest
     free, led = plain.skeleton.frames(angles), robot.skeleton.frames(angles)
     wrist, elbow = plain.skeleton.segment("l_wrist"), plain.skeleton.segment("l_elbow")
-    turn = about(np.array([0.0, 0.0, 1.0]), robot.skeleton.turns(angles)[22])
+    turn = rotation_about(np.array([0.0, 0.0, 1.0]), robot.skeleton.with_couplings(angles)[22])
     hinges = free.rotations[elbow].T @ free.rotations[wrist]
     np.testing.assert_allclose(led.rotations[wrist], free.rotations[elbow] @ turn @ hinges, atol=1e-12)
     np.testing.assert_array_equal(led.origins, free.origins)
 
 
-def test_without_couplings_nothing_is_copied():
+def test_skeleton_without_couplings_returns_joint_angles_uncopied():
     skeleton = Robot.load("upper22").skeleton
-    assert skeleton.turns(skeleton.rest) is skeleton.rest
+    assert skeleton.with_couplings(skeleton.rest) is skeleton.rest
 
 
 @pytest.mark.parametrize(
@@ -74,14 +74,14 @@ def test_without_couplings_nothing_is_copied():
         ("ratio = 0.5", "ration = 0.5", r"`ration`.*did you mean ratio\?"),
     ],
 )
-def test_a_wrong_coupling_teaches(coupled, old: str, new: str, message: str):
+def test_invalid_coupling_error_names_the_remedy(coupled, old: str, new: str, message: str):
     with pytest.raises(ConfigError, match=message):
-        coupled(TIP.replace(old, new))
+        coupled(TIP_COUPLING.replace(old, new))
 
 
-def test_a_coupling_cannot_follow_another_one(coupled):
-    chain = TIP.replace("l_tip", "l_end").replace("l_elbow_flexion", "l_tip")
+def test_coupling_driven_by_another_coupling_is_refused(coupled):
+    chain = TIP_COUPLING.replace("l_tip", "l_end").replace("l_elbow_flexion", "l_tip")
     with pytest.raises(
         ConfigError, match="coupling l_end: it follows l_tip, which follows another one; name the hinge"
     ):
-        coupled(TIP + chain)
+        coupled(TIP_COUPLING + chain)

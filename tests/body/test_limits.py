@@ -1,4 +1,4 @@
-"""Limits of a robot under load, and boxes of hinges without a known drive."""
+"""Limits of a robot under load, and limits without drive data."""
 
 from dataclasses import fields
 
@@ -9,10 +9,10 @@ from kinesic.body.dynamics import Load
 from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
 
-ROBOT = Robot.load()
-STALL = ROBOT.drives.stall
-NAMES = [field.name for field in fields(Limits)]
-BOX = {
+DEFAULT_ROBOT = Robot.load()
+STALL_TORQUES = DEFAULT_ROBOT.drives.stall
+LIMIT_NAMES = [field.name for field in fields(Limits)]
+BOX_LIMITS = {
     "lower": [-1.0, 0.0],
     "upper": [1.0, 2.0],
     "speed": [2.0, 4.0],
@@ -22,58 +22,58 @@ BOX = {
 
 
 def loaded(holding: float, inertia: float = 0.01) -> Limits:
-    return Limits.of(ROBOT, Load(inertia=inertia * STALL, holding=holding * STALL))
+    return Limits.of(DEFAULT_ROBOT, Load(inertia=inertia * STALL_TORQUES, holding=holding * STALL_TORQUES))
 
 
-def test_accelerating_and_holding_together_take_four_fifths_of_the_stall_torque():
+def test_acceleration_and_holding_use_80_percent_of_stall_torque():
     limits = loaded(0.3)
-    torque = limits.acceleration * 0.01 * STALL + 0.3 * STALL + ROBOT.drives.frictionloss
-    np.testing.assert_allclose(torque, 0.8 * STALL)
+    torque = limits.acceleration * 0.01 * STALL_TORQUES + 0.3 * STALL_TORQUES + DEFAULT_ROBOT.drives.frictionloss
+    np.testing.assert_allclose(torque, 0.8 * STALL_TORQUES)
     np.testing.assert_allclose(limits.acceleration / limits.jerk, 0.04)
 
 
-def test_duty_leaves_room_for_what_holds_still():
+def test_duty_limit_subtracts_holding_duty():
     limits = loaded(0.3)
-    np.testing.assert_allclose(limits.duty, 0.73 - 0.3 - ROBOT.drives.frictionloss / STALL)
+    np.testing.assert_allclose(limits.duty, 0.73 - 0.3 - DEFAULT_ROBOT.drives.frictionloss / STALL_TORQUES)
     np.testing.assert_allclose(limits.inertial, 0.01)
-    np.testing.assert_allclose(limits.viscous * ROBOT.drives.no_load, 1.0)
-    np.testing.assert_array_equal(limits.speed, ROBOT.speed_limits)
-    assert limits.lower is ROBOT.skeleton.lower
-    assert limits.upper is ROBOT.skeleton.upper
+    np.testing.assert_allclose(limits.viscous * DEFAULT_ROBOT.drives.no_load, 1.0)
+    np.testing.assert_array_equal(limits.speed, DEFAULT_ROBOT.velocity_limits)
+    assert limits.lower is DEFAULT_ROBOT.skeleton.lower
+    assert limits.upper is DEFAULT_ROBOT.skeleton.upper
 
 
-def test_a_hinge_that_can_hardly_hold_itself_may_still_move_slowly():
+def test_overloaded_hinge_keeps_minimum_limits():
     limits = loaded(1.5)
     np.testing.assert_array_equal(limits.acceleration, 1.0)
     np.testing.assert_array_equal(limits.duty, 0.1)
 
 
-def test_more_load_never_widens_a_limit():
+def test_more_load_reduces_acceleration_jerk_and_duty_limits():
     light, heavy = loaded(0.1), loaded(0.4, inertia=0.02)
     for name in ("acceleration", "jerk", "duty"):
         assert (getattr(heavy, name) < getattr(light, name)).all()
 
 
-def test_a_share_scales_what_a_plan_may_accelerate_and_load():
-    limits = Limits.box(**BOX)
-    assert limits.times(1.0) is limits
-    half, each = limits.times(0.5), limits.times(np.array([0.5, 1.0]))
-    for name in NAMES:
+def test_scaled_motion_limits_differ_only_in_acceleration_jerk_and_duty():
+    limits = Limits.box(**BOX_LIMITS)
+    assert limits.scaled(1.0) is limits
+    half, each = limits.scaled(0.5), limits.scaled(np.array([0.5, 1.0]))
+    for name in LIMIT_NAMES:
         scaled = name in ("acceleration", "jerk", "duty")
         np.testing.assert_allclose(getattr(half, name), getattr(limits, name) * (0.5 if scaled else 1.0))
         np.testing.assert_allclose(getattr(each, name), getattr(limits, name) * ([0.5, 1.0] if scaled else 1.0))
 
 
-def test_a_part_has_the_limits_of_its_hinges_in_their_order():
-    limits = Limits.box(**BOX)
+def test_motion_limits_can_be_reduced_to_selected_joints():
+    limits = Limits.box(**BOX_LIMITS)
     part = limits.part(np.array([1, 0]))
-    for name in NAMES:
+    for name in LIMIT_NAMES:
         np.testing.assert_array_equal(getattr(part, name), getattr(limits, name)[[1, 0]])
 
 
-def test_boxes_bound_by_themselves_long_before_their_duty_does():
-    limits = Limits.box(**BOX)
-    for name, values in BOX.items():
+def test_duty_limit_of_plain_box_limits_never_binds():
+    limits = Limits.box(**BOX_LIMITS)
+    for name, values in BOX_LIMITS.items():
         np.testing.assert_array_equal(getattr(limits, name), values)
     duty = limits.inertial * limits.acceleration + limits.viscous * limits.speed
     assert (duty < 1e-3 * limits.duty).all()
@@ -92,6 +92,6 @@ def test_boxes_bound_by_themselves_long_before_their_duty_does():
         ({"jerk": [np.inf, 1.0]}, "jerk is"),
     ],
 )
-def test_a_box_that_is_none_is_refused(wrong, said):
+def test_invalid_motion_limits_are_refused(wrong, said):
     with pytest.raises(ValueError, match=said):
-        Limits.box(**(BOX | wrong))
+        Limits.box(**(BOX_LIMITS | wrong))

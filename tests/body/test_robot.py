@@ -13,40 +13,40 @@ def robot() -> Robot:
     return Robot.load()
 
 
-def test_a_robot_is_loaded_by_name_or_by_file(robot: Robot, tmp_path: Path):
+def test_robot_is_loaded_by_name_or_file(robot: Robot, tmp_path: Path):
     copy = tmp_path / "mine.toml"
     copy.write_text(robot.path.read_text(encoding="utf-8"), encoding="utf-8")
     assert Robot.load("upper22").skeleton.names == Robot.load(copy).skeleton.names == robot.skeleton.names
 
 
-def test_an_unknown_name_offers_the_known_ones():
+def test_unknown_robot_error_suggests_a_name():
     with pytest.raises(ConfigError, match=r"no robot uper22; did you mean upper22\? \(or give a \.toml file\)"):
         Robot.load("uper22")
 
 
-def test_a_missing_file_is_named():
+def test_error_names_a_missing_robot_file():
     with pytest.raises(ConfigError, match=r"nowhere/nobody\.toml: no such file"):
         Robot.load("nowhere/nobody.toml")
 
 
-def test_speed_limits_leave_a_reserve(robot: Robot):
-    limits = dict(zip(robot.skeleton.names, robot.speed_limits, strict=True))
+def test_velocity_limits_are_below_the_no_load_velocity(robot: Robot):
+    limits = dict(zip(robot.skeleton.names, robot.velocity_limits, strict=True))
     expected = {"vl5_torsion": 4.44, "vl5_tilt": 1.26, "vl5_roll": 1.01, "l_elbow_flexion": 6.45, "r_wrist_pivot": 5.95}
     assert {name: round(limits[name], 2) for name in expected} == expected
 
 
-def test_chains_share_out_the_hinges(robot: Robot):
+def test_torso_neck_and_arm_chains_contain_each_joint_once(robot: Robot):
     joints = [robot.joints(chain) for chain in ("torso", "neck", "l_arm", "r_arm")]
     assert [len(indices) for indices in joints] == [3, 3, 8, 8]
     assert sorted(k for indices in joints for k in indices) == list(range(22))
     assert robot.joints("tail") == ()
 
 
-def test_gesture_space_starts_at_elbow_height_in_the_midline(robot: Robot):
+def test_gesture_origin_is_at_elbow_height_in_the_midline(robot: Robot):
     np.testing.assert_allclose(robot.gesture_origin, (0, 0, 0.705), atol=1e-12)
 
 
-def test_a_pair_counts_unless_it_is_parent_and_child_or_listed(robot: Robot):
+def test_collision_check_skips_adjacent_and_excluded_pairs(robot: Robot):
     pairs = {frozenset(pair) for pair in robot.counted_pairs}
     segments = robot.skeleton.segments
     assert len(pairs) == len(robot.counted_pairs)
@@ -56,7 +56,7 @@ def test_a_pair_counts_unless_it_is_parent_and_child_or_listed(robot: Robot):
     assert frozenset(("skullbase", "l_wrist")) in pairs
 
 
-def test_exclusions_are_mirrored_and_carry_a_reason(robot: Robot):
+def test_collision_exclusions_are_mirrored_and_have_a_reason(robot: Robot):
     pairs = [exclusion.pair for exclusion in robot.exclusions]
     assert len(set(pairs)) == len(pairs)
     assert frozenset(("l_sternoclavicular", "r_shoulder")) in pairs
@@ -64,19 +64,19 @@ def test_exclusions_are_mirrored_and_carry_a_reason(robot: Robot):
     assert all(exclusion.why for exclusion in robot.exclusions)
 
 
-def test_targets_lie_in_front(robot: Robot):
+def test_gaze_targets_of_the_robot_file_are_in_front_of_the_robot(robot: Robot):
     assert {"audience", "user", "camera", "left", "right"} <= set(robot.targets)
     assert all(target[0] > 0 for target in robot.targets.values())
     assert robot.targets["left"][1] > 0 > robot.targets["right"][1]
 
 
-def test_arrays_are_sealed(robot: Robot):
-    for array in (robot.speed_limits, robot.gesture_origin, robot.sites["eyes"].facing, *robot.targets.values()):
+def test_robot_arrays_are_read_only(robot: Robot):
+    for array in (robot.velocity_limits, robot.gesture_origin, robot.sites["eyes"].facing, *robot.targets.values()):
         assert not array.flags.writeable
 
 
 @pytest.mark.parametrize("side", SIDES)
-def test_an_arm_is_asked_by_its_side(robot: Robot, side: Side):
+def test_arm_of_a_robot_is_returned_by_side(robot: Robot, side: Side):
     arm, names = robot.arm(side), [segment.name for segment in robot.skeleton.segments]
     assert arm.segments == robot.chains[f"{side}_arm"]
     assert arm.joints == robot.joints(f"{side}_arm")
@@ -85,7 +85,7 @@ def test_an_arm_is_asked_by_its_side(robot: Robot, side: Side):
     assert arm.palm is robot.sites[f"{side}_palm"]
 
 
-def test_figures_of_all_drives_are_arrays(robot: Robot):
+def test_drive_properties_are_cached_read_only_arrays(robot: Robot):
     drives = robot.drives
     assert drives == tuple(mount.drive for mount in robot.mounts)
     for name in ("stall", "no_load", "gain", "rate_gain", "armature", "frictionloss", "damping", "tick"):

@@ -6,20 +6,20 @@ import pytest
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 
-HEAD = '[robot]\nname = "mine"\nextends = "upper22"\n'
+EXTENSION_HEADER = '[robot]\nname = "mine"\nextends = "upper22"\n'
 
 
 @pytest.fixture
 def extended(tmp_path: Path):
     def load(lines: str) -> Robot:
         path = tmp_path / "mine.toml"
-        path.write_text(HEAD + lines, encoding="utf-8")
+        path.write_text(EXTENSION_HEADER + lines, encoding="utf-8")
         return Robot.load(path)
 
     return load
 
 
-def test_a_file_says_only_what_is_different(extended):
+def test_extending_file_contains_only_differences(extended):
     plain = Robot.load("upper22")
     robot = extended("""
 [[hinge]]
@@ -48,10 +48,10 @@ exclude = [{ pair = ["l_ring", "l_elbow"], why = "a test" }]
         assert robot.mounts[elbow].drive == plain.mounts[elbow].drive
         assert robot.skeleton.segments[robot.skeleton.segment(f"{side}_ring")].parent == f"{side}_wrist"
     assert len(robot.exclusions) == len(plain.exclusions) + 2
-    assert robot.least_clearance == plain.least_clearance
+    assert robot.min_clearance == plain.min_clearance
 
 
-def test_a_file_beside_it_can_be_extended_too(extended, tmp_path: Path):
+def test_robot_file_in_same_folder_can_be_extended(extended, tmp_path: Path):
     extended("[rest]\nl_elbow_flexion = 40\n")
     path = tmp_path / "other.toml"
     path.write_text('[robot]\nname = "other"\nextends = "mine.toml"\n[rest]\nl_wrist_pivot = 5\n', encoding="utf-8")
@@ -60,7 +60,7 @@ def test_a_file_beside_it_can_be_extended_too(extended, tmp_path: Path):
     assert robot.skeleton.rest[robot.skeleton.joint("r_wrist_pivot")] == pytest.approx(0.0873, abs=1e-4)
 
 
-def test_a_file_that_extends_itself_is_refused(tmp_path: Path):
+def test_circular_extension_is_refused(tmp_path: Path):
     for name, other in (("one", "two"), ("two", "one")):
         (tmp_path / f"{name}.toml").write_text(
             f'[robot]\nname = "{name}"\nextends = "{other}.toml"\n', encoding="utf-8"
@@ -69,9 +69,9 @@ def test_a_file_that_extends_itself_is_refused(tmp_path: Path):
         Robot.load(tmp_path / "one.toml")
 
 
-def test_an_unknown_robot_is_named(tmp_path: Path):
+def test_extending_an_unknown_robot_is_refused_with_a_suggestion(tmp_path: Path):
     path = tmp_path / "mine.toml"
-    path.write_text(HEAD.replace("upper22", "uper22"), encoding="utf-8")
+    path.write_text(EXTENSION_HEADER.replace("upper22", "uper22"), encoding="utf-8")
     with pytest.raises(ConfigError, match=r"no robot uper22; did you mean upper22\?"):
         Robot.load(path)
 
@@ -81,7 +81,7 @@ def robot(extends: str) -> str:
 
 
 @pytest.mark.parametrize("place", ["base.toml", "below/base.toml"])
-def test_a_file_of_its_folder_may_be_extended(place: str, tmp_path: Path):
+def test_robot_file_in_the_folder_or_a_subfolder_may_be_extended(place: str, tmp_path: Path):
     (tmp_path / place).parent.mkdir(exist_ok=True)
     (tmp_path / place).write_text(robot("upper22"))
     (tmp_path / "mine.toml").write_text(robot(place))
@@ -91,7 +91,7 @@ def test_a_file_of_its_folder_may_be_extended(place: str, tmp_path: Path):
 @pytest.mark.parametrize(
     "extends", ["../secret.toml", "{outside}/secret.toml", "link.toml", "../secret", "{outside}/secret"]
 )
-def test_no_file_of_another_folder_is_read(extends: str, tmp_path: Path):
+def test_extending_a_file_outside_the_folder_is_refused(extends: str, tmp_path: Path):
     home = tmp_path / "home"
     home.mkdir()
     (tmp_path / "secret.toml").write_text(robot("upper22"))
@@ -102,7 +102,7 @@ def test_no_file_of_another_folder_is_read(extends: str, tmp_path: Path):
         Robot.load(home / "mine.toml")
 
 
-def test_nobody_waits_for_a_pipe(tmp_path: Path):
+def test_pipe_as_robot_or_calibration_file_is_refused(tmp_path: Path):
     os.mkfifo(tmp_path / "pipe.toml")
     (tmp_path / "mine.toml").write_text(robot("pipe.toml"))
     with pytest.raises(ConfigError, match=r"mine\.toml: extends = 'pipe\.toml': .* is no ordinary file"):
@@ -114,12 +114,12 @@ def test_nobody_waits_for_a_pipe(tmp_path: Path):
 
 
 @pytest.mark.parametrize("name", ['["x"]', "[]", '{ x = "y" }', "1"])
-def test_names_that_are_no_text_are_refused(extended, name: str):
+def test_hinge_name_must_be_a_string(extended, name: str):
     with pytest.raises(ConfigError, match=r"Expected `str`, got"):
         extended(f"[[hinge]]\nname = {name}\n")
 
 
 @pytest.mark.parametrize("axis", ["[1e300, 1e300, 0]", "[1e-200, 0, 0]"])
-def test_an_axis_without_a_length_that_can_be_computed_is_refused(extended, axis: str):
+def test_axis_with_huge_or_tiny_length_is_refused(extended, axis: str):
     with pytest.raises(ConfigError, match="must be a direction such as"):
         extended(f'[[hinge]]\nname = "l_elbow_flexion"\naxis = {axis}\n')

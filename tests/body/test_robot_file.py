@@ -6,20 +6,20 @@ from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 from kinesic.body.robot_file import servo_models
 
-UPPER22 = Robot.load().path.read_text(encoding="utf-8")
-ELBOW = '[[hinge]]\nname = "l_elbow_flexion"'
-ROLL = '[[hinge]]\nname = "vl5_roll"                   # + leans right; belt 2.5:1'
-ROLL_AXIS = f'{ROLL}\nbody = "vl5"\naxis = [1, 0, 0]'
+UPPER22_TEXT = Robot.load().path.read_text(encoding="utf-8")
+ELBOW_TEXT = '[[hinge]]\nname = "l_elbow_flexion"'
+ROLL_TEXT = '[[hinge]]\nname = "vl5_roll"                   # + leans right; belt 2.5:1'
+ROLL_AXIS_TEXT = f'{ROLL_TEXT}\nbody = "vl5"\naxis = [1, 0, 0]'
 
 
 @pytest.fixture
 def changed(tmp_path: Path):
-    """Loads the default robot with one piece of its file replaced."""
+    """Return a loader of the default robot file with one text replaced."""
 
     def load(old: str, new: str) -> Robot:
-        assert UPPER22.count(old) == 1, old
+        assert UPPER22_TEXT.count(old) == 1, old
         path = tmp_path / "robot.toml"
-        path.write_text(UPPER22.replace(old, new), encoding="utf-8")
+        path.write_text(UPPER22_TEXT.replace(old, new), encoding="utf-8")
         return Robot.load(path)
 
     return load
@@ -41,10 +41,14 @@ def changed(tmp_path: Path):
             'servo = "xm540"\nmount = { body = "humanoid_root"',
             r"servo of hinge vl5_torsion: no xm540; did you mean xm540_w",
         ),
-        (ELBOW, '[[hinge]]\nname = "l_shoulder_twisting"', "hinge l_shoulder_twisting is described twice"),
+        (ELBOW_TEXT, '[[hinge]]\nname = "l_shoulder_twisting"', "hinge l_shoulder_twisting is described twice"),
         ('[[body]]\nname = "skullbase"', '[[body]]\nname = "vt1"', "body vt1 is described twice"),
         ('parent = "humanoid_root"', 'parent = "root"', r"parent of body vl5: no root"),
-        (ROLL_AXIS, ROLL_AXIS.replace("[1, 0, 0]", "[0, 0, 0]"), "vl5_roll: axis is zero, must be a direction"),
+        (
+            ROLL_AXIS_TEXT,
+            ROLL_AXIS_TEXT.replace("[1, 0, 0]", "[0, 0, 0]"),
+            "vl5_roll: axis is zero, must be a direction",
+        ),
         ("count = 2", "count = 0", "vl5_tilt: count must be at least 1"),
         ("reduction = 2.5", "reduction = -2.5", "vl5_roll: .*reduction above 0"),
         ('torso = ["vl5"]', 'torso = ["vl6"]', r"chain torso: no vl6; did you mean vl5\?"),
@@ -54,20 +58,20 @@ def changed(tmp_path: Path):
         ('pair = ["vl5", "skullbase"]', 'pair = ["vl5", "head"]', r"\[collision\] exclude: no head"),
     ],
 )
-def test_a_wrong_file_teaches(changed, old: str, new: str, message: str):
+def test_invalid_robot_file_error_names_the_remedy(changed, old: str, new: str, message: str):
     with pytest.raises(ConfigError, match=message) as caught:
         changed(old, new)
     assert "robot.toml" in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
-def test_a_robot_without_a_mirror_is_as_written(changed):
+def test_robot_file_without_mirror_needs_both_sides(changed):
     with pytest.raises(ConfigError, match="no r_sternoclavicular"):
         changed('mirror = { from = "l_", to = "r_" }\n', "")
 
 
-def test_hinges_follow_the_bodies_whatever_their_order_in_the_file(tmp_path: Path):
-    head, *hinges = UPPER22.split("[[hinge]]")
+def test_hinges_are_sorted_by_body_order(tmp_path: Path):
+    head, *hinges = UPPER22_TEXT.split("[[hinge]]")
     last, tail = hinges[-1].split("# Bodies from the root outward")
     path = tmp_path / "robot.toml"
     arms_first = [*hinges[6:-1], last, *hinges[:6]]
@@ -75,19 +79,19 @@ def test_hinges_follow_the_bodies_whatever_their_order_in_the_file(tmp_path: Pat
     assert Robot.load(path).skeleton.names == Robot.load().skeleton.names
 
 
-def test_an_axis_is_made_a_unit_vector(changed):
-    robot = changed(ROLL_AXIS, ROLL_AXIS.replace("[1, 0, 0]", "[2, 0, 0]"))
+def test_hinge_axis_is_normalised(changed):
+    robot = changed(ROLL_AXIS_TEXT, ROLL_AXIS_TEXT.replace("[1, 0, 0]", "[2, 0, 0]"))
     assert robot.skeleton.hinges[2].axis.tolist() == [1, 0, 0]
 
 
-def test_servo_models_carry_their_name():
+def test_each_servo_model_has_a_unique_name_and_model_number():
     models = servo_models()
     assert set(models) >= {"xm540_w270", "xm540_w150", "xm430_w210", "xc430_w240", "xc330_t288", "xc330_t181"}
     assert all(model.name == name for name, model in models.items())
     assert len({model.model for model in models.values()}) == len(models)
 
 
-def test_more_than_any_robot_has_is_refused(tmp_path: Path):
+def test_excessive_robot_files_are_refused(tmp_path: Path):
     path = tmp_path / "centipede.toml"
     body = '[[body]]\nname = "b{}"\nparent = ""\npos = [0, 0, 0]\nmass = 1.0\ncapsules = []\n'
     rest = "[robot]\nname = 'c'\n[chains]\n[sites]\n[collision]\nclearance = 0.01\n"

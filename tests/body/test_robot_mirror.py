@@ -1,4 +1,4 @@
-"""The described side and its mirror image make one robot."""
+"""Tests of the mirrored side of a robot file."""
 
 import msgspec
 import numpy as np
@@ -20,7 +20,7 @@ from kinesic.body.robot_schema import (
     SiteTable,
 )
 
-FLIP = np.array([1.0, -1.0, 1.0])
+MIRROR_SIGNS = np.array([1.0, -1.0, 1.0])
 
 
 @pytest.fixture(scope="module")
@@ -30,7 +30,7 @@ def file() -> RobotFile:
 
 @pytest.mark.parametrize("name", ["upper22", "upper36"])
 @given(seed=st.integers(0, 1000))
-def test_equal_angles_of_both_sides_make_mirrored_postures(name, seed):
+def test_equal_left_and_right_angles_give_mirrored_postures(name, seed):
     skeleton = Robot.load(name).skeleton
     angles, chance = skeleton.rest.copy(), np.random.default_rng(seed)
     for joint, joint_name in enumerate(skeleton.names):
@@ -40,20 +40,22 @@ def test_equal_angles_of_both_sides_make_mirrored_postures(name, seed):
     for k, segment in enumerate(skeleton.segments):
         if segment.name.startswith("l_"):
             other = skeleton.segment(f"r_{segment.name[2:]}")
-            np.testing.assert_allclose(frames.origins[k], FLIP * frames.origins[other], atol=1e-12)
-            np.testing.assert_allclose(frames.rotations[k], frames.rotations[other] * np.outer(FLIP, FLIP), atol=1e-12)
+            np.testing.assert_allclose(frames.origins[k], MIRROR_SIGNS * frames.origins[other], atol=1e-12)
+            np.testing.assert_allclose(
+                frames.rotations[k], frames.rotations[other] * np.outer(MIRROR_SIGNS, MIRROR_SIGNS), atol=1e-12
+            )
             for capsule, image in zip(segment.capsules, skeleton.segments[other].capsules, strict=True):
-                np.testing.assert_allclose(capsule.start, FLIP * image.start)
-                np.testing.assert_allclose(capsule.end, FLIP * image.end)
+                np.testing.assert_allclose(capsule.start, MIRROR_SIGNS * image.start)
+                np.testing.assert_allclose(capsule.end, MIRROR_SIGNS * image.end)
                 assert capsule.radius == image.radius
 
 
-def test_a_file_without_a_mirror_stays_as_it_is(file):
+def test_robot_file_without_mirror_is_unchanged(file):
     plain = msgspec.structs.replace(file, robot=msgspec.structs.replace(file.robot, mirror=None))
     assert with_both_sides(plain) is plain
 
 
-def test_what_is_written_for_the_other_side_wins(file):
+def test_right_entries_in_a_robot_file_override_mirrored_left_ones(file):
     changed = msgspec.structs.replace(
         file,
         rest=file.rest | {"r_elbow_flexion": 70.0},
@@ -65,7 +67,7 @@ def test_what_is_written_for_the_other_side_wins(file):
     assert with_both_sides(file).sites["r_palm"].body == "r_wrist"
 
 
-def test_names_of_the_other_side_are_renamed_wherever_they_stand(file):
+def test_all_mirrored_robot_parts_get_the_other_prefix(file):
     both = with_both_sides(file)
     hinges = {hinge.name: hinge for hinge in both.hinge}
     elbow, image = hinges["l_elbow_flexion"], hinges["r_elbow_flexion"]
@@ -83,7 +85,7 @@ def test_names_of_the_other_side_are_renamed_wherever_they_stand(file):
     assert len(both.hinge) == len(hinges)
 
 
-def test_pairs_that_may_touch_are_mirrored_once(file):
+def test_excluded_collision_pairs_are_mirrored_once(file):
     pairs = [("l_wrist", "l_elbow"), ("l_wrist", "r_wrist"), ("l_wrist", "r_elbow"), ("vl5", "skullbase")]
     entries = [ExclusionTable(pair, "why") for pair in pairs]
     changed = msgspec.structs.replace(file, collision=CollisionTable(0.01, entries))
@@ -101,7 +103,7 @@ def test_pairs_that_may_touch_are_mirrored_once(file):
     ]
 
 
-def test_a_coupling_and_a_hinge_without_servo_are_mirrored(file):
+def test_couplings_and_hinges_without_servo_are_mirrored(file):
     coupling = CouplingTable("l_thumb", "l_wrist", (0.1, 0.2, 0.3), (0.0, 90.0), "l_elbow_flexion", 0.5, 3.0)
     hinge = HingeTable(
         "l_own", "l_wrist", (0.1, 0.2, 0.3), (0.0, 9.0), limits=LimitsTable(1.0, 2.0, 3.0), at=(1.0, 2.0, 3.0)
@@ -115,7 +117,7 @@ def test_a_coupling_and_a_hinge_without_servo_are_mirrored(file):
     )
 
 
-def test_prefixes_are_those_that_the_file_names(file):
+def test_left_and_right_name_prefixes_come_from_the_robot_file(file):
     own = msgspec.structs.replace(file.robot, mirror=MirrorTable("r_", "l_"))
     changed = msgspec.structs.replace(
         file, robot=own, rest={"l_elbow_flexion": 1.0, "r_elbow_flexion": 2.0, "vl5_tilt": 3.0}

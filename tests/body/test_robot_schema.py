@@ -19,14 +19,14 @@ from kinesic.body.robot_schema import (
 
 @pytest.fixture(scope="module")
 def file():
-    """The default robot's left and middle, with the right side named anew so that no mirror is needed."""
+    """Return the default robot's file with its own servo model and no bus."""
     own = read_toml(Robot.load().path, RobotFile)
     servo = ServoTable(0, 48.0, 10.0, 2.0, 30.0, 1.0, 0.0, (0.01, 0.01, 0.01), 800.0, 0.0, 128.0, 0.1, 0.2, 0.3)
     hinges = [msgspec.structs.replace(own.hinge[0], servo="mine", at=(0.01, 0.0, -0.02)), *own.hinge[1:]]
     return msgspec.structs.replace(own, hinge=hinges, servos={"mine": servo}, bus=[])
 
 
-def test_what_is_written_is_read_back(file, tmp_path):
+def test_written_robot_file_is_read_back(file, tmp_path):
     path = tmp_path / "robot.toml"
     path.write_text(robot_text(file, heading=["one", ""], remarks={}), encoding="utf-8")
     again = read_toml(path, RobotFile)
@@ -34,7 +34,7 @@ def test_what_is_written_is_read_back(file, tmp_path):
     assert again == plain
 
 
-def test_heading_and_remarks_are_comments(file):
+def test_heading_and_remarks_of_a_written_robot_are_toml_comments(file):
     text = robot_text(file, heading=["look here"], remarks={"vl5_torsion": "was waist", "mine": "guessed"})
     assert text.startswith("# look here\n")
     assert 'name = "vl5_torsion"  # was waist' in text
@@ -42,30 +42,30 @@ def test_heading_and_remarks_are_comments(file):
     assert tomllib.loads(text)["servos"]["mine"]["stall_nm"] == 10.0
 
 
-def test_a_robots_own_servos_win(file, tmp_path):
+def test_robot_file_can_define_its_own_servo_model(file, tmp_path):
     description = robot_from_tables(file, tmp_path / "robot.toml")
     assert description.mounts[0].drive.servo.stall_nm == 10.0
     assert description.skeleton.hinges[0].at.tolist() == [0.01, 0.0, -0.02]
 
 
 def with_drives(file, drives):
-    """The robot with drives of its first hinges, the others as they are."""
+    """Return the file with the drive fields of its first hinges replaced."""
     hinges = [msgspec.structs.replace(hinge, **drive) for hinge, drive in zip(file.hinge, drives, strict=False)]
     return msgspec.structs.replace(file, hinge=[*hinges, *file.hinge[len(hinges) :]])
 
 
-LIMITED = {"servo": None, "mount": None, "limits": LimitsTable(90.0, 900.0, 5.0), "count": 1, "reduction": 1.0}
+LIMITS_DRIVE = {"servo": None, "mount": None, "limits": LimitsTable(90.0, 900.0, 5.0), "count": 1, "reduction": 1.0}
 
 
-def test_hinges_with_and_without_servos_are_not_mixed(file, tmp_path):
-    mixed = with_drives(file, [LIMITED])
+def test_robot_with_servos_on_some_hinges_is_refused(file, tmp_path):
+    mixed = with_drives(file, [LIMITS_DRIVE])
     first, second = (hinge.name for hinge in file.hinge[:2])
     with pytest.raises(ConfigError, match=f"{second} has a servo and {first} has limits: give all hinges servos"):
         robot_from_tables(mixed, tmp_path / "robot.toml")
 
 
-def test_a_robot_without_servos_has_no_bus(file, tmp_path):
-    limited = with_drives(file, [LIMITED] * len(file.hinge))
+def test_robot_without_servos_may_not_have_a_bus(file, tmp_path):
+    limited = with_drives(file, [LIMITS_DRIVE] * len(file.hinge))
     assert len(robot_from_tables(limited, tmp_path / "robot.toml").mounts) > 0
     with pytest.raises(ConfigError, match=r"\[\[bus\]\], but no hinge has a servo"):
         robot_from_tables(msgspec.structs.replace(limited, bus=[{}]), tmp_path / "robot.toml")
@@ -76,25 +76,25 @@ def test_a_robot_without_servos_has_no_bus(file, tmp_path):
     [
         ({"servo": None}, "give servo and mount, or limits"),
         ({"mount": None}, "give servo and mount, or limits"),
-        (LIMITED | {"count": 2}, "has limits and count"),
-        (LIMITED | {"reduction": 2.0}, "has limits and reduction"),
+        (LIMITS_DRIVE | {"count": 2}, "has limits and count"),
+        (LIMITS_DRIVE | {"reduction": 2.0}, "has limits and reduction"),
         ({"limits": LimitsTable(90.0, 900.0, 5.0), "count": 1, "reduction": 1.0}, "has limits and servo"),
-        (LIMITED | {"limits": LimitsTable(90.0, 0.0, 5.0)}, "limits.acceleration_deg is 0, must be above 0"),
+        (LIMITS_DRIVE | {"limits": LimitsTable(90.0, 0.0, 5.0)}, "limits.acceleration_deg is 0, must be above 0"),
     ],
 )
-def test_what_drives_a_hinge_is_a_servo_or_limits(file, tmp_path, drive, said):
+def test_hinge_needs_servo_or_limits(file, tmp_path, drive, said):
     with pytest.raises(ConfigError, match=said):
         robot_from_tables(with_drives(file, [drive]), tmp_path / "robot.toml")
 
 
-def test_a_hinge_without_a_drive_of_its_own_is_one_servo_without_a_belt():
+def test_hinge_and_coupling_tables_have_defaults():
     hinge = HingeTable("h", "b", (1.0, 0.0, 0.0), (0.0, 90.0))
     assert (hinge.count, hinge.reduction, hinge.at) == (1, 1.0, (0.0, 0.0, 0.0))
     coupling = CouplingTable("c", "b", (1.0, 0.0, 0.0), (0.0, 90.0), "h")
     assert (coupling.ratio, coupling.offset_deg) == (1.0, 0.0)
 
 
-def test_changes_of_a_robot_that_extends_another_are_written_with_their_defaults(file):
+def test_robot_extension_file_contains_servo_count_and_gear_reduction(file):
     text = changes_text([], file.hinge[:1], {}, robot={"name": "own", "extends": "upper22"}, heading=["mine"])
     read = tomllib.loads(text)
     assert text.startswith("# mine\n")

@@ -1,4 +1,4 @@
-"""The default robot stays plausible: what the design promises about it that needs no physics."""
+"""Tests of the default robot's design: hinges, servos, masses and symmetry."""
 
 from collections import Counter
 
@@ -7,7 +7,7 @@ import pytest
 
 from kinesic.body.robot import Robot
 
-RANGES_DEG = {
+SPECIFIED_RANGES_DEG = {
     "vl5_torsion": (-50, 50),
     "vl5_tilt": (-15, 35),
     "vl5_roll": (-20, 20),
@@ -23,7 +23,7 @@ RANGES_DEG = {
     "wrist_flexion": (-60, 60),
     "wrist_pivot": (-30, 30),
 }
-MIRROR = np.array([1.0, -1.0, 1.0])
+MIRROR_SIGNS = np.array([1.0, -1.0, 1.0])
 
 
 @pytest.fixture(scope="module")
@@ -31,7 +31,7 @@ def robot() -> Robot:
     return Robot.load("upper22")
 
 
-def test_22_hinges_and_23_servos(robot: Robot):
+def test_upper22_has_22_hinges_and_23_servos(robot: Robot):
     assert len(robot.skeleton.hinges) == 22
     assert sum(drive.count for drive in robot.drives) == 23
     pieces = Counter[str]()
@@ -40,60 +40,60 @@ def test_22_hinges_and_23_servos(robot: Robot):
     assert pieces == {"xm540_w270": 5, "xm540_w150": 5, "xm430_w210": 4, "xc430_w240": 5, "xc330_t288": 4}
 
 
-def test_the_arm_is_that_of_a_child(robot: Robot):
+def test_upper22_arm_length_is_that_of_a_child(robot: Robot):
     assert 0.42 - 1e-12 <= robot.arm_length <= 0.55
 
 
-def test_ranges_are_not_narrower_than_drafted(robot: Robot):
+def test_upper22_joint_ranges_include_the_specified_ranges(robot: Robot):
     for hinge in robot.skeleton.hinges:
-        lower, upper = RANGES_DEG[hinge.name.removeprefix("l_").removeprefix("r_")]
+        lower, upper = SPECIFIED_RANGES_DEG[hinge.name.removeprefix("l_").removeprefix("r_")]
         assert np.degrees(hinge.lower) <= lower + 1e-9, hinge.name
         assert np.degrees(hinge.upper) >= upper - 1e-9, hinge.name
 
 
-def test_a_link_weighs_at_least_1_3_times_the_servos_it_carries(robot: Robot):
-    """Servos included: frames, horns, covers and cables lighter than 30 % of their servos could not be built."""
+def test_upper22_link_weighs_at_least_1_3_times_its_servos(robot: Robot):
+    """Reserve 30 % of the servo mass for frames, horns, covers and cables."""
     for segment in robot.skeleton.segments:
         carried = [m.drive.count * m.drive.servo.mass for m in robot.mounts if m.segment == segment.name]
         assert segment.mass + sum(carried) >= 1.3 * sum(carried), segment.name
 
 
-def test_self_collision_counts_43_pairs(robot: Robot):
+def test_collision_check_has_43_pairs(robot: Robot):
     assert len(robot.counted_pairs) == 43
-    assert robot.least_clearance == 0.010
+    assert robot.min_clearance == 0.010
 
 
-def test_left_is_the_exact_mirror_of_right(robot: Robot):
+def test_left_segments_of_upper22_exactly_mirror_right_segments(robot: Robot):
     skeleton = robot.skeleton
     for left in (segment for segment in skeleton.segments if segment.name.startswith("l_")):
         right = skeleton.segments[skeleton.segment("r_" + left.name[2:])]
         assert right.parent == left.parent.replace("l_", "r_")
         assert right.mass == left.mass
-        np.testing.assert_array_equal(right.origin_in_parent, left.origin_in_parent * MIRROR)
+        np.testing.assert_array_equal(right.origin_in_parent, left.origin_in_parent * MIRROR_SIGNS)
         for mine, other in zip(left.capsules, right.capsules, strict=True):
             assert mine.radius == other.radius
-            np.testing.assert_array_equal(mine.start * MIRROR, other.start)
-            np.testing.assert_array_equal(mine.end * MIRROR, other.end)
+            np.testing.assert_array_equal(mine.start * MIRROR_SIGNS, other.start)
+            np.testing.assert_array_equal(mine.end * MIRROR_SIGNS, other.end)
 
 
-def test_left_hinges_are_the_exact_mirror_of_right(robot: Robot):
+def test_left_joints_of_upper22_exactly_mirror_right_joints(robot: Robot):
     for j, left in enumerate(robot.skeleton.hinges):
         if not left.name.startswith("l_"):
             continue
         k = robot.skeleton.joint("r_" + left.name[2:])
         right = robot.skeleton.hinges[k]
         assert (left.lower, left.upper, left.rest) == (right.lower, right.upper, right.rest)
-        np.testing.assert_array_equal(right.axis, -left.axis * MIRROR)  # a mirrored turn goes the other way round
+        np.testing.assert_array_equal(right.axis, -left.axis * MIRROR_SIGNS)  # a mirrored turn goes the other way round
         assert robot.drives[j] == robot.drives[k]
-        np.testing.assert_array_equal(robot.mounts[k].position, robot.mounts[j].position * MIRROR)
+        np.testing.assert_array_equal(robot.mounts[k].position, robot.mounts[j].position * MIRROR_SIGNS)
 
 
-def test_the_midline_has_no_sideways_offset(robot: Robot):
+def test_midline_segments_have_zero_lateral_offset(robot: Robot):
     for segment in robot.skeleton.segments:
         if segment.name[:2] not in ("l_", "r_"):
             assert segment.origin_in_parent[1] == 0.0, segment.name
 
 
-def test_rest_keeps_off_the_stops_of_straight_elbows(robot: Robot):
+def test_elbows_are_bent_at_rest(robot: Robot):
     for side in ("l", "r"):
         assert np.degrees(robot.skeleton.hinges[robot.skeleton.joint(f"{side}_elbow_flexion")].rest) >= 10
