@@ -1,1 +1,1 @@
-"""Turns BML text into behaviours with times."""
+"""Reading of BML documents and scheduling of their behaviours."""

@@ -1,4 +1,4 @@
-"""What a behaviour asks the body to do, one type for each kind, whatever document said it."""
+"""Actions that behaviours request, one type for each kind of behaviour."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -6,31 +6,31 @@ from typing import Literal
 from kinesic.body.utterance import Script
 
 HandMode = Literal["left", "right", "both", "unspecified"]
-Modality = Literal["gesture", "head", "torso", "face"]  # each is moved in a manner of its own
+Modality = Literal["gesture", "head", "torso", "face"]  # body parts with separate expressivity
 
 
 @dataclass(frozen=True)
 class Gesture:
-    """A gesture of the lexicon."""
+    """Gesture from the lexicon."""
 
     lexeme: str
     mode: HandMode = "unspecified"
     target: str | None = None
-    shape: str = ""  # how the hands are held, in place of the gesture's own shapes
+    shape: str = ""  # hand shape that replaces those of the gesture
 
 
 @dataclass(frozen=True)
 class Pointing:
-    """Pointing at a target: a name, or "x y z" in the world [m]."""
+    """Pointing at a named target or world position "x y z" [m]."""
 
     target: str
     mode: HandMode = "unspecified"
-    shape: str = ""  # how the hand is held, in place of the stretched forefinger
+    shape: str = ""  # hand shape that replaces the stretched forefinger
 
 
 @dataclass(frozen=True)
 class Head:
-    """A head movement that returns: NOD, SHAKE, or a direction of Greta's lexicon."""
+    """Temporary head movement: NOD, SHAKE or a direction of Greta's lexicon."""
 
     lexeme: str
     repetition: int = 1
@@ -39,45 +39,45 @@ class Head:
 
 @dataclass(frozen=True)
 class HeadDirectionShift:
-    """A head direction that stays: a target, or a lexeme of Greta's."""
+    """Lasting head direction, given by a target or a Greta lexeme."""
 
     target: str
 
 
 @dataclass(frozen=True)
 class Gaze:
-    """Looking at a target, or in a direction off the present one."""
+    """Gaze at a target, or an angle away from the current direction."""
 
     target: str | None = None
     influence: str | None = None
     offset_angle: float = 0.0  # [deg]
     offset_direction: str | None = None
-    shift: bool = False  # gazeShift: it stays
+    shift: bool = False  # whether the gaze persists (gazeShift)
 
 
 @dataclass(frozen=True)
 class Face:
-    """Facial expression: lexemes, or one action unit."""
+    """Facial expression given by lexemes or by one action unit."""
 
     lexemes: tuple[str, ...] = ()
     action_unit: int | None = None
     side: Literal["left", "right", "both"] = "both"
     amount: float = 0.5
-    shift: bool = False  # faceShift: it stays
+    shift: bool = False  # whether the expression persists (faceShift)
 
 
 @dataclass(frozen=True)
 class Posture:
-    """Body posture by stance and poses."""
+    """Body posture given by a stance and poses of body parts."""
 
     stance: str | None = None
     poses: tuple[tuple[str, str], ...] = ()  # (part, lexeme)
-    shift: bool = False  # postureShift: it stays
+    shift: bool = False  # whether the posture persists (postureShift)
 
 
 @dataclass(frozen=True)
 class Torso:
-    """Greta's torso movement: a lexeme such as BodyLean."""
+    """Torso movement of Greta's lexicon, such as BodyLean."""
 
     lexeme: str
     amount: float = 0.5
@@ -93,38 +93,41 @@ class Locomotion:
 
 @dataclass(frozen=True)
 class Speech:
-    """Something said; its sync points are start, end and the marks of the script."""
+    """Action that speaks a script.
+
+    Its sync points are start, end and the marks of the script.
+    """
 
     script: Script
-    pause: float | None = None  # [s] longest pause before a word that waits for the body; None: as the block says
+    pause: float | None = None  # [s] maximum pause before a word that waits for the body; None: that of the block
 
 
 @dataclass(frozen=True)
 class Wait:
-    """Waiting for a while, without moving anything."""
+    """Waiting without any motion."""
 
     duration: float | None = None  # [s]
 
 
 @dataclass(frozen=True)
 class Interrupt:
-    """Stops another block, or some of its behaviours."""
+    """Interruption of another block or of some of its behaviours."""
 
     target: str  # id of the block
-    include: tuple[str, ...] = ()  # behaviours that stop; none: all
-    exclude: tuple[str, ...] = ()  # behaviours that go on
+    include: tuple[str, ...] = ()  # behaviours to stop; empty: all
+    exclude: tuple[str, ...] = ()  # behaviours that continue
 
 
 @dataclass(frozen=True)
 class Activate:
-    """Begins a block that was sent early."""
+    """Start of a block that was sent in advance."""
 
     target: str  # id of the block
 
 
 @dataclass(frozen=True)
 class ParameterChange:
-    """Changes how another block is performed while it plays."""
+    """Change of the expressivity of another block while it plays."""
 
     target: str  # "block" or "block:behaviour"
     parameter: str  # "amount", "style", or a parameter of expressivity
@@ -133,7 +136,7 @@ class ParameterChange:
 
 @dataclass(frozen=True)
 class Custom:
-    """A behaviour of an extension, by its name with prefix."""
+    """Behaviour of an unknown extension, by its prefixed name."""
 
     name: str
 
@@ -155,11 +158,14 @@ Action = (
     | ParameterChange
     | Custom
 )
-BlockCommand = Interrupt | Activate | ParameterChange  # what a block does to others
+BlockCommand = Interrupt | Activate | ParameterChange  # commands of a block to other blocks
 
 
-def modality_of(action: Action) -> Modality | None:
-    """Names the modality that performs; of a posture that of its arms; None when nothing of the body moves."""
+def find_modality(action: Action) -> Modality | None:
+    """Return the modality that performs an action, or None without body motion.
+
+    The modality of a posture is that of its arms.
+    """
     match action:
         case Gesture() | Pointing() | Posture():
             return "gesture"

@@ -1,4 +1,4 @@
-"""Who performs what, where a block is for several agents: this robot its own part, the others theirs elsewhere."""
+"""Assignment of behaviours to agents if a block addresses several agents."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -7,28 +7,32 @@ from kinesic.bml.block import Behaviour, NoticeType
 from kinesic.bml.reading.reader import DocumentReading
 
 
-def keep_own_part(
+def assign_agents(
     behaviours: Sequence[Behaviour], character: str | None, performer: str | None, reading: DocumentReading
 ) -> list[Behaviour]:
-    """Clears the agent of the behaviours that this robot performs; the others keep it, and are timed but skipped.
+    """Clear the agent of all behaviours that this robot performs.
 
-    Without a performer, whom the block is for performs; else the first agent that is named, which is noted.
+    Behaviours of other agents keep their agent; they are timed but skipped. Without a performer, this robot is the
+    character of the block, or else the first agent named in the document; a notice reports the second case.
 
     Args:
-        behaviours: of a block, each with the agent that its element names.
-        character: whom the block is for.
-        performer: who this robot is.
-        reading: gets the notice.
+        behaviours: behaviours of a block, each with the agent named by its element.
+        character: character that the block addresses.
+        performer: name of this robot.
+        reading: receives the notice.
     """
-    named = list(dict.fromkeys(agent for agent in (character, *(each.agent for each in behaviours)) if agent))
-    own = performer or next(iter(named), "")
-    if not performer and character is None and len(named) > 1:
-        what = f"the block is for {' and '.join(named)}: {own} performs here, unless --character names another"
-        reading.note(NoticeType.PARSING_FAILURE, what)
-    return [_assigned(each, each.agent or character, own) for each in behaviours]
+    agents = list(
+        dict.fromkeys(agent for agent in (character, *(behaviour.agent for behaviour in behaviours)) if agent)
+    )
+    performing_agent = performer or next(iter(agents), "")
+    if not performer and character is None and len(agents) > 1:
+        names = " and ".join(agents)
+        problem = f"the block is for {names}: this robot performs {performing_agent}; choose another with --character"
+        reading.add_notice(NoticeType.PARSING_FAILURE, problem)
+    return [_assign(behaviour, behaviour.agent or character, performing_agent) for behaviour in behaviours]
 
 
-def _assigned(behaviour: Behaviour, agent: str | None, own: str) -> Behaviour:
-    if agent is None or agent.casefold() == own.casefold():
+def _assign(behaviour: Behaviour, agent: str | None, performing_agent: str) -> Behaviour:
+    if agent is None or agent.casefold() == performing_agent.casefold():
         return replace(behaviour, agent=None)
     return replace(behaviour, agent=agent, required=False)

@@ -1,4 +1,4 @@
-"""The types that BML text becomes: what is asked (`Block`), and when it happens (`Timeline`)."""
+"""Types for requested behaviours (`Block`) and their times (`Timeline`)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -25,15 +25,15 @@ from kinesic.bml.actions import (
     Speech,
     Torso,
     Wait,
-    modality_of,
+    find_modality,
 )
 
 __all__ = [
-    "BOUNDS",
+    "DEFAULT_BOUNDS",
+    "EXPRESSIVITY_RANGES",
     "FACE_SYNCS",
     "GAZE_SYNCS",
     "GESTURE_SYNCS",
-    "RANGES",
     "SHIFT_SYNCS",
     "Action",
     "Activate",
@@ -42,10 +42,10 @@ __all__ = [
     "BlockCommand",
     "BlockOrder",
     "BmlError",
-    "Bounds",
     "Composition",
     "Custom",
     "Dialect",
+    "DocumentBounds",
     "Drop",
     "Face",
     "Gaze",
@@ -71,18 +71,18 @@ __all__ = [
     "Timeline",
     "Torso",
     "Wait",
-    "modality_of",
-    "refusal",
+    "document_error",
+    "find_modality",
 ]
 
 Dialect = Literal["bml-1.0", "draft", "none", "fml-apml", "smartbody", "json"]
 
 GESTURE_SYNCS = ("start", "ready", "strokeStart", "stroke", "strokeEnd", "relax", "end")
-GAZE_SYNCS = ("start", "ready", "relax", "end")
-FACE_SYNCS = ("start", "attackPeak", "relax", "end")
-SHIFT_SYNCS = ("start", "end")
+GAZE_SYNCS = ("start", "ready", "relax", "end")  # sync points of gazes in order
+FACE_SYNCS = ("start", "attackPeak", "relax", "end")  # sync points of facial expressions in order
+SHIFT_SYNCS = ("start", "end")  # sync points of lasting changes in order
 
-RANGES: Mapping[str, tuple[float, float]] = {  # of the parameters of expressivity (thesis 8.7)
+EXPRESSIVITY_RANGES: Mapping[str, tuple[float, float]] = {  # allowed values (thesis 8.7)
     "spatial": (-1.0, 1.0),
     "temporal": (-1.0, 1.0),
     "fluidity": (-1.0, 1.0),
@@ -95,43 +95,45 @@ RANGES: Mapping[str, tuple[float, float]] = {  # of the parameters of expressivi
 
 
 class BmlError(ValueError):
-    """A document is refused: names file, line, column, what is wrong and what would have worked."""
+    """Error in a document, with file, line, column, problem and remedy."""
 
 
 @dataclass(frozen=True)
 class Place:
-    """Where something stands in its document, from 1."""
+    """Line and column in a document, counted from 1."""
 
     line: int
     column: int
 
 
-def refusal(source: str, place: Place, what: str, remedy: str) -> BmlError:
-    """Builds the error of a document that is refused.
+def document_error(source: str, place: Place, problem: str, remedy: str) -> BmlError:
+    """Return the error that rejects a document.
 
     Args:
         source: name of the document.
         place: line and column, from 1.
-        what: what is wrong, with the value.
-        remedy: what would have worked.
+        problem: description of the problem, with the value.
+        remedy: valid alternative.
     """
-    return BmlError(f"{source}:{place.line}:{place.column}: {what}; {remedy}")
+    return BmlError(f"{source}:{place.line}:{place.column}: {problem}; {remedy}")
 
 
 @dataclass(frozen=True)
-class Bounds:
-    """How large a document may be."""
+class DocumentBounds:
+    """Maximum size of a document."""
 
     size: int = 4_000_000  # [bytes]
-    depth: int = 64  # elements inside one another
+    depth: int = 64  # nested elements
     elements: int = 20_000
+    behaviours: int = 1000
 
 
-BOUNDS = Bounds()
+MAX_BLOCK_DURATION = 1200.0  # [s] longest block, and largest distance of a time from its start
+DEFAULT_BOUNDS = DocumentBounds()  # maximum size of documents
 
 
 class Composition(Enum):
-    """How a block meets those that play already."""
+    """Composition of a block with the blocks that are already playing."""
 
     MERGE = "MERGE"
     APPEND = "APPEND"
@@ -140,19 +142,19 @@ class Composition(Enum):
 
 @dataclass(frozen=True)
 class BlockOrder:
-    """Which blocks a block follows, goes before, stops or starts, beside its composition; all by their ids."""
+    """Ids of blocks that a block follows, precedes, stops or starts."""
 
-    after: tuple[str, ...] = ()  # it begins when these have ended
-    chunk_after: tuple[str, ...] = ()  # it begins when these subside: while they retract
-    before: tuple[str, ...] = ()  # these begin when it has ended
-    chunk_before: tuple[str, ...] = ()  # these begin when it subsides
-    preplanned: bool = False  # it begins when it is activated
-    interrupts: tuple[str, ...] = ()  # these stop when it begins
-    activates: tuple[str, ...] = ()  # these, preplanned, begin with it
+    after: tuple[str, ...] = ()  # blocks that must end before this one starts
+    chunk_after: tuple[str, ...] = ()  # blocks that must retract (subside) before this one starts
+    before: tuple[str, ...] = ()  # blocks that start after this one has ended
+    chunk_before: tuple[str, ...] = ()  # blocks that start once this one retracts
+    preplanned: bool = False  # whether the block waits for its activation
+    interrupts: tuple[str, ...] = ()  # blocks to stop at the start
+    activates: tuple[str, ...] = ()  # preplanned blocks to start at the same time
 
 
 class NoticeType(Enum):
-    """Types of warningFeedback, as BML 1.0 spells them."""
+    """Types of warningFeedback, spelled as in BML 1.0."""
 
     PARSING_FAILURE = "PARSING_FAILURE"
     NO_SUCH_TARGET = "NO_SUCH_TARGET"
@@ -165,7 +167,7 @@ class NoticeType(Enum):
 
 @dataclass(frozen=True)
 class Notice:
-    """One warning to the sender."""
+    """Warning to the sender of a block."""
 
     type: NoticeType
     id: str  # "block" or "block:behaviour"
@@ -174,7 +176,10 @@ class Notice:
 
 @dataclass(frozen=True)
 class SyncRef:
-    """A sync point of a behaviour plus an offset; behaviour `bml` is the block itself (facts: BML 1.0, 2.4)."""
+    """Sync point of a behaviour plus an offset.
+
+    The behaviour `bml` is the block itself (source: BML 1.0, 2.4).
+    """
 
     block: str
     behaviour: str
@@ -185,7 +190,10 @@ class SyncRef:
 
 @dataclass(frozen=True)
 class Manner:
-    """Expressivity that a document carries, inside `RANGES`; None where it says nothing."""
+    """Expressivity parameters given by a document.
+
+    None if not given. Numbers lie within `EXPRESSIVITY_RANGES`.
+    """
 
     spatial: float | None = None
     temporal: float | None = None
@@ -196,27 +204,27 @@ class Manner:
     tension: float | None = None
     intensity: float | None = None  # 0..1, of Greta's signals
     activation: float | None = None
-    style: str | None = None  # preset that the numbers change
+    style: str | None = None  # preset to which the numbers apply
 
 
 @dataclass(frozen=True)
 class Behaviour:
-    """One thing that the body is asked to do."""
+    """Requested behaviour with its action and sync references."""
 
-    id: str  # unique in its block (duplicates of a dialect get a suffix, and a notice)
-    type: str  # element name as written, for reports
+    id: str  # unique in its block; duplicates get a suffix and a notice
+    type: str  # element name in the document, for reports
     action: Action
     place: Place
-    syncs: Mapping[str, SyncRef] = field(default_factory=dict)  # sync point -> what it must coincide with
+    syncs: Mapping[str, SyncRef] = field(default_factory=dict)  # sync point -> point that must coincide with it
     manner: Manner = Manner()
     required: bool = False
-    agent: str | None = None  # who else performs it; None: this robot
-    reason: str = ""  # why it is asked for, for people; empty: the document does not say
+    agent: str | None = None  # other agent that performs it; None: this robot
+    reason: str = ""  # reason for human readers; empty if the document gives none
 
 
 @dataclass(frozen=True)
 class Synchronize:
-    """All these points coincide."""
+    """Constraint that all given sync points coincide."""
 
     refs: tuple[SyncRef, ...]
     place: Place
@@ -225,7 +233,10 @@ class Synchronize:
 
 @dataclass(frozen=True)
 class Precedence:
-    """`earlier` is not after any of `later` (BML's `after`; `before` is turned round into this form)."""
+    """Constraint that `earlier` is not after any point in `later`.
+
+    BML's `after` has this form; its `before` is converted into this form.
+    """
 
     earlier: SyncRef
     later: tuple[SyncRef, ...]
@@ -235,7 +246,7 @@ class Precedence:
 
 @dataclass(frozen=True)
 class Block:
-    """One <bml> element."""
+    """Content of one <bml> element."""
 
     id: str
     behaviours: tuple[Behaviour, ...]
@@ -245,23 +256,26 @@ class Block:
     dialect: Dialect = "bml-1.0"
     notices: tuple[Notice, ...] = ()
     source: str = "<text>"  # file name, for messages
-    text: str = field(default="", repr=False, compare=False)  # of the whole document, for people; empty if unknown
-    manners: Mapping[Modality, Manner] = field(default_factory=dict)  # of all its behaviours of a modality
-    succession: BlockOrder = BlockOrder()
-    pause: float | None = None  # [s] of its speeches, where they do not say; None: as is usual
+    text: str = field(
+        default="", repr=False, compare=False
+    )  # text of the whole document, for display; empty if unknown
+    manners: Mapping[Modality, Manner] = field(default_factory=dict)  # expressivity of all behaviours of a modality
+    order: BlockOrder = BlockOrder()
+    pause: float | None = None  # [s] maximum pause of speeches that give none; None: default
+    max_duration: float = MAX_BLOCK_DURATION  # [s]
 
 
 @dataclass(frozen=True)
 class Drop:
-    """A behaviour that will not be performed, and why."""
+    """Behaviour that will not be performed, with the reason."""
 
     behaviour: Behaviour
-    why: str
+    reason: str
 
 
 @dataclass(frozen=True)
 class TimedBehaviour:
-    """A behaviour with all its sync points in seconds of block time, in the order of its type."""
+    """Behaviour with the block times [s] of its sync points, in order."""
 
     behaviour: Behaviour
     times: Mapping[str, float]  # sync point -> [s]; may be negative
@@ -269,12 +283,12 @@ class TimedBehaviour:
 
 @dataclass(frozen=True)
 class Timeline:
-    """Every behaviour that will be performed, with its times."""
+    """All behaviours that will be performed, with their times."""
 
     block: Block
     timed: tuple[TimedBehaviour, ...]
     dropped: tuple[Drop, ...] = ()
-    notices: tuple[Notice, ...] = ()  # those of the block included
+    notices: tuple[Notice, ...] = ()  # including those of the block
 
     @property
     def start(self) -> float:

@@ -1,7 +1,7 @@
-"""How a block meets others: what it waits for, whom it stops, begins or changes, and the states of its life.
+"""Order of blocks, commands to other blocks, and block states.
 
-Values and states: facts, BML 1.0 sections 2.6 and 2.7; attributes and behaviours of extensions are ASAP's and its
-predecessor's, the behaviours in any case of their letters.
+Source of values and states: BML 1.0, sections 2.6 and 2.7. Attributes and behaviours of extensions are those of ASAP
+and of its predecessor Elckerlyc; behaviour names are case-insensitive.
 """
 
 import re
@@ -19,13 +19,13 @@ from kinesic.bml.block import (
     NoticeType,
     ParameterChange,
 )
-from kinesic.bml.reading.namespaces import extension_attributes, is_composing
+from kinesic.bml.reading.namespaces import is_composition_name, select_composition_attributes
 from kinesic.bml.reading.reader import BehaviourElement, DocumentReading
 from kinesic.bml.reading.tree import Element
 
-Until = Literal["relax", "end"]  # what must have come of another block
+Until = Literal["relax", "end"]  # point that another block must have reached
 
-_KINDS = {
+_COMPOSITIONS_BY_NAME = {
     "": Composition.MERGE,
     "merge": Composition.MERGE,
     "blend": Composition.MERGE,  # Greta's default
@@ -34,90 +34,92 @@ _KINDS = {
     "chunk-after": Composition.APPEND,
     "replace": Composition.REPLACE,
 }
-_WRITTEN = re.compile(r"([\w-]*+)(?:\s*\((.*)\))?", re.DOTALL)
-_SEPARATOR = re.compile(r"[\s,]+")
-_COMMANDS = ("interrupt", "activate", "parametervaluechange")
-_VALUES = ("targetValue", "finalValue", "value")  # of a change, where it ends
+_COMPOSITION_PATTERN = re.compile(r"([\w-]*+)(?:\s*\((.*)\))?", re.DOTALL)
+_ID_SEPARATOR = re.compile(r"[\s,]+")
+_COMMAND_ELEMENTS = ("interrupt", "activate", "parametervaluechange")
+_VALUE_ATTRIBUTES = ("targetValue", "finalValue", "value")  # names of the final value of a change
 
 
 class BlockState(Enum):
-    """Where a block is in its life."""
+    """State in the life cycle of a block."""
 
-    IN_PREP = "IN_PREP"  # it is being planned
-    PENDING = "PENDING"  # planned, to be activated
-    LURKING = "LURKING"  # waits for others
+    IN_PREP = "IN_PREP"  # planning in progress
+    PENDING = "PENDING"  # planned, waiting for its activation
+    LURKING = "LURKING"  # waiting for other blocks
     IN_EXEC = "IN_EXEC"
-    SUBSIDING = "SUBSIDING"  # all its behaviours retract
+    SUBSIDING = "SUBSIDING"  # all behaviours are retracting
     DONE = "DONE"
-    REVOKED = "REVOKED"  # taken back before it began
+    REVOKED = "REVOKED"  # withdrawn before its start
     INTERRUPTED = "INTERRUPTED"
     FAILED = "FAILED"
 
     @property
     def is_playing(self) -> bool:
-        """Whether it has begun and is not over."""
+        """Whether the block has started and not ended."""
         return self in (BlockState.IN_EXEC, BlockState.SUBSIDING)
 
 
-def composition_of(about: BehaviourElement, root: Element, reading: DocumentReading) -> tuple[Composition, BlockOrder]:
-    """Reads how a block asks to meet others.
+def read_composition(node: BehaviourElement, root: Element, reading: DocumentReading) -> tuple[Composition, BlockOrder]:
+    """Read the composition of a block and its order among other blocks.
 
     Args:
-        about: the <bml>.
-        root: of the document, which may say it for the <bml> inside.
-        reading: gets a notice about what is not understood.
+        node: the <bml>.
+        root: root element of the document; its composition is used if the <bml> has none.
+        reading: receives a notice about unknown values.
     """
-    written = about.word("composition") or root.attributes.get("composition", "").strip()
-    matched = _WRITTEN.fullmatch(written.strip())
-    name, inside = (matched[1].lower(), matched[2]) if matched else (written, None)
-    kind = _KINDS.get(name)
+    text = node.attribute("composition") or root.attributes.get("composition", "").strip()
+    match = _COMPOSITION_PATTERN.fullmatch(text.strip())
+    name, inside = (match[1].lower(), match[2]) if match else (text, None)
+    composition = _COMPOSITIONS_BY_NAME.get(name)
     takes_ids = name in ("append-after", "chunk-after")
-    if kind is None or (inside is not None and not takes_ids):
-        taken = (kind or Composition.MERGE).value
-        reading.note(NoticeType.CUSTOM_ATTRIBUTE_NOT_SUPPORTED, f"composition '{written}' is taken as {taken}")
-    more = {key.lower(): value for key, value in extension_attributes(about.element).items()}
-    named = _ids(inside) if takes_ids else ()
-    return kind or Composition.MERGE, BlockOrder(
-        after=(*(named if name == "append-after" else ()), *_ids(more.get("appendafter"))),
-        chunk_after=(*(named if name == "chunk-after" else ()), *_ids(more.get("chunkafter"))),
-        before=_ids(more.get("prependbefore")),
-        chunk_before=_ids(more.get("chunkbefore")),
-        preplanned=more.get("preplan", "").strip().lower() in ("true", "1", "yes"),
-        interrupts=_ids(more.get("interrupt")),
-        activates=_ids(more.get("onstart")),
+    if composition is None or (inside is not None and not takes_ids):
+        assumed = (composition or Composition.MERGE).value
+        reading.add_notice(
+            NoticeType.CUSTOM_ATTRIBUTE_NOT_SUPPORTED, f"composition '{text}' is unknown and treated as {assumed}"
+        )
+    extensions = {key.lower(): value for key, value in select_composition_attributes(node.element).items()}
+    ids = _split_ids(inside) if takes_ids else ()
+    return composition or Composition.MERGE, BlockOrder(
+        after=(*(ids if name == "append-after" else ()), *_split_ids(extensions.get("appendafter"))),
+        chunk_after=(*(ids if name == "chunk-after" else ()), *_split_ids(extensions.get("chunkafter"))),
+        before=_split_ids(extensions.get("prependbefore")),
+        chunk_before=_split_ids(extensions.get("chunkbefore")),
+        preplanned=extensions.get("preplan", "").strip().lower() in ("true", "1", "yes"),
+        interrupts=_split_ids(extensions.get("interrupt")),
+        activates=_split_ids(extensions.get("onstart")),
     )
 
 
-def required_before(block: Block, present: Mapping[str, BlockState]) -> dict[str, Until]:
-    """Lists what must come of which other blocks before a block begins.
+def find_prerequisites(block: Block, present: Mapping[str, BlockState]) -> dict[str, Until]:
+    """Return the points that other blocks must reach before a block starts.
 
-    APPEND without ids waits for all that were sent before, those left aside that nobody has activated.
+    APPEND without ids waits for all blocks sent before, except those that wait for their activation.
 
     Args:
-        block: that is to begin.
-        present: id -> state of every block that is not over, in the order in which they were sent.
+        block: block that is to start.
+        present: state by id of all blocks that have not ended, in the order in which they were sent.
     """
-    succession, waits = block.succession, dict[str, Until]()
-    if block.composition is Composition.APPEND and not (succession.after or succession.chunk_after):
+    order, waits = block.order, dict[str, Until]()
+    if block.composition is Composition.APPEND and not (order.after or order.chunk_after):
         waits |= {id: "end" for id, state in present.items() if state is not BlockState.PENDING}
-    waits |= dict.fromkeys(succession.chunk_after, "relax")
-    waits |= dict.fromkeys(succession.after, "end")
+    waits |= dict.fromkeys(order.chunk_after, "relax")
+    waits |= dict.fromkeys(order.after, "end")
     return {id: until for id, until in waits.items() if id in present and id != block.id}
 
 
-def waiting_blocks(block: Block, present: Mapping[str, BlockState]) -> dict[str, Until]:
-    """Lists blocks that have not begun and, by this block's wish, wait for it."""
-    succession = block.succession
+def find_waiting_blocks(block: Block, present: Mapping[str, BlockState]) -> dict[str, Until]:
+    """Return the blocks not yet started that must wait for this block."""
+    order = block.order
     waits: dict[str, Until] = {
-        **dict.fromkeys(succession.chunk_before, "relax"),
-        **dict.fromkeys(succession.before, "end"),
+        **dict.fromkeys(order.chunk_before, "relax"),
+        **dict.fromkeys(order.before, "end"),
     }
     waiting = (BlockState.IN_PREP, BlockState.PENDING, BlockState.LURKING)
     return {id: until for id, until in waits.items() if present.get(id) in waiting and id != block.id}
 
 
-def waits_for_itself(waits: Mapping[str, Mapping[str, Until]], start: str) -> bool:
-    """Checks whether a block waits for itself, directly or through other blocks."""
+def is_waiting_for_itself(waits: Mapping[str, Mapping[str, Until]], start: str) -> bool:
+    """Return whether a block waits for itself, directly or through other blocks."""
     seen: set[str] = set()
     fringe = list(waits.get(start, ()))
     while fringe:
@@ -130,33 +132,35 @@ def waits_for_itself(waits: Mapping[str, Mapping[str, Until]], start: str) -> bo
     return False
 
 
-def command_of(named: BehaviourElement, reading: DocumentReading) -> BlockCommand | None:
-    """Reads what an element does to other blocks; None when it is no such element.
+def read_command(ids: BehaviourElement, reading: DocumentReading) -> BlockCommand | None:
+    """Read a command to another block.
+
+    None for all other elements.
 
     Raises:
-        BmlError: it does not say to which block.
+        BmlError: the command has no target.
     """
-    if not is_command(named.element):
+    if not is_command(ids.element):
         return None
-    target = named.word("target")
+    target = ids.attribute("target")
     if not target:
-        what = f"<{named.element.name}> has no target"
-        raise reading.refuse(named.element.place, what, "the id of a block is expected, such as target='bml1'")
-    match named.element.local.lower():
+        problem = f"<{ids.element.name}> has no target"
+        raise reading.error(ids.element.place, problem, "the id of a block is expected, such as target='bml1'")
+    match ids.element.local.lower():
         case "interrupt":
-            return Interrupt(target, _ids(named.word("include")), _ids(named.word("exclude")))
+            return Interrupt(target, _split_ids(ids.attribute("include")), _split_ids(ids.attribute("exclude")))
         case "activate":
             return Activate(target)
-    inside = [named] + [BehaviourElement(named.id, child, child.attributes) for child in named.element.children]
-    value = next((word for part in inside if (word := part.word(*_VALUES))), "")
-    return ParameterChange(target, named.word("paramId", "parameter", "name"), value)
+    inside = [ids] + [BehaviourElement(ids.id, child, child.attributes) for child in ids.element.children]
+    value = next((word for part in inside if (word := part.attribute(*_VALUE_ATTRIBUTES))), "")
+    return ParameterChange(target, ids.attribute("paramId", "parameter", "name"), value)
 
 
 def is_command(element: Element) -> bool:
-    """Whether an element does something to other blocks."""
-    return element.local.lower() in _COMMANDS and is_composing(element.name, element)
+    """Return whether an element is a command to another block."""
+    return element.local.lower() in _COMMAND_ELEMENTS and is_composition_name(element.name, element)
 
 
-def _ids(text: str | None) -> tuple[str, ...]:
-    """Splits a list of ids; one that stands twice is kept once."""
-    return tuple(dict.fromkeys(filter(None, _SEPARATOR.split(text or ""))))
+def _split_ids(text: str | None) -> tuple[str, ...]:
+    """Split a list of ids and remove duplicates."""
+    return tuple(dict.fromkeys(filter(None, _ID_SEPARATOR.split(text or ""))))

@@ -1,28 +1,40 @@
-"""BML text to a Block: BML 1.0, the mindmakers draft, Greta's dialect, SmartBody's fragments, and BML as JSON."""
+"""Parsing of BML in all supported dialects into a `Block`.
+
+Dialects: BML 1.0, the mindmakers draft, Greta's dialect, SmartBody fragments, and BML as JSON.
+"""
 
 import itertools
 from collections.abc import Collection, Iterator
 from typing import Literal
 
-from kinesic.bml.agents import keep_own_part
-from kinesic.bml.block import BOUNDS, Action, Behaviour, Block, Bounds, Custom, Dialect, NoticeType, Speech
-from kinesic.bml.composition import command_of, composition_of, is_command
-from kinesic.bml.reading.dialect_words import in_own_words
-from kinesic.bml.reading.document import read_document
-from kinesic.bml.reading.elements import ACTIONS, richest
-from kinesic.bml.reading.manner import manners_of, read_manner, reason_of
-from kinesic.bml.reading.namespaces import core_attributes, is_core, namespace
+from kinesic.bml.agents import assign_agents
+from kinesic.bml.block import (
+    DEFAULT_BOUNDS,
+    Action,
+    Behaviour,
+    Block,
+    Custom,
+    Dialect,
+    DocumentBounds,
+    NoticeType,
+    Speech,
+)
+from kinesic.bml.composition import is_command, read_command, read_composition
+from kinesic.bml.reading.dialect_words import translate_dialect
+from kinesic.bml.reading.document import Document, read_document
+from kinesic.bml.reading.elements import ACTION_READERS, select_form
+from kinesic.bml.reading.manner import read_block_manners, read_manner, read_reason
+from kinesic.bml.reading.namespaces import find_namespace, is_core, select_core_attributes
 from kinesic.bml.reading.reader import BehaviourElement, DocumentReading
 from kinesic.bml.reading.references import Constraint, Names, ReferenceReader, check_references
-from kinesic.bml.reading.script import pause_of
+from kinesic.bml.reading.script import read_pause
 from kinesic.bml.reading.tree import Element
-from kinesic.bml.reading.unread import STRAY, note_unread
-from kinesic.bml.reading.vocabulary import AGENTS
+from kinesic.bml.reading.unread import INEFFECTIVE_ELEMENTS, note_unread
+from kinesic.bml.reading.vocabulary import AGENT_ATTRIBUTES
 
-UNNAMED = "block"  # id of a block that has none
-MOST_BEHAVIOURS = 1000  # in one block
+DEFAULT_BLOCK_ID = "block"  # id of a block without one
 
-_NO_BEHAVIOURS = STRAY | {"constraint"}
+_NON_BEHAVIOUR_ELEMENTS = INEFFECTIVE_ELEMENTS | {"constraint"}
 
 
 def parse(
@@ -32,143 +44,188 @@ def parse(
     dialect: Dialect | Literal["auto"] = "auto",
     strict: bool = False,
     known_blocks: Collection[str] = (),
-    bounds: Bounds = BOUNDS,
+    bounds: DocumentBounds = DEFAULT_BOUNDS,
     performer: str | None = None,
 ) -> Block:
-    """Reads one <bml>.
+    """Parse one <bml> document.
 
     Args:
         text: the document; bytes are decoded as their XML declaration says.
-        source: its name, for messages.
-        dialect: `auto` takes it from root and namespace.
-        strict: refuse behaviours of unknown types, which are `Custom` otherwise.
-        known_blocks: ids of other blocks: they may have hyphens in references, and a block without an id gets another.
-        bounds: largest size and depth.
-        performer: which of several characters this robot is; None: the one that the block is for.
+        source: name of the document, for messages.
+        dialect: `auto` infers the dialect from root and namespace.
+        strict: reject behaviours of unknown types instead of reading them as `Custom`.
+        known_blocks: ids of other blocks. References may contain them even with hyphens; a block without an id gets a
+            different one.
+        bounds: maximum size, depth and number of behaviours.
+        performer: character that this robot plays; None: the character that the block addresses.
 
     Raises:
-        BmlError: the document is refused: broken XML, a number out of range, or a reference to a behaviour that exists
-            nowhere.
+        BmlError: broken XML, a number out of range, or a reference to a missing behaviour.
     """
     document = read_document(text, source=source, bounds=bounds)
-    bml, home = document.bml, namespace(document.bml)
-    found = document.dialect if dialect == "auto" else dialect
-    written = bml.attributes.get("id", "").strip()
-    about = BehaviourElement(written or _unused_id(known_blocks), bml, core_attributes(bml, home=home))
-    reading = DocumentReading(source, about.id, found, home)
-    needs_id = found == "bml-1.0" or dialect == "draft"  # Greta's blocks have the draft's namespace, but seldom an id
-    if needs_id and not written:
-        reading.note(NoticeType.PARSING_FAILURE, f"<bml> has no id: it is called '{about.id}'")
-    named = _named(bml, reading)
+    return parse_document(
+        document,
+        source=source,
+        dialect=dialect,
+        strict=strict,
+        known_blocks=known_blocks,
+        performer=performer,
+        max_behaviours=bounds.behaviours,
+    )
+
+
+def parse_document(
+    document: Document,
+    *,
+    source: str = "<text>",
+    dialect: Dialect | Literal["auto"] = "auto",
+    strict: bool = False,
+    known_blocks: Collection[str] = (),
+    performer: str | None = None,
+    max_behaviours: int = DEFAULT_BOUNDS.behaviours,
+) -> Block:
+    """Parse a document tree.
+
+    Arguments as in `parse`.
+
+    Raises:
+        BmlError: a number out of range, or a reference to a missing behaviour.
+    """
+    bml, home = document.bml, find_namespace(document.bml)
+    document_dialect = document.dialect if dialect == "auto" else dialect
+    document_id = bml.attributes.get("id", "").strip()
+    block_node = BehaviourElement(
+        document_id or _find_unused_id(known_blocks), bml, select_core_attributes(bml, home=home)
+    )
+    reading = DocumentReading(source, block_node.id, document_dialect, home)
+    needs_id = (
+        document_dialect == "bml-1.0" or dialect == "draft"
+    )  # Greta's blocks use the draft's namespace without ids
+    if needs_id and not document_id:
+        reading.add_notice(NoticeType.PARSING_FAILURE, f"<bml> has no id: '{block_node.id}' is used")
+    for note in document.notes:
+        reading.add_notice(NoticeType.PARSING_FAILURE, note)
+    nodes = _read_nodes(bml, reading, max_behaviours)
     if document.in_capitals:
         tags = ", ".join(f"<{name}>" for name in document.in_capitals)
-        reading.note(NoticeType.PARSING_FAILURE, f"{tags} in capitals: read as if written small")
-    note_unread(document.root, bml, [behaviour for behaviour, _ in named], reading)
+        reading.add_notice(NoticeType.PARSING_FAILURE, f"{tags} in capitals: read as lower case")
+    note_unread(document.root, bml, [behaviour for behaviour, _ in nodes], reading)
     if strict:
-        _refuse_unknown(named, reading)
-    character = about.word(*AGENTS) or None
-    bare = [_bare(name, required, reading) for name, required in named]
-    bare = keep_own_part(bare, character, performer, reading)
-    names = _names(about.id, bare, known_blocks)
+        _reject_unknown(nodes, reading)
+    character = block_node.attribute(*AGENT_ATTRIBUTES) or None
+    untimed = [_read_behaviour(node, required, reading) for node, required in nodes]
+    untimed = assign_agents(untimed, character, performer, reading)
+    names = _collect_names(block_node.id, untimed, known_blocks)
     references = ReferenceReader(reading, names)
-    cued = [references.add_sync_references(behaviour, name) for behaviour, (name, _) in zip(bare, named, strict=True)]
-    behaviours = tuple(behaviour for behaviour, _ in cued)
-    manners = manners_of(bml, reading)
-    composition, succession = composition_of(about, document.root, reading)
-    constraints = (*(order for _, orders in cued for order in orders), *_constraints(bml, references))
+    timed = [references.add_sync_references(item, node) for item, (node, _) in zip(untimed, nodes, strict=True)]
+    behaviours = tuple(behaviour for behaviour, _ in timed)
+    manners = read_block_manners(bml, reading)
+    composition, order = read_composition(block_node, document.root, reading)
+    constraints = (
+        *(precedence for _, precedences in timed for precedence in precedences),
+        *_constraints(bml, references),
+    )
     check_references(behaviours, constraints, reading)
     return Block(
-        id=about.id,
+        id=block_node.id,
         behaviours=behaviours,
         constraints=constraints,
         composition=composition,
         character=character,
-        dialect=found,
+        dialect=document_dialect,
         notices=tuple(reading.notices),
         source=source,
         text=document.text,
         manners=manners,
-        succession=succession,
-        pause=pause_of(bml, reading),
+        order=order,
+        pause=read_pause(bml, reading),
     )
 
 
-def _unused_id(known_blocks: Collection[str]) -> str:
-    """`UNNAMED`, with a number from 2 where another block is called so."""
-    numbered = (f"{UNNAMED}.{count}" for count in itertools.count(2))
-    return next(id for id in itertools.chain((UNNAMED,), numbered) if id not in known_blocks)
+def _find_unused_id(known_blocks: Collection[str]) -> str:
+    """Return `DEFAULT_BLOCK_ID`, numbered from 2 if other blocks use it."""
+    numbered = (f"{DEFAULT_BLOCK_ID}.{count}" for count in itertools.count(2))
+    return next(id for id in itertools.chain((DEFAULT_BLOCK_ID,), numbered) if id not in known_blocks)
 
 
-def _elements(bml: Element, home: str | None, *, required: bool = False) -> Iterator[tuple[Element, bool]]:
-    """Behaviours in document order, with whether they are required; Greta nests some in a speech."""
+def _find_behaviour_elements(
+    bml: Element, home: str | None, *, required: bool = False
+) -> Iterator[tuple[Element, bool]]:
+    """Yield the behaviour elements in document order, each with its `required` flag.
+
+    In Greta's documents, behaviours may be nested in a speech.
+    """
     for child in bml.children:
         is_known = is_core(child, home=home)
         if is_known and child.local == "required":
-            yield from _elements(child, home, required=True)
-        elif not is_known or child.local not in _NO_BEHAVIOURS:
-            yield in_own_words(richest(child, home=home)), required
+            yield from _find_behaviour_elements(child, home, required=True)
+        elif not is_known or child.local not in _NON_BEHAVIOUR_ELEMENTS:
+            yield translate_dialect(select_form(child, home=home)), required
         if is_known and child.local == "speech":
-            inner = (part for part in child.children if part.local in ACTIONS and is_core(part, home=home))
-            yield from ((in_own_words(part), required) for part in inner)
+            inner = (part for part in child.children if part.local in ACTION_READERS and is_core(part, home=home))
+            yield from ((translate_dialect(part), required) for part in inner)
 
 
-def _named(bml: Element, reading: DocumentReading) -> list[tuple[BehaviourElement, bool]]:
-    elements = list(_elements(bml, reading.home))
-    if len(elements) > MOST_BEHAVIOURS:
-        place = elements[MOST_BEHAVIOURS][0].place
-        raise reading.refuse(place, f"{len(elements)} behaviours", f"at most {MOST_BEHAVIOURS} are read: split it")
-    taken = {element.attributes.get("id", "").strip() for element, _ in elements}
+def _read_nodes(bml: Element, reading: DocumentReading, limit: int) -> list[tuple[BehaviourElement, bool]]:
+    elements = list(_find_behaviour_elements(bml, reading.home))
+    if len(elements) > limit:
+        place = elements[limit][0].place
+        raise reading.error(place, f"{len(elements)} behaviours", f"the limit is {limit}: split the block")
+    used_ids = {element.attributes.get("id", "").strip() for element, _ in elements}
     seen: set[str] = set()
-    named = []
+    nodes = []
     for element, required in elements:
-        written = element.attributes.get("id", "").strip()
-        if not written and reading.dialect == "bml-1.0":
-            reading.note(NoticeType.PARSING_FAILURE, f"<{element.name}> in line {element.place.line} has no id")
-        stem = written or element.written.rpartition(":")[2]
-        own = written if written and written not in seen else _free(stem, taken)
-        if written and own != written:
-            what = f"the id '{written}' is used again in line {element.place.line}: that one is called '{own}'"
-            reading.note(NoticeType.PARSING_FAILURE, what, behaviour=own)
-        seen.add(own)
-        taken.add(own)
-        named.append((BehaviourElement(own, element, core_attributes(element, home=reading.home)), required))
-    return named
+        element_id = element.attributes.get("id", "").strip()
+        if not element_id and reading.dialect == "bml-1.0":
+            reading.add_notice(NoticeType.PARSING_FAILURE, f"<{element.name}> in line {element.place.line} has no id")
+        stem = element_id or element.tag.rpartition(":")[2]
+        unique_id = element_id if element_id and element_id not in seen else _find_free_id(stem, used_ids)
+        if element_id and unique_id != element_id:
+            line = element.place.line
+            problem = f"the id '{element_id}' is used again in line {line}: it becomes '{unique_id}' there"
+            reading.add_notice(NoticeType.PARSING_FAILURE, problem, behaviour=unique_id)
+        seen.add(unique_id)
+        used_ids.add(unique_id)
+        nodes.append(
+            (BehaviourElement(unique_id, element, select_core_attributes(element, home=reading.home)), required)
+        )
+    return nodes
 
 
-def _free(stem: str, taken: set[str]) -> str:
-    count = 2 if stem in taken else 1
-    while f"{stem}.{count}" in taken:
+def _find_free_id(stem: str, used_ids: set[str]) -> str:
+    count = 2 if stem in used_ids else 1
+    while f"{stem}.{count}" in used_ids:
         count += 1
     return f"{stem}.{count}"
 
 
-def _bare(named: BehaviourElement, required: bool, reading: DocumentReading) -> Behaviour:
-    """A behaviour without its times."""
-    element = named.element
-    known = is_core(element, home=reading.home) and element.local in ACTIONS
-    command = None if known else command_of(named, reading)
-    action: Action = ACTIONS[element.local](named, reading) if known else command or Custom(element.name)
-    manner = read_manner(named, action, reading)
-    agent = named.word(*AGENTS) or None
+def _read_behaviour(node: BehaviourElement, required: bool, reading: DocumentReading) -> Behaviour:
+    """Read a behaviour without its sync references."""
+    element = node.element
+    is_known = is_core(element, home=reading.home) and element.local in ACTION_READERS
+    command = None if is_known else read_command(node, reading)
+    action: Action = ACTION_READERS[element.local](node, reading) if is_known else command or Custom(element.name)
+    manner = read_manner(node, action, reading)
+    agent = node.attribute(*AGENT_ATTRIBUTES) or None
     return Behaviour(
-        named.id,
-        element.written,
+        node.id,
+        element.tag,
         action,
         element.place,
         manner=manner,
         required=required,
         agent=agent,
-        reason=reason_of(element),
+        reason=read_reason(element),
     )
 
 
-def _names(block: str, behaviours: list[Behaviour], known_blocks: Collection[str]) -> Names:
+def _collect_names(block: str, behaviours: list[Behaviour], known_blocks: Collection[str]) -> Names:
     speeches = {
         behaviour.id: frozenset(mark.name for mark in behaviour.action.script.marks)
         for behaviour in behaviours
         if isinstance(behaviour.action, Speech)
     }
-    marks = {mark: id for id, own in reversed(speeches.items()) for mark in own}
+    marks = {mark: id for id, names in reversed(speeches.items()) for mark in names}
     ids = frozenset(behaviour.id for behaviour in behaviours)
     return Names(block, ids, marks, frozenset(known_blocks) - {block}, speeches)
 
@@ -182,9 +239,9 @@ def _constraints(bml: Element, references: ReferenceReader, *, required: bool = 
                 yield from references.constraints(child, required=required)
 
 
-def _refuse_unknown(named: list[tuple[BehaviourElement, bool]], reading: DocumentReading) -> None:
-    for name, _ in named:
-        is_known = is_core(name.element, home=reading.home) and name.element.local in ACTIONS
-        if not is_known and not is_command(name.element):
-            what = f"<{name.element.name}> is no behaviour that is known"
-            raise reading.refuse(name.element.place, what, f"known are {', '.join(sorted(ACTIONS))}")
+def _reject_unknown(nodes: list[tuple[BehaviourElement, bool]], reading: DocumentReading) -> None:
+    for node, _ in nodes:
+        is_known = is_core(node.element, home=reading.home) and node.element.local in ACTION_READERS
+        if not is_known and not is_command(node.element):
+            problem = f"<{node.element.name}> is not a known behaviour"
+            raise reading.error(node.element.place, problem, f"known behaviours: {', '.join(sorted(ACTION_READERS))}")

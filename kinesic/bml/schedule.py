@@ -1,4 +1,7 @@
-"""Finds a time for every sync point; what cannot be timed is dropped with a notice, the rest performs."""
+"""Scheduling of all sync points of a block.
+
+Impossible behaviours are dropped.
+"""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
@@ -15,14 +18,13 @@ from kinesic.bml.block import (
     SyncRef,
     TimedBehaviour,
     Timeline,
-    refusal,
+    document_error,
 )
-from kinesic.bml.reading.references import LONGEST_BLOCK
-from kinesic.bml.timing.constraints import Tie, own_ties, point_of, relaxing_ties
-from kinesic.bml.timing.negative_cycles import Edge, contradictions
-from kinesic.bml.timing.network import SHORTEST_BEHAVIOUR, Elsewhere, Network, ReferenceResolver
-from kinesic.bml.timing.points import natural_spans
-from kinesic.bml.timing.settle import settle_times
+from kinesic.bml.timing.constraints import Equality, find_attribute_equalities, find_relax_equalities, get_point
+from kinesic.bml.timing.negative_cycles import Edge, find_contradictions
+from kinesic.bml.timing.network import MIN_BEHAVIOUR_DURATION, ExternalTimes, Network, ReferenceResolver
+from kinesic.bml.timing.points import find_natural_spans
+from kinesic.bml.timing.settle import solve_times
 from kinesic.body.utterance import Utterance
 
 Constraint = Synchronize | Precedence
@@ -33,47 +35,48 @@ def schedule(
     utterances: Mapping[str, Utterance],
     spans: Mapping[str, Mapping[str, float]],
     *,
-    elsewhere: Elsewhere | None = None,
+    external_times: ExternalTimes | None = None,
 ) -> Timeline:
-    """Finds the times of all behaviours.
+    """Compute the times of all behaviours of a block.
 
-    Equalities hold exactly, sync points of a behaviour never go back, `after` and `before` hold; within this, phases
-    are as near to their natural lengths as they can be (strokes first). A behaviour that cannot be timed is dropped.
-    One that referred to it keeps its other references; when none is left it is dropped as well, unless it is a speech,
-    which is then free. What other agents perform is timed, for others refer to it, and then left out.
+    Equalities hold exactly, sync points of a behaviour never go backwards, `after` and `before` hold; within this,
+    phases are as close to their natural durations as possible (strokes first). A behaviour without feasible times is
+    dropped. A behaviour that refers to a dropped one keeps its other references; if none is left it is dropped as well,
+    unless it is a speech, which is then unconstrained. Behaviours of other agents are timed, since other behaviours may
+    refer to them, and then skipped.
 
     Args:
-        block: what was asked.
-        utterances: by id, what each speech will sound like.
-        spans: behaviour id -> {sync point: natural seconds from the previous one of its type}; usual values else.
-        elsewhere: (block, behaviour, sync point) of other blocks -> seconds of this block's time.
+        block: block to schedule.
+        utterances: utterance by speech id.
+        spans: behaviour id -> {sync point: natural duration [s] from the previous point}; defaults apply if missing.
+        external_times: (block, behaviour, sync point) of other blocks -> time [s] of this block.
 
     Returns:
-        The behaviours in document order with all their times, those that are dropped, and the notices.
+        The behaviours in document order with all their times, the dropped behaviours, and the notices.
 
     Raises:
-        BmlError: a part that is required cannot be timed, or a time is beyond `LONGEST_BLOCK`.
+        BmlError: a required part cannot be timed, or a time is beyond the block's `max_duration`.
     """
-    cast = _Cast.of(block)
+    active = _ActiveSet.of(block)
     for behaviour in block.behaviours:
         if isinstance(behaviour.action, Speech) and behaviour.id not in utterances:
-            cast.drop(behaviour.id, NoticeType.CANNOT_CREATE_BEHAVIOR, "nobody says its text")
+            active.drop(behaviour.id, NoticeType.CANNOT_CREATE_BEHAVIOR, "no voice speaks its text")
     while True:
-        resolver = ReferenceResolver(block, cast.behaviours, utterances, elsewhere or {}, spans)
-        network = resolver.network(cast.ties(), cast.constraints)
+        resolver = ReferenceResolver(block, active.behaviours, utterances, external_times or {}, spans)
+        network = resolver.build_network(active.find_equalities(), active.constraints)
         for unresolved in resolver.unresolved:
-            cast.give_up(unresolved.culprit, unresolved.kind, unresolved.why, unresolved.sync)
+            active.remove(unresolved.culprit, unresolved.kind, unresolved.reason, unresolved.sync)
         if resolver.unresolved:
             continue
-        loops = network.clashes() or contradictions(network.edges())
-        cast.resolve(loops)
+        loops = network.find_order_conflicts() or find_contradictions(network.edges())
+        active.resolve(loops)
         if not loops:
-            return _timeline(cast, network, spans)
+            return _build_timeline(active, network, spans)
 
 
 @dataclass
-class _Cast:
-    """Behaviours and constraints that are still in, and what became of the others."""
+class _ActiveSet:
+    """Behaviours and constraints still to schedule, with the dropped ones."""
 
     block: Block
     behaviours: dict[str, Behaviour]
@@ -82,176 +85,215 @@ class _Cast:
     notices: list[Notice] = field(default_factory=list)
 
     @classmethod
-    def of(cls, block: Block) -> "_Cast":
+    def of(cls, block: Block) -> "_ActiveSet":
         return cls(block, {b.id: b for b in block.behaviours}, list(block.constraints), [], list(block.notices))
 
-    def ties(self) -> list[Tie]:
-        """Equalities of attributes, and what they imply."""
-        named = {point_of(ref) for constraint in self.constraints for ref in _refs(constraint)}
-        every, block = self.behaviours.values(), self.block.id
-        return [tie for each in every for tie in (*own_ties(each, block), *relaxing_ties(each, block, named))]
+    def find_equalities(self) -> list[Equality]:
+        """Return equality constraints from sync attributes and from BML's defaults."""
+        constrained_points = {get_point(ref) for constraint in self.constraints for ref in _list_refs(constraint)}
+        equalities: list[Equality] = []
+        for behaviour in self.behaviours.values():
+            equalities += find_attribute_equalities(behaviour, self.block.id)
+            equalities += find_relax_equalities(behaviour, self.block.id, constrained_points)
+        return equalities
 
-    def note(self, kind: NoticeType, text: str, behaviour: str | None = None) -> None:
+    def add_notice(self, kind: NoticeType, text: str, behaviour: str | None = None) -> None:
         self.notices.append(Notice(kind, ":".join(filter(None, (self.block.id, behaviour))), text))
 
-    def give_up(self, culprit: str | Constraint, kind: NoticeType, why: str, sync: str = "") -> None:
-        """Drops a behaviour, or passes over a constraint or a time other than its start of a speech, where there is."""
+    def remove(self, culprit: str | Constraint, kind: NoticeType, reason: str, sync: str = "") -> None:
+        """Drop a behaviour or ignore a constraint.
+
+        A speech is kept without the failing sync point, unless this is its start.
+        """
         if isinstance(culprit, str):
             behaviour = self.behaviours.get(culprit)
-            if behaviour is not None and not self._say_without(behaviour, sync, why):
-                self.drop(culprit, kind, why)
+            if behaviour is not None and not self._release_speech_time(behaviour, sync, reason):
+                self.drop(culprit, kind, reason)
         elif culprit in self.constraints:
             if culprit.required:
-                raise refusal(self.block.source, culprit.place, f"a required constraint fails: {why}", _REMEDY)
+                raise document_error(
+                    self.block.source, culprit.place, f"a required constraint fails: {reason}", _REQUIRED_REMEDY
+                )
             self.constraints.remove(culprit)
-            self.note(kind, f"a constraint (line {culprit.place.line}) is passed over: {why}")
+            self.add_notice(kind, f"a constraint (line {culprit.place.line}) is ignored: {reason}")
 
-    def drop(self, name: str, kind: NoticeType, why: str) -> None:
-        """Drops a behaviour, and what hangs on it alone."""
-        going = [(name, kind, why)]
-        for gone, kind, why in going:  # grows while it is walked
-            behaviour = self.behaviours.pop(gone, None)
+    def drop(self, name: str, kind: NoticeType, reason: str) -> None:
+        """Drop a behaviour and all behaviours that depend on it alone."""
+        pending = [(name, kind, reason)]
+        for dropped_id, kind, reason in pending:  # the list grows during the iteration
+            behaviour = self.behaviours.pop(dropped_id, None)
             if behaviour is None:
                 continue
             if behaviour.required:
-                what = f"the required {behaviour.type} '{gone}' cannot be performed: {why}"
-                raise refusal(self.block.source, behaviour.place, what, _REMEDY)
-            self.dropped.append(Drop(behaviour, why))
-            self.note(kind, f"{behaviour.type} '{gone}' is dropped: {why}", gone)
-            self.constraints = [kept for old in self.constraints for kept in self._without(old, gone)]
+                problem = f"the required {behaviour.type} '{dropped_id}' cannot be performed: {reason}"
+                raise document_error(self.block.source, behaviour.place, problem, _REQUIRED_REMEDY)
+            self.dropped.append(Drop(behaviour, reason))
+            self.add_notice(kind, f"{behaviour.type} '{dropped_id}' is dropped: {reason}", dropped_id)
+            self.constraints = [
+                remaining for old in self.constraints for remaining in self._remove_from_constraint(old, dropped_id)
+            ]
             for other in list(self.behaviours.values()):
-                if any(self._is_of(ref, gone) for ref in _refs(other)) and not self._untied(other, gone):
-                    reason = f"its times refer to '{gone}', which is dropped"
-                    going.append((other.id, NoticeType.IMPOSSIBLE_TO_SCHEDULE, reason))
+                if any(self._refers_to(ref, dropped_id) for ref in _list_refs(other)) and not self._remove_references(
+                    other, dropped_id
+                ):
+                    cause = f"its times refer to '{dropped_id}', which is dropped"
+                    pending.append((other.id, NoticeType.IMPOSSIBLE_TO_SCHEDULE, cause))
 
     def skip(self, behaviour: Behaviour, agent: str) -> None:
-        """Leaves out what another agent performs, whose times others may refer to."""
-        why = f"{agent} performs it"
-        self.dropped.append(Drop(behaviour, why))
-        self.note(
-            NoticeType.CANNOT_CREATE_BEHAVIOR, f"{behaviour.type} '{behaviour.id}' is skipped: {why}", behaviour.id
+        """Skip a behaviour of another agent.
+
+        Its times remain valid for references.
+        """
+        reason = f"{agent} performs it"
+        self.dropped.append(Drop(behaviour, reason))
+        self.add_notice(
+            NoticeType.CANNOT_CREATE_BEHAVIOR, f"{behaviour.type} '{behaviour.id}' is skipped: {reason}", behaviour.id
         )
 
-    def _is_of(self, ref: SyncRef, name: str) -> bool:
+    def _refers_to(self, ref: SyncRef, name: str) -> bool:
         return (ref.block, ref.behaviour) == (self.block.id, name)
 
-    def _untied(self, behaviour: Behaviour, gone: str) -> bool:
-        """Takes the references to a dropped behaviour away; False: nothing would be left."""
-        left = {sync: ref for sync, ref in behaviour.syncs.items() if not self._is_of(ref, gone)}
-        in_constraints = any(self._is_of(ref, behaviour.id) for c in self.constraints for ref in _refs(c))
-        if behaviour.required or not (left or in_constraints or isinstance(behaviour.action, Speech)):
+    def _remove_references(self, behaviour: Behaviour, dropped_id: str) -> bool:
+        """Remove the references to a dropped behaviour.
+
+        Returns:
+            False if the behaviour would keep no reference and must be dropped.
+        """
+        remaining = {sync: ref for sync, ref in behaviour.syncs.items() if not self._refers_to(ref, dropped_id)}
+        in_constraints = any(self._refers_to(ref, behaviour.id) for c in self.constraints for ref in _list_refs(c))
+        if behaviour.required or not (remaining or in_constraints or isinstance(behaviour.action, Speech)):
             return False
-        self.behaviours[behaviour.id] = replace(behaviour, syncs=left)
-        lost = ", ".join(sync for sync in behaviour.syncs if sync not in left)
-        what = f"'{behaviour.id}' is performed without its {lost}: '{gone}' is dropped"
-        self.note(NoticeType.IMPOSSIBLE_TO_SCHEDULE, what, behaviour.id)
+        self.behaviours[behaviour.id] = replace(behaviour, syncs=remaining)
+        removed_syncs = ", ".join(sync for sync in behaviour.syncs if sync not in remaining)
+        problem = f"'{behaviour.id}' is performed without its {removed_syncs}: '{dropped_id}' is dropped"
+        self.add_notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, problem, behaviour.id)
         return True
 
-    def _without(self, constraint: Constraint, gone: str) -> Iterable[Constraint]:
-        """Takes the references to a dropped behaviour out of a constraint, if anything is left of it."""
-        if not any(self._is_of(ref, gone) for ref in _refs(constraint)):
+    def _remove_from_constraint(self, constraint: Constraint, dropped_id: str) -> Iterable[Constraint]:
+        """Return a constraint without a dropped behaviour's sync points, if enough remain."""
+        if not any(self._refers_to(ref, dropped_id) for ref in _list_refs(constraint)):
             return [constraint]
         if constraint.required:
-            what = f"a required constraint fails: '{gone}' is dropped"
-            raise refusal(self.block.source, constraint.place, what, _REMEDY)
+            problem = f"a required constraint fails: '{dropped_id}' is dropped"
+            raise document_error(self.block.source, constraint.place, problem, _REQUIRED_REMEDY)
         if isinstance(constraint, Synchronize):
-            refs = tuple(ref for ref in constraint.refs if not self._is_of(ref, gone))
+            refs = tuple(ref for ref in constraint.refs if not self._refers_to(ref, dropped_id))
             return [replace(constraint, refs=refs)] if len(refs) > 1 else []
-        later = tuple(ref for ref in constraint.later if not self._is_of(ref, gone))
-        return [replace(constraint, later=later)] if later and not self._is_of(constraint.earlier, gone) else []
+        later = tuple(ref for ref in constraint.later if not self._refers_to(ref, dropped_id))
+        return (
+            [replace(constraint, later=later)] if later and not self._refers_to(constraint.earlier, dropped_id) else []
+        )
 
-    def _say_without(self, behaviour: Behaviour, sync: str, why: str) -> bool:
-        """Takes a time that cannot be met away from a speech, which is said all the same; False: it is not that."""
+    def _release_speech_time(self, behaviour: Behaviour, sync: str, reason: str) -> bool:
+        """Remove an infeasible time constraint from an optional speech.
+
+        Returns:
+            False if the behaviour is not an optional speech with such a time.
+        """
         is_spoken = isinstance(behaviour.action, Speech) and not behaviour.required
         if not is_spoken or sync == "start" or sync not in behaviour.syncs:
             return False
-        left = {name: ref for name, ref in behaviour.syncs.items() if name != sync}
-        self.behaviours[behaviour.id] = replace(behaviour, syncs=left)
-        what = f"'{behaviour.id}' is said without its {sync}: {why}"
-        self.note(NoticeType.IMPOSSIBLE_TO_SCHEDULE, what, behaviour.id)
+        remaining = {name: ref for name, ref in behaviour.syncs.items() if name != sync}
+        self.behaviours[behaviour.id] = replace(behaviour, syncs=remaining)
+        problem = f"'{behaviour.id}' is spoken without its {sync}: {reason}"
+        self.add_notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, problem, behaviour.id)
         return True
 
-    def _free_speech(self, loop: list[Edge]) -> bool:
-        """Takes from a speech of a contradiction what makes it one: the last of its times, or a constraint on it."""
+    def _release_speech(self, loop: list[Edge]) -> bool:
+        """Resolve contradicting times by removing a time constraint on a speech.
+
+        The last of its times in the loop is removed, or a constraint on it.
+        """
         points = [point for edge in loop for point in (edge.tail, edge.head)]
-        why = _describe_loop(loop, self.block.id)
+        reason = _describe_loop(loop, self.block.id)
         for point in reversed(points):
             behaviour = self.behaviours.get(point.behaviour)
-            if behaviour is not None and self._say_without(behaviour, point.sync, why):
+            if behaviour is not None and self._release_speech_time(behaviour, point.sync, reason):
                 return True
         owners = {point.behaviour for point in points} - {"bml"}
         if all(isinstance(self.behaviours[name].action, Speech) for name in owners & self.behaviours.keys()):
             for constraint in self.constraints:
-                if not constraint.required and any(point_of(ref) in points for ref in _refs(constraint)):
-                    self.give_up(constraint, NoticeType.IMPOSSIBLE_TO_SCHEDULE, why)
+                if not constraint.required and any(get_point(ref) in points for ref in _list_refs(constraint)):
+                    self.remove(constraint, NoticeType.IMPOSSIBLE_TO_SCHEDULE, reason)
                     return True
         return False
 
     def resolve(self, loops: list[list[Edge]]) -> None:
-        """Drops one behaviour of each contradiction, unless a speech can be said without what makes it one."""
+        """Resolve contradictory times: move a speech, or drop a behaviour."""
         for loop in loops:
             names = {point.behaviour for edge in loop for point in (edge.tail, edge.head)} - {"bml"}
-            if self._free_speech(loop):
+            if self._release_speech(loop):
                 continue
             if names <= self.behaviours.keys() and (candidates := [n for n in self.behaviours if n in names]):
-                weakest = max(candidates, key=lambda name: (self._weakness(name), candidates.index(name)))
-                self.drop(weakest, NoticeType.IMPOSSIBLE_TO_SCHEDULE, _describe_loop(loop, self.block.id))
+                candidate = max(candidates, key=lambda name: (self._drop_rank(name), candidates.index(name)))
+                self.drop(candidate, NoticeType.IMPOSSIBLE_TO_SCHEDULE, _describe_loop(loop, self.block.id))
             elif not names:
-                self._give_up_constraint(loop)
+                self._remove_block_orders(loop)
 
-    def _weakness(self, name: str) -> int:
-        """Speech stays longer than the rest, what is required longer than speech; what others perform goes first."""
+    def _drop_rank(self, name: str) -> int:
+        """Return the drop priority of a behaviour, the highest dropped first.
+
+        The highest is dropped first. Required behaviours have rank 0, speech 1, others 2, behaviours of other agents 3.
+        """
         behaviour = self.behaviours[name]
         if behaviour.agent is not None:
             return 3
         return 0 if behaviour.required else 1 if isinstance(behaviour.action, Speech) else 2
 
-    def _give_up_constraint(self, loop: list[Edge]) -> None:
-        """Passes over the orders between times of the block itself, which alone can contradict without a behaviour."""
+    def _remove_block_orders(self, loop: list[Edge]) -> None:
+        """Ignore precedence constraints between two times of the block itself.
+
+        Only these can contradict each other without a behaviour.
+        """
         orders = [constraint for constraint in self.constraints if isinstance(constraint, Precedence)]
         for order in orders:
             if order.earlier.behaviour == "bml" and any(ref.behaviour == "bml" for ref in order.later):
-                self.give_up(order, NoticeType.IMPOSSIBLE_TO_SCHEDULE, _describe_loop(loop, self.block.id))
+                self.remove(order, NoticeType.IMPOSSIBLE_TO_SCHEDULE, _describe_loop(loop, self.block.id))
 
 
-_REMEDY = "take it out of <required>, or give it times that can be met"
+_REQUIRED_REMEDY = "remove it from <required>, or give it feasible times"
 
 
-def _refs(item: Behaviour | Constraint) -> tuple[SyncRef, ...]:
+def _list_refs(item: Behaviour | Constraint) -> tuple[SyncRef, ...]:
     if isinstance(item, Behaviour):
         return tuple(item.syncs.values())
     return item.refs if isinstance(item, Synchronize) else (item.earlier, *item.later)
 
 
 def _describe_loop(loop: list[Edge], block: str) -> str:
-    """Points between which only the order counts are left out."""
-    turns = [
+    """Describe a loop of contradicting constraints in a message."""
+    corners = [
         edge.tail
         for before, edge in zip([loop[-1], *loop[:-1]], loop, strict=True)
         if edge.gap or before.gap or len({before.tail.behaviour, edge.tail.behaviour, edge.head.behaviour}) > 1
     ]
-    names = [":".join(point[1:] if point.block == block else point) for point in turns]
+    names = [":".join(point[1:] if point.block == block else point) for point in corners]
     total = sum(edge.gap for edge in loop)
-    excess = f" by {total:g} s" if total > len(loop) * SHORTEST_BEHAVIOUR else ", they leave no time to perform it"
-    if len({point.behaviour for point in turns} - {"bml"}) == 1:
-        return f"its times contradict one another{excess}: {', '.join(names)}"
-    return f"its times go round in a loop that cannot be met{excess}: {' -> '.join([*names, names[0]])}"
+    excess = (
+        f" by {total:g} s" if total > len(loop) * MIN_BEHAVIOUR_DURATION else ", which leaves no time to perform it"
+    )
+    if len({point.behaviour for point in corners} - {"bml"}) == 1:
+        return f"its times contradict each other{excess}: {', '.join(names)}"
+    return f"its times form an infeasible loop{excess}: {' -> '.join([*names, names[0]])}"
 
 
-def _timeline(cast: _Cast, network: Network, spans: Mapping[str, Mapping[str, float]]) -> Timeline:
-    natural = {name: natural_spans(b.action, spans.get(name, {})) for name, b in cast.behaviours.items()}
-    times = settle_times(network, natural)
+def _build_timeline(active: _ActiveSet, network: Network, spans: Mapping[str, Mapping[str, float]]) -> Timeline:
+    natural = {name: find_natural_spans(b.action, spans.get(name, {})) for name, b in active.behaviours.items()}
+    times = solve_times(network, natural)
     timed = []
     for chain in network.chains:
-        own = {point.sync: times[point] for point in chain.points}
-        worst = max(own.values(), key=abs)
-        if abs(worst) > LONGEST_BLOCK:
-            what = f"'{chain.behaviour.id}' would be at {worst:g} s"
-            raise refusal(
-                cast.block.source, chain.behaviour.place, what, f"a block lasts at most {LONGEST_BLOCK:g} s: split it"
+        sync_times = {point.sync: times[point] for point in chain.points}
+        worst = max(sync_times.values(), key=abs)
+        if abs(worst) > active.block.max_duration:
+            problem = f"'{chain.behaviour.id}' would be at {worst:g} s"
+            raise document_error(
+                active.block.source,
+                chain.behaviour.place,
+                problem,
+                f"a block lasts at most {active.block.max_duration:g} s: split it",
             )
         if chain.behaviour.agent is None:
-            timed.append(TimedBehaviour(chain.behaviour, own))
+            timed.append(TimedBehaviour(chain.behaviour, sync_times))
         else:
-            cast.skip(chain.behaviour, chain.behaviour.agent)
-    return Timeline(cast.block, tuple(timed), tuple(cast.dropped), tuple(cast.notices))
+            active.skip(chain.behaviour, chain.behaviour.agent)
+    return Timeline(active.block, tuple(timed), tuple(active.dropped), tuple(active.notices))

@@ -1,4 +1,4 @@
-"""Speech for tests: every letter takes as long as any other."""
+"""Fixtures with speech of constant duration per letter."""
 
 from collections.abc import Callable
 
@@ -10,19 +10,19 @@ from kinesic.bml.schedule import schedule
 from kinesic.body.utterance import Utterance
 
 SECONDS_PER_LETTER = 0.1
-SPEECH = '<speech id="s"><text>Hello <sync id="m"/>big world</text></speech>'
+SPEECH_XML = '<speech id="s"><text>Hello <sync id="m"/>big world</text></speech>'
 
 
 def gesture(name: str, syncs: str = "") -> str:
-    """A beat with these sync attributes."""
+    """Return a beat with the given sync attributes."""
     return f'<gesture id="{name}" lexeme="BEAT" {syncs}/>'
 
 
 def at(timeline: Timeline, sync: str) -> float:
-    """The time [s] of a sync point, as in `g:stroke`."""
+    """Return the time [s] of a sync point such as `g:stroke`."""
     behaviour, _, point = sync.partition(":")
-    (found,) = (timed.times for timed in timeline.timed if timed.behaviour.id == behaviour)
-    return found[point]
+    (times,) = (timed.times for timed in timeline.timed if timed.behaviour.id == behaviour)
+    return times[point]
 
 
 def _spoken(block: Block) -> dict[str, Utterance]:
@@ -38,13 +38,13 @@ def _spoken(block: Block) -> dict[str, Utterance]:
 
 @pytest.fixture
 def spoken() -> Callable[[Block], dict[str, Utterance]]:
-    """An utterance for every speech of a block."""
+    """Function that returns an utterance for each speech of a block."""
     return _spoken
 
 
 @pytest.fixture
 def timed() -> Callable[[str], Timeline]:
-    """The timeline of the inside of a BML 1.0 block called `b`."""
+    """Function that schedules the content of a BML 1.0 block with id `b`."""
 
     def timeline(inside: str) -> Timeline:
         block = parse(f'<bml id="b" xmlns="http://www.bml-initiative.org/bml/bml-1.0">{inside}</bml>')

@@ -1,4 +1,4 @@
-"""Blocks for several agents: each performs its own part, and the others' parts keep their times."""
+"""Tests of blocks for several agents."""
 
 import pytest
 
@@ -7,7 +7,7 @@ from kinesic.bml.parse import parse
 from kinesic.bml.schedule import schedule
 from kinesic.body.utterance import Utterance
 
-TWO = (
+TWO_AGENTS = (
     '<bml id="b" {}><speech id="s"><text>one <sync id="m"/>two</text></speech>'
     '<speech id="t" agent="Amber" start="s:end"><text>three</text></speech>'
     '<head id="h" lexeme="NOD" characterId="amber" stroke="s:m"/>'
@@ -19,48 +19,51 @@ def timed(block: Block) -> Timeline:
     return schedule(block, {name: Utterance(1.0, {"m": 0.5}) for name in ("s", "t")}, {})
 
 
-def own(timeline: Timeline) -> list[str]:
-    return [each.behaviour.id for each in timeline.timed]
+def performed_ids(timeline: Timeline) -> list[str]:
+    return [timed_behaviour.behaviour.id for timed_behaviour in timeline.timed]
 
 
 @pytest.mark.parametrize("attribute", ["agent", "characterId", "character"])
-def test_the_robot_is_the_one_that_the_block_is_for(attribute: str) -> None:
-    found = timed(parse(TWO.format(f'{attribute}="Bert"')))
-    assert own(found) == ["s", "g", "f"]
-    assert {drop.behaviour.id: drop.why for drop in found.dropped} == dict.fromkeys("th", "Amber performs it") | {
+def test_robot_performs_only_behaviours_of_the_agent_named_by_the_block(attribute: str) -> None:
+    timeline = timed(parse(TWO_AGENTS.format(f'{attribute}="Bert"')))
+    assert performed_ids(timeline) == ["s", "g", "f"]
+    assert {drop.behaviour.id: drop.reason for drop in timeline.dropped} == dict.fromkeys("th", "Amber performs it") | {
         "h": "amber performs it"
     }
-    assert [n.text for n in found.notices] == [
+    assert [n.text for n in timeline.notices] == [
         "speech 't' is skipped: Amber performs it",
         "head 'h' is skipped: amber performs it",
     ]
 
 
-def test_what_others_perform_keeps_its_times() -> None:
-    times = {each.behaviour.id: each.times for each in timed(parse(TWO.format('agent="Bert"'))).timed}
+def test_sync_references_to_behaviours_of_unperformed_agents_are_resolved() -> None:
+    times = {
+        timed_behaviour.behaviour.id: timed_behaviour.times
+        for timed_behaviour in timed(parse(TWO_AGENTS.format('agent="Bert"'))).timed
+    }
     assert times["g"]["stroke"] == pytest.approx(times["s"]["end"] + 1.0)
     assert times["f"]["start"] == pytest.approx(times["s"]["m"])
 
 
-def test_the_robot_may_be_another() -> None:
-    found = timed(parse(TWO.format('agent="Bert"'), performer="AMBER"))
-    assert own(found) == ["t", "h"]
-    assert own(timed(parse(TWO.format('agent="Bert"'), performer="Cleo"))) == []
+def test_performer_option_selects_the_performed_agent() -> None:
+    timeline = timed(parse(TWO_AGENTS.format('agent="Bert"'), performer="AMBER"))
+    assert performed_ids(timeline) == ["t", "h"]
+    assert performed_ids(timed(parse(TWO_AGENTS.format('agent="Bert"'), performer="Cleo"))) == []
 
 
-def test_without_a_name_the_first_agent_performs_which_is_said() -> None:
-    both = '<bml id="b"><head id="h" lexeme="NOD" agent="A"/><head id="i" lexeme="NOD" agent="B" start="1"/></bml>'
-    block = parse(both)
-    assert own(timed(block)) == ["h"]
-    assert "A performs here, unless --character names another" in block.notices[0].text
-    assert own(timed(parse(both, performer="B"))) == ["i"]
+def test_first_agent_in_the_document_is_performed_by_default_with_a_notice() -> None:
+    text = '<bml id="b"><head id="h" lexeme="NOD" agent="A"/><head id="i" lexeme="NOD" agent="B" start="1"/></bml>'
+    block = parse(text)
+    assert performed_ids(timed(block)) == ["h"]
+    assert "this robot performs A; choose another with --character" in block.notices[0].text
+    assert performed_ids(timed(parse(text, performer="B"))) == ["i"]
     assert parse('<bml id="b"><head id="h" lexeme="NOD" agent="A"/></bml>').notices == ()
 
 
-def test_what_others_perform_gives_way_and_refuses_nothing() -> None:
+def test_behaviours_of_other_agents_are_dropped_first() -> None:
     loop = (
         '<bml id="b" agent="A"><required><head id="h" lexeme="NOD" agent="B" start="i:end"/></required>'
         '<head id="i" lexeme="NOD" start="h:end"/></bml>'
     )
-    found = timed(parse(loop))
-    assert [drop.behaviour.id for drop in found.dropped] == ["h", "i"]
+    timeline = timed(parse(loop))
+    assert [drop.behaviour.id for drop in timeline.dropped] == ["h", "i"]

@@ -1,22 +1,33 @@
-"""What a document may say of expressivity, and how long a timeline lasts."""
+"""Tests of expressivity ranges and timelines."""
 
-from kinesic.bml.block import RANGES, Behaviour, Block, Head, Place, TimedBehaviour, Timeline, refusal
+from kinesic.bml.block import (
+    EXPRESSIVITY_RANGES,
+    Behaviour,
+    Block,
+    Head,
+    Place,
+    TimedBehaviour,
+    Timeline,
+    document_error,
+)
 
 
-def test_openness_is_a_fraction_and_every_other_parameter_an_extent_to_both_sides():
-    assert RANGES["openness"] == (0.0, 1.0)
-    others = {name: ends for name, ends in RANGES.items() if name != "openness"}
-    assert others.keys() == {"spatial", "temporal", "fluidity", "power", "tension", "repetition", "activation"}
-    assert set(others.values()) == {(-1.0, 1.0)}
+def test_openness_is_0_to_1_and_other_parameters_minus_1_to_1():
+    assert EXPRESSIVITY_RANGES["openness"] == (0.0, 1.0)
+    ranges = {name: ends for name, ends in EXPRESSIVITY_RANGES.items() if name != "openness"}
+    assert ranges.keys() == {"spatial", "temporal", "fluidity", "power", "tension", "repetition", "activation"}
+    assert set(ranges.values()) == {(-1.0, 1.0)}
 
 
 def timeline(*times: dict[str, float]) -> Timeline:
     behaviours = [Behaviour(f"h{k}", "head", Head("NOD"), Place(1, 1)) for k in range(len(times))]
-    timed = tuple(TimedBehaviour(behaviour, own) for behaviour, own in zip(behaviours, times, strict=True))
+    timed = tuple(
+        TimedBehaviour(behaviour, sync_times) for behaviour, sync_times in zip(behaviours, times, strict=True)
+    )
     return Timeline(Block("b", tuple(behaviours)), timed)
 
 
-def test_a_timeline_lasts_from_its_first_to_its_last_sync_point_and_holds_the_time_0():
+def test_timeline_spans_all_sync_points_and_zero():
     both = timeline({"start": -0.5, "end": 1.0}, {"start": 0.2, "end": 3.0})
     assert (both.start, both.end) == (-0.5, 3.0)
     later = timeline({"start": 1.0, "end": 2.0})
@@ -26,5 +37,5 @@ def test_a_timeline_lasts_from_its_first_to_its_last_sync_point_and_holds_the_ti
     assert (early.start, early.end) == (-3.0, 0.0)
 
 
-def test_a_refusal_says_where_what_and_what_would_have_worked():
-    assert str(refusal("a.bml", Place(3, 7), "no end", "give one")) == "a.bml:3:7: no end; give one"
+def test_document_error_names_place_problem_and_remedy():
+    assert str(document_error("a.bml", Place(3, 7), "no end", "give one")) == "a.bml:3:7: no end; give one"

@@ -1,4 +1,4 @@
-"""How blocks say what they do to one another."""
+"""Tests of block order, commands to other blocks and block states."""
 
 from dataclasses import replace
 
@@ -14,22 +14,22 @@ from kinesic.bml.block import (
     NoticeType,
     ParameterChange,
 )
-from kinesic.bml.composition import BlockState, required_before, waiting_blocks, waits_for_itself
+from kinesic.bml.composition import BlockState, find_prerequisites, find_waiting_blocks, is_waiting_for_itself
 from kinesic.bml.parse import parse
 from kinesic.bml.schedule import schedule
 
-NAMESPACES = (
+XML_NAMESPACES = (
     'xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:bmla="http://www.asap-project.org/bmla" '
     'xmlns:bmlt="http://hmi.ewi.utwente.nl/bmlt"'
 )
 
 
-def block(attributes: str = "", inside: str = "") -> Block:
-    return parse(f'<bml {NAMESPACES} id="b" {attributes}>{inside}</bml>')
+def parse_block(attributes: str = "", content: str = "") -> Block:
+    return parse(f'<bml {XML_NAMESPACES} id="b" {attributes}>{content}</bml>')
 
 
 @pytest.mark.parametrize(
-    ("written", "meant", "succession"),
+    ("text", "composition", "order"),
     [
         ("", Composition.MERGE, BlockOrder()),
         ('composition="Replace"', Composition.REPLACE, BlockOrder()),
@@ -47,26 +47,26 @@ def block(attributes: str = "", inside: str = "") -> Block:
         ('bmlt:allowexternalrefs="true"', Composition.MERGE, BlockOrder()),
     ],
 )
-def test_blocks_say_whom_they_follow(written: str, meant: Composition, succession: BlockOrder) -> None:
-    found = block(written)
-    assert (found.composition, found.succession, found.notices) == (meant, succession, ())
+def test_composition_and_block_order_are_read(text: str, composition: Composition, order: BlockOrder) -> None:
+    parsed = parse_block(text)
+    assert (parsed.composition, parsed.order, parsed.notices) == (composition, order, ())
 
 
-def test_prefixes_that_nobody_declares_are_taken_by_name() -> None:
-    found = parse('<bml id="b" bmla:chunkAfter="a"/>')
-    assert found.succession.chunk_after == ("a",)
-    assert found.notices == ()
+def test_undeclared_bmla_prefix_is_accepted() -> None:
+    parsed = parse('<bml id="b" bmla:chunkAfter="a"/>')
+    assert parsed.order.chunk_after == ("a",)
+    assert parsed.notices == ()
 
 
-def test_ids_behind_a_composition_that_takes_none_are_noticed() -> None:
-    found = block('composition="REPLACE(a)"')
-    assert (found.composition, len(found.notices)) == (Composition.REPLACE, 1)
-    assert "REPLACE(a)" in found.notices[0].text
+def test_block_ids_in_a_replace_composition_give_a_notice() -> None:
+    parsed = parse_block('composition="REPLACE(a)"')
+    assert (parsed.composition, len(parsed.notices)) == (Composition.REPLACE, 1)
+    assert "REPLACE(a)" in parsed.notices[0].text
 
 
-def test_other_attributes_of_the_extension_are_noticed() -> None:
-    found = block('bmla:colour="red"')
-    assert [notice.type for notice in found.notices] == [NoticeType.CUSTOM_ATTRIBUTE_NOT_SUPPORTED]
+def test_unknown_bmla_attributes_give_a_notice() -> None:
+    parsed = parse_block('bmla:colour="red"')
+    assert [notice.type for notice in parsed.notices] == [NoticeType.CUSTOM_ATTRIBUTE_NOT_SUPPORTED]
 
 
 @pytest.mark.parametrize(
@@ -86,35 +86,37 @@ def test_other_attributes_of_the_extension_are_noticed() -> None:
         ),
     ],
 )
-def test_commands_to_other_blocks(element: str, action: object) -> None:
-    found = block(inside=element)
-    assert [behaviour.action for behaviour in found.behaviours] == [action]
-    assert found.notices == ()
+def test_interrupt_activate_and_parameter_change_commands_are_read(element: str, action: object) -> None:
+    parsed = parse_block(content=element)
+    assert [behaviour.action for behaviour in parsed.behaviours] == [action]
+    assert parsed.notices == ()
 
 
-def test_a_command_is_timed_and_others_refer_to_it() -> None:
-    found = block(inside='<bmla:interrupt id="i" target="a" start="2"/><head id="h" lexeme="NOD" start="i:start+1"/>')
-    timed = schedule(found, {}, {})
+def test_interrupt_command_is_scheduled_and_can_be_referenced() -> None:
+    parsed = parse_block(
+        content='<bmla:interrupt id="i" target="a" start="2"/><head id="h" lexeme="NOD" start="i:start+1"/>'
+    )
+    timed = schedule(parsed, {}, {})
     assert timed.timed[0].times["start"] == pytest.approx(2.0)
     assert timed.timed[0].times["end"] == pytest.approx(2.0, abs=1e-4)
     assert timed.timed[1].times["start"] == pytest.approx(3.0)
 
 
-def test_a_command_without_target_refuses_the_block() -> None:
+def test_command_without_target_is_rejected() -> None:
     with pytest.raises(BmlError, match=r"1:\d+.*no target.*target='bml1'"):
-        block(inside='<bmla:interrupt id="i"/>')
+        parse_block(content='<bmla:interrupt id="i"/>')
 
 
-def test_strict_reading_takes_commands() -> None:
-    text = f'<bml {NAMESPACES} id="b"><bmla:activate id="i" target="a"/></bml>'
+def test_strict_parsing_accepts_commands_to_blocks() -> None:
+    text = f'<bml {XML_NAMESPACES} id="b"><bmla:activate id="i" target="a"/></bml>'
     assert parse(text, strict=True).behaviours[0].action == Activate("a")
 
 
-PRESENT = {"a": BlockState.IN_EXEC, "p": BlockState.PENDING, "l": BlockState.LURKING}
+BLOCK_STATES = {"a": BlockState.IN_EXEC, "p": BlockState.PENDING, "l": BlockState.LURKING}
 
 
 @pytest.mark.parametrize(
-    ("written", "waits"),
+    ("text", "waits"),
     [
         ("", {}),
         ('composition="APPEND"', {"a": "end", "l": "end"}),
@@ -126,21 +128,21 @@ PRESENT = {"a": BlockState.IN_EXEC, "p": BlockState.PENDING, "l": BlockState.LUR
         ('composition="REPLACE"', {}),
     ],
 )
-def test_what_a_block_waits_for(written: str, waits: dict[str, str]) -> None:
-    assert required_before(block(written), PRESENT) == waits
+def test_block_start_waits_for_the_blocks_named_by_its_composition(text: str, waits: dict[str, str]) -> None:
+    assert find_prerequisites(parse_block(text), BLOCK_STATES) == waits
 
 
-def test_only_blocks_that_wait_are_held_back() -> None:
-    found = replace(block(), succession=BlockOrder(before=("a", "p"), chunk_before=("l", "gone")))
-    assert waiting_blocks(found, PRESENT) == {"p": "end", "l": "relax"}
+def test_append_before_applies_only_to_blocks_not_yet_started() -> None:
+    parsed = replace(parse_block(), order=BlockOrder(before=("a", "p"), chunk_before=("l", "gone")))
+    assert find_waiting_blocks(parsed, BLOCK_STATES) == {"p": "end", "l": "relax"}
 
 
-def test_waiting_in_a_circle() -> None:
+def test_circular_waiting_is_detected() -> None:
     waits = {"a": {"b": "end"}, "b": {"c": "relax"}, "c": {}}
-    assert not waits_for_itself(waits, "a")
-    assert waits_for_itself({**waits, "c": {"a": "end"}}, "a")
-    assert not waits_for_itself({**waits, "b": {"b": "end"}}, "a")
+    assert not is_waiting_for_itself(waits, "a")
+    assert is_waiting_for_itself({**waits, "c": {"a": "end"}}, "a")
+    assert not is_waiting_for_itself({**waits, "b": {"b": "end"}}, "a")
 
 
-def test_states_in_which_a_block_plays() -> None:
+def test_block_counts_as_playing_while_in_exec_or_subsiding() -> None:
     assert {state for state in BlockState if state.is_playing} == {BlockState.IN_EXEC, BlockState.SUBSIDING}

@@ -1,8 +1,9 @@
-"""BML text to blocks: BML 1.0, the drafts, Greta, and what is refused or noticed."""
+"""Tests of parsing BML 1.0, the drafts and Greta's dialect."""
 
 import pytest
 
 from kinesic.bml.block import (
+    DEFAULT_BOUNDS,
     Block,
     BmlError,
     Composition,
@@ -25,16 +26,16 @@ from kinesic.bml.block import (
     Torso,
     Wait,
 )
-from kinesic.bml.parse import MOST_BEHAVIOURS, parse
+from kinesic.bml.parse import parse
 from kinesic.body.utterance import Mark
 
-BML = (
+BML_TEMPLATE = (
     'xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:ext="http://www.bml-initiative.org/bml/coreextensions-1.0"'
 )
 
 
-def block(inside: str, attributes: str = 'id="b"') -> Block:
-    return parse(f"<bml {BML} {attributes}>{inside}</bml>", source="f.xml")
+def parse_block(content: str, attributes: str = 'id="b"') -> Block:
+    return parse(f"<bml {BML_TEMPLATE} {attributes}>{content}</bml>", source="f.xml")
 
 
 @pytest.mark.parametrize(
@@ -74,43 +75,45 @@ def block(inside: str, attributes: str = 'id="b"') -> Block:
         ('<undeclared:gesture id="x" lexeme="BEAT"/>', Custom("undeclared:gesture")),
     ],
 )
-def test_behaviours(xml: str, action: object) -> None:
-    (behaviour,) = block(xml).behaviours
+def test_behaviour_elements_become_actions(xml: str, action: object) -> None:
+    (behaviour,) = parse_block(xml).behaviours
     assert behaviour.action == action
     assert behaviour.id == "x"
 
 
-def test_speech_with_marks() -> None:
+def test_speech_marks_are_read() -> None:
     text = "<text>  Hey <sync id='a'/> punk,\n what<sync id='b'/> do<sync id='c'/></text>"
-    (speech,) = block(f'<speech id="s">{text}</speech>').behaviours
+    (speech,) = parse_block(f'<speech id="s">{text}</speech>').behaviours
     assert speech.action == Speech(script=speech.action.script)
     assert speech.action.script.text == "Hey punk, what do"
     assert speech.action.script.marks == (Mark("a", 4), Mark("b", 14), Mark("c", 17))
 
 
-def test_speech_in_ssml_goes_before_its_text_and_unknown_descriptions_are_passed_over() -> None:
+def test_ssml_description_replaces_speech_text() -> None:
     ssml = '<description priority="2" type="application/ssml+xml"><speak>A <mark name="m"/>b</speak></description>'
     other = '<description priority="9" type="audio/x-wav">noise.wav</description>'
-    (speech,) = block(f'<speech id="s"><text>plain</text>{other}{ssml}</speech>').behaviours
+    (speech,) = parse_block(f'<speech id="s"><text>plain</text>{other}{ssml}</speech>').behaviours
     assert (speech.action.script.text, speech.action.script.marks) == ("A b", (Mark("m", 2),))
-    (speech,) = block(f'<speech id="s"><text>plain</text>{other}</speech>').behaviours
+    (speech,) = parse_block(f'<speech id="s"><text>plain</text>{other}</speech>').behaviours
     assert speech.action.script.text == "plain"
 
 
-def test_one_letter_words_and_empty_speech() -> None:
-    first, second = block('<speech id="s"><text>a</text></speech><speech id="t"/>').behaviours
+def test_short_and_empty_speech_is_read() -> None:
+    first, second = parse_block('<speech id="s"><text>a</text></speech><speech id="t"/>').behaviours
     assert (first.action.script.text, second.action.script.text) == ("a", "")
 
 
-def test_syncs_places_and_required() -> None:
-    found = block('\n <required>\n  <gesture id="g" lexeme="B" stroke="s:m+1" end="4"/></required><speech id="s"/>')
-    g, s = found.behaviours
+def test_sync_references_document_positions_and_required_flag_are_read() -> None:
+    block = parse_block(
+        '\n <required>\n  <gesture id="g" lexeme="B" stroke="s:m+1" end="4"/></required><speech id="s"/>'
+    )
+    g, s = block.behaviours
     assert g.syncs == {"stroke": SyncRef("b", "s", "m", offset=1.0), "end": SyncRef("b", "bml", "start", offset=4.0)}
     assert (g.place, g.required, s.required) == (Place(3, 3), True, False)
 
 
-def test_constraints() -> None:
-    found = block(
+def test_constraint_elements_become_time_constraints() -> None:
+    block = parse_block(
         '<gesture id="g" lexeme="B"/><head id="h" lexeme="NOD"/><constraint>'
         '<synchronize><sync ref="g:stroke"/><sync ref="h:stroke"/></synchronize>'
         '<before ref="g:end"><sync ref="h:start"/><sync ref="h:end"/></before></constraint>'
@@ -118,23 +121,23 @@ def test_constraints() -> None:
         '<constraint><synchronize ref="g:stroke"><sync ref="10"/></synchronize></constraint>'
     )
     g, h = (lambda sync: SyncRef("b", "g", sync)), (lambda sync: SyncRef("b", "h", sync))
-    synchronize, *before, after, draft = found.constraints
+    synchronize, *previous, after, draft = block.constraints
     assert isinstance(synchronize, Synchronize)
     assert synchronize.refs == (g("stroke"), h("stroke"))
-    assert [(o.earlier, o.later) for o in before] == [(h("start"), (g("end"),)), (h("end"), (g("end"),))]
+    assert [(o.earlier, o.later) for o in previous] == [(h("start"), (g("end"),)), (h("end"), (g("end"),))]
     assert isinstance(after, Precedence)
     assert (after.earlier.offset, after.later, after.required) == (1.0, (g("start"),), True)
     assert draft.refs == (g("stroke"), SyncRef("b", "bml", "start", offset=10.0))
 
 
-def test_after_and_before_in_attributes_are_orders() -> None:
-    found = block('<gesture id="g" lexeme="B" start="after(h:end)" end="before(9)"/><head id="h" lexeme="NOD"/>')
-    assert found.behaviours[0].syncs == {}
-    assert [(o.earlier.sync, o.later[0].sync) for o in found.constraints] == [("end", "start"), ("end", "start")]
+def test_after_and_before_in_attributes_become_precedences() -> None:
+    block = parse_block('<gesture id="g" lexeme="B" start="after(h:end)" end="before(9)"/><head id="h" lexeme="NOD"/>')
+    assert block.behaviours[0].syncs == {}
+    assert [(o.earlier.sync, o.later[0].sync) for o in block.constraints] == [("end", "start"), ("end", "start")]
 
 
 @pytest.mark.parametrize(
-    ("written", "meant", "notices"),
+    ("text", "composition", "notices"),
     [
         ("", Composition.MERGE, 0),
         ("merge", Composition.MERGE, 0),
@@ -145,39 +148,41 @@ def test_after_and_before_in_attributes_are_orders() -> None:
         ("overlap", Composition.MERGE, 1),
     ],
 )
-def test_composition(written: str, meant: Composition, notices: int) -> None:
-    found = block("", f'id="b" composition="{written}" characterId="c"')
-    assert (found.composition, len(found.notices), found.character) == (meant, notices, "c")
+def test_composition_attribute_is_read(text: str, composition: Composition, notices: int) -> None:
+    block = parse_block("", f'id="b" composition="{text}" characterId="c"')
+    assert (block.composition, len(block.notices), block.character) == (composition, notices, "c")
 
 
-def test_attributes_of_unknown_extensions_are_noticed_once() -> None:
-    found = block('<head id="h" lexeme="NOD" z:a="1"/><head id="i" lexeme="NOD" z:a="1" z:b="2" xml:lang="en"/>')
-    assert [n.type for n in found.notices] == [NoticeType.CUSTOM_ATTRIBUTE_NOT_SUPPORTED] * 2
-    assert "z:a" in found.notices[0].text
+def test_unknown_extension_attributes_give_one_notice() -> None:
+    block = parse_block('<head id="h" lexeme="NOD" z:a="1"/><head id="i" lexeme="NOD" z:a="1" z:b="2" xml:lang="en"/>')
+    assert [n.type for n in block.notices] == [NoticeType.CUSTOM_ATTRIBUTE_NOT_SUPPORTED] * 2
+    assert "z:a" in block.notices[0].text
 
 
-def test_missing_ids() -> None:
-    found = parse(f"<bml {BML}/>")
-    assert [n.type for n in found.notices] == [NoticeType.PARSING_FAILURE]
+def test_missing_ids_are_generated() -> None:
+    block = parse(f"<bml {BML_TEMPLATE}/>")
+    assert [n.type for n in block.notices] == [NoticeType.PARSING_FAILURE]
     assert parse("<bml/>").notices == ()
     assert len(parse("<bml/>", dialect="draft").notices) == 1
     assert [b.id for b in parse('<bml><head/><head id="head.1"/></bml>').behaviours] == ["head.2", "head.1"]
 
 
-def test_ids_used_twice_get_a_suffix_and_references_mean_the_first() -> None:
-    found = block('<head id="h" lexeme="NOD"/><head id="h" lexeme="NOD"/><gesture id="g" lexeme="B" start="h:end"/>')
-    assert [b.id for b in found.behaviours] == ["h", "h.2", "g"]
-    assert found.behaviours[2].syncs["start"].behaviour == "h"
-    assert [n.id for n in found.notices] == ["b:h.2"]
+def test_duplicate_ids_get_a_suffix_and_references_use_the_first() -> None:
+    block = parse_block(
+        '<head id="h" lexeme="NOD"/><head id="h" lexeme="NOD"/><gesture id="g" lexeme="B" start="h:end"/>'
+    )
+    assert [b.id for b in block.behaviours] == ["h", "h.2", "g"]
+    assert block.behaviours[2].syncs["start"].behaviour == "h"
+    assert [n.id for n in block.notices] == ["b:h.2"]
 
 
-def test_hyphens_in_references_are_accepted_and_said() -> None:
-    found = block('<head id="my-nod" lexeme="NOD"/><gesture id="g" lexeme="B" start="my-nod:end-0.5"/>')
-    assert found.behaviours[1].syncs["start"] == SyncRef("b", "my-nod", "end", offset=-0.5)
-    assert "my-nod" in found.notices[0].text
+def test_hyphen_in_a_referenced_behaviour_id_gives_a_notice() -> None:
+    block = parse_block('<head id="my-nod" lexeme="NOD"/><gesture id="g" lexeme="B" start="my-nod:end-0.5"/>')
+    assert block.behaviours[1].syncs["start"] == SyncRef("b", "my-nod", "end", offset=-0.5)
+    assert "my-nod" in block.notices[0].text
 
 
-GRETA = """<?xml version="1.0" encoding="ISO-8859-1"?>
+GRETA_DOCUMENT = """<?xml version="1.0" encoding="ISO-8859-1"?>
 <!DOCTYPE fml-apml SYSTEM "fml-apml.dtd" []>
 <fml-apml composition="append"><bml>
  <speech id="s1" start="0.0" language="french" type="SAPI4" text="">
@@ -196,10 +201,10 @@ GRETA = """<?xml version="1.0" encoding="ISO-8859-1"?>
 </bml><fml/></fml-apml>"""
 
 
-def test_greta() -> None:
-    found = parse(GRETA.encode("latin-1"))
-    speech, gaze, gesture, torso, shoulder = found.behaviours
-    assert (found.dialect, found.composition) == ("fml-apml", Composition.APPEND)
+def test_greta_document_is_read() -> None:
+    block = parse(GRETA_DOCUMENT.encode("latin-1"))
+    speech, gaze, gesture, torso, shoulder = block.behaviours
+    assert (block.dialect, block.composition) == ("fml-apml", Composition.APPEND)
     assert (speech.action.script.text, speech.action.script.language) == ("C'est \u00e9t\u00e9.", "fr")
     assert speech.action.script.marks == (Mark("tm1", 0), Mark("tm2", 6))
     assert gaze.action == Gaze(None, "HEAD", 25.0, "DOWN")
@@ -209,11 +214,11 @@ def test_greta() -> None:
     assert gesture.manner == Manner(spatial=0.4, temporal=-0.7, openness=1.0, intensity=1.0)
     assert (torso.action, torso.manner.power) == (Torso("BodyLean"), 0.5)
     assert shoulder.action == Custom("shoulder")
-    told = [n for n in found.notices if n.id != "block"]
-    assert sorted(n.id for n in told) == ["block:g", "block:s1"]  # openness clipped, tm2 twice
+    notices = [n for n in block.notices if n.id != "block"]
+    assert sorted(n.id for n in notices) == ["block:g", "block:s1"]  # openness is clipped, tm2 is duplicate
 
 
-def test_namespaces_of_the_drafts() -> None:
+def test_draft_namespaces_are_recognised() -> None:
     draft = parse('<bml xmlns="http://www.mindmakers.org/projects/BML" character="C"><speech xmlns="" id="s"/></bml>')
     assert (draft.dialect, draft.character) == ("draft", "C")
     assert isinstance(draft.behaviours[0].action, Speech)
@@ -221,25 +226,25 @@ def test_namespaces_of_the_drafts() -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "where", "what"),
+    ("text", "place", "problem"),
     [
         ("<fml/>", "1:1", "no <bml>"),
-        ("<x><bml/><bml/></x>", "1:10", "a second <bml>: <x> holds 2"),
+        ("<x><bml/><bml/></x>", "1:10", "a second <bml>: <x> contains 2"),
         ("<bml/>\n<!-- 2 --><bml/>", "2:11", "behind the first"),
         ('<bml/>\n<?xml version="1.0"?>\n<BML/>', "2:1", "a second <bml> behind the first"),
-        ("<bml/> bye", "1:8", "junk after document element"),
+        ("<bml/> </bye>", "1:9", "not well-formed"),
         ('<bml>\n<head id="h" start="nope:end"/></bml>', "2:1", "no behaviour 'nope'"),
         ('<bml><head id="h" start="1e9"/></bml>', "1:6", "out of range"),
-        ('<bml><head id="h" start="NaN"/></bml>', "1:6", "no sync reference"),
-        ('<bml><head id="h" start="h:relax:2"/></bml>', "1:6", "no sync reference"),
+        ('<bml><head id="h" start="NaN"/></bml>', "1:6", "not a sync reference"),
+        ('<bml><head id="h" start="h:relax:2"/></bml>', "1:6", "not a sync reference"),
         ('<bml><head id="h" amount="inf"/></bml>', "1:6", "out of range"),
-        ('<bml><head id="h" amount="much"/></bml>', "1:6", "no number"),
+        ('<bml><head id="h" amount="much"/></bml>', "1:6", "not a number"),
         ('<bml><head id="h" repetition="1e6"/></bml>', "1:6", "out of range"),
-        ('<bml><head id="h" repetition="1.5"/></bml>', "1:6", "no whole number"),
-        ('<bml><face id="f" au="0"/></bml>', "1:6", "no whole number"),
-        ('<bml><wait id="w" duration="-1"/></bml>', "1:6", "no duration"),
-        ('<bml><wait id="w" duration="2000"/></bml>', "1:6", "no duration"),
-        ("<bml><constraint><synchronize><sync/></synchronize></constraint></bml>", "1:31", "no sync reference"),
+        ('<bml><head id="h" repetition="1.5"/></bml>', "1:6", "not an integer"),
+        ('<bml><face id="f" au="0"/></bml>', "1:6", "not an integer"),
+        ('<bml><wait id="w" duration="-1"/></bml>', "1:6", "not a valid duration"),
+        ('<bml><wait id="w" duration="2000"/></bml>', "1:6", "not a valid duration"),
+        ("<bml><constraint><synchronize><sync/></synchronize></constraint></bml>", "1:31", "not a sync reference"),
         ('<bml><constraint><after ref="x:end"><sync ref="1"/></after></constraint></bml>', "1:18", "no behaviour 'x'"),
         (
             '<bml><head id="g"><description type="gretabml"><SPC.value>nan</SPC.value></description></head></bml>',
@@ -248,30 +253,30 @@ def test_namespaces_of_the_drafts() -> None:
         ),
     ],
 )
-def test_refused(text: str, where: str, what: str) -> None:
-    with pytest.raises(BmlError, match=f"^f.xml:{where}: .*{what}.*; .+"):
+def test_invalid_documents_are_rejected_with_place(text: str, place: str, problem: str) -> None:
+    with pytest.raises(BmlError, match=f"^f.xml:{place}: .*{problem}.*; .+"):
         parse(text, source="f.xml")
 
 
-def test_too_many_behaviours() -> None:
-    assert len(parse(f"<bml>{'<head/>' * MOST_BEHAVIOURS}</bml>").behaviours) == MOST_BEHAVIOURS
-    with pytest.raises(BmlError, match="at most 1000"):
-        parse(f"<bml>{'<head/>' * (MOST_BEHAVIOURS + 1)}</bml>")
+def test_too_many_behaviours_are_rejected() -> None:
+    assert len(parse(f"<bml>{'<head/>' * DEFAULT_BOUNDS.behaviours}</bml>").behaviours) == DEFAULT_BOUNDS.behaviours
+    with pytest.raises(BmlError, match="the limit is 1000"):
+        parse(f"<bml>{'<head/>' * (DEFAULT_BOUNDS.behaviours + 1)}</bml>")
 
 
-def test_strict_refuses_unknown_behaviours() -> None:
-    with pytest.raises(BmlError, match=r"known are .*gesture"):
+def test_strict_parsing_rejects_unknown_behaviours() -> None:
+    with pytest.raises(BmlError, match=r"known behaviours: .*gesture"):
         parse('<bml><dance id="d"/></bml>', strict=True)
 
 
-def test_other_blocks_are_not_looked_into() -> None:
-    found = block('<head id="h" lexeme="NOD" start="other:x:end"/>')
-    assert found.behaviours[0].syncs["start"] == SyncRef("other", "x", "end")
+def test_references_to_other_blocks_are_not_checked() -> None:
+    block = parse_block('<head id="h" lexeme="NOD" start="other:x:end"/>')
+    assert block.behaviours[0].syncs["start"] == SyncRef("other", "x", "end")
 
 
-def test_a_block_without_an_id_gets_one_that_no_other_block_has():
-    text = f"<bml {BML}/>"
-    assert [parse(text, known_blocks=known).id for known in ((), ("block",), ("block", "block.2"))] == [
+def test_block_without_id_gets_a_unique_one():
+    text = f"<bml {BML_TEMPLATE}/>"
+    assert [parse(text, known_blocks=ids).id for ids in ((), ("block",), ("block", "block.2"))] == [
         "block",
         "block.2",
         "block.3",

@@ -1,1 +1,1 @@
-"""Reads a document, whatever its notation, into a block of behaviours and sync references."""
+"""Reading of BML documents in all notations into behaviours and sync references."""

@@ -1,47 +1,62 @@
-"""Elements that other dialects write inside a <bml>, in BML's own words.
+"""Translation of elements of other dialects inside a <bml> into BML.
 
-EMBR writes head movements as gestures; SmartBody's animations and body postures stand in a <bml>, too, and not only in
-rows of fragments; names may be in capitals.
+EMBR writes head movements as gestures. SmartBody's animations and body postures may also stand in a <bml>. Names may be
+in capitals.
 """
 
 from dataclasses import replace
 from types import MappingProxyType
 
-from kinesic.bml.reading.fragments import REWRITTEN
+from kinesic.bml.reading.fragments import SMARTBODY_REWRITERS
 from kinesic.bml.reading.head_words import names_head_movement
 from kinesic.bml.reading.tree import Element
-from kinesic.bml.reading.vocabulary import AGENTS, ATTRIBUTES, BLOCK_ATTRIBUTES, INSIDE, SPOKEN
+from kinesic.bml.reading.vocabulary import (
+    AGENT_ATTRIBUTES,
+    BEHAVIOUR_ATTRIBUTES,
+    BLOCK_ATTRIBUTES,
+    NESTED_ATTRIBUTES,
+    SPEECH_ATTRIBUTES,
+)
 
-_NAMES = ("bml", "required", *ATTRIBUTES, *INSIDE, *SPOKEN)
-_FOLDED = {name.lower(): name for name in _NAMES}
-_ATTRIBUTES = {name.lower(): name for names in (BLOCK_ATTRIBUTES, AGENTS, *ATTRIBUTES.values()) for name in names}
-_SMARTBODY = ("animation", "body")
+_CORE_NAMES = ("bml", "required", *BEHAVIOUR_ATTRIBUTES, *NESTED_ATTRIBUTES, *SPEECH_ATTRIBUTES)
+_NAMES_BY_LOWERCASE = {name.lower(): name for name in _CORE_NAMES}
+_ATTRIBUTES_BY_LOWERCASE = {
+    name.lower(): name
+    for names in (BLOCK_ATTRIBUTES, AGENT_ATTRIBUTES, *BEHAVIOUR_ATTRIBUTES.values())
+    for name in names
+}
+_SMARTBODY_BEHAVIOURS = ("animation", "body")
 
 
 def fold_capitals(element: Element, folded: set[str]) -> Element:
-    """Rewrites names in capitals, <BML> or <SPEECH ID="s">, as BML has them.
+    """Convert names in capitals, such as <BML> or <SPEECH>, to BML's spelling.
 
     Args:
-        element: with all that is in it.
-        folded: gets the names of elements that were in capitals.
+        element: element with its content.
+        folded: receives the names of elements in capitals.
     """
-    inside = tuple(piece if isinstance(piece, str) else fold_capitals(piece, folded) for piece in element.content)
-    found = replace(element, content=inside)
-    meant = _FOLDED.get(element.local.lower())
-    if meant is None or not element.local.isupper():
-        return found
+    content = tuple(piece if isinstance(piece, str) else fold_capitals(piece, folded) for piece in element.content)
+    folded_element = replace(element, content=content)
+    core_name = _NAMES_BY_LOWERCASE.get(element.local.lower())
+    if core_name is None or not element.local.isupper():
+        return folded_element
     folded.add(element.name)
     prefix = element.name.removesuffix(element.local)
-    renamed = {_ATTRIBUTES.get(name.lower(), name): value for name, value in element.attributes.items()}
-    return replace(found, name=prefix + meant, attributes=MappingProxyType(renamed), called=element.name)
+    renamed = {_ATTRIBUTES_BY_LOWERCASE.get(name.lower(), name): value for name, value in element.attributes.items()}
+    return replace(
+        folded_element, name=prefix + core_name, attributes=MappingProxyType(renamed), original_tag=element.name
+    )
 
 
-def in_own_words(element: Element) -> Element:
-    """Rewrites a behaviour of another dialect as the one that it means; others stay."""
+def translate_dialect(element: Element) -> Element:
+    """Translate a behaviour of another dialect into the equivalent BML element.
+
+    Other elements are returned unchanged.
+    """
     if element.local == "gesture" and names_head_movement(_lexeme(element)):
         return element.reword("head")
-    if element.local in _SMARTBODY:
-        return REWRITTEN[element.local](element)
+    if element.local in _SMARTBODY_BEHAVIOURS:
+        return SMARTBODY_REWRITERS[element.local](element)
     return element
 
 

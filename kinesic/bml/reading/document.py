@@ -1,95 +1,112 @@
-"""From text to the tree of a document, in whatever notation: XML, a fragment of it, or JSON."""
+"""Parsing of XML, XML fragments and JSON into a document tree."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from types import MappingProxyType
 
-from kinesic.bml.block import BOUNDS, Bounds, Dialect, refusal
+from kinesic.bml.block import DEFAULT_BOUNDS, Dialect, DocumentBounds, document_error
 from kinesic.bml.reading.dialect_words import fold_capitals
-from kinesic.bml.reading.elements import ACTIONS
+from kinesic.bml.reading.elements import ACTION_READERS
 from kinesic.bml.reading.fragments import is_fragment, read_fragments
 from kinesic.bml.reading.json_notation import is_json, read_json
-from kinesic.bml.reading.namespaces import BML_1_0, DRAFTS, namespace
-from kinesic.bml.reading.prologue import first_tag
-from kinesic.bml.reading.tree import ONE_BLOCK, Element, read_tree
+from kinesic.bml.reading.namespaces import BML_1_0, DRAFT_NAMESPACES, find_namespace
+from kinesic.bml.reading.prologue import find_first_tag
+from kinesic.bml.reading.tree import ONE_BLOCK_REMEDY, Element, read_tree
+from kinesic.bml.reading.wrapping import open_document
 
-_ROOTS = ("bml", "fml-apml")
-_MARKED = (b"\xef\xbb\xbf", b"\xff\xfe", b"\xfe\xff")  # byte order marks
+_ROOT_NAMES = ("bml", "fml-apml")  # root elements of supported documents
+_BYTE_ORDER_MARKS = (b"\xef\xbb\xbf", b"\xff\xfe", b"\xfe\xff")  # byte order marks of UTF-8 and UTF-16
 
 
 @dataclass(frozen=True)
 class Document:
-    """A document with its one <bml>."""
+    """Document tree with its single <bml>."""
 
     root: Element
     bml: Element
     dialect: Dialect
-    in_capitals: tuple[str, ...] = ()  # names of elements that are read as if they were small
-    text: str = ""  # as it was read; empty where it is not UTF-8
+    in_capitals: tuple[str, ...] = ()  # element names in capitals, read as lower case
+    text: str = ""  # source text; empty if it is not UTF-8
+    notes: tuple[str, ...] = ()  # ignored text around the document, and tolerated faults
 
 
-def read_document(text: str | bytes, *, source: str, bounds: Bounds = BOUNDS) -> Document:
-    """Reads a document and finds its <bml>.
+def read_document(text: str | bytes, *, source: str, bounds: DocumentBounds = DEFAULT_BOUNDS) -> Document:
+    """Read a document and find its <bml>.
 
     Args:
-        text: bytes are decoded as their XML declaration says, fragments and JSON as UTF-8.
-        source: its name, for messages.
-        bounds: largest size and depth.
+        text: the document; bytes are decoded as their XML declaration says, fragments and JSON as UTF-8.
+        source: name of the document, for messages.
+        bounds: maximum size and depth.
 
     Raises:
-        BmlError: broken, too large, too deep, or with none or several <bml>.
+        BmlError: broken, too large or too deep, or not exactly one <bml>.
     """
-    plain = _plain(text) if len(text) <= bounds.size else None
+    notes: tuple[str, ...] = ()
+    if len(text) <= bounds.size:
+        opened = open_document(text)
+        text, notes = opened.text, opened.surroundings
+    plain = _decode_utf8(text) if len(text) <= bounds.size else None
     if plain is not None and is_json(plain):
-        root = read_json(plain, source=source, bounds=bounds)
-        return Document(root, root, "json", text=plain)
-    if plain is not None and is_fragment(plain, frozenset(ACTIONS)):
+        root, faults = read_json(plain, source=source, bounds=bounds)
+        return Document(root, root, "json", text=plain, notes=(*notes, *faults))
+    if plain is not None and is_fragment(plain, frozenset(ACTION_READERS)):
         root = read_fragments(plain, source=source, bounds=bounds)
-        return Document(root, root, "smartbody", text=plain)
+        return Document(root, root, "smartbody", text=plain, notes=notes)
     root = read_tree(text, source=source, bounds=bounds)
     folded: set[str] = set()
     root = fold_capitals(root, folded)
-    bml = _only_bml(root, source)
-    return Document(root, bml, _dialect(root, namespace(bml)), tuple(sorted(folded)), plain or "")
+    bml = _find_single_block(root, source)
+    dialect = _find_dialect(root, find_namespace(bml))
+    return Document(root, bml, dialect, tuple(sorted(folded)), plain or "", notes)
 
 
-def begins_as_bml(start: bytes) -> bool:
-    """Checks whether a file's first bytes are those of a <bml> or an FML-APML document, whatever its ending is."""
-    return first_tag(start.decode("utf-8", errors="replace").removeprefix("\ufeff")) in _ROOTS
+def is_bml_start(start: bytes) -> bool:
+    """Return whether a file starts as a BML or FML-APML document.
+
+    Args:
+        start: first bytes of the file; its name does not matter.
+    """
+    return find_first_tag(start.decode("utf-8", errors="replace").removeprefix("\ufeff")) in _ROOT_NAMES
 
 
-def _plain(text: str | bytes) -> str | None:
-    """The text; None when it is not UTF-8, and so can only be XML."""
+def _decode_utf8(text: str | bytes) -> str | None:
+    """Decode the text as UTF-8.
+
+    None if it is not UTF-8 and so can only be XML.
+    """
     if isinstance(text, str):
         return text
-    if text.startswith(_MARKED[1:]):
+    if text.startswith(_BYTE_ORDER_MARKS[1:]):
         return None
     try:
-        return text.removeprefix(_MARKED[0]).decode("utf-8")
+        return text.removeprefix(_BYTE_ORDER_MARKS[0]).decode("utf-8")
     except UnicodeDecodeError:
         return None
 
 
-def _only_bml(root: Element, source: str) -> Element:
-    found = list(_every_bml(root))
-    if not found:
-        raise refusal(source, root.place, f"<{root.name}> holds no <bml>", "a <bml> element is expected")
-    if len(found) > 1:
-        what = f"a second <bml>: <{root.name}> holds {len(found)}"
-        raise refusal(source, found[1].place, what, ONE_BLOCK)
-    return found[0]
+def _find_single_block(root: Element, source: str) -> Element:
+    blocks = list(_find_blocks(root))
+    if not blocks and root.local == "fml-apml":  # FML alone
+        return Element("bml", MappingProxyType({}), (), root.place, root.scope)
+    if not blocks:
+        raise document_error(source, root.place, f"<{root.name}> contains no <bml>", "a <bml> element is expected")
+    if len(blocks) > 1:
+        problem = f"a second <bml>: <{root.name}> contains {len(blocks)}"
+        raise document_error(source, blocks[1].place, problem, ONE_BLOCK_REMEDY)
+    return blocks[0]
 
 
-def _every_bml(element: Element) -> Iterator[Element]:
+def _find_blocks(element: Element) -> Iterator[Element]:
     if element.local == "bml":
         yield element
         return
     for child in element.children:
-        yield from _every_bml(child)
+        yield from _find_blocks(child)
 
 
-def _dialect(root: Element, home: str | None) -> Dialect:
+def _find_dialect(root: Element, home: str | None) -> Dialect:
     if root.local == "fml-apml":
         return "fml-apml"
     if home == BML_1_0:
         return "bml-1.0"
-    return "draft" if home in DRAFTS else "none"
+    return "draft" if home in DRAFT_NAMESPACES else "none"

@@ -1,12 +1,12 @@
-"""Whether the name of a gesture is that of a head movement: NOD, HeadShake, head_tilt_left."""
+"""Detection of head movements by gesture names: NOD, HeadShake, head_tilt_left."""
 
 import re
 
-_WORD = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])")
-_MOVEMENTS = frozenset(
+_WORD_PATTERN = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])")
+_HEAD_MOVEMENT_WORDS = frozenset(
     {"nod", "nods", "nodding", "shake", "shakes", "tilt", "tilts", "headnod", "headshake", "headtilt", "nodhead"}
 )
-_WITH_THEM = frozenset(  # words that say how, and carry no meaning of their own
+_MODIFIER_WORDS = frozenset(  # words for direction, size, speed or count
     {
         "head",
         "left",
@@ -28,6 +28,9 @@ _WITH_THEM = frozenset(  # words that say how, and carry no meaning of their own
 
 
 def names_head_movement(lexeme: str) -> bool:
-    """Checks whether all words of a name speak of a nod, a shake or a tilt; `shake_hands` does not."""
-    words = {word.lower() for word in _WORD.findall(lexeme)}
-    return bool(words & _MOVEMENTS) and words <= _MOVEMENTS | _WITH_THEM
+    """Return whether a name consists of words for a head movement.
+
+    Such movements are nods, shakes and tilts; `shake_hands` is none of them.
+    """
+    words = {word.lower() for word in _WORD_PATTERN.findall(lexeme)}
+    return bool(words & _HEAD_MOVEMENT_WORDS) and words <= _HEAD_MOVEMENT_WORDS | _MODIFIER_WORDS

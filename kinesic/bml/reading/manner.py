@@ -1,25 +1,25 @@
-"""Expressivity in documents: Greta's `description type="gretabml"`, and kinesic's own namespace.
+"""Reading of expressivity in Greta's descriptions and in the kinesic namespace.
 
-Greta's values lie in -1 to 1, intensity in 0 to 1, openness in -0.7 to 1.13 (facts on Greta's expressivity block and
-lexicon); what lies outside is clipped, with a notice. Ours are attributes (`kinesic:power="0.8"`) of a behaviour or of
-the block, or elements inside `description type="kinesic"`; what lies outside is refused.
+Greta's values lie in -1 to 1, intensity in 0 to 1, openness in -0.7 to 1.13 (source: Greta's expressivity block and
+lexicon); values outside are clipped with a notice. Kinesic's values are attributes (`kinesic:power="0.8"`) of a
+behaviour or of the block, or elements inside `description type="kinesic"`; values outside are rejected.
 """
 
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import get_args
 
-from kinesic.bml.block import RANGES, Action, Manner, Modality, NoticeType, Place, modality_of
-from kinesic.bml.reading.namespaces import own_attributes
+from kinesic.bml.block import EXPRESSIVITY_RANGES, Action, Manner, Modality, NoticeType, Place, find_modality
+from kinesic.bml.reading.namespaces import select_kinesic_attributes
 from kinesic.bml.reading.reader import BehaviourElement, DocumentReading, read_finite
-from kinesic.bml.reading.script import PAUSE
+from kinesic.bml.reading.script import PAUSE_ATTRIBUTE
 from kinesic.bml.reading.tree import Element
 from kinesic.body.config import names_of, suggestion
 
-GRETA_OPENNESS = (-0.7, 1.13)
-REASON = "reason"  # attribute of our namespace: why a behaviour is asked for, in words for people
+GRETA_OPENNESS_RANGE = (-0.7, 1.13)  # smallest and largest openness in Greta's documents
+REASON_ATTRIBUTE = "reason"  # attribute of the kinesic namespace: reason of a behaviour, for human readers
 
-_FIELDS = {
+_GRETA_FIELD_NAMES = {
     "SPC.value": "spatial",
     "TMP.value": "temporal",
     "FLD.value": "fluidity",
@@ -29,112 +29,133 @@ _FIELDS = {
     "TEN.value": "tension",
     "intensity": "intensity",
 }
-GRETA_FIELDS = frozenset({"reference", *_FIELDS})  # elements that are read in a `gretabml` description
-_GRETA_RANGES = {**dict.fromkeys(_FIELDS.values(), (-1.0, 1.0)), "openness": GRETA_OPENNESS, "intensity": (0.0, 1.0)}
+GRETA_FIELDS = frozenset({"reference", *_GRETA_FIELD_NAMES})  # elements supported in a `gretabml` description
+_GRETA_RANGES = {
+    **dict.fromkeys(_GRETA_FIELD_NAMES.values(), (-1.0, 1.0)),
+    "openness": GRETA_OPENNESS_RANGE,
+    "intensity": (0.0, 1.0),
+}
 
 
-def read_manner(named: BehaviourElement, action: Action, reading: DocumentReading) -> Manner:
-    """Reads the expressivity of a behaviour, ours over Greta's; an empty Manner when its document says nothing.
+def read_manner(node: BehaviourElement, action: Action, reading: DocumentReading) -> Manner:
+    """Read the expressivity of a behaviour.
+
+    kinesic's values override Greta's. Without any value in the document, the result is an empty Manner.
 
     Raises:
-        BmlError: a value that is not a finite number; of ours, also one out of range and an unknown name.
+        BmlError: a value is not a finite number, or a kinesic value is out of range or has an unknown name.
     """
-    said = list(_said(named.element))
-    if said and modality_of(action) is None:
-        name, _, place = said[0]
-        what = f"{name} in line {place.line} is passed over: no part of the body does <{named.element.name}>"
-        reading.note(NoticeType.CUSTOM_ATTRIBUTE_NOT_SUPPORTED, what, behaviour=named.id)
-    manner = _greta(named, reading)
-    for name, text, place in said:
+    entries = list(_read_entries(node.element))
+    if entries and find_modality(action) is None:
+        name, _, place = entries[0]
+        problem = f"{name} in line {place.line} is ignored: no body part performs <{node.element.name}>"
+        reading.add_notice(NoticeType.CUSTOM_ATTRIBUTE_NOT_SUPPORTED, problem, behaviour=node.id)
+    manner = _read_greta(node, reading)
+    for name, text, place in entries:
         manner = _set_field(manner, name, name.rpartition(":")[2], text, place, reading)
     return manner
 
 
-def manners_of(bml: Element, reading: DocumentReading) -> dict[Modality, Manner]:
-    """Reads what the block says of all its behaviours: `power` of all modalities, `head.power` of one, which wins.
+def read_block_manners(bml: Element, reading: DocumentReading) -> dict[Modality, Manner]:
+    """Read the expressivity of a block by modality.
+
+    `power` applies to all modalities; `head.power` applies to one and overrides it.
 
     Raises:
         BmlError: an unknown name, or a value out of range.
     """
     manners: dict[Modality, Manner] = {}
-    said = [(name, name.rpartition(":")[2].rpartition("."), text, place) for name, text, place in _said(bml)]
-    for name, (part, _, parameter), text, place in sorted(said, key=lambda each: each[1][1]):
-        modalities = [each for each in get_args(Modality) if part in ("", each)]
+    entries = [(name, name.rpartition(":")[2].rpartition("."), text, place) for name, text, place in _read_entries(bml)]
+    for name, (part, _, parameter), text, place in sorted(entries, key=lambda entry: entry[1][1]):
+        modalities = [modality for modality in get_args(Modality) if part in ("", modality)]
         if not modalities:
-            raise reading.refuse(place, f"{name} names no modality", suggestion(part, get_args(Modality))[2:])
-        for each in modalities:
-            manners[each] = _set_field(manners.get(each, Manner()), name, parameter, text, place, reading)
+            raise reading.error(place, f"{name} is not a modality", suggestion(part, get_args(Modality))[2:])
+        for modality in modalities:
+            manners[modality] = _set_field(manners.get(modality, Manner()), name, parameter, text, place, reading)
     return manners
 
 
-def reason_of(element: Element) -> str:
-    """Reads `kinesic:reason`: why a behaviour is asked for; empty when its document does not say."""
-    said = (text for name, text in own_attributes(element).items() if name.rpartition(":")[2] == REASON)
-    return " ".join(next(said, "").split())
+def read_reason(element: Element) -> str:
+    """Return the text of `kinesic:reason`, or "" if it is missing."""
+    entries = (
+        text for name, text in select_kinesic_attributes(element).items() if name.rpartition(":")[2] == REASON_ATTRIBUTE
+    )
+    return " ".join(next(entries, "").split())
 
 
-def openness_of(greta: float) -> float:
-    """Converts Greta's openness to our scale: 0 and below is the elbow at the body, 1.13 an elbow far out."""
-    return min(max(greta / GRETA_OPENNESS[1], 0.0), 1.0)
+def scale_openness(greta: float) -> float:
+    """Convert Greta's openness to the kinesic scale of 0 to 1.
+
+    0 and below keeps the elbow at the body; 1.13 moves it far out.
+    """
+    return min(max(greta / GRETA_OPENNESS_RANGE[1], 0.0), 1.0)
 
 
-def reference_of(element: Element) -> str:
-    """Reads the lexeme that a description refers to, without its category; empty when there is none."""
-    description = _description(element, "gretabml")
+def read_lexeme_reference(element: Element) -> str:
+    """Return the lexeme that a description refers to, without its category.
+
+    The result is empty if there is no such description.
+    """
+    description = _find_description(element, "gretabml")
     if description is None:
         return ""
-    written = next((child.text for child in description.children if child.local == "reference"), "")
-    return lexeme(written)
+    text = next((child.text for child in description.children if child.local == "reference"), "")
+    return strip_category(text)
 
 
-def lexeme(written: str) -> str:
-    """Reads the id of `category=id`, or the whole."""
-    return written.strip().rpartition("=")[2].strip()
+def strip_category(text: str) -> str:
+    """Return the id of `category=id`, or the whole text without a category."""
+    return text.strip().rpartition("=")[2].strip()
 
 
-def _greta(named: BehaviourElement, reading: DocumentReading) -> Manner:
-    description = _description(named.element, "gretabml")
+def _read_greta(node: BehaviourElement, reading: DocumentReading) -> Manner:
+    description = _find_description(node.element, "gretabml")
     values = {}
     for child in description.children if description is not None else ():
-        name = _FIELDS.get(child.local)
+        name = _GRETA_FIELD_NAMES.get(child.local)
         if name is None or not child.text.strip():
             continue
         value = read_finite(child.text.strip(), child.local, child.place, reading)
-        least, most = _GRETA_RANGES[name]
-        values[name] = min(max(value, least), most)
+        low, high = _GRETA_RANGES[name]
+        values[name] = min(max(value, low), high)
         if values[name] != value:
-            what = f"{child.local} {value:g} is outside {least:g} to {most:g} and becomes {values[name]:g}"
-            reading.note(NoticeType.PARSING_FAILURE, what, behaviour=named.id)
+            problem = f"{child.local} {value:g} is outside {low:g} to {high:g} and becomes {values[name]:g}"
+            reading.add_notice(NoticeType.PARSING_FAILURE, problem, behaviour=node.id)
     if "openness" in values:
-        values["openness"] = openness_of(values["openness"])
+        values["openness"] = scale_openness(values["openness"])
     return Manner(style=None, **values)
 
 
-def _said(element: Element) -> Iterator[tuple[str, str, Place]]:
-    """Yields name, value and place of all that our namespace says of an element, attributes last."""
-    description = _description(element, "kinesic")
+def _read_entries(element: Element) -> Iterator[tuple[str, str, Place]]:
+    """Yield name, value and place of an element's kinesic expressivity parameters.
+
+    Attributes come last.
+    """
+    description = _find_description(element, "kinesic")
     for child in description.children if description is not None else ():
         yield child.name, child.text.strip(), child.place
-    for name, text in own_attributes(element).items():
-        if name.rpartition(":")[2] not in (PAUSE, REASON):
+    for name, text in select_kinesic_attributes(element).items():
+        if name.rpartition(":")[2] not in (PAUSE_ATTRIBUTE, REASON_ATTRIBUTE):
             yield name, text.strip(), element.place
 
 
 def _set_field(manner: Manner, name: str, parameter: str, text: str, place: Place, reading: DocumentReading) -> Manner:
     if parameter == "style":
         if text not in names_of("style"):
-            raise reading.refuse(place, f"{name}='{text}' is no style", suggestion(text, names_of("style"))[2:])
+            raise reading.error(place, f"{name}='{text}' is not a style", suggestion(text, names_of("style"))[2:])
         return replace(manner, style=text)
-    if parameter not in RANGES:
-        raise reading.refuse(place, f"{name} is no parameter", suggestion(parameter, ["style", *RANGES])[2:])
+    if parameter not in EXPRESSIVITY_RANGES:
+        raise reading.error(
+            place, f"{name} is not a parameter", suggestion(parameter, ["style", *EXPRESSIVITY_RANGES])[2:]
+        )
     value = read_finite(text, name, place, reading)
-    least, most = RANGES[parameter]
-    if not least <= value <= most:
-        raise reading.refuse(place, f"{name}='{text}' is out of range", f"{least:g} to {most:g} is allowed")
+    low, high = EXPRESSIVITY_RANGES[parameter]
+    if not low <= value <= high:
+        raise reading.error(place, f"{name}='{text}' is out of range", f"use {low:g} to {high:g}")
     return replace(manner, style=manner.style, **{parameter: value})
 
 
-def _description(element: Element, kind: str) -> Element | None:
+def _find_description(element: Element, kind: str) -> Element | None:
     for child in element.children:
         if child.local == "description" and child.attributes.get("type", "").strip().lower() == kind:
             return child

@@ -1,25 +1,30 @@
-"""The first tag of a document, found in one pass: what goes before it may be anybody's, and as long as he likes."""
+"""Search for a document's first tag behind prologues of any length."""
 
 import re
 
-_SKIPPED = {"<?": "?>", "<!--": "-->", "<!DOCTYPE": ">"}  # what may go before a root: how it begins and ends
-_OPENING = re.compile(r"\s*(<\?|<!--|<!DOCTYPE|)", re.IGNORECASE)
-_TAG = re.compile(r"<(?:[\w.-]+:)?([\w.-]+)[\s/>]")
+_PROLOGUE_DELIMITERS = {
+    "<?": "?>",
+    "<!--": "-->",
+    "<!DOCTYPE": ">",
+}  # start -> end of items before a root
+_PROLOGUE_PATTERN = re.compile(r"\s*(<\?|<!--|<!DOCTYPE|)", re.IGNORECASE)
+_TAG_PATTERN = re.compile(r"<(?:[\w.-]+:)?([\w.-]+)[\s/>]")
 
 
-def first_tag(text: str) -> str:
-    """Finds the local name of a document's first tag, in small letters; empty where it begins with anything else.
+def find_first_tag(text: str) -> str:
+    """Return the local name of a document's first tag in lower case.
 
-    A declaration, instructions, comments and a document type may go before it.
+    A declaration, processing instructions, comments and a document type may precede the tag. The result is empty if
+    other text comes first.
 
     Args:
-        text: of the document, or its beginning.
+        text: the document or its beginning.
     """
     at = 0
-    while (opening := _OPENING.match(text, at)) and opening[1]:
-        end = _SKIPPED[opening[1].upper()]
+    while (opening := _PROLOGUE_PATTERN.match(text, at)) and opening[1]:
+        end = _PROLOGUE_DELIMITERS[opening[1].upper()]
         at = text.find(end, opening.end()) + len(end)
         if at < len(end):
-            return ""  # it never ends
-    found = _TAG.match(text, opening.end() if opening else at)
-    return found[1].lower() if found else ""
+            return ""  # unterminated
+    tag = _TAG_PATTERN.match(text, opening.end() if opening else at)
+    return tag[1].lower() if tag else ""

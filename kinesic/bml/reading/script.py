@@ -1,7 +1,7 @@
-"""What a speech says: its text with marks, or a recording, and how long it may wait for the body.
+"""Reading of speech: text with marks, recordings and allowed pauses.
 
-The text is plain, with `sync`, with Greta's `tm`, or SSML. Of SSML, marks, breaks, prosody, emphasis, say-as, sub and
-changes of language are passed on to the voice, wherever they stand; other elements are read through.
+The text is plain, with `sync` elements, with Greta's `tm`, or SSML. The SSML elements mark, break, prosody, emphasis,
+say-as, sub and language changes are passed to the voice at any depth; only the text of other elements is kept.
 """
 
 import re
@@ -10,25 +10,32 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from kinesic.bml.block import NoticeType
-from kinesic.bml.reading.namespaces import own_attributes
+from kinesic.bml.reading.namespaces import select_kinesic_attributes
 from kinesic.bml.reading.reader import BehaviourElement, DocumentReading, read_finite
 from kinesic.bml.reading.tree import Element
-from kinesic.bml.reading.vocabulary import ATTRIBUTES, SPOKEN
+from kinesic.bml.reading.vocabulary import BEHAVIOUR_ATTRIBUTES, SPEECH_ATTRIBUTES
 from kinesic.body.utterance import Emphasis, Mark, Pause, Recording, Script, Stress
 
-MARKS = frozenset({"sync", "tm", "mark"})
-SSML = "application/ssml+xml"
-STRENGTHS = {"none": 0.0, "x-weak": 0.05, "weak": 0.1, "medium": 0.25, "strong": 0.5, "x-strong": 1.0}  # [s] of a break
-LONGEST_BREAK = 60.0  # [s]
-WAV = frozenset({"audio/wav", "audio/x-wav", "audio/wave", "audio/vnd.wave"})
-PAUSE = "pause"  # attribute of our namespace
-LONGEST_PAUSE = 2.0  # [s] of `kinesic:pause="true"`
+MARK_ELEMENTS = frozenset({"sync", "tm", "mark"})  # elements that mark a position in a speech
+SSML_TYPE = "application/ssml+xml"  # media type of SSML descriptions
+BREAK_DURATIONS = {
+    "none": 0.0,
+    "x-weak": 0.05,
+    "weak": 0.1,
+    "medium": 0.25,
+    "strong": 0.5,
+    "x-strong": 1.0,
+}  # [s] by strength
+MAX_BREAK_DURATION = 60.0  # [s] longest break in a speech
+WAV_TYPES = frozenset({"audio/wav", "audio/x-wav", "audio/wave", "audio/vnd.wave"})
+PAUSE_ATTRIBUTE = "pause"  # kinesic attribute with the longest pause before a word
+MAX_AUTOMATIC_PAUSE = 2.0  # [s] longest pause for `kinesic:pause="true"`
 
-_STRESSES: tuple[Stress, ...] = ("prosody", "emphasis", "say-as")  # elements that are passed on as they are
-FILES = ("ref", "src", "href", "file")  # attributes that name a recording
-_SPEAKERS = frozenset({"lang", "voice", "p", "s"})  # elements that may change the language
-_TIME = re.compile(r"\+?(\d++(?:\.\d*+)?|\.\d++)(ms|s)")
-_LANGUAGES = {
+_PASSED_ELEMENTS: tuple[Stress, ...] = ("prosody", "emphasis", "say-as")  # elements passed to the voice unchanged
+FILE_ATTRIBUTES = ("ref", "src", "href", "file")  # attributes that name a recording
+_LANGUAGE_ELEMENTS = frozenset({"lang", "voice", "p", "s"})  # elements with an optional language
+_DURATION_PATTERN = re.compile(r"\+?(\d++(?:\.\d*+)?|\.\d++)(ms|s)")
+_LANGUAGE_CODES = {
     "arabic": "ar",
     "chinese": "zh",
     "dutch": "nl",
@@ -49,102 +56,103 @@ _LANGUAGES = {
 }
 
 
-def script_of(named: BehaviourElement, reading: DocumentReading) -> Script:
-    """Reads what a <speech> says.
+def read_script(node: BehaviourElement, reading: DocumentReading) -> Script:
+    """Read the script of a <speech>.
 
-    A description in SSML goes before the text when its priority is not negative, and one that names a recording is
-    played in place of a voice; other descriptions are passed over.
+    An SSML description replaces the text unless its priority is negative, and a description that names a recording
+    replaces the voice; other descriptions are ignored.
     """
-    written = _Written(named, reading)
-    written.read(spoken_part(named.element))
-    if written.unusable:
-        what = f"marks without a name of their own are passed over: {', '.join(map(repr, written.unusable))}"
-        reading.note(NoticeType.PARSING_FAILURE, what, behaviour=named.id)
-    text = written.text.rstrip() or " ".join(named.word("text").split())
+    reader = _TextReader(node, reading)
+    reader.read(find_spoken_element(node.element))
+    if reader.unusable:
+        problem = f"marks without a unique name are ignored: {', '.join(map(repr, reader.unusable))}"
+        reading.add_notice(NoticeType.PARSING_FAILURE, problem, behaviour=node.id)
+    text = reader.text.rstrip() or " ".join(node.attribute("text").split())
     end = len(text)
     return Script(
         text,
-        tuple(Mark(name, min(at, end), written.times.get(name)) for name, at in written.marks.items()),
-        _language(named),
-        tuple(Pause(min(pause.position, end), pause.duration, pause.after) for pause in written.pauses),
-        tuple(Emphasis(e.begin, min(e.end, end), e.element, e.attributes) for e in written.emphases if e.begin < end),
-        recording_of(named, reading),
+        tuple(Mark(name, min(at, end), reader.times.get(name)) for name, at in reader.marks.items()),
+        _read_language(node),
+        tuple(Pause(min(pause.position, end), pause.duration, pause.after) for pause in reader.pauses),
+        tuple(Emphasis(e.begin, min(e.end, end), e.element, e.attributes) for e in reader.emphases if e.begin < end),
+        read_recording(node, reading),
     )
 
 
-def recording_of(named: BehaviourElement, reading: DocumentReading) -> Recording | None:
-    """Finds the recording of a <speech>, or None.
+def read_recording(node: BehaviourElement, reading: DocumentReading) -> Recording | None:
+    """Return the recording of a <speech>, or None.
 
-    It is named by the description's text, by a <reference> in it, or by an attribute `ref`, `src`, `href` or `file`
-    of the description or of an element in it; relative to the folder of the document. One with a negative priority is
-    passed over.
+    The file name is the description's text, a <reference> in it, or an attribute `ref`, `src`, `href` or `file` of the
+    description or of an element in it; it is relative to the folder of the document. A description with a negative
+    priority is ignored.
 
     Raises:
-        BmlError: the time of a mark is no number.
+        BmlError: the time of a mark is not a number.
     """
-    for child in named.element.children:
-        is_wav = child.local == "description" and child.attributes.get("type", "").strip().lower() in WAV
+    for child in node.element.children:
+        is_wav = child.local == "description" and child.attributes.get("type", "").strip().lower() in WAV_TYPES
         if is_wav and not child.attributes.get("priority", "").strip().startswith("-"):
-            return _recording(child, named, reading)
+            return _read_recording_description(child, node, reading)
     return None
 
 
-def pause_of(element: Element, reading: DocumentReading) -> float | None:
-    """Reads the longest pause [s] that may be put before a word for the body; None where nothing is said.
+def read_pause(element: Element, reading: DocumentReading) -> float | None:
+    """Return the maximum pause [s] before words that wait for the body.
 
-    `kinesic:pause` is a number of seconds, `true` (as long as is needed, at most `LONGEST_PAUSE`) or `false`.
+    `kinesic:pause` is a number of seconds, `true` (as long as needed, at most `MAX_AUTOMATIC_PAUSE`) or `false`. The
+    result is None without this attribute.
 
     Raises:
-        BmlError: it is none of these.
+        BmlError: any other value.
     """
-    for name, value in own_attributes(element).items():
-        if name.rpartition(":")[2] == PAUSE:
+    for name, value in select_kinesic_attributes(element).items():
+        if name.rpartition(":")[2] == PAUSE_ATTRIBUTE:
             word = value.strip().lower()
             if word in ("true", "false"):
-                return LONGEST_PAUSE if word == "true" else 0.0
+                return MAX_AUTOMATIC_PAUSE if word == "true" else 0.0
             seconds = read_finite(word, name, element.place, reading)
             if seconds < 0.0:
-                raise reading.refuse(element.place, f"{name}='{value}' is negative", "write true, false or seconds")
+                raise reading.error(element.place, f"{name}='{value}' is negative", "write true, false or seconds")
             return seconds
     return None
 
 
-def spoken_part(speech: Element) -> Element:
-    """Finds what is said of a <speech>: a description in SSML, its <text>, or all of it."""
+def find_spoken_element(speech: Element) -> Element:
+    """Return the element with the spoken text: SSML description, <text> or <speech>."""
     inside = {child.local: child for child in reversed(speech.children)}
     for child in speech.children:
-        is_ssml = child.local == "description" and child.attributes.get("type", "").strip() == SSML
+        is_ssml = child.local == "description" and child.attributes.get("type", "").strip() == SSML_TYPE
         if is_ssml and not child.attributes.get("priority", "").strip().startswith("-"):
             return child
     return inside.get("text", speech)
 
 
 @dataclass
-class _Written:
-    """A text while it is read."""
+class _TextReader:
+    """Reader that collects the text, marks and pauses of a speech."""
 
-    named: BehaviourElement
+    node: BehaviourElement
     reading: DocumentReading
     text: str = ""
     marks: dict[str, int] = field(default_factory=dict)
-    marked: list[int] = field(default_factory=list)  # where they are, in their order
-    times: dict[str, float] = field(default_factory=dict)  # [s] of marks, where the document says them
+    marked: list[int] = field(default_factory=list)  # sorted text positions of the marks
+    times: dict[str, float] = field(default_factory=dict)  # [s] of marks with a time in the document
     unusable: list[str] = field(default_factory=list)
     pauses: list[Pause] = field(default_factory=list)
     emphases: list[Emphasis] = field(default_factory=list)
 
     def read(self, element: Element) -> None:
-        """Adds what an element has inside; behaviours and descriptions in a <speech> are none of its text."""
+        """Add an element's content, without behaviours and descriptions in a <speech>."""
         for piece in element.content:
             if isinstance(piece, str):
                 self._say(piece)
-            elif piece.local in MARKS:
+            elif piece.local in MARK_ELEMENTS:
                 self._mark(piece)
             elif piece.local == "break":
                 self._pause(piece)
             elif piece.local == "sub" and "alias" in piece.attributes:
                 self._say(piece.attributes["alias"])
-            elif element.local != "speech" or piece.local not in ("description", *ATTRIBUTES):
+            elif element.local != "speech" or piece.local not in ("description", *BEHAVIOUR_ATTRIBUTES):
                 self._stress(piece)
 
     def _say(self, piece: str) -> None:
@@ -152,22 +160,22 @@ class _Written:
         self.text += spaced.lstrip() if not self.text or self.text.endswith(" ") else spaced
 
     def _mark(self, element: Element) -> None:
-        written = (element.attributes.get("id") or element.attributes.get("name") or "").strip()
-        name = written.removeprefix(f"{self.named.id}:")  # as MARY's tools write it
+        text = (element.attributes.get("id") or element.attributes.get("name") or "").strip()
+        name = text.removeprefix(f"{self.node.id}:")  # prefix written by MARY's tools
         if not name or name in ("start", "end") or name in self.marks:
             self.unusable.append(name)
             return
         self.marks[name] = len(self.text)
         self.marked.append(len(self.text))
         if time := element.attributes.get("time", "").strip():
-            self.times[name] = _seconds(time, element, self.reading)
+            self.times[name] = _read_time(time, element, self.reading)
 
     def _pause(self, element: Element) -> None:
-        duration = _duration(element)
+        duration = _read_duration(element)
         if duration is None:
-            known = f"time='0.5s', at most {LONGEST_BREAK:g} s, or strength, one of {', '.join(STRENGTHS)}"
-            what = f"<{element.name}> in line {element.place.line} is passed over: it has {known}"
-            self.reading.note(NoticeType.PARSING_FAILURE, what, behaviour=self.named.id)
+            choices = f"time='0.5s', at most {MAX_BREAK_DURATION:g} s, or strength, one of {', '.join(BREAK_DURATIONS)}"
+            problem = f"<{element.name}> in line {element.place.line} is ignored: write {choices}"
+            self.reading.add_notice(NoticeType.PARSING_FAILURE, problem, behaviour=self.node.id)
         elif duration > 0.0:
             before = len(self.marked) - bisect_left(self.marked, len(self.text))
             self.pauses.append(Pause(len(self.text), duration, before))
@@ -175,71 +183,73 @@ class _Written:
     def _stress(self, element: Element) -> None:
         place, begin = len(self.emphases), len(self.text)
         self.read(element)
-        stress = _stress_of(element)
+        stress = _read_stress(element)
         if stress is not None:
             self.emphases.insert(place, Emphasis(begin, len(self.text), *stress))
 
 
-def _stress_of(element: Element) -> tuple[Stress, tuple[tuple[str, str], ...]] | None:
+def _read_stress(element: Element) -> tuple[Stress, tuple[tuple[str, str], ...]] | None:
     language = element.attributes.get("xml:lang", "").strip()
-    for stress in _STRESSES:
+    for stress in _PASSED_ELEMENTS:
         if element.local == stress:
-            written = element.attributes
-            return stress, tuple((name, written[name]) for name in SPOKEN[stress] if name in written)
-    if element.local in _SPEAKERS and language:
+            attributes = element.attributes
+            return stress, tuple((name, attributes[name]) for name in SPEECH_ATTRIBUTES[stress] if name in attributes)
+    if element.local in _LANGUAGE_ELEMENTS and language:
         return "voice", (("xml:lang", language),)
     return None
 
 
-def _duration(element: Element) -> float | None:
-    """[s] of a break; None when what it asks for is no duration."""
+def _read_duration(element: Element) -> float | None:
+    """Return the duration of a break [s], or None if invalid."""
     time = element.attributes.get("time", "").strip()
     if not time:
-        return STRENGTHS.get(element.attributes.get("strength", "medium").strip())
-    written = _TIME.fullmatch(time)
-    if written is None:
+        return BREAK_DURATIONS.get(element.attributes.get("strength", "medium").strip())
+    duration = _DURATION_PATTERN.fullmatch(time)
+    if duration is None:
         return None
-    seconds = float(written[1]) / (1000.0 if written[2] == "ms" else 1.0)
-    return seconds if seconds <= LONGEST_BREAK else None
+    seconds = float(duration[1]) / (1000.0 if duration[2] == "ms" else 1.0)
+    return seconds if seconds <= MAX_BREAK_DURATION else None
 
 
-def _seconds(text: str, element: Element, reading: DocumentReading) -> float:
-    """[s] of a mark, as a number or as SSML writes durations."""
-    written = _TIME.fullmatch(text)
-    if written is None:
+def _read_time(text: str, element: Element, reading: DocumentReading) -> float:
+    """Return a mark's time [s], given as number or SSML duration."""
+    duration = _DURATION_PATTERN.fullmatch(text)
+    if duration is None:
         return read_finite(text, "time", element.place, reading)
-    return float(written[1]) / (1000.0 if written[2] == "ms" else 1.0)
+    return float(duration[1]) / (1000.0 if duration[2] == "ms" else 1.0)
 
 
-def _language(named: BehaviourElement) -> str:
-    written = (named.attributes.get("language") or named.element.attributes.get("xml:lang") or "en").strip().lower()
-    return _LANGUAGES.get(written, written)
+def _read_language(node: BehaviourElement) -> str:
+    language = (node.attributes.get("language") or node.element.attributes.get("xml:lang") or "en").strip().lower()
+    return _LANGUAGE_CODES.get(language, language)
 
 
-def _recording(description: Element, named: BehaviourElement, reading: DocumentReading) -> Recording | None:
-    name = _file(description)
+def _read_recording_description(
+    description: Element, node: BehaviourElement, reading: DocumentReading
+) -> Recording | None:
+    name = _find_file_name(description)
     if not name:
-        what = f"the description in line {description.place.line} names no file: it is passed over"
-        reading.note(NoticeType.PARSING_FAILURE, what, behaviour=named.id)
+        problem = f"the description in line {description.place.line} names no file and is ignored"
+        reading.add_notice(NoticeType.PARSING_FAILURE, problem, behaviour=node.id)
         return None
     if reading.source.startswith("<"):
-        what = f"the recording '{name}' is not played: a document that is no file has no folder to find it in"
-        reading.note(NoticeType.CANNOT_CREATE_BEHAVIOR, what, behaviour=named.id)
+        problem = f"the recording '{name}' is not played: the document is not a file, so it has no folder"
+        reading.add_notice(NoticeType.CANNOT_CREATE_BEHAVIOR, problem, behaviour=node.id)
         return None
     marks = tuple(
-        (mark, _seconds(child.attributes["time"].strip(), child, reading))
+        (mark, _read_time(child.attributes["time"].strip(), child, reading))
         for child in description.children
-        if child.local in MARKS and "time" in child.attributes
+        if child.local in MARK_ELEMENTS and "time" in child.attributes
         if (mark := (child.attributes.get("id") or child.attributes.get("name") or "").strip())
     )
     folder = Path(reading.source).parent
     return Recording(folder / name, marks, folder)
 
 
-def _file(description: Element) -> str:
+def _find_file_name(description: Element) -> str:
     for element in (description, *description.children):
-        for name in FILES:
-            if element.local not in MARKS and element.attributes.get(name, "").strip():
+        for name in FILE_ATTRIBUTES:
+            if element.local not in MARK_ELEMENTS and element.attributes.get(name, "").strip():
                 return element.attributes[name].strip()
-    named = next((child.text.strip() for child in description.children if child.local == "reference"), "")
-    return named or description.text.strip()
+    node = next((child.text.strip() for child in description.children if child.local == "reference"), "")
+    return node or description.text.strip()

@@ -1,11 +1,14 @@
-"""Names of sync points as dialects spell them: `stroke_start`, `stroke-start` and `StrokeStart` are `strokeStart`."""
+"""Names of sync points in BML and its dialects.
+
+`stroke_start`, `stroke-start` and `StrokeStart` are `strokeStart`.
+"""
 
 import re
 from collections.abc import Mapping
 
 SYNC_ATTRIBUTES = ("start", "ready", "strokeStart", "attackPeak", "stroke", "strokeEnd", "relax", "end")
 
-_OTHER_NAMES = {  # of older drafts, which name the beginning and the end of each phase
+_DRAFT_SYNC_NAMES = {  # names in older drafts, which mark start and end of each phase
     "preparationstart": "start",
     "preparationend": "ready",
     "readystart": "ready",
@@ -15,11 +18,11 @@ _OTHER_NAMES = {  # of older drafts, which name the beginning and the end of eac
     "relaxend": "end",
     "retractionend": "end",
 }
-_SPELLING = re.compile(r"[A-Za-z]+([_-][A-Za-z]+)*")
-_MEANT: Mapping[str, str] = {name.lower(): name for name in SYNC_ATTRIBUTES} | _OTHER_NAMES
+_SYNC_NAME_PATTERN = re.compile(r"[A-Za-z]+([_-][A-Za-z]+)*")
+_SYNCS_BY_SPELLING: Mapping[str, str] = {name.lower(): name for name in SYNC_ATTRIBUTES} | _DRAFT_SYNC_NAMES
 
 
-def sync_name(written: str) -> str | None:
-    """Finds the sync point that a name means, whatever its case and its separators; None when it means none."""
-    is_name = _SPELLING.fullmatch(written) is not None
-    return _MEANT.get(written.lower().replace("_", "").replace("-", "")) if is_name else None
+def find_sync_name(text: str) -> str | None:
+    """Return BML's name of a sync point, or None if unknown."""
+    is_name = _SYNC_NAME_PATTERN.fullmatch(text) is not None
+    return _SYNCS_BY_SPELLING.get(text.lower().replace("_", "").replace("-", "")) if is_name else None

@@ -1,36 +1,40 @@
-"""The attributes that are read, element by element; what a document has beside them has no effect, which is said."""
+"""Supported attributes and nested elements of each BML element.
+
+All other attributes and elements have no effect and produce a notice.
+"""
 
 from collections.abc import Mapping
 
-_FACE = ("lexeme", "au", "side", "amount", "type")
-_GAZE = ("target", "type", "influence", "modality", "offsetAngle", "offsetDirection")
-HAND_SHAPE = ("handShape", "handshape")  # of a gesture, as attribute or element
-_POSTURE = ("stance", "part", "shape")
-BLOCK_ATTRIBUTES = ("id", "characterId", "character", "agent", "composition")  # of a <bml>
-AGENTS = ("characterId", "character", "agent")  # of a <bml> or a behaviour: who performs
-ATTRIBUTES: Mapping[str, tuple[str, ...]] = {  # of behaviours, beside the id, the agent and the sync points
-    "gesture": ("lexeme", "type", "mode", "hand", "target", *HAND_SHAPE),
-    "pointing": ("target", "mode", "hand", *HAND_SHAPE),
+_FACE_ATTRIBUTES = ("lexeme", "au", "side", "amount", "type")
+_GAZE_ATTRIBUTES = ("target", "type", "influence", "modality", "offsetAngle", "offsetDirection")
+HAND_SHAPE_NAMES = ("handShape", "handshape")  # names of the attribute or nested element of a gesture
+_POSTURE_ATTRIBUTES = ("stance", "part", "shape")
+BLOCK_ATTRIBUTES = ("id", "characterId", "character", "agent", "composition")  # attributes of a <bml>
+AGENT_ATTRIBUTES = ("characterId", "character", "agent")  # attributes that name the performing agent
+# Supported attributes of each behaviour element, without id, agent and sync points.
+BEHAVIOUR_ATTRIBUTES: Mapping[str, tuple[str, ...]] = {
+    "gesture": ("lexeme", "type", "mode", "hand", "target", *HAND_SHAPE_NAMES),
+    "pointing": ("target", "mode", "hand", *HAND_SHAPE_NAMES),
     "head": ("lexeme", "rotation", "type", "action", "repetition", "amount"),
     "headDirectionShift": ("target", "lexeme"),
-    "gaze": _GAZE,
-    "gazeShift": _GAZE,
-    "face": _FACE,
-    "faceLexeme": _FACE,
-    "faceFacs": _FACE,
-    "faceShift": _FACE,
-    "posture": _POSTURE,
-    "postureShift": _POSTURE,
+    "gaze": _GAZE_ATTRIBUTES,
+    "gazeShift": _GAZE_ATTRIBUTES,
+    "face": _FACE_ATTRIBUTES,
+    "faceLexeme": _FACE_ATTRIBUTES,
+    "faceFacs": _FACE_ATTRIBUTES,
+    "faceShift": _FACE_ATTRIBUTES,
+    "posture": _POSTURE_ATTRIBUTES,
+    "postureShift": _POSTURE_ATTRIBUTES,
     "torso": ("lexeme", "amount"),
     "locomotion": ("target", "manner", "type"),
     "speech": ("text", "type", "language", "voice"),
     "wait": ("duration", "max-wait"),
 }
-INSIDE: Mapping[str, tuple[str, ...]] = {  # of elements inside behaviours and of constraints
+NESTED_ATTRIBUTES: Mapping[str, tuple[str, ...]] = {  # supported attributes of each nested element or constraint
     "lexeme": ("lexeme", "amount"),
     "facs": ("au", "side", "amount"),
     "stance": ("type",),
-    **dict.fromkeys(HAND_SHAPE, ("value",)),
+    **dict.fromkeys(HAND_SHAPE_NAMES, ("value",)),
     "pose": ("part", "lexeme", "shape"),
     "description": ("type", "priority"),
     "text": (),
@@ -42,16 +46,16 @@ INSIDE: Mapping[str, tuple[str, ...]] = {  # of elements inside behaviours and o
     "before": ("ref",),
     "after": ("ref",),
 }
-PARTS: Mapping[str, frozenset[str]] = {  # elements that are read inside another, beside <description>
-    **dict.fromkeys(("gesture", "pointing"), frozenset(HAND_SHAPE)),
+NESTED_ELEMENTS: Mapping[str, frozenset[str]] = {  # supported children by element, without <description>
+    **dict.fromkeys(("gesture", "pointing"), frozenset(HAND_SHAPE_NAMES)),
     **dict.fromkeys(("face", "faceLexeme", "faceFacs", "faceShift"), frozenset({"lexeme", "facs", "faceFacs"})),
     **dict.fromkeys(("posture", "postureShift"), frozenset({"stance", "pose"})),
     "constraint": frozenset({"synchronize", "before", "after"}),
     **dict.fromkeys(("synchronize", "before", "after"), frozenset({"sync"})),
 }
-SPOKEN: Mapping[str, tuple[str, ...]] = {  # elements that are read in what a speech says, and their attributes
-    "sync": INSIDE["sync"],
-    "tm": INSIDE["tm"],
+SPEECH_ATTRIBUTES: Mapping[str, tuple[str, ...]] = {  # supported attributes of each element inside a speech
+    "sync": NESTED_ATTRIBUTES["sync"],
+    "tm": NESTED_ATTRIBUTES["tm"],
     "mark": ("name", "id", "time"),
     "break": ("time", "strength"),
     "sub": ("alias",),
@@ -61,16 +65,18 @@ SPOKEN: Mapping[str, tuple[str, ...]] = {  # elements that are read in what a sp
     **dict.fromkeys(("lang", "voice", "p", "s", "text"), ()),
     "speak": ("version",),
 }
-ALTERNATIVES: Mapping[str, tuple[tuple[str, ...], ...]] = {  # names of one thing, of which the first counts
-    "gesture": (("lexeme", "type"), ("mode", "hand"), HAND_SHAPE),
-    "pointing": (("mode", "hand"), HAND_SHAPE),
+SYNONYMOUS_ATTRIBUTES: Mapping[
+    str, tuple[tuple[str, ...], ...]
+] = {  # synonyms by element; the first one present counts
+    "gesture": (("lexeme", "type"), ("mode", "hand"), HAND_SHAPE_NAMES),
+    "pointing": (("mode", "hand"), HAND_SHAPE_NAMES),
     "head": (("lexeme", "rotation", "type"),),
     "headDirectionShift": (("target", "lexeme"),),
     **dict.fromkeys(("face", "faceLexeme", "faceFacs", "faceShift"), (("lexeme", "au", "type"),)),
     **dict.fromkeys(("gaze", "gazeShift"), (("influence", "modality"),)),
     "wait": (("duration", "max-wait"),),
 }
-EMPTY: Mapping[tuple[str, str], frozenset[str]] = {  # values that are followed, or need not be; others have no effect
+SUPPORTED_VALUES: Mapping[tuple[str, str], frozenset[str]] = {  # supported values by element and attribute
     ("gaze", "type"): frozenset({"at"}),
     ("gazeShift", "type"): frozenset({"at"}),
     ("head", "action"): frozenset({"rotation"}),
@@ -81,9 +87,9 @@ EMPTY: Mapping[tuple[str, str], frozenset[str]] = {  # values that are followed,
     ("say-as", "interpret-as"): frozenset({"characters", "telephone", "tts:char", "tts:digits", "tts:key"}),
     ("say-as", "format"): frozenset({"glyphs"}),
 }
-EMPTY_VALUES = frozenset({"", "none"})  # values that are as good as no attribute
-NEEDED_ATTRIBUTES: Mapping[tuple[str, str], str] = {  # attributes that have no effect without another one
+UNSET_VALUES = frozenset({"", "none"})  # values equivalent to a missing attribute
+NEEDED_ATTRIBUTES: Mapping[tuple[str, str], str] = {  # attribute that an attribute needs to have an effect
     **dict.fromkeys((("gaze", "offsetAngle"), ("gazeShift", "offsetAngle")), "offsetDirection"),
     **dict.fromkeys((("gaze", "offsetDirection"), ("gazeShift", "offsetDirection")), "offsetAngle"),
 }
-KINDS = frozenset({"lexicalized", "lexicalised", "facs"})  # values of `type` that say how the rest is written
+NOTATION_TYPES = frozenset({"lexicalized", "lexicalised", "facs"})  # values of `type` that name a notation

@@ -1,1 +1,1 @@
-"""Solves the constraints between sync points, so that each has its time."""
+"""Solution of the time constraints between sync points."""

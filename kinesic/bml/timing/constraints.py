@@ -1,4 +1,4 @@
-"""What the references of a block say, before any number is chosen: which sync points are at equal times."""
+"""Equality constraints between sync points, as given by a block's references."""
 
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
@@ -8,7 +8,10 @@ from kinesic.bml.block import Behaviour, Block, Face, Place, Precedence, Synchro
 
 
 class Point(NamedTuple):
-    """A sync point; behaviour `bml` is the block itself, a repeated stroke is `stroke:2`."""
+    """Sync point of a behaviour.
+
+    The behaviour `bml` is the block itself; a repeated stroke is `stroke:2`.
+    """
 
     block: str
     behaviour: str
@@ -16,68 +19,75 @@ class Point(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Tie:
-    """time(left) + left.offset = time(right) + right.offset."""
+class Equality:
+    """Equality constraint: time(left) + left.offset = time(right) + right.offset."""
 
     left: SyncRef
     right: SyncRef
-    owner: str | None  # behaviour whose attribute says so; None: a constraint
+    owner: str | None  # behaviour with the sync attribute; None: a constraint
     place: Place
     required: bool
 
 
-def point_of(ref: SyncRef) -> Point:
-    """Finds the sync point of a reference, without its offset."""
+def get_point(ref: SyncRef) -> Point:
+    """Return the sync point of a reference, without its offset."""
     return Point(ref.block, ref.behaviour, ref.sync if ref.iteration in (None, 1) else f"{ref.sync}:{ref.iteration}")
 
 
-def ties(block: Block) -> Iterator[Tie]:
-    """Yields all equalities that a block asks for, in document order."""
+def find_equalities(block: Block) -> Iterator[Equality]:
+    """Yield all equality constraints of a block in document order."""
     for behaviour in block.behaviours:
-        yield from own_ties(behaviour, block.id)
+        yield from find_attribute_equalities(behaviour, block.id)
     for constraint in block.constraints:
         if isinstance(constraint, Synchronize):
-            yield from synchronize_equalities(constraint)
+            yield from find_synchronize_equalities(constraint)
 
 
-def own_ties(behaviour: Behaviour, block: str) -> Iterator[Tie]:
-    """Yields the equalities that the sync attributes of a behaviour ask for."""
+def find_attribute_equalities(behaviour: Behaviour, block: str) -> Iterator[Equality]:
+    """Yield the equality constraints of a behaviour's sync attributes."""
     for sync, ref in behaviour.syncs.items():
-        own = SyncRef(block, behaviour.id, sync)
-        yield Tie(own, ref, behaviour.id, behaviour.place, behaviour.required)
+        own_ref = SyncRef(block, behaviour.id, sync)
+        yield Equality(own_ref, ref, behaviour.id, behaviour.place, behaviour.required)
 
 
-def relaxing_ties(behaviour: Behaviour, block: str, named: Collection[Point]) -> Iterator[Tie]:
-    """Lets an expression of the face relax where its stroke is to end, unless the document places that otherwise.
+def find_relax_equalities(
+    behaviour: Behaviour, block: str, constrained_points: Collection[Point]
+) -> Iterator[Equality]:
+    """Yield relax = strokeEnd for a face unless the document constrains relax.
 
     Args:
-        behaviour: of the block.
-        block: its id.
-        named: points that constraints of the block name.
+        behaviour: behaviour of the block.
+        block: id of the block.
+        constrained_points: points in constraints of the block.
     """
-    ended = behaviour.syncs.get("strokeEnd")
-    placed = "relax" in behaviour.syncs or Point(block, behaviour.id, "relax") in named
-    if isinstance(behaviour.action, Face) and ended is not None and not placed:
-        yield Tie(SyncRef(block, behaviour.id, "relax"), ended, behaviour.id, behaviour.place, behaviour.required)
+    stroke_end = behaviour.syncs.get("strokeEnd")
+    is_relax_placed = "relax" in behaviour.syncs or Point(block, behaviour.id, "relax") in constrained_points
+    if isinstance(behaviour.action, Face) and stroke_end is not None and not is_relax_placed:
+        yield Equality(
+            SyncRef(block, behaviour.id, "relax"), stroke_end, behaviour.id, behaviour.place, behaviour.required
+        )
 
 
-def synchronize_equalities(constraint: Synchronize) -> Iterator[Tie]:
-    """Yields the equalities of a <synchronize>, all with its first point that moves."""
+def find_synchronize_equalities(constraint: Synchronize) -> Iterator[Equality]:
+    """Yield the equalities of a <synchronize> with its first movable point."""
     moving = (ref for ref in constraint.refs if (ref.behaviour, ref.sync) != ("bml", "start"))
     first = next(moving, None)
     for ref in constraint.refs:
         if first is not None and ref is not first:
-            yield Tie(first, ref, None, constraint.place, constraint.required)
+            yield Equality(first, ref, None, constraint.place, constraint.required)
 
 
-def placed_points(block: Block) -> Mapping[str, frozenset[str]]:
-    """Finds each behaviour's sync points that the document's constraints name; the others have natural times."""
-    refs = [ref for tie in ties(block) for ref in (tie.left, tie.right)]
+def find_constrained_points(block: Block) -> Mapping[str, frozenset[str]]:
+    """Return the constrained sync points of each behaviour.
+
+    Others have natural times.
+    """
+    refs = [ref for equality in find_equalities(block) for ref in (equality.left, equality.right)]
     for order in block.constraints:
         if isinstance(order, Precedence):
             refs += [order.earlier, *order.later]
-    found: dict[str, set[str]] = {behaviour.id: set() for behaviour in block.behaviours}
-    for point in map(point_of, refs):
-        if point.block == block.id and point.behaviour in found:
-            found[point.behaviour].add(point.sync)
-    return {id: frozenset(syncs) for id, syncs in found.items()}
+    points_by_behaviour: dict[str, set[str]] = {behaviour.id: set() for behaviour in block.behaviours}
+    for point in map(get_point, refs):
+        if point.block == block.id and point.behaviour in points_by_behaviour:
+            points_by_behaviour[point.behaviour].add(point.sync)
+    return {id: frozenset(syncs) for id, syncs in points_by_behaviour.items()}

@@ -1,8 +1,8 @@
-"""Behaviours whose times hang on one another: the times nearest to their natural phases, by linear programming.
+"""Linear program for the times of coupled behaviours, close to natural durations.
 
-Unknowns are one time per class of equal points, and by how much each phase is longer or shorter than natural. Holds
-are the cheapest to change, strokes the dearest; what is shortened is shortened alike, first within a behaviour, then
-among all. Where nothing pulls, behaviours are early but not before 0.
+Unknowns are one time per set of rigidly linked points, and the lengthening and shortening of each phase. Holds are the
+cheapest to change, strokes the most expensive; shortening is spread evenly, first within a behaviour, then over all.
+Otherwise behaviours are early but not before 0.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -14,25 +14,38 @@ import scipy
 
 from kinesic.bml.timing.constraints import Point
 from kinesic.bml.timing.negative_cycles import Edge
-from kinesic.bml.timing.network import SHORTEST_BEHAVIOUR, Potentials, SyncChain
-from kinesic.bml.timing.points import HOLDS, is_repeated
+from kinesic.bml.timing.network import MIN_BEHAVIOUR_DURATION, Potentials, SyncChain
+from kinesic.bml.timing.points import HOLD_SYNCS, is_repeated
 
-_LONGER = {"relax": 1.0, "strokeStart": 1.5, "end": 4.0, "ready": 5.0}
-_STROKE_LONGER = 40.0
-_SHORTER_HOLD = 2.0
-_SHORTER_AGAIN = 2.5  # a stroke that is done once more
-_SHORTER = 3.0
-_STROKE_SHORTER = 20.0
-_SHRINK = 10.0  # of one behaviour, per natural second
-_SHRINK_ALL = 5.0  # of the one that shrinks most, per natural second of all
-_BLOCK_END = 0.3  # per second that the block ends later, or before its start
-_EARLY = 1e-4  # per second that a behaviour starts later
-_BEFORE_ZERO = 0.6  # per second that it starts before 0, where nothing else says when the block ends: it ends later
+# [1/s] costs of lengthened phases, by the sync point at the end of the phase
+_LENGTHENING_COSTS = {"relax": 1.0, "strokeStart": 1.5, "end": 4.0, "ready": 5.0}
+
+
+@dataclass(frozen=True)
+class _CostWeights:
+    """Cost weights of changed phase durations and times.
+
+    They were chosen so that holds change first and strokes last.
+    """
+
+    stroke_lengthening: float = 40.0  # [1/s] of a stroke that is longer than natural
+    hold_shortening: float = 2.0  # [1/s] of a hold that is shorter than natural
+    repetition_shortening: float = 2.5  # [1/s] of a repeated stroke that is shorter than natural
+    phase_shortening: float = 3.0  # [1/s] of any other phase but a stroke
+    stroke_shortening: float = 20.0  # [1/s] of a stroke that is shorter than natural
+    behaviour_scaling: float = 10.0  # [1/s] per natural second; spreads shortening evenly over one behaviour
+    overall_scaling: float = 5.0  # [1/s] per natural second; spreads shortening evenly over all behaviours
+    block_end: float = 0.3  # [1/s] of a later block end, or one before 0
+    late_start: float = 1e-4  # [1/s] of a later behaviour start; prefers early starts
+    negative_start: float = 0.6  # [1/s] of a start before 0 while the end of the block is free
+
+
+_WEIGHTS = _CostWeights()
 
 
 @dataclass
 class _Rows:
-    """Sparse rows `coefficients @ unknowns <= bound`, and the cost and bounds of each unknown."""
+    """Sparse rows `coefficients @ unknowns <= bound` with costs and lower bounds."""
 
     costs: list[float] = field(default_factory=list)
     lowest: list[float] = field(default_factory=list)
@@ -51,28 +64,28 @@ class _Rows:
     def solve(self) -> list[float]:
         rows, columns, values = zip(*self.entries, strict=True)
         matrix = scipy.sparse.csr_array((values, (rows, columns)), shape=(len(self.bounds), len(self.costs)))
-        found = scipy.optimize.linprog(
+        solution = scipy.optimize.linprog(
             self.costs,
             A_ub=matrix,
             b_ub=self.bounds,
             bounds=np.column_stack([self.lowest, np.full(len(self.lowest), np.inf)]),
             method="highs",
         )
-        if found.x is None:
-            raise ArithmeticError(f"times without contradiction were not found: {found.message}")
-        return [float(value) for value in found.x]
+        if solution.x is None:
+            raise ArithmeticError(f"no consistent times were found: {solution.message}")
+        return [float(value) for value in solution.x]
 
 
 class TimingProgram:
-    """The linear program of some chains and orders."""
+    """Linear program of behaviours and precedence constraints."""
 
-    def __init__(self, potentials: Potentials, known: Mapping[Point, float]) -> None:
-        self._potentials, self._known = potentials, known
+    def __init__(self, potentials: Potentials, fixed_times: Mapping[Point, float]) -> None:
+        self._potentials, self._known = potentials, fixed_times
         self._rows = _Rows()
         self._root: dict[Point, int] = {}
 
     def _time(self, point: Point) -> tuple[list[tuple[int, float]], float]:
-        """A point's time as unknown times plus a constant."""
+        """Return a sync point's time as unknowns plus a constant."""
         root, gap = self._potentials.find(point)
         if root in self._known:
             return [], self._known[root] + gap
@@ -80,39 +93,43 @@ class TimingProgram:
             self._root[root] = self._rows.unknown(0.0, -np.inf)
         return [(self._root[root], 1.0)], gap
 
-    def _at_least(self, tail: Point, head: Point, gap: float, more: Iterable[tuple[int, float]] = ()) -> None:
-        """Adds time(head) - time(tail) >= gap + more."""
+    def _at_least(self, tail: Point, head: Point, gap: float, extra_terms: Iterable[tuple[int, float]] = ()) -> None:
+        """Add the constraint time(head) - time(tail) >= gap + extra terms."""
         (tail_terms, tail_gap), (head_terms, head_gap) = self._time(tail), self._time(head)
-        minus = [(unknown, -factor) for unknown, factor in head_terms]
-        self._rows.at_most(head_gap - tail_gap - gap, [*tail_terms, *minus, *more])
+        negated = [(unknown, -factor) for unknown, factor in head_terms]
+        self._rows.at_most(head_gap - tail_gap - gap, [*tail_terms, *negated, *extra_terms])
 
-    def _add(self, chain: SyncChain, spans: Mapping[str, float], all_shrink: int, early: float) -> None:
+    def _add(self, chain: SyncChain, spans: Mapping[str, float], all_shrink: int, early_cost: float) -> None:
         action = chain.behaviour.action
-        moving = sum(span for name, span in spans.items() if name not in HOLDS and not is_repeated(action, name))
-        shrink = self._rows.unknown(_SHRINK * moving, 0.0)
+        moving = sum(span for name, span in spans.items() if name not in HOLD_SYNCS and not is_repeated(action, name))
+        shrink = self._rows.unknown(_WEIGHTS.behaviour_scaling * moving, 0.0)
         self._rows.at_most(0.0, [(shrink, 1.0), (all_shrink, -1.0)])
         for tail, head in pairwise(chain.points):
             if self._potentials.find(tail)[0] == self._potentials.find(head)[0]:
                 continue
             name = head.sync
             natural = spans.get(name, 0.0)
-            is_hold, again = name in HOLDS, is_repeated(action, name)
-            least = _SHORTER_HOLD if is_hold else _SHORTER_AGAIN if again else None
-            less = least or (_SHORTER if name in _LONGER else _STROKE_SHORTER)
-            longer = self._rows.unknown(_LONGER.get(name, _STROKE_LONGER), 0.0)
-            shorter = self._rows.unknown(less, 0.0)
+            is_hold, is_repetition = name in HOLD_SYNCS, is_repeated(action, name)
+            hold_cost = (
+                _WEIGHTS.hold_shortening if is_hold else _WEIGHTS.repetition_shortening if is_repetition else None
+            )
+            shorter_cost = hold_cost or (
+                _WEIGHTS.phase_shortening if name in _LENGTHENING_COSTS else _WEIGHTS.stroke_shortening
+            )
+            longer = self._rows.unknown(_LENGTHENING_COSTS.get(name, _WEIGHTS.stroke_lengthening), 0.0)
+            shorter = self._rows.unknown(shorter_cost, 0.0)
             self._at_least(tail, head, natural, [(shorter, -1.0)])
             self._at_least(head, tail, -natural, [(longer, -1.0)])
             self._at_least(tail, head, 0.0)
-            if least is None:
+            if hold_cost is None:
                 self._rows.at_most(0.0, [(shorter, 1.0), (shrink, -natural)])
         first, last = chain.points[0], chain.points[-1]
         if self._potentials.find(first)[0] != self._potentials.find(last)[0]:
-            self._at_least(first, last, SHORTEST_BEHAVIOUR)
-        self._pull_to_zero(first, _EARLY, early)
+            self._at_least(first, last, MIN_BEHAVIOUR_DURATION)
+        self._penalise_offset(first, _WEIGHTS.late_start, early_cost)
 
-    def _pull_to_zero(self, point: Point, after_zero: float, before_zero: float) -> None:
-        """Costs so much for each second that a point is after 0, and so much for each second before it."""
+    def _penalise_offset(self, point: Point, after_zero: float, before_zero: float) -> None:
+        """Add costs per second for a sync point's distance from 0."""
         terms, gap = self._time(point)
         if terms:
             after, before = self._rows.unknown(after_zero, 0.0), self._rows.unknown(before_zero, 0.0)
@@ -122,26 +139,28 @@ class TimingProgram:
     def times(
         self, chains: Sequence[SyncChain], spans: Mapping[str, Mapping[str, float]], orders: Sequence[Edge]
     ) -> dict[Point, float]:
-        """Solves for the time of every class that is not known.
+        """Solve for the times of all linked sync points.
 
         Args:
             chains: behaviours.
-            spans: natural seconds of each behaviour's phases.
-            orders: between their points.
+            spans: natural durations [s] of the phases of each behaviour.
+            orders: precedence constraints between points.
         """
         natural = sum(sum(spans[chain.behaviour.id].values()) for chain in chains)
-        all_shrink = self._rows.unknown(_SHRINK_ALL * natural, 0.0)
+        all_shrink = self._rows.unknown(_WEIGHTS.overall_scaling * natural, 0.0)
         ending = [order for order in orders if order.head.behaviour == "bml"]
         bound = not ending or any(self._potentials.find(order.tail)[0] in self._known for order in ending)
-        early = _EARLY * (len(chains) + 1) if bound else _BEFORE_ZERO
+        early_cost = _WEIGHTS.late_start * (len(chains) + 1) if bound else _WEIGHTS.negative_start
         for chain in chains:
             if chain.is_rigid:
-                self._pull_to_zero(chain.points[0], _EARLY, _EARLY * (len(chains) + 1))
+                self._penalise_offset(chain.points[0], _WEIGHTS.late_start, _WEIGHTS.late_start * (len(chains) + 1))
             else:
-                self._add(chain, spans[chain.behaviour.id], all_shrink, early)
+                self._add(chain, spans[chain.behaviour.id], all_shrink, early_cost)
         for order in orders:
             self._at_least(order.tail, order.head, order.gap)
         for end in dict.fromkeys(order.head for order in ending):
-            self._pull_to_zero(end, _BLOCK_END, _BLOCK_END)  # from both sides: nothing else may hold it
-        found = self._rows.solve()
-        return {root: found[unknown] for root, unknown in self._root.items()}
+            self._penalise_offset(
+                end, _WEIGHTS.block_end, _WEIGHTS.block_end
+            )  # from both sides, since the end may be unconstrained
+        solution = self._rows.solve()
+        return {root: solution[unknown] for root, unknown in self._root.items()}

@@ -1,6 +1,6 @@
-"""Finds contradictory time constraints: loops of edges whose least gaps add up to more than zero.
+"""Detection of contradicting time constraints: cycles with positive total gap.
 
-Bellman and Ford's longest paths, with Yen's alternating sweeps; a loop shows in the graph of predecessors.
+Longest paths by Bellman-Ford with Yen's alternating sweeps; a cycle appears in the graph of predecessors.
 """
 
 from collections.abc import Sequence
@@ -8,58 +8,58 @@ from dataclasses import dataclass
 
 from kinesic.bml.timing.constraints import Point
 
-EQUAL = 1e-9  # [s] times closer than this are the same
+TIME_TOLERANCE = 1e-9  # [s] difference below which times count as equal
 
 
 @dataclass(frozen=True)
 class Edge:
-    """time(head) - time(tail) is at least gap."""
+    """Constraint time(head) - time(tail) >= gap between two sync points."""
 
     tail: Point
     head: Point
     gap: float  # [s]
-    owner: str | None = None  # behaviour that asks for it; None: a constraint
+    owner: str | None = None  # behaviour that requests it; None: a constraint
 
 
-def contradictions(edges: Sequence[Edge]) -> list[list[Edge]]:
-    """Finds loops that cannot hold; none: all edges hold together.
+def find_contradictions(edges: Sequence[Edge]) -> list[list[Edge]]:
+    """Return cycles of edges that cannot hold together.
 
-    Not every contradiction is found at once, but at least one when there is one.
+    Empty if all edges can. If there are contradictions, at least one of them is returned.
     """
     points = {point for edge in edges for point in (edge.tail, edge.head)}
     times = dict.fromkeys(points, 0.0)
-    via: dict[Point, Edge] = {}
+    predecessor: dict[Point, Edge] = {}
     for sweep in range(len(points) + 1):
         changed = False
         for edge in edges if sweep % 2 == 0 else reversed(edges):
             earliest = times[edge.tail] + edge.gap
-            if earliest > times[edge.head] + EQUAL:
+            if earliest > times[edge.head] + TIME_TOLERANCE:
                 times[edge.head] = earliest
-                via[edge.head] = edge
+                predecessor[edge.head] = edge
                 changed = True
         if not changed:
             return []
-        if found := _loops(via):
-            return found
+        if cycles := _find_cycles(predecessor):
+            return cycles
     return []
 
 
-def _loops(via: dict[Point, Edge]) -> list[list[Edge]]:
-    """Loops in a graph where each point has at most one predecessor."""
-    loops: list[list[Edge]] = []
-    walk_of: dict[Point, Point] = {}  # point -> where the walk started that reached it first
-    for start in via:
+def _find_cycles(predecessor: dict[Point, Edge]) -> list[list[Edge]]:
+    """Return all cycles of a graph with single predecessors."""
+    cycles: list[list[Edge]] = []
+    walk_starts: dict[Point, Point] = {}  # point -> start of the first walk that reached it
+    for start in predecessor:
         point = start
-        while point in via and point not in walk_of:
-            walk_of[point] = start
-            point = via[point].tail
-        if walk_of.get(point) == start and point in via:
-            loops.append(_around(point, via))
-    return loops
+        while point in predecessor and point not in walk_starts:
+            walk_starts[point] = start
+            point = predecessor[point].tail
+        if walk_starts.get(point) == start and point in predecessor:
+            cycles.append(_trace_cycle(point, predecessor))
+    return cycles
 
 
-def _around(point: Point, via: dict[Point, Edge]) -> list[Edge]:
-    loop = [via[point]]
-    while loop[-1].tail != point:
-        loop.append(via[loop[-1].tail])
-    return loop[::-1]
+def _trace_cycle(point: Point, predecessor: dict[Point, Edge]) -> list[Edge]:
+    cycle = [predecessor[point]]
+    while cycle[-1].tail != point:
+        cycle.append(predecessor[cycle[-1].tail])
+    return cycle[::-1]

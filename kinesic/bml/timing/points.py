@@ -1,4 +1,4 @@
-"""Sync points of each type of behaviour in their order, and how long it takes by nature from one to the next."""
+"""Sync points of each behaviour type in order, with natural phase durations."""
 
 from collections.abc import Iterable, Mapping, Sequence
 
@@ -23,39 +23,50 @@ from kinesic.bml.block import (
 )
 from kinesic.body.utterance import Utterance
 
-HOLDS = frozenset({"strokeStart", "relax"})  # sync points that end a hold
+HOLD_SYNCS = frozenset({"strokeStart", "relax"})  # sync points at the end of a hold
 
-_SPEECH_BEGINS, _SPEECH_ENDS = GESTURE_SYNCS[:4], GESTURE_SYNCS[4:]  # of the draft: when it begins, when it ends
-_DRAFT_FACE_SYNCS = (GESTURE_SYNCS[0], "attackPeak", *GESTURE_SYNCS[1:])  # the draft's seven, and BML 1.0's
-_NATURAL: Mapping[type, Mapping[str, float]] = {
+_SPEECH_START_SYNCS = GESTURE_SYNCS[:4]  # draft names of the start of a speech
+_SPEECH_END_SYNCS = GESTURE_SYNCS[4:]  # draft names of the end of a speech
+_DRAFT_FACE_SYNCS = (
+    GESTURE_SYNCS[0],
+    "attackPeak",
+    *GESTURE_SYNCS[1:],
+)  # sync points of the draft plus that of BML 1.0
+_NATURAL_DURATIONS: Mapping[type, Mapping[str, float]] = {  # [s] of each phase, by the sync point at its end
     Gaze: {"ready": 0.4, "relax": 1.0, "end": 0.4},
     Face: {"attackPeak": 0.3, "relax": 0.8, "end": 0.4},
     Head: {"ready": 0.2, "stroke": 0.2, "strokeEnd": 0.2, "end": 0.3},
     Posture: {"ready": 1.0, "relax": 2.0, "end": 1.0},
     Locomotion: {"ready": 0.5, "relax": 2.0, "end": 0.5},
 }
-_GESTURE = {"ready": 0.6, "stroke": 0.25, "strokeEnd": 0.25, "relax": 0.2, "end": 0.7}
-_REPEATED_STROKE = 0.4  # [s] from one stroke of a head movement to the next
-_SHIFT = 0.8  # [s]
-_WAIT = 1.0  # [s] when nothing says how long
+# [s] natural durations of gesture phases, by the sync point at the end of the phase
+_NATURAL_GESTURE_DURATIONS = {"ready": 0.6, "stroke": 0.25, "strokeEnd": 0.25, "relax": 0.2, "end": 0.7}
+_REPEATED_STROKE_DURATION = 0.4  # [s] natural time between two strokes of a head movement
+_SHIFT_DURATION = 0.8  # [s] natural duration of a shift of gaze, face or posture
+_DEFAULT_WAIT_DURATION = 1.0  # [s] duration of a wait behaviour that gives none
 
 
-def sync_points(action: Action, dialect: Dialect, spans: Iterable[str] = ()) -> tuple[str, ...]:
-    """Lists the sync points of a behaviour; those of a speech are start, its marks as written, end.
+def list_sync_points(action: Action, dialect: Dialect, spans: Iterable[str] = ()) -> tuple[str, ...]:
+    """Return the sync points of a behaviour in order.
 
-    Speech, gaze, face and posture have the gesture's seven points in the drafts: outside BML 1.0 they get both sets.
+    A speech has start, its marks in document order, and end. In the drafts, speech, gaze, face and posture have the
+    seven points of a gesture: outside BML 1.0 they get both sets.
 
     Args:
-        action: what is done.
-        dialect: of the document.
-        spans: points whose natural spans are known; a gesture that style repeats has a `stroke:2` among them.
+        action: action of the behaviour.
+        dialect: dialect of the document.
+        spans: points with given natural durations; contains `stroke:2` if the style repeats a gesture.
     """
     is_draft = dialect != "bml-1.0"
     match action:
         case Speech(script):
             marks = tuple(mark.name for mark in script.marks)
-            begins, ends = (_SPEECH_BEGINS, _SPEECH_ENDS) if is_draft else (("start",), ("end",))
-            return (*(sync for sync in begins if sync not in marks), *marks, *(s for s in ends if s not in marks))
+            start_syncs, end_syncs = (_SPEECH_START_SYNCS, _SPEECH_END_SYNCS) if is_draft else (("start",), ("end",))
+            return (
+                *(sync for sync in start_syncs if sync not in marks),
+                *marks,
+                *(s for s in end_syncs if s not in marks),
+            )
         case Gaze(shift=True) | Face(shift=True) | Posture(shift=True) | Wait():
             return SHIFT_SYNCS
         case Interrupt() | Activate() | ParameterChange():
@@ -73,38 +84,52 @@ def sync_points(action: Action, dialect: Dialect, spans: Iterable[str] = ()) -> 
     return GESTURE_SYNCS
 
 
-def speech_offsets(utterance: Utterance) -> dict[str, float]:
-    """Computes when each sync point of a speech comes [s], from its start; those of the draft are its start or end."""
-    begins, ends = dict.fromkeys(_SPEECH_BEGINS, 0.0), dict.fromkeys(_SPEECH_ENDS, utterance.duration)
-    return {**begins, **ends, **utterance.marks}
+def find_speech_offsets(utterance: Utterance) -> dict[str, float]:
+    """Return the offset of a speech's sync points from its start [s].
+
+    The draft's other points coincide with start or end.
+    """
+    start_syncs, end_syncs = (
+        dict.fromkeys(_SPEECH_START_SYNCS, 0.0),
+        dict.fromkeys(_SPEECH_END_SYNCS, utterance.duration),
+    )
+    return {**start_syncs, **end_syncs, **utterance.marks}
 
 
 def is_repeated(action: Action, sync: str) -> bool:
-    """Checks whether a sync point is a stroke that only the style repeats, and which gives way to all others."""
+    """Return whether a sync point is a stroke that the style repeats.
+
+    Such a stroke yields to all others.
+    """
     return isinstance(action, Gesture) and sync.startswith("stroke:")
 
 
-def natural_spans(action: Action, given: Mapping[str, float]) -> dict[str, float]:
-    """Finds each phase's natural time [s], keyed by the sync point that ends it; a missing point takes none.
+def find_natural_spans(action: Action, known_durations: Mapping[str, float]) -> dict[str, float]:
+    """Return each phase's natural duration [s] by its final sync point.
+
+    A missing point has duration 0.
 
     Args:
-        action: what is done.
-        given: what is known better, by sync point.
+        action: action of the behaviour.
+        known_durations: durations that replace the defaults, by sync point.
     """
     match action:
         case Gaze(shift=True) | Face(shift=True) | Posture(shift=True):
-            usual: Mapping[str, float] = {"end": _SHIFT}
+            durations: Mapping[str, float] = {"end": _SHIFT_DURATION}
         case Interrupt() | Activate() | ParameterChange():
-            usual = {}
+            durations = {}
         case Wait(duration):
-            usual = {"end": _WAIT if duration is None else duration}
+            durations = {"end": _DEFAULT_WAIT_DURATION if duration is None else duration}
         case Head(repetition=count):
-            usual = {**_NATURAL[Head], **{f"stroke:{k}": _REPEATED_STROKE for k in range(2, count + 1)}}
+            durations = {
+                **_NATURAL_DURATIONS[Head],
+                **{f"stroke:{k}": _REPEATED_STROKE_DURATION for k in range(2, count + 1)},
+            }
         case _:
-            usual = _NATURAL.get(type(action), _GESTURE)
-    return {**usual, **given}
+            durations = _NATURAL_DURATIONS.get(type(action), _NATURAL_GESTURE_DURATIONS)
+    return {**durations, **known_durations}
 
 
-def _with_strokes(more: Sequence[str]) -> tuple[str, ...]:
+def _with_strokes(extra_strokes: Sequence[str]) -> tuple[str, ...]:
     after = GESTURE_SYNCS.index("strokeEnd")
-    return (*GESTURE_SYNCS[:after], *more, *GESTURE_SYNCS[after:])
+    return (*GESTURE_SYNCS[:after], *extra_strokes, *GESTURE_SYNCS[after:])

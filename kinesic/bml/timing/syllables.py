@@ -1,60 +1,63 @@
-"""Finds how long the accented syllable of a word lasts beyond a sync point that a document ties to the word."""
+"""Duration of accented syllables beyond sync points that are tied to words."""
 
 from collections.abc import Mapping, Sequence
 from itertools import takewhile
 
 from kinesic.bml.block import Block
-from kinesic.bml.timing.words import tied_words
-from kinesic.body.utterance import STRESSES, VOWELS, Phoneme, Utterance
+from kinesic.bml.timing.words import find_word_offsets
+from kinesic.body.utterance import STRESS_MARKS, VOWEL_LETTERS, Phoneme, Utterance
 
-WORD = 0.7  # [s] behind the place of a mark, in which the accented syllable of its word begins
-ACCENTS = (*STRESSES, "")  # of vowels, the strongest first
-ROUNDING = 1e-6  # [s]
+MAX_ACCENT_DELAY = 0.7  # [s] longest time from a mark to the accented vowel of its word
+STRESS_LEVELS = (*STRESS_MARKS, "")  # stress symbols of vowels, strongest first
+TIME_ROUNDING = 1e-6  # [s] tolerance for phonemes that start just before a mark
 
 
 def find_syllables(block: Block, utterances: Mapping[str, Utterance]) -> Mapping[tuple[str, str], float]:
-    """Finds when the accented syllable ends [s], from the sync point on.
+    """Return the time [s] from word-tied sync points to the syllable's end.
 
     Args:
-        block: with its speeches.
-        utterances: of them, by their ids.
+        block: block with its speeches.
+        utterances: utterance by speech id.
 
     Returns:
-        (behaviour, sync point) -> [s]; without those whose syllable is over by then, or whose sounds nobody knows.
+        (behaviour, sync point) -> [s]; without syllables that end earlier, or whose phonemes are unknown.
     """
-    found: dict[tuple[str, str], float] = {}
-    for point, (word, offset) in tied_words(block).items():
-        said = utterances.get(word.behaviour)
-        begins = 0.0 if said is None else said.marks.get(word.sync, 0.0)
-        ends = None if said is None else syllable_end(said.phonemes, begins)
-        if ends is not None and ends - begins > offset:
-            found[point.behaviour, point.sync] = ends - begins - offset
-    return found
+    delays: dict[tuple[str, str], float] = {}
+    for point, (word, offset) in find_word_offsets(block).items():
+        utterance = utterances.get(word.behaviour)
+        start = 0.0 if utterance is None else utterance.marks.get(word.sync, 0.0)
+        end = None if utterance is None else find_syllable_end(utterance.phonemes, start)
+        if end is not None and end - start > offset:
+            delays[point.behaviour, point.sync] = end - start - offset
+    return delays
 
 
-def syllable_end(phonemes: Sequence[Phoneme], begins: float) -> float | None:
-    """Finds when the accented vowel of a word ends [s]; None where it has none.
+def find_syllable_end(phonemes: Sequence[Phoneme], start: float) -> float | None:
+    """Return the end of a word's accented vowel [s], or None.
 
     Args:
-        phonemes: of the utterance, in their order.
-        begins: when the word does [s].
+        phonemes: phonemes of the utterance in order.
+        start: start of the word [s].
     """
-    near = [each for each in phonemes if -ROUNDING <= each.start - begins <= WORD]
-    vowels = [k for k, each in enumerate(near) if _is_vowel(each)]
-    for stress in ACCENTS:
-        accented = next((k for k in vowels if near[k].symbol.startswith(stress)), None)
+    candidates = [phoneme for phoneme in phonemes if -TIME_ROUNDING <= phoneme.start - start <= MAX_ACCENT_DELAY]
+    vowels = [k for k, phoneme in enumerate(candidates) if _is_vowel(phoneme)]
+    for stress in STRESS_LEVELS:
+        accented = next((k for k in vowels if candidates[k].symbol.startswith(stress)), None)
         if accented is not None:
-            *_, last = takewhile(_is_vowel, near[accented:])
+            *_, last = takewhile(_is_vowel, candidates[accented:])
             return last.end
     return None
 
 
-def accented_vowels(phonemes: Sequence[Phoneme]) -> list[float]:
-    """Finds the middle of each accented vowel [s]; of every vowel, where the voice tells no accents."""
-    vowels = [each for each in phonemes if _is_vowel(each)]
-    accented = [each for each in vowels if each.symbol.startswith(STRESSES[0])] or vowels
-    return [each.start + each.duration / 2 for each in accented]
+def find_accented_vowels(phonemes: Sequence[Phoneme]) -> list[float]:
+    """Return the middle of each accented vowel [s].
+
+    Without accents in the voice, all vowels count.
+    """
+    vowels = [phoneme for phoneme in phonemes if _is_vowel(phoneme)]
+    accented = [phoneme for phoneme in vowels if phoneme.symbol.startswith(STRESS_MARKS[0])] or vowels
+    return [phoneme.start + phoneme.duration / 2 for phoneme in accented]
 
 
 def _is_vowel(sound: Phoneme) -> bool:
-    return sound.symbol.lstrip("".join(STRESSES))[:1].lower() in VOWELS
+    return sound.symbol.lstrip("".join(STRESS_MARKS))[:1].lower() in VOWEL_LETTERS

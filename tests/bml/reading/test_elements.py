@@ -1,4 +1,4 @@
-"""What attributes and descriptions mean: words of the draft, words for nothing, attributes that nobody reads."""
+"""Tests of attributes and descriptions of behaviour elements."""
 
 import pytest
 
@@ -6,10 +6,10 @@ from kinesic.bml.block import Action, Gaze, Gesture, Head, NoticeType, Pointing,
 from kinesic.bml.parse import parse
 
 BML_1_0 = "http://www.bml-initiative.org/bml/bml-1.0"
-OURS = '<description priority="{}" type="application/bml"><pointing target="user"/></description>'
-NOT_OURS = '<description priority="{}" type="RobotLights"><lights colour="red"/></description>'
-NOD = '<description priority="{}" type="x"><head lexeme="NOD"/></description>'
-GRETA = '<description priority="{}" type="gretabml"><PWR.value>0.5</PWR.value></description>'
+BML_DESCRIPTION = '<description priority="{}" type="application/bml"><pointing target="user"/></description>'
+UNKNOWN_DESCRIPTION = '<description priority="{}" type="RobotLights"><lights colour="red"/></description>'
+NOD_DESCRIPTION = '<description priority="{}" type="x"><head lexeme="NOD"/></description>'
+GRETA_DESCRIPTION = '<description priority="{}" type="gretabml"><PWR.value>0.5</PWR.value></description>'
 
 
 @pytest.mark.parametrize(
@@ -22,22 +22,22 @@ GRETA = '<description priority="{}" type="gretabml"><PWR.value>0.5</PWR.value></
         ('<gaze id="x" offsetDirection="UP_LEFT" offsetAngle="9"/>', Gaze(offset_angle=9.0, offset_direction="UPLEFT")),
     ],
 )
-def test_words(xml: str, action: Action) -> None:
+def test_attribute_values_of_the_bml_draft_are_read(xml: str, action: Action) -> None:
     block = parse(f'<bml id="b">{xml}</bml>')
     assert block.behaviours[0].action == action
     assert block.notices == ()
 
 
 @pytest.mark.parametrize("attribute", ['influence="KNEES"', 'offsetDirection="POLAR"'])
-def test_a_word_that_stands_for_nothing_is_passed_over_and_told(attribute: str) -> None:
+def test_invalid_attribute_value_is_ignored_with_a_notice(attribute: str) -> None:
     block = parse(f'<bml id="b"><gaze id="x" target="t" {attribute}/></bml>')
     assert block.behaviours[0].action == Gaze("t")
     (notice,) = block.notices
     assert (notice.type, notice.id) == (NoticeType.PARSING_FAILURE, "b:x")
-    assert "known are" in notice.text
+    assert "valid values" in notice.text
 
 
-def test_an_attribute_that_nobody_reads_is_told_once_for_each_kind_of_element() -> None:
+def test_unknown_attribute_is_reported_once_per_element_type() -> None:
     block = parse(
         '<bml id="b"><head id="x" lexeme="NOD" speed="2"/><head id="y" speed="3"/><gaze id="z" speed="1"/></bml>'
     )
@@ -55,41 +55,41 @@ def test_an_attribute_that_nobody_reads_is_told_once_for_each_kind_of_element() 
         ('<gaze id="x" target="t" ready="2"/>', {"ready": 2.0}),
     ],
 )
-def test_what_stays_has_come_at_its_end(behaviour: str, syncs: dict[str, float]) -> None:
+def test_ready_time_of_a_gaze_or_face_shift_is_read_as_its_end_time(behaviour: str, syncs: dict[str, float]) -> None:
     block = parse(f'<bml xmlns="{BML_1_0}" id="b">{behaviour}</bml>')
-    wanted = {sync: SyncRef("b", "bml", "start", offset=time) for sync, time in syncs.items()}
-    assert block.behaviours[0].syncs == wanted
+    expected = {sync: SyncRef("b", "bml", "start", offset=time) for sync, time in syncs.items()}
+    assert block.behaviours[0].syncs == expected
     assert block.notices == ()
 
 
-def test_both_are_not_one() -> None:
+def test_end_time_of_a_gaze_shift_overrides_its_ready_time() -> None:
     block = parse(f'<bml xmlns="{BML_1_0}" id="b"><gazeShift id="x" target="t" ready="2" end="3"/></bml>')
     assert block.behaviours[0].syncs == {"end": SyncRef("b", "bml", "start", offset=3.0)}
-    assert "ready is no sync point" in block.notices[0].text
+    assert "ready is not a sync point" in block.notices[0].text
 
 
 @pytest.mark.parametrize(
-    ("inside", "action"),
+    ("content", "action"),
     [
         ("", Gesture("beat")),
-        (OURS.format(1), Pointing("user")),
-        (NOT_OURS.format(9), Gesture("beat")),
-        (OURS.format(1) + NOT_OURS.format(9), Pointing("user")),
-        (OURS.format(1) + NOD.format(2), Head("NOD")),
-        (NOD.format(3) + OURS.format(1), Head("NOD")),
-        (OURS.format("high"), Pointing("user")),
-        (GRETA.format(2) + OURS.format(1), Gesture("beat")),
-        (GRETA.format(1) + OURS.format(2), Pointing("user")),
+        (BML_DESCRIPTION.format(1), Pointing("user")),
+        (UNKNOWN_DESCRIPTION.format(9), Gesture("beat")),
+        (BML_DESCRIPTION.format(1) + UNKNOWN_DESCRIPTION.format(9), Pointing("user")),
+        (BML_DESCRIPTION.format(1) + NOD_DESCRIPTION.format(2), Head("NOD")),
+        (NOD_DESCRIPTION.format(3) + BML_DESCRIPTION.format(1), Head("NOD")),
+        (BML_DESCRIPTION.format("high"), Pointing("user")),
+        (GRETA_DESCRIPTION.format(2) + BML_DESCRIPTION.format(1), Gesture("beat")),
+        (GRETA_DESCRIPTION.format(1) + BML_DESCRIPTION.format(2), Pointing("user")),
     ],
 )
-def test_the_highest_priority_that_is_understood_counts(inside: str, action: Action) -> None:
-    (behaviour,) = parse(f'<bml id="b"><gesture id="g" lexeme="beat">{inside}</gesture></bml>').behaviours
+def test_supported_description_with_highest_priority_is_used(content: str, action: Action) -> None:
+    (behaviour,) = parse(f'<bml id="b"><gesture id="g" lexeme="beat">{content}</gesture></bml>').behaviours
     assert (behaviour.id, behaviour.action) == ("g", action)
 
 
-def test_a_richer_form_keeps_the_times_unless_it_has_its_own() -> None:
-    richer = '<description priority="1" type="x"><gaze id="z" target="user" end="4"/></description>'
-    text = f'<bml id="b"><head id="h" lexeme="NOD" start="1" end="2">{richer}</head></bml>'
+def test_description_element_overrides_only_the_sync_times_that_it_contains() -> None:
+    described = '<description priority="1" type="x"><gaze id="z" target="user" end="4"/></description>'
+    text = f'<bml id="b"><head id="h" lexeme="NOD" start="1" end="2">{described}</head></bml>'
     (behaviour,) = parse(text).behaviours
     assert (behaviour.id, behaviour.action) == ("h", Gaze("user"))
     assert behaviour.syncs == {
@@ -98,7 +98,7 @@ def test_a_richer_form_keeps_the_times_unless_it_has_its_own() -> None:
     }
 
 
-def test_a_speech_keeps_its_text_beside_its_markup() -> None:
+def test_ssml_description_with_priority_replaces_the_text_of_a_speech() -> None:
     ssml = '<description priority="1" type="application/ssml+xml"><speak>hi <mark name="m"/>you</speak></description>'
     (behaviour,) = parse(f'<bml id="b"><speech id="s"><text>hello</text>{ssml}</speech></bml>').behaviours
     assert isinstance(behaviour.action, Speech)

@@ -1,4 +1,4 @@
-"""Fragments in SmartBody's words: what becomes of each, and what others wrote."""
+"""Tests of the translation of SmartBody fragments."""
 
 import json
 import os
@@ -10,9 +10,9 @@ import pytest
 from kinesic.bml.block import Action, BmlError, Custom, Face, Gaze, Gesture, Head, Pointing, Posture, Speech, SyncRef
 from kinesic.bml.parse import parse
 
-CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[4] / "shared" / "corpus"))
-FRAGMENTS = CORPUS / "smartbody" / "fragments.jsonl"
-ALWAYS = ("gaze", "head", "gesture", "face", "speech")  # behaviours that BML has as well
+CORPUS_FOLDER = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[4] / "shared" / "corpus"))
+FRAGMENTS_FILE = CORPUS_FOLDER / "smartbody" / "fragments.jsonl"
+BML_ELEMENTS = ("gaze", "head", "gesture", "face", "speech")  # elements that BML has, too
 
 
 @pytest.mark.parametrize(
@@ -36,13 +36,13 @@ ALWAYS = ("gaze", "head", "gesture", "face", "speech")  # behaviours that BML ha
         ('<?xml version="1.0"?><head type="NOD"/>', Head("NOD")),
     ],
 )
-def test_what_a_fragment_means(text: str, action: Action) -> None:
+def test_smartbody_fragment_is_translated_into_a_behaviour_action(text: str, action: Action) -> None:
     block = parse(text)
     assert [behaviour.action for behaviour in block.behaviours] == [action]
     assert block.dialect == "smartbody"
 
 
-def test_a_row_of_behaviours_is_one_block() -> None:
+def test_sequence_of_behaviours_is_one_block() -> None:
     block = parse('<speech type="text/plain">Hi <sync id="m"/>there</speech> + <face au="1"/> <head type="NOD"/>')
     speech = block.behaviours[0].action
     assert isinstance(speech, Speech)
@@ -51,11 +51,11 @@ def test_a_row_of_behaviours_is_one_block() -> None:
     assert block.notices == ()
 
 
-def test_the_name_is_the_one_that_was_written() -> None:
-    assert [each.type for each in parse('<gaze target="t"/><body posture="Idle"/>').behaviours] == ["gaze", "body"]
+def test_behaviour_type_of_a_smartbody_fragment_is_its_element_name() -> None:
+    assert [block.type for block in parse('<gaze target="t"/><body posture="Idle"/>').behaviours] == ["gaze", "body"]
 
 
-def test_holds_are_sync_points() -> None:
+def test_hold_durations_become_sync_points() -> None:
     (behaviour,) = parse('<gesture id="g" type="BEAT" prestroke_hold="0.5" poststroke_hold="2"/>').behaviours
     assert behaviour.syncs == {
         "strokeStart": SyncRef("block", "g", "ready", offset=0.5),
@@ -63,45 +63,45 @@ def test_holds_are_sync_points() -> None:
     }
 
 
-def test_a_body_comes_when_it_is_ready_or_at_once() -> None:
+def test_smartbody_posture_is_reached_at_its_ready_time_or_immediately() -> None:
     one, two = parse('<body posture="a" start=".4" ready="0" relax="0"/><body posture="b" ready="2"/>').behaviours
     assert {sync: ref.offset for sync, ref in one.syncs.items()} == {"start": 0.4}
     assert {sync: ref.offset for sync, ref in two.syncs.items()} == {"end": 2.0}
 
 
-def test_what_has_no_meaning_is_warned_of_by_name() -> None:
+def test_unsupported_elements_give_a_notice_with_their_name() -> None:
     block = parse('<gaze target="t" sbm:joint-speed="800"/><head type="NOD" velocity="2"/>')
     assert [notice.text.split()[2] for notice in block.notices] == ["sbm:joint-speed", "velocity"]
 
 
-def test_places_are_those_of_the_text() -> None:
+def test_smartbody_fragment_errors_give_line_and_column_of_the_document() -> None:
     one, two = parse('<head type="NOD"/>\n  <gaze target="t"/>').behaviours
-    assert [(each.place.line, each.place.column) for each in (one, two)] == [(1, 1), (2, 3)]
+    assert [(block.place.line, block.place.column) for block in (one, two)] == [(1, 1), (2, 3)]
     with pytest.raises(BmlError, match=r"^f:1:11: not XML: mismatched tag; "):
         parse("<speech></head>", source="f")
 
 
 @pytest.mark.parametrize("text", ["<gestuary><gesture/></gestuary>", "<html/>", "<foo:gaze2/>"])
-def test_other_documents_are_no_fragments(text: str) -> None:
-    with pytest.raises(BmlError, match="holds no <bml>"):
+def test_documents_without_bml_or_behaviours_are_not_fragments(text: str) -> None:
+    with pytest.raises(BmlError, match="contains no <bml>"):
         parse(text)
 
 
-def test_a_comment_about_behaviours_makes_no_fragment() -> None:
+def test_commented_behaviour_does_not_make_a_document_a_smartbody_fragment() -> None:
     assert parse('<!-- <head/> --><bml id="b"><gaze id="g" target="t"/></bml>').dialect == "none"
 
 
-def test_the_fragments_of_others_become_behaviours_or_are_named() -> None:
-    if not FRAGMENTS.exists():
-        pytest.skip(f"no corpus at {CORPUS}")
-    rows = [json.loads(line) for line in FRAGMENTS.read_text(encoding="utf-8").splitlines()]
-    written: Counter[str] = Counter()
+def test_fragments_in_the_corpus_are_read_or_reported() -> None:
+    if not FRAGMENTS_FILE.exists():
+        pytest.skip(f"no corpus at {CORPUS_FOLDER}")
+    rows = [json.loads(line) for line in FRAGMENTS_FILE.read_text(encoding="utf-8").splitlines()]
+    text: Counter[str] = Counter()
     understood: Counter[str] = Counter()
     for row in rows:
         if row["dynamic"]:
             continue
         for behaviour in parse(row["bml"]).behaviours:
-            written[behaviour.type] += 1
+            text[behaviour.type] += 1
             understood[behaviour.type] += not isinstance(behaviour.action, Custom)
-    assert sum(written.values()) > 140
-    assert all(understood[name] == written[name] > 0 for name in ALWAYS)
+    assert sum(text.values()) > 140
+    assert all(understood[name] == text[name] > 0 for name in BML_ELEMENTS)

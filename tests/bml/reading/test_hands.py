@@ -1,10 +1,10 @@
-"""Which hand the name of a gesture decides."""
+"""Tests of hands inferred from gesture names."""
 
 import pytest
 
 from kinesic.bml.block import Gesture, HandMode, Posture
 from kinesic.bml.parse import parse
-from kinesic.bml.reading.hands import hands_named
+from kinesic.bml.reading.hands import infer_hands
 
 
 @pytest.mark.parametrize(
@@ -29,8 +29,8 @@ from kinesic.bml.reading.hands import hands_named
         ("", "unspecified"),
     ],
 )
-def test_the_last_hand_that_is_named_counts(name: str, hands: HandMode) -> None:
-    assert hands_named(name) == hands
+def test_last_hand_named_in_an_animation_is_used(name: str, hands: HandMode) -> None:
+    assert infer_hands(name) == hands
 
 
 @pytest.mark.parametrize(
@@ -43,18 +43,18 @@ def test_the_last_hand_that_is_named_counts(name: str, hands: HandMode) -> None:
         ("HandsAtSide_RArm_GestureYou", "right"),
     ],
 )
-def test_names_of_animations_have_short_words_for_hands(name: str, hands: HandMode) -> None:
-    assert hands_named(name, of_animation=True) == hands
+def test_hand_is_inferred_from_abbreviations_in_animation_names(name: str, hands: HandMode) -> None:
+    assert infer_hands(name, of_animation=True) == hands
     (gesture,) = parse(f'<gesture name="{name}"/>').behaviours
     assert isinstance(gesture.action, Gesture)
     assert gesture.action.mode == hands
 
 
-def test_the_document_goes_before_the_name() -> None:
-    found = parse(
+def test_mode_attribute_overrides_the_hand_in_a_gesture_name() -> None:
+    block = parse(
         '<bml><gesture lexeme="cup_LH"/><gesture lexeme="cup_LH" mode="RIGHT_HAND"/><gesture lexeme="cup"/></bml>'
     )
-    assert [b.action.mode for b in found.behaviours if isinstance(b.action, Gesture)] == [
+    assert [b.action.mode for b in block.behaviours if isinstance(b.action, Gesture)] == [
         "left",
         "right",
         "unspecified",
@@ -71,6 +71,6 @@ def test_the_document_goes_before_the_name() -> None:
         ('<pose part="HEAD" lexeme="LHandUp"/>', ("HEAD", "LHandUp")),
     ],
 )
-def test_a_pose_of_both_arms_is_taken_by_the_one_that_its_name_says(posture: str, pose: tuple[str, str]) -> None:
-    (found,) = parse(f"<bml><posture>{posture}</posture></bml>").behaviours
-    assert found.action == Posture(poses=(pose,))
+def test_pose_of_both_arms_is_restricted_to_the_arm_in_its_lexeme(posture: str, pose: tuple[str, str]) -> None:
+    (block,) = parse(f"<bml><posture>{posture}</posture></bml>").behaviours
+    assert block.action == Posture(poses=(pose,))

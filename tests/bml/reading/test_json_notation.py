@@ -1,4 +1,4 @@
-"""BML as JSON: the same blocks as from XML, the words of web realizers, and what is refused."""
+"""Tests of BML as JSON, web realizer vocabulary and rejected documents."""
 
 import json
 from typing import Any
@@ -50,14 +50,14 @@ from kinesic.body.utterance import Mark
         ({"type": "lights", "colour": "red"}, Custom("lights")),
     ],
 )
-def test_what_an_object_means(behaviour: dict[str, Any], action: Action) -> None:
+def test_json_behaviour_is_read_as_an_action(behaviour: dict[str, Any], action: Action) -> None:
     block = parse(json.dumps([behaviour]))
-    assert [each.action for each in block.behaviours] == [action]
+    assert [item.action for item in block.behaviours] == [action]
     assert block.behaviours[0].type == behaviour["type"]
     assert block.dialect == "json"
 
 
-def test_json_and_xml_make_the_same_block() -> None:
+def test_json_and_xml_give_the_same_block() -> None:
     text = {
         "id": "b1",
         "characterId": "robot",
@@ -87,7 +87,7 @@ def test_json_and_xml_make_the_same_block() -> None:
     assert [(b.id, b.action, b.syncs, b.required) for b in here.behaviours] == [
         (b.id, b.action, b.syncs, b.required) for b in there.behaviours
     ]
-    assert [_constraint(each) for each in here.constraints] == [_constraint(each) for each in there.constraints]
+    assert [_constraint(item) for item in here.constraints] == [_constraint(item) for item in there.constraints]
     speech = here.behaviours[0].action
     assert isinstance(speech, Speech)
     assert (speech.script.text, speech.script.marks) == ("now here", (Mark("m1", 4),))
@@ -100,13 +100,13 @@ def _constraint(constraint: Synchronize | Precedence) -> tuple[object, ...]:
 
 
 @pytest.mark.parametrize("key", ["data", "behaviors", "behaviours"])
-def test_an_envelope_is_looked_into(key: str) -> None:
+def test_json_behaviour_list_may_be_wrapped_in_an_object(key: str) -> None:
     behaviours = [{"type": "head", "lexeme": "NOD"}]
     assert len(parse(json.dumps({"type": "behaviours", "composition": "REPLACE", key: behaviours})).behaviours) == 1
     assert parse(json.dumps({"bml": {"id": "b", key: behaviours}})).id == "b"
 
 
-def test_a_number_is_a_time_and_a_peak_a_stroke() -> None:
+def test_json_numbers_are_times_and_attack_peak_is_the_stroke() -> None:
     (behaviour,) = parse('[{"type": "gesture", "id": "g", "lexeme": "beat", "start": 0.1, "attackPeak": 1}]').behaviours
     assert behaviour.syncs == {
         "start": SyncRef("block", "bml", "start", offset=0.1),
@@ -114,12 +114,12 @@ def test_a_number_is_a_time_and_a_peak_a_stroke() -> None:
     }
 
 
-def test_objects_know_their_places() -> None:
+def test_json_behaviours_have_line_and_column() -> None:
     block = parse('[\n {"type": "head",\n  "lexeme": "NOD"}, {"type": "gaze", "target": "user"}\n]')
-    assert [each.place for each in block.behaviours] == [Place(2, 2), Place(3, 21)]
+    assert [item.place for item in block.behaviours] == [Place(2, 2), Place(3, 21)]
 
 
-def test_what_nobody_reads_is_warned_of() -> None:
+def test_unknown_json_keys_give_notices() -> None:
     block = parse('[{"type": "gesture", "lexeme": "beat", "palmor": "UP"}]')
     assert [(notice.type, "palmor" in notice.text) for notice in block.notices] == [
         (NoticeType.CUSTOM_ATTRIBUTE_NOT_SUPPORTED, True)
@@ -130,24 +130,29 @@ def test_what_nobody_reads_is_warned_of() -> None:
     ("text", "what"),
     [
         ("[", "f:1:2: not JSON: Expecting value"),
-        ("{'a': 1}", "f:1:2: not JSON"),
+        ("{'a': 1}", 'f:1:2: not JSON: Expecting value; put names and texts in double quotes: "type": "gesture"'),
+        ('[{"type": "head", // nod\n"id": "h"}]', "f:1:19: not JSON: Expecting value; remove the comment"),
+        ('{"gesture": "wave"}', '; write {"id": "b1", "behaviours": [{"type": "gesture", "lexeme": "wave"}]}'),
+        ('[{"gesture": "wave", "start": 2}]', '; write {"type": "gesture", "start": 2, "lexeme": "wave"}'),
+        ('{"gesture": {"lexeme": "wave"}}', 'behaviours": [{"type": "gesture", "lexeme": "wave"}]}'),
+        ('{"type": "head", "lexeme": "NOD"}', 'behaviours": [{"type": "head", "lexeme": "NOD"}]}'),
         ('[{"type": "head"}', "f:1:18: not JSON: ',' is missing"),
         ('{"a": 1}', "f:1:1: the object has no 'behaviours'"),
         ('[{"lexeme": "NOD"}]', "f:1:2: a behaviour has no type"),
         ("[1]", "f:1:1: a behaviour has no type"),
-        ('{"constraints": [\n {"type": "order"}]}', "f:2:2: no constraint; its type is one of synchronize"),
-        ("[] []", "f:1:3: something follows"),
-        ("[" * 100, "levels inside one another"),
-        ('[{"type": "head", "start": NaN}]', "f:1:2: start: 'nan' is no sync reference"),
+        ('{"constraints": [\n {"type": "order"}]}', "f:2:2: not a constraint; its type must be one of synchronize"),
+        ("[] []", "f:1:3: text after"),
+        ("[" * 100, "nested levels"),
+        ('[{"type": "head", "start": NaN}]', "f:1:2: start: 'nan' is not a sync reference"),
         ('[{"type": "head", "amount": 1e9}]', "f:1:2: amount='1000000000.0' is out of range"),
-        ("[{1: 2}]", "f:1:4: 1 is no name"),
-        ('[{"type": "he<ad"}]', "f:1:2: the type 'he<ad' is no name"),
-        (r'[{"type": "head", "id": "\ud800"}]', "character 55296 is no character of a text"),
-        (r'[{"type": "head", "id": "\u0000"}]', "character 0 is no character of a text"),
+        ("[{1: 2}]", "f:1:4: 1 is not a name"),
+        ('[{"type": "he<ad"}]', "f:1:2: the type 'he<ad' is not a name"),
+        (r'[{"type": "head", "id": "\ud800"}]', "character 55296 is not allowed in a text"),
+        (r'[{"type": "head", "id": "\u0000"}]', "character 0 is not allowed in a text"),
         ('[{"type": "head", "repetition": ' + 5000 * "9" + "}]", "not JSON: Exceeds the limit"),
     ],
 )
-def test_what_is_refused(text: str, what: str) -> None:
+def test_invalid_json_documents_are_rejected(text: str, what: str) -> None:
     with pytest.raises(BmlError) as refused:
         parse(text, source="f")
     assert what in str(refused.value)
@@ -155,5 +160,11 @@ def test_what_is_refused(text: str, what: str) -> None:
 
 
 @pytest.mark.parametrize("text", ["[]", '{"behaviours": []}', " \n[] ", b"\xef\xbb\xbf[]"])
-def test_nothing_to_do_is_an_empty_block(text: str | bytes) -> None:
+def test_empty_document_is_an_empty_block(text: str | bytes) -> None:
     assert parse(text).behaviours == ()
+
+
+def test_comma_before_a_closing_bracket_is_reported_and_ignored():
+    block = parse('[\n{"type": "head", "id": "h"},\n]')
+    assert [each.id for each in block.behaviours] == ["h"]
+    assert "a comma before ']' in line 2, column 28 is ignored" in [notice.text for notice in block.notices]

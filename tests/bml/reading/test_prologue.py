@@ -1,4 +1,4 @@
-"""The first tag of a document."""
+"""Tests of the search for the first tag."""
 
 import subprocess
 import sys
@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from kinesic.bml.reading.prologue import first_tag
+from kinesic.bml.reading.prologue import find_first_tag
 
-from ...growth import STRAIGHT, growth
+from ...growth import LINEAR_GROWTH_LIMIT, growth
 
-COMMENTS = "<!---->" * 60 + '<bml id="b"><head id="h" lexeme="NOD"/></bml>'
+COMMENTED_DOCUMENT = "<!---->" * 60 + '<bml id="b"><head id="h" lexeme="NOD"/></bml>'
 
 
 @pytest.mark.parametrize(
@@ -31,16 +31,16 @@ COMMENTS = "<!---->" * 60 + '<bml id="b"><head id="h" lexeme="NOD"/></bml>'
         ("", ""),
     ],
 )
-def test_the_first_tag_stands_behind_whatever_may_go_before_a_root(text: str, name: str) -> None:
-    assert first_tag(text) == name
+def test_first_tag_is_found_behind_any_prologue(text: str, name: str) -> None:
+    assert find_first_tag(text) == name
 
 
 @pytest.mark.parametrize("piece", ["<!---->", "<??>", "<?", "<!--", "<!DOCTYPE>", " ", "<a:", "<", "<!-- ", "a"])
-def test_twice_as_long_a_text_takes_at_most_twice_as_long(piece: str) -> None:
-    assert growth(first_tag, lambda size: size * piece) < STRAIGHT
+def test_search_for_the_first_tag_takes_linear_time(piece: str) -> None:
+    assert growth(find_first_tag, lambda size: size * piece) < LINEAR_GROWTH_LIMIT
 
 
-VERBS = """
+READ_DOCUMENT_SCRIPT = """
 from kinesic.cli import kinesic
 for words in (["plan", "many.bml"], ["validate", "."]):
     kinesic.main(words, standalone_mode=False)
@@ -48,9 +48,9 @@ print("both ended")
 """
 
 
-def test_a_document_behind_many_comments_is_read_at_once(tmp_path: Path) -> None:
-    (tmp_path / "many.bml").write_text(COMMENTS)
-    (tmp_path / "many.txt").write_text("<!---->" * 60)  # a folder's file, which is looked into
-    command = [sys.executable, "-c", VERBS]
+def test_document_behind_many_comments_is_read_quickly(tmp_path: Path) -> None:
+    (tmp_path / "many.bml").write_text(COMMENTED_DOCUMENT)
+    (tmp_path / "many.txt").write_text("<!---->" * 60)  # file in a folder argument
+    command = [sys.executable, "-c", READ_DOCUMENT_SCRIPT]
     done = subprocess.run(command, check=False, cwd=tmp_path, capture_output=True, text=True, timeout=60)
     assert done.stdout.endswith("both ended\n"), done.stderr

@@ -1,4 +1,4 @@
-"""The grammar of sync references."""
+"""Tests of the grammar of sync references."""
 
 import json
 import os
@@ -8,42 +8,44 @@ from typing import Any
 import pytest
 
 from kinesic.bml.block import BmlError, SyncRef
-from kinesic.bml.reading.references import Names, parse_ref, relation, write_reference
+from kinesic.bml.reading.references import Names, parse_ref, split_relation, write_reference
 
-CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[4] / "shared" / "corpus"))
-EXPECTED = CORPUS / "expectations" / "syncref.json"
-DATA: dict[str, Any] = json.loads(EXPECTED.read_text()) if EXPECTED.exists() else {}
-NAMES = Names("b", frozenset({"g", "my-nod", "s", "a-2"}), {"tm1": "s", "mid-word": "s"}, frozenset({"other-block"}))
+CORPUS_FOLDER = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[4] / "shared" / "corpus"))
+EXPECTED_FILE = CORPUS_FOLDER / "expectations" / "syncref.json"
+EXPECTED_RESULTS: dict[str, Any] = json.loads(EXPECTED_FILE.read_text()) if EXPECTED_FILE.exists() else {}
+KNOWN_NAMES = Names(
+    "b", frozenset({"g", "my-nod", "s", "a-2"}), {"tm1": "s", "mid-word": "s"}, frozenset({"other-block"})
+)
 
 
 def _cases(kind: str) -> list[Any]:
-    skip = pytest.mark.skip(reason=f"no corpus at {CORPUS}")
-    return DATA[kind] if DATA else [pytest.param({}, marks=skip)]
+    skip = pytest.mark.skip(reason=f"no corpus at {CORPUS_FOLDER}")
+    return EXPECTED_RESULTS[kind] if EXPECTED_RESULTS else [pytest.param({}, marks=skip)]
 
 
 @pytest.mark.parametrize("case", _cases("accepted"))
-def test_accepted(case: dict[str, Any]) -> None:
+def test_sync_references_accepted_by_the_corpus_grammar_are_parsed(case: dict[str, Any]) -> None:
     ref = parse_ref(case["input"], Names(case["default_block"]))
-    assert ref.offset == pytest.approx(case["offset"], abs=DATA["tolerance"])
-    found = {"block": ref.block, "behaviour": ref.behaviour, "sync": ref.sync, "iteration": ref.iteration}
-    assert found == {field: case[field] for field in found}
+    assert ref.offset == pytest.approx(case["offset"], abs=EXPECTED_RESULTS["tolerance"])
+    ref = {"block": ref.block, "behaviour": ref.behaviour, "sync": ref.sync, "iteration": ref.iteration}
+    assert ref == {field: case[field] for field in ref}
 
 
 @pytest.mark.parametrize("case", _cases("rejected"))
-def test_rejected(case: dict[str, Any]) -> None:
-    with pytest.raises(BmlError, match="is no sync reference; "):
+def test_references_to_missing_behaviours_are_rejected(case: dict[str, Any]) -> None:
+    with pytest.raises(BmlError, match="is not a sync reference; "):
         parse_ref(case["input"], Names(case["default_block"]))
 
 
 @pytest.mark.parametrize("kind", ["equal", "not_equal"])
-def test_equality(kind: str) -> None:
-    for case in _cases(kind) if DATA else ():
+def test_equivalent_sync_references_parse_to_the_same_result(kind: str) -> None:
+    for case in _cases(kind) if EXPECTED_RESULTS else ():
         names = Names(case["default_block"])
         assert (parse_ref(case["a"], names) == parse_ref(case["b"], names)) is (kind == "equal"), case
 
 
 @pytest.mark.parametrize("case", _cases("written"))
-def test_written(case: dict[str, Any]) -> None:
+def test_parsed_sync_references_are_written_as_text(case: dict[str, Any]) -> None:
     ref = parse_ref(case["input"], Names(case["default_block"]))
     assert write_reference(ref, relative_to=case.get("relative_to")) == case["text"]
 
@@ -65,8 +67,8 @@ def test_written(case: dict[str, Any]) -> None:
         ("1200", SyncRef("b", "bml", "start", offset=1200.0)),
     ],
 )
-def test_beyond_the_reference_grammar(text: str, ref: SyncRef) -> None:
-    assert parse_ref(text, NAMES) == ref
+def test_extensions_of_the_reference_grammar_are_accepted(text: str, ref: SyncRef) -> None:
+    assert parse_ref(text, KNOWN_NAMES) == ref
 
 
 @pytest.mark.parametrize(
@@ -90,12 +92,12 @@ def test_beyond_the_reference_grammar(text: str, ref: SyncRef) -> None:
         *("g:stroke:0", "g:stroke:-1", "g:stroke:x", "a:b:c:d:e", "a:b:stroke:x", "word", "g:start+-1", "g:stroke:²"),
     ],
 )
-def test_refused(text: str) -> None:
+def test_invalid_references_raise_an_error_with_remedy(text: str) -> None:
     with pytest.raises(BmlError, match="; "):
-        parse_ref(text, NAMES)
+        parse_ref(text, KNOWN_NAMES)
 
 
-def test_relation() -> None:
-    assert relation("after(s:tm3)") == ("after", "s:tm3")
-    assert relation(" before( s:tm3+1 ) ") == ("before", " s:tm3+1 ")
-    assert relation("s:after") == ("at", "s:after")
+def test_relations_after_and_before_are_split_from_a_sync_reference() -> None:
+    assert split_relation("after(s:tm3)") == ("after", "s:tm3")
+    assert split_relation(" before( s:tm3+1 ) ") == ("before", " s:tm3+1 ")
+    assert split_relation("s:after") == ("at", "s:after")

@@ -1,33 +1,33 @@
-"""XML as a tree, and the documents that are refused before they are BML."""
+"""Tests of XML trees and of documents rejected as XML."""
 
 import pytest
 
-from kinesic.bml.block import BmlError, Bounds, Place
+from kinesic.bml.block import BmlError, DocumentBounds, Place
 from kinesic.bml.reading.tree import read_tree
 
 
-def test_places_are_those_of_the_start_tags() -> None:
+def test_xml_elements_have_line_and_column_of_their_start_tags() -> None:
     root = read_tree('<a>\n  <b\n  c="1">text<d/></b>\n</a>', source="x")
     (b,) = root.children
     assert (root.place, b.place, b.children[0].place) == (Place(1, 1), Place(2, 3), Place(3, 13))
     assert b.content[0] == "text"
 
 
-def test_namespaces_and_undeclared_prefixes() -> None:
+def test_namespaces_are_inherited_and_undeclared_prefixes_kept() -> None:
     root = read_tree('<a xmlns="u" xmlns:p="v"><p:b q:c="1"/><d xmlns=""/></a>', source="x")
     b, d = root.children
     assert (b.local, b.scope["p"], b.attributes["q:c"]) == ("b", "v", "1")
     assert (d.scope[""], root.scope[""]) == ("", "u")
 
 
-def test_bytes_are_decoded_as_declared_and_text_is_taken_as_it_is() -> None:
+def test_declared_encoding_is_used_for_bytes_and_ignored_for_text() -> None:
     latin = '<?xml version="1.0" encoding="ISO-8859-1"?><a>é</a>'
     assert read_tree(latin.encode("latin-1"), source="x").text == "é"
     assert read_tree(latin, source="x").text == "é"
     assert read_tree("<a>日本</a>".encode("utf-16"), source="x").text == "日本"
 
 
-def test_a_doctype_is_tolerated() -> None:
+def test_xml_doctype_is_accepted() -> None:
     assert read_tree('<!DOCTYPE a SYSTEM "elsewhere.dtd" []><a/>', source="x").name == "a"
 
 
@@ -43,7 +43,7 @@ def test_a_doctype_is_tolerated() -> None:
         "<a>&unknown;</a>",
     ],
 )
-def test_entities_are_refused(text: str) -> None:
+def test_xml_entities_are_rejected(text: str) -> None:
     with pytest.raises(BmlError, match=r"^x:1:\d+: .*; "):
         read_tree(text, source="x")
 
@@ -52,26 +52,26 @@ def test_entities_are_refused(text: str) -> None:
     "text",
     ["", b"", "  \n", "hello", "<a>", "<a></b>", '<a b="1" b="2"/>', b"\xff\xfe\x00", "<a/><b/>", "\ud800<a/>", "\x00"],
 )
-def test_what_is_not_xml_is_refused_with_its_place(text: str | bytes) -> None:
+def test_invalid_xml_is_rejected_with_its_place(text: str | bytes) -> None:
     with pytest.raises(BmlError, match=r"^x:\d+:\d+: .*; "):
         read_tree(text, source="x")
 
 
 @pytest.mark.parametrize("encoding", ["no-such", "utf-7", "shift_jis", "idna"])
-def test_unknown_encodings_are_refused(encoding: str) -> None:
+def test_unknown_encodings_are_rejected(encoding: str) -> None:
     with pytest.raises(BmlError, match=r"^x:\d+:\d+: .*; "):
         read_tree(f'<?xml version="1.0" encoding="{encoding}"?><a>é</a>'.encode("latin-1"), source="x")
 
 
-def test_size_is_checked_before_anything_is_read() -> None:
-    with pytest.raises(BmlError, match="100000000 characters; at most 4000000"):
+def test_document_size_is_checked_before_parsing() -> None:
+    with pytest.raises(BmlError, match="100000000 characters; the limit is 4000000"):
         read_tree(b"<" * 100_000_000, source="x")
 
 
-def test_depth() -> None:
+def test_deeply_nested_xml_is_rejected() -> None:
     deep = "<a>" * 64 + "</a>" * 64
     assert read_tree(deep, source="x").name == "a"
-    with pytest.raises(BmlError, match=r"^x:1:193: .*at most 64"):
+    with pytest.raises(BmlError, match=r"^x:1:193: .*the limit is 64"):
         read_tree(f"{deep[:192]}<b/>{deep[192:]}", source="x")
-    with pytest.raises(BmlError, match="at most 2"):
-        read_tree("<a><a><a/></a></a>", source="x", bounds=Bounds(depth=2))
+    with pytest.raises(BmlError, match="the limit is 2"):
+        read_tree("<a><a><a/></a></a>", source="x", bounds=DocumentBounds(depth=2))

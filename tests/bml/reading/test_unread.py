@@ -1,4 +1,4 @@
-"""What has no effect is said, each kind once."""
+"""Tests of notices about ineffective parts of a document."""
 
 import pytest
 
@@ -10,7 +10,7 @@ def notices(text: str) -> list[str]:
 
 
 @pytest.mark.parametrize(
-    ("inside", "words"),
+    ("content", "words"),
     [
         ('<head id="h" lexeme="NOD" speed="2"/><head id="i" lexeme="NOD" speed="3"/>', ["attribute speed of <head>"]),
         ('<head id="h" lexeme="NOD" x:speed="2"/>', ["attribute x:speed"]),
@@ -57,15 +57,15 @@ def notices(text: str) -> list[str]:
         ),
     ],
 )
-def test_each_kind_is_said_once(inside: str, words: list[str]) -> None:
-    found = notices(f'<bml id="b">{inside}</bml>')
-    assert len(found) == len(words), found
+def test_each_kind_of_ignored_document_part_gives_one_notice(content: str, words: list[str]) -> None:
+    texts = notices(f'<bml id="b">{content}</bml>')
+    assert len(texts) == len(words), texts
     for part in words:
-        assert any(part in text for text in found), (part, found)
+        assert any(part in text for text in texts), (part, texts)
 
 
 @pytest.mark.parametrize(
-    "inside",
+    "content",
     [
         '<gesture id="g" lexeme="beat" type="LEXICALIZED" mode="LEFT_HAND" xml:lang="en"/>',
         '<face id="f" type="FACS" au="1" side="LEFT"/><gaze id="z" type="AT" target="user"/>',
@@ -82,23 +82,23 @@ def test_each_kind_is_said_once(inside: str, words: list[str]) -> None:
         '<x:dance id="d" speed="1"><step/>left</x:dance>',
     ],
 )
-def test_nothing_is_said_of_what_has_an_effect(inside: str) -> None:
-    assert [text for text in notices(f'<bml id="b">{inside}</bml>') if "a.wav" not in text] == []
+def test_supported_document_parts_give_no_notice(content: str) -> None:
+    assert [text for text in notices(f'<bml id="b">{content}</bml>') if "a.wav" not in text] == []
 
 
-def test_what_stands_beside_the_block_is_said() -> None:
+def test_elements_outside_the_block_give_a_notice() -> None:
     text = '<fml-apml><fml><emotion/></fml><bml id="b"><wait id="w"/></bml><fml/></fml-apml>'
-    assert notices(text) == ["<fml> (line 1) in <fml-apml> has no effect and is passed over"]
+    assert notices(text) == ["<fml> (line 1) in <fml-apml> has no effect and is ignored"]
     assert len(notices('<bml id="b" agent="A" mood="good"><wait id="w"/></bml>')) == 1
     text = '{"id": "b", "mood": "good", "notes": [1, 2], "behaviours": [{"type": "wait", "id": "w"}]}'
     assert (len(notices(text)), [b.type for b in parse(text).behaviours]) == (1, ["notes", "wait"])
 
 
-def test_a_long_text_is_cut_in_the_notice() -> None:
-    (found,) = notices(f'<bml id="b">{"very " * 20}<wait id="w"/></bml>')
-    assert "the text 'very very very very very very ...' in <bml>" in found
+def test_long_ignored_text_is_shortened_in_the_notice() -> None:
+    (texts,) = notices(f'<bml id="b">{"very " * 20}<wait id="w"/></bml>')
+    assert "the text 'very very very very very very ...' in <bml>" in texts
 
 
-def test_text_of_unknown_markup_in_a_speech_is_said_by_the_voice() -> None:
+def test_text_in_unknown_speech_markup_is_spoken() -> None:
     (speech,) = parse('<bml id="b"><speech id="s">Hi <m:loud>you</m:loud> there</speech></bml>').behaviours
     assert speech.action.script.text == "Hi you there"

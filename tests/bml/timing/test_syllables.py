@@ -1,12 +1,15 @@
 import pytest
 
 from kinesic.bml.block import Behaviour, Block, Head, Place, Speech, SyncRef
-from kinesic.bml.timing.syllables import accented_vowels, find_syllables, syllable_end
+from kinesic.bml.timing.syllables import find_accented_vowels, find_syllable_end, find_syllables
 from kinesic.body.utterance import Phoneme, Script, Utterance
 
 
 def sounds(text):
-    """Phonemes of 0.1 s each; an apostrophe is primary stress, a comma secondary."""
+    """Return phonemes of 0.1 s each.
+
+    An apostrophe marks primary stress, a comma secondary stress.
+    """
     symbols = text.replace("'", "\u02c8").replace(",", "\u02cc").split()
     return tuple(Phoneme(symbol, 0.1 * k, 0.1) for k, symbol in enumerate(symbols))
 
@@ -14,39 +17,39 @@ def sounds(text):
 @pytest.mark.parametrize(
     ("text", "ends"),
     [
-        ("b i g 'i n", 0.4),  # the stressed one, though another comes first
+        ("b i g 'i n", 0.4),  # stressed vowel, not the first one
         ("f 'u l", 0.2),
         ("g ,u d", 0.2),
-        ("h o u s e", 0.3),  # letters, as of a silent voice
+        ("h o u s e", 0.3),  # letters instead of phonemes, without stress
         ("p s t", None),
     ],
 )
-def test_a_syllable_ends_with_its_accented_vowel(text, ends):
-    assert syllable_end(sounds(text), 0.0) == (None if ends is None else pytest.approx(ends))
+def test_syllable_ends_with_its_accented_vowel(text, ends):
+    assert find_syllable_end(sounds(text), 0.0) == (None if ends is None else pytest.approx(ends))
 
 
-def test_only_the_word_at_the_mark_counts():
-    said = sounds("'a b ə d ə k l m n o 'a")
-    assert syllable_end(said, 0.1) == pytest.approx(0.3)
-    assert syllable_end(said, 2.0) is None
+def test_accented_syllable_is_searched_only_in_the_word_at_the_speech_mark():
+    spoken = sounds("'a b ə d ə k l m n o 'a")
+    assert find_syllable_end(spoken, 0.1) == pytest.approx(0.3)
+    assert find_syllable_end(spoken, 2.0) is None
 
 
 def nod(stroke, offset=0.0):
-    """A nod whose stroke is tied to a mark, and a speech of six sounds with a mark at 0.2 s."""
+    """Return a nod tied to a mark at 0.2 s in a speech of six phonemes."""
     at = SyncRef("b", "s", stroke, offset=offset)
     speech = Behaviour("s", "speech", Speech(Script("x")), Place(1, 1))
     block = Block("b", (speech, Behaviour("n", "head", Head("NOD"), Place(1, 1), syncs={"stroke": at})))
     return find_syllables(block, {"s": Utterance(0.6, {"m": 0.2}, sounds("p a t 'a k a"))})
 
 
-def test_it_is_counted_from_the_sync_point_with_its_offset():
+def test_nod_delay_to_the_syllable_end_is_reduced_by_the_reference_offset():
     assert nod("m") == {("n", "stroke"): pytest.approx(0.2)}
     assert nod("m", 0.15) == {("n", "stroke"): pytest.approx(0.05)}
     assert nod("m", 0.3) == nod("end") == {}
     assert nod("start") == {("n", "stroke"): pytest.approx(0.4)}
 
 
-def test_accents_are_in_the_middle_of_stressed_vowels_or_of_every_vowel_where_none_is():
-    assert accented_vowels(sounds("b i g 'i n ,u 'a")) == pytest.approx([0.35, 0.65])
-    assert accented_vowels(sounds("h o u s e")) == pytest.approx([0.15, 0.25, 0.45])
-    assert accented_vowels(sounds("p s t")) == []
+def test_accents_are_in_the_middle_of_stressed_or_all_vowels():
+    assert find_accented_vowels(sounds("b i g 'i n ,u 'a")) == pytest.approx([0.35, 0.65])
+    assert find_accented_vowels(sounds("h o u s e")) == pytest.approx([0.15, 0.25, 0.45])
+    assert find_accented_vowels(sounds("p s t")) == []
