@@ -1,1 +1,1 @@
-"""Says the text and tells when each mark, word and phoneme falls."""
+"""Speech synthesis with the time of each mark, word and phoneme."""

@@ -1,81 +1,94 @@
-"""When the mouth makes each sound that espeak-ng says, which is not when its event comes.
+"""Articulation times of the sounds that espeak-ng reports.
 
-An event comes with the first sample of its own part of the sound. That of a voiceless stop is its burst, and the
-silence in which lips or tongue are closed counts as the sound before; that of a vowel comes when the mouth has opened,
-and the opening counts as the consonant. Shares and times below were measured on the sound of English at rates of 0.8,
-1 and 1.25 (docs/voice.md); they are alike at all of them.
+An event marks the first sample of its sound's own part. For a voiceless stop this is the burst; the silence of the
+closed lips or tongue before it counts as the previous sound. For a vowel it is the end of the mouth's opening, which
+counts as the consonant. The constants below were measured on English at rates of 0.8, 1 and 1.25 and are the same
+at all (docs/how-to/choose-a-voice.md).
 """
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from kinesic.body.utterance import VOWELS, Phoneme
+from kinesic.body.utterance import VOWEL_LETTERS, Phoneme
 
-VOICELESS, VOICED = frozenset("ptkcqʈ"), frozenset("bdgɡɖɟɓɗ")  # noqa: RUF001 - stops
-NASALS = frozenset("mnŋɲɳɱ")
-GLIDES = frozenset("lɹrwjʎ")
-CLOSED = 0.036  # [s] at rate 1 that a voiceless stop is closed before its burst
-NO_PAUSE = 0.02  # [s] between two sounds without a pause
-LAST_SHARE = 0.5  # of a voiced stop before a pause, at which it bursts
-SHARES = ((VOICED, 0.62), (NASALS, 0.7), (GLIDES, 0.6))  # of each, at which the mouth opens to a vowel
+VOICELESS_STOPS = frozenset("ptkcqʈ")  # phonetic letters of voiceless stops
+VOICED_STOPS = frozenset("bdgɡɖɟɓɗ")  # noqa: RUF001 - phonetic symbols
+NASAL_SOUNDS = frozenset("mnŋɲɳɱ")  # phonetic letters of nasals
+GLIDE_SOUNDS = frozenset("lɹrwjʎ")  # phonetic letters of glides and liquids
+CLOSURE_TIME = 0.036  # [s] duration of the closure before the burst of a voiceless stop, at rate 1
+MAX_GAP = 0.02  # [s] largest gap between sounds that follow without a pause
+FINAL_BURST_FRACTION = 0.5  # time of the burst in a voiced stop before a pause / its duration
+OPENING_FRACTIONS = (  # letters and fraction of the sound after which the mouth opens to a vowel
+    (VOICED_STOPS, 0.62),
+    (NASAL_SOUNDS, 0.7),
+    (GLIDE_SOUNDS, 0.6),
+)
 
 
 def articulate(phonemes: Sequence[Phoneme], *, rate: float) -> tuple[Phoneme, ...]:
-    """Adds to sounds of espeak-ng when the mouth has come to them, and when it lets them go.
+    """Estimate when each sound's mouth shape is reached and released.
 
     Args:
-        phonemes: of an utterance, in their order, as its events have them.
-        rate: at which they are said; 1 is normal.
+        phonemes: sounds of an utterance in order, with the times of their events.
+        rate: speech rate; 1 is normal.
     """
-    made = [
-        _made(each, _letter(before, each), _letter(after, each), CLOSED / rate)
-        for before, each, after in _between(phonemes)
+    articulated = [
+        _articulate_one(
+            sound, _find_adjacent_letter(before, sound), _find_adjacent_letter(after, sound), CLOSURE_TIME / rate
+        )
+        for before, sound, after in _with_neighbours(phonemes)
     ]
-    return tuple(_joined(*neighbours) for neighbours in _between(made))
+    return tuple(_join(*neighbours) for neighbours in _with_neighbours(articulated))
 
 
-def _between(sounds: Sequence[Phoneme]) -> Iterator[tuple[Phoneme | None, Phoneme, Phoneme | None]]:
-    """Yields each sound between its neighbours."""
+def _with_neighbours(sounds: Sequence[Phoneme]) -> Iterator[tuple[Phoneme | None, Phoneme, Phoneme | None]]:
+    """Yield each sound of an utterance with its neighbouring sounds."""
     return zip((None, *sounds), sounds, (*sounds[1:], None), strict=False)
 
 
-def _letter(other: Phoneme | None, sound: Phoneme) -> str:
-    """The nearer letter of a neighbour; none where a pause is between them."""
-    if other is None or max(other.start - sound.end, sound.start - other.end) > NO_PAUSE:
+def _find_adjacent_letter(other: Phoneme | None, sound: Phoneme) -> str:
+    """Return the letter of a neighbouring sound that touches this sound.
+
+    The result is empty if a pause lies between.
+    """
+    if other is None or max(other.start - sound.end, sound.start - other.end) > MAX_GAP:
         return ""
     return other.letters[-1:] if other.start < sound.start else other.letters[:1]
 
 
-def _made(sound: Phoneme, before: str, after: str, closed: float) -> Phoneme:
-    """Times one sound between two letters."""
+def _articulate_one(sound: Phoneme, before: str, after: str, closed: float) -> Phoneme:
+    """Return one sound with articulation times that depend on its neighbours' letters."""
     first, onset = sound.letters[:1], sound.start
-    bursts = first in VOICELESS or (first in VOICED and not _is_open(before))  # at its event
-    if bursts:
+    has_burst = first in VOICELESS_STOPS or (first in VOICED_STOPS and not _is_open(before))  # the event is the burst
+    if has_burst:
         onset -= closed
-    share = 0.0 if bursts else _share(first, after)
-    if len(sound.letters) > 1:  # what begins as a stop goes on as a fricative
-        share = 1.0
-    return replace(sound, onset=onset, release=sound.start + share * sound.duration)
+    fraction = 0.0 if has_burst else _compute_opening_fraction(first, after)
+    if len(sound.letters) > 1:  # a stop that continues as a fricative
+        fraction = 1.0
+    return replace(sound, onset=onset, release=sound.start + fraction * sound.duration)
 
 
-def _share(letter: str, after: str) -> float:
-    """Share of a sound after which the mouth opens to the next one."""
-    if letter in VOICED and not after:
-        return LAST_SHARE
+def _compute_opening_fraction(letter: str, after: str) -> float:
+    """Return the fraction of a sound before the mouth reopens."""
+    if letter in VOICED_STOPS and not after:
+        return FINAL_BURST_FRACTION
     if not _is_open(after):
         return 1.0
-    return next((share for letters, share in SHARES if letter in letters), 1.0)
+    return next((fraction for letters, fraction in OPENING_FRACTIONS if letter in letters), 1.0)
 
 
 def _is_open(letter: str) -> bool:
-    return letter in VOWELS or letter in GLIDES
+    return letter in VOWEL_LETTERS or letter in GLIDE_SOUNDS
 
 
-def _joined(before: Phoneme | None, sound: Phoneme, after: Phoneme | None) -> Phoneme:
-    """Lets a sound begin where the one before it is let go, and end where the next one begins to be made."""
-    onset, release = sound.made
-    if before is not None and sound.start - before.end < NO_PAUSE:
-        onset = min(onset, max(before.made))
+def _join(before: Phoneme | None, sound: Phoneme, after: Phoneme | None) -> Phoneme:
+    """Extend or cut a sound's articulation to meet neighbouring sounds.
+
+    It starts when the sound before is released and ends when the next one starts.
+    """
+    onset, release = sound.articulation
+    if before is not None and sound.start - before.end < MAX_GAP:
+        onset = min(onset, max(before.articulation))
     if after is not None:
-        release = max(onset, min(release, after.made[0]))
+        release = max(onset, min(release, after.articulation[0]))
     return replace(sound, onset=onset, release=release)

@@ -1,8 +1,8 @@
-"""A voice that is heard: espeak-ng, in a process of its own for each utterance.
+"""Audible voice: espeak-ng, with a new process for each utterance.
 
-What it says is the same in every run. When its marks and sounds fall is told by its own events, to the sample; a
-mark is moved on to the onset of the word that it stands before, because a sound that begins with closed lips or
-tongue is silent at first (12 to 49 ms at a normal rate).
+An utterance is the same in every run. Marks and sounds get their times from the engine's events, exact to the sample. A
+mark moves on to the onset of the word after it, because a sound with closed lips or tongue starts silent (12 to 49 ms
+at a normal rate).
 """
 
 import math
@@ -15,22 +15,25 @@ from pathlib import Path
 
 import numpy as np
 
+from kinesic.body.scripts import PHRASE_STOPS, SENTENCE_STOPS
 from kinesic.body.utterance import Mark, Pause, Phoneme, Script, Sound, Utterance
 from kinesic.speech.articulation import articulate
 from kinesic.speech.durations import DurationModel
-from kinesic.speech.espeak_pool import EngineReply, SpeechError, engine, espeak_fault, synthesise
-from kinesic.speech.ssml import ssml
+from kinesic.speech.espeak_pool import EngineReply, SpeechError, espeak_fault, find_engine, synthesise
+from kinesic.speech.ssml import write_ssml
 from kinesic.speech.writing import unreadable_letters
 
-WORDS_PER_MINUTE = 175  # of espeak-ng at rate 1
-SLOWEST, FASTEST = 80, 450  # words per minute
-MIDDLE, HIGHEST = 50, 99  # espeak-ng's pitch: 50 more is an octave up
-UTTERANCES_KEPT = 64  # utterances of one run
-LETTERS_SHOWN = 40  # letters in a remark
-MOST_CHARACTERS = 25_000  # characters, about half an hour: more than a block may last
-ENGLISH = "en-us"
-ALIASES: Mapping[str, str] = {  # tags that the files of espeak-ng spell otherwise
-    "en": ENGLISH,
+WORDS_PER_MINUTE = 175  # [words/min] rate of espeak-ng at rate factor 1
+MIN_WORD_RATE = 80  # [words/min] slowest rate of espeak-ng
+MAX_WORD_RATE = 450  # [words/min] fastest rate of espeak-ng
+NORMAL_PITCH = 50  # default pitch on espeak-ng's scale; 50 more is an octave higher
+MAX_PITCH = 99  # largest pitch on espeak-ng's scale
+CACHED_UTTERANCES = 64  # number of cached utterances
+MAX_LISTED_LETTERS = 40  # largest number of unreadable letters listed in a remark
+MAX_CHARACTERS = 25_000  # [characters] longest script, about half an hour: longer than a block may last
+ENGLISH_TAG = "en-us"  # language of texts without a supported language
+LANGUAGE_ALIASES: Mapping[str, str] = {  # spelling of a language tag in espeak-ng's files
+    "en": ENGLISH_TAG,
     "en-gb": "en",
     "iw": "he",
     "no": "nb",
@@ -39,107 +42,108 @@ ALIASES: Mapping[str, str] = {  # tags that the files of espeak-ng spell otherwi
     "zh-hk": "yue",
 }
 
-_CLOSING = re.compile(r"^[\s\"'\u2019\u201d\u00bb)\]]*[.,;:!?\u2026\u3002\uff0c\uff01\uff1f\u3001]")
+_CLOSING_PATTERN = re.compile(rf"^[\s\"'\u2019\u201d\u00bb)\]]*[{SENTENCE_STOPS}{PHRASE_STOPS}]")
 
 
 class Espeak:
-    """The voices of espeak-ng, with phonemes of the International Phonetic Alphabet."""
+    """Voices of espeak-ng, with phonemes of the International Phonetic Alphabet."""
 
     def say(self, script: Script, /, *, rate: float = 1.0, pitch: float = 1.0) -> Utterance:
-        """Says a script.
+        """Synthesise a script with espeak-ng.
 
-        A pause of the script lasts as long as it says at every rate. Where the engine fails, the utterance is silent
-        and has a remark that tells why.
+        A pause of the script has the same duration at every rate. If the engine fails, the utterance is silent and has
+        a remark with the reason.
 
         Args:
-            script: what to say; of marks with the same name the first counts.
-            rate: 1 is 175 words in a minute; 80 to 450 words are possible, and nearer ones are taken.
-            pitch: times that of the voice, half to twice.
+            script: text to say; of marks with the same name the first counts.
+            rate: 1 is 175 words per minute; the range is 80 to 450 words per minute, other values are clipped.
+            pitch: factor of the voice's pitch, 0.5 to 2.
 
         Raises:
-            ValueError: rate or pitch is not a number above 0.
+            ValueError: rate or pitch is not a finite number above 0.
         """
         for name, value in (("rate", rate), ("pitch", pitch)):
             if not (math.isfinite(value) and value > 0):
                 raise ValueError(f"{name} is {value}, must be a finite number above 0")
-        return _said(script, rate, pitch)
+        return _say(script, rate, pitch)
 
 
 @lru_cache(maxsize=4)
-def voices(data: Path) -> Mapping[str, str]:
-    """Lists espeak-ng's voices by language tag in small letters, from the folder of its data."""
+def list_voices(data: Path) -> Mapping[str, str]:
+    """List espeak-ng's voices by lower-case language tag, from its data folder."""
     folder = data / "espeak-ng-data" / "lang"
     return {path.name.lower(): path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
 
 
-def voice_of(language: str, data: Path) -> tuple[str, str]:
-    """Finds the voice of a language, and remarks where it is that of another.
+def find_voice(language: str, data: Path) -> tuple[str, str]:
+    """Find a voice for a language, with a remark on replacements.
 
-    A tag that is too precise is made shorter: `de-AT` is spoken by `de`.
+    A tag that is too specific is shortened: `de-AT` is spoken by `de`.
 
     Args:
-        language: BCP 47 tag, in any spelling.
-        data: folder that holds espeak-ng's data.
+        language: BCP 47 tag in any spelling.
+        data: folder with espeak-ng's data.
     """
-    known = voices(data)
+    by_tag = list_voices(data)
     tag = language.strip().replace("_", "-").lower()
     while tag:
-        found = known.get(ALIASES.get(tag, tag))
-        if found:
-            return found, ""
+        voice = by_tag.get(LANGUAGE_ALIASES.get(tag, tag))
+        if voice:
+            return voice, ""
         tag = tag.rpartition("-")[0]
-    return known.get(ENGLISH, ENGLISH), f"no voice speaks {language!r}: it is read as if it were English"
+    return by_tag.get(ENGLISH_TAG, ENGLISH_TAG), f"no voice speaks {language!r}: it is read as English"
 
 
-@lru_cache(maxsize=UTTERANCES_KEPT)
-def _said(script: Script, rate: float, pitch: float) -> Utterance:
-    place = engine()
-    if place is None:
+@lru_cache(maxsize=CACHED_UTTERANCES)
+def _say(script: Script, rate: float, pitch: float) -> Utterance:
+    paths = find_engine()
+    if paths is None:
         return DurationModel(f"nothing is heard: {espeak_fault()}").say(script, rate=rate)
-    if len(script.text) > MOST_CHARACTERS:
-        why = f"a text of {len(script.text)} characters is too long for one speech, at most {MOST_CHARACTERS} are said"
+    if len(script.text) > MAX_CHARACTERS:
+        why = f"a text of {len(script.text)} characters is too long for one speech; the maximum is {MAX_CHARACTERS}"
         return DurationModel(f"nothing is heard: {why}").say(
-            replace(script, text=script.text[:MOST_CHARACTERS]), rate=rate
+            replace(script, text=script.text[:MAX_CHARACTERS]), rate=rate
         )
-    voice, remark = voice_of(script.language, place.data)
-    lost = unreadable_letters(script.text, voice)
-    if lost:
-        why = f"the voice {voice} cannot read {_shown(lost)}"
-        readable = script.text.translate(dict.fromkeys(map(ord, lost), " "))
+    voice, remark = find_voice(script.language, paths.data)
+    missing = unreadable_letters(script.text, voice)
+    if missing:
+        why = f"the voice {voice} cannot read {_list_letters(missing)}"
+        readable = script.text.translate(dict.fromkeys(map(ord, missing), " "))
         if not _has_word(readable):
             return DurationModel(f"nothing is heard: {why}").say(script, rate=rate)
-        script, remark = replace(script, text=readable), "; ".join(filter(None, (remark, f"{why}: it is lost")))
-    words = min(max(round(WORDS_PER_MINUTE * rate), SLOWEST), FASTEST)
-    height = min(max(round(MIDDLE * (1 + math.log2(pitch))), 0), HIGHEST)
+        script = replace(script, text=readable)
+        remark = "; ".join(filter(None, (remark, f"{why}: it is omitted")))
+    words = min(max(round(WORDS_PER_MINUTE * rate), MIN_WORD_RATE), MAX_WORD_RATE)
+    pitch_value = min(max(round(NORMAL_PITCH * (1 + math.log2(pitch))), 0), MAX_PITCH)
     try:
-        reply = synthesise(ssml(script), place, voice=voice, words_per_minute=words, pitch=height)
+        reply = synthesise(write_ssml(script), paths, voice=voice, words_per_minute=words, pitch=pitch_value)
     except SpeechError as error:
         return DurationModel(f"nothing is heard: {error}").say(script, rate=rate)
-    utterance = _timed(script, reply)
-    made = articulate(utterance.phonemes, rate=words / WORDS_PER_MINUTE)
-    return replace(utterance, phonemes=made, remarks=tuple(filter(None, (remark, *utterance.remarks))))
+    utterance = _convert_reply(script, reply)
+    articulated = articulate(utterance.phonemes, rate=words / WORDS_PER_MINUTE)
+    return replace(utterance, phonemes=articulated, remarks=tuple(filter(None, (remark, *utterance.remarks))))
 
 
-def _shown(letters: str) -> str:
-    more = len(letters) - LETTERS_SHOWN
-    return f"{letters[:LETTERS_SHOWN]} and {more} other letters" if more > 0 else letters
+def _list_letters(letters: str) -> str:
+    more = len(letters) - MAX_LISTED_LETTERS
+    return f"{letters[:MAX_LISTED_LETTERS]} and {more} other letters" if more > 0 else letters
 
 
-def _timed(script: Script, reply: EngineReply) -> Utterance:
-    """Converts a reply to seconds, without the silence that the engine adds after the last word."""
+def _convert_reply(script: Script, reply: EngineReply) -> Utterance:
+    """Convert an engine reply to an utterance in seconds, without final silence."""
     ends = [sample for _, sample in reply.phonemes[1:]]
     sounds = [(symbol, begin, end) for (symbol, begin), end in zip(reply.phonemes, ends, strict=False) if symbol]
     spoken = sounds[-1][2] if sounds else 0
     trailing = sum(pause.duration for pause in script.pauses if not _has_word(script.text[pause.position :]))
     length = spoken + round(trailing * reply.rate)
-    samples, said = np.zeros(length), np.frombuffer(reply.samples, dtype="<i2")[:spoken]
-    samples[: len(said)] = said / 32768
-    places, lost = _places(script, reply, [begin for _, begin, _ in sounds], spoken)
+    samples, spoken_samples = np.zeros(length), np.frombuffer(reply.samples, dtype="<i2")[:spoken]
+    samples[: len(spoken_samples)] = spoken_samples / 32768
+    samples_of_stops, missing = _find_samples(script, reply, [begin for _, begin, _ in sounds], spoken)
     marks: dict[str, float] = {}
-    for stop, place in zip(script.stops(), places, strict=True):
+    for stop, sample in zip(script.stops(), samples_of_stops, strict=True):
         if isinstance(stop, Mark):
-            marks.setdefault(stop.name, min(place, length) / reply.rate)
-    remark = f"espeak-ng does not tell when {', '.join(lost)} falls: it is estimated" if lost else ""
+            marks.setdefault(stop.name, min(sample, length) / reply.rate)
+    remark = f"espeak-ng does not report the time of {', '.join(missing)}: it is estimated" if missing else ""
     return Utterance(
         length / reply.rate,
         marks,
@@ -150,28 +154,30 @@ def _timed(script: Script, reply: EngineReply) -> Utterance:
     )
 
 
-def _places(script: Script, reply: EngineReply, onsets: Sequence[int], spoken: int) -> tuple[list[int], list[str]]:
-    """Finds the sample of each stop of a script, never going back, and marks without an event of the engine.
+def _find_samples(
+    script: Script, reply: EngineReply, onsets: Sequence[int], spoken: int
+) -> tuple[list[int], list[str]]:
+    """Find the sample index of every mark and pause, and unreported marks.
 
-    A mark moves on to the onset of the next word, unless a pause or closing punctuation is between them.
+    A mark moves on to the onset of the next word, unless a pause or closing punctuation lies between.
     """
     stops = script.stops()
     events = {int(number): sample for number, sample in reply.marks}
     anchors = {0: 0, len(script.text): spoken} | {stops[number].position: events[number] for number in events}
-    known = sorted(anchors)
-    found: list[int] = []
-    lost: list[str] = []
+    positions = sorted(anchors)
+    result: list[int] = []
+    missing: list[str] = []
     for number, stop in enumerate(stops):
-        place = events.get(number)
-        if place is None:
-            place = round(float(np.interp(stop.position, known, [anchors[position] for position in known])))
+        sample = events.get(number)
+        if sample is None:
+            sample = round(float(np.interp(stop.position, positions, [anchors[position] for position in positions])))
             if isinstance(stop, Mark):
-                lost.append(stop.name)
+                missing.append(stop.name)
         if _is_before_word(script, number):
-            following = bisect_left(onsets, place)
-            place = onsets[following] if following < len(onsets) else place
-        found.append(max([place, *found[-1:]]))
-    return found, lost
+            following = bisect_left(onsets, sample)
+            sample = onsets[following] if following < len(onsets) else sample
+        result.append(max([sample, *result[-1:]]))
+    return result, missing
 
 
 def _is_before_word(script: Script, number: int) -> bool:
@@ -179,7 +185,7 @@ def _is_before_word(script: Script, number: int) -> bool:
     later = (stop.position for stop in script.stops()[number + 1 :] if isinstance(stop, Pause))
     if any(not _has_word(script.text[position:pause]) for pause in later):
         return False
-    return not _CLOSING.match(script.text[position:])
+    return not _CLOSING_PATTERN.match(script.text[position:])
 
 
 def _has_word(text: str) -> bool:

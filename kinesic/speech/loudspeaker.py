@@ -1,4 +1,4 @@
-"""The machine's loudspeaker, by PortAudio, and what a loudspeaker is to those who play on one."""
+"""Access to the loudspeaker by PortAudio, and the interface of sound outputs."""
 
 import importlib
 from collections.abc import Callable
@@ -6,59 +6,62 @@ from typing import Protocol
 
 from kinesic.body.utterance import Samples
 
-INSTALL = "pip install 'kinesic[speech]'"
-BUFFERED = 0.1  # [s] that are handed over ahead, so that a busy machine does not stutter
-LIBRARY = "apt-get install libportaudio2"
+INSTALL_COMMAND = "pip install 'kinesic[speech]'"
+BUFFER_DURATION = 0.1  # [s] duration of sound handed over in advance, so that a busy machine does not stutter
+LIBRARY_COMMAND = "apt-get install libportaudio2"  # command that installs PortAudio on Debian and Ubuntu
 
 Clock = Callable[[], float]
-Feed = Callable[[int, float], Samples]  # so many samples, heard from this time on the clock -> the samples
+Feed = Callable[[int, float], Samples]  # (number of samples, clock time at which the first is heard) -> the samples
 
 
 class SpeakerError(RuntimeError):
-    """Nothing can be played here; the text says why, and what mends it."""
+    """Failure to play sound.
+
+    The text gives the reason and a remedy.
+    """
 
 
 class Device(Protocol):
-    """Something that plays samples as they come."""
+    """Interface of a sound output that requests samples as it plays."""
 
     @property
     def latency(self) -> float:
-        """[s] from asking for samples until they are heard, as last measured."""
+        """Last measured delay [s] from requesting samples to hearing them."""
 
     def open(self, rate: int, feed: Feed) -> None:
-        """Begins to ask for samples of one channel at a rate [Hz], again and again.
+        """Open the sound output for one channel at a rate [Hz].
 
         Raises:
-            SpeakerError: there is nothing to play on.
+            SpeakerError: no device is available.
         """
 
     def close(self) -> None:
-        """Stops asking for samples."""
+        """Close the sound output."""
 
 
 class _Times(Protocol):
-    """PortAudio's times of one call, on its own clock [s]."""
+    """Times in a PortAudio callback, on PortAudio's clock [s]."""
 
     currentTime: float  # noqa: N815 - PortAudio's name
     outputBufferDacTime: float  # noqa: N815 - PortAudio's name
 
 
 class _Buffer(Protocol):
-    """Where samples go, (count, 1)."""
+    """PortAudio's buffer for samples, shape (count, 1)."""
 
     def __setitem__(self, key: tuple[slice, int], value: Samples) -> None: ...
 
 
 class PortAudio:
-    """The default output of this machine."""
+    """The default sound output of the machine."""
 
     def __init__(self, clock: Clock) -> None:
-        """Takes the clock of all times [s]."""
+        """Store the clock for all playback times [s]."""
         self._clock = clock
-        self.latency = BUFFERED  # [s] as last measured
+        self.latency = BUFFER_DURATION  # [s] as last measured
 
     def open(self, rate: int, feed: Feed) -> None:
-        """Begins to ask for samples.
+        """Open PortAudio's output, which requests samples by a callback.
 
         Raises:
             SpeakerError: the library or the device is missing.
@@ -68,33 +71,39 @@ class PortAudio:
             raise SpeakerError(why)
         devices = importlib.import_module("sounddevice")
 
-        def wanted(buffer: _Buffer, count: int, times: _Times, _: object) -> None:
+        def deliver(buffer: _Buffer, count: int, times: _Times, _: object) -> None:
             ahead = times.outputBufferDacTime - times.currentTime
-            self.latency = ahead if ahead > 0.0 else float(self._stream.latency)  # some drivers do not tell
+            self.latency = ahead if ahead > 0.0 else float(self._stream.latency)  # some drivers do not report the time
             buffer[:, 0] = feed(count, self._clock() + self.latency)
 
         try:
             self._stream = devices.OutputStream(
-                samplerate=rate, channels=1, dtype="float32", latency=BUFFERED, callback=wanted
+                samplerate=rate, channels=1, dtype="float32", latency=BUFFER_DURATION, callback=deliver
             )
             self._stream.start()
         except devices.PortAudioError as error:
             raise SpeakerError(f"no sound device that plays {rate} Hz: {error}") from None
 
     def close(self) -> None:
-        """Ends that; what is not heard yet is not played."""
+        """Stop PortAudio's output at once.
+
+        Samples not yet heard are dropped.
+        """
         self._stream.abort()
         self._stream.close()
 
 
 def audio_fault() -> str:
-    """Says why nothing can be played here, and what mends it; empty when it can."""
+    """Return why sound cannot be played, with a remedy.
+
+    The result is empty if it can.
+    """
     try:
         devices = importlib.import_module("sounddevice")
     except ImportError:
-        return f"sounddevice is not installed: {INSTALL}"
+        return f"sounddevice is not installed: {INSTALL_COMMAND}"
     except OSError:
-        return f"PortAudio is not installed: {LIBRARY}"
+        return f"PortAudio is not installed: {LIBRARY_COMMAND}"
     if not any(device["max_output_channels"] for device in devices.query_devices()):
         return "this machine has no sound device"
     return ""

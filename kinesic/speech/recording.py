@@ -1,4 +1,4 @@
-"""Read WAV recordings in blocks after a check of their header."""
+"""Reader of WAV recordings that checks the header and reads in blocks."""
 
 import os
 import wave
@@ -12,17 +12,20 @@ from kinesic.body.config import ConfigError
 from kinesic.body.utterance import Samples, Sound
 from kinesic.files.input_file import open_regular
 
-MAX_DURATION = 1300  # [s]
-MIN_RATE = 1_000  # [Hz] no word can be heard below
-MAX_RATE = 384_000  # [Hz] no device records above
-MAX_CHANNELS = 32
-MAX_SAMPLES = MAX_DURATION * 48_000  # of one channel: a quarter of a gigabyte once they are read
-MAX_SAMPLE_WIDTH = 4  # [bytes]
-BLOCK_SIZE = 1 << 20  # [bytes] that are read at a time
+MAX_DURATION = 1300  # [s] longest accepted recording
+MIN_RATE = 1_000  # [Hz] lowest accepted sample rate; no word can be heard below
+MAX_RATE = 384_000  # [Hz] highest accepted sample rate; no device records above
+MAX_CHANNELS = 32  # largest accepted number of channels of a recording
+MAX_SAMPLES = MAX_DURATION * 48_000  # largest number of samples per channel of a recording; a quarter of a gigabyte
+MAX_SAMPLE_WIDTH = 4  # [bytes] largest sample size of one channel
+BLOCK_SIZE = 1 << 20  # [bytes] size of each read from a recording
 
 
 class RecordingError(ValueError):
-    """A recording cannot be read, for the reason in the text."""
+    """Failure to read a recording.
+
+    The text gives the reason.
+    """
 
 
 def read_wav(path: Path) -> Sound:
@@ -31,7 +34,7 @@ def read_wav(path: Path) -> Sound:
     Several channels become their mean.
 
     Raises:
-        RecordingError: there is no such file, it is no plain WAV, or its rate, channels or length are out of bounds.
+        RecordingError: the file is missing, is not a plain WAV file, or has a rate, channels or a length out of bounds.
     """
     try:
         with open_regular(path) as file, wave.open(file) as recording:
@@ -41,12 +44,16 @@ def read_wav(path: Path) -> Sound:
         raise RecordingError(str(error)) from None
     except OSError as error:
         raise RecordingError(f"{path}: {error.strerror}") from None
-    except (wave.Error, EOFError, RuntimeError) as error:  # the last of chunks that end before their header says
+    except (
+        wave.Error,
+        EOFError,
+        RuntimeError,
+    ) as error:  # EOFError and RuntimeError: a chunk is shorter than its header declares
         raise RecordingError(f"{path} is no WAV file of plain samples ({str(error) or 'it ends too soon'})") from None
 
 
 def _check_header(path: Path, recording: wave.Wave_read, file: BinaryIO) -> int:
-    """Check the declared header and return the samples per channel."""
+    """Check a WAV header and return the samples per channel."""
     rate, channels, width = recording.getframerate(), recording.getnchannels(), recording.getsampwidth()
     if not MIN_RATE <= rate <= MAX_RATE:
         raise RecordingError(f"{path} has {rate} samples a second; {MIN_RATE} to {MAX_RATE} are read")
@@ -64,7 +71,7 @@ def _check_header(path: Path, recording: wave.Wave_read, file: BinaryIO) -> int:
 
 
 def _read_samples(recording: wave.Wave_read, count: int) -> Samples:
-    """Read samples block by block, mixed to one channel."""
+    """Read WAV samples block by block, mixed to one channel."""
     channels, width = recording.getnchannels(), recording.getsampwidth()
     samples: Samples = np.zeros(count, dtype=np.float32)
     block, begin = max(BLOCK_SIZE // (width * channels), 1), 0
@@ -80,7 +87,7 @@ def _read_samples(recording: wave.Wave_read, count: int) -> Samples:
 
 
 def _decode(data: bytes, width: int) -> NDArray[np.float64]:
-    """Convert bytes to samples in -1..1.
+    """Convert WAV sample bytes to samples in -1..1.
 
     8-bit samples are unsigned, and 24-bit samples are widened to 32 bits.
     """

@@ -1,16 +1,19 @@
-"""Sounds of written words, roughly: enough to count syllables and move lips, in any language of Latin script."""
+"""Approximate sounds of written words in languages of Latin script.
+
+They suffice to count syllables and to move lips.
+"""
 
 import re
 import unicodedata
 from collections.abc import Mapping
 
-VOWELS = frozenset("aeiouə")
-DIGITS = ("zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine")
-LETTERS_PER_SYLLABLE = 2.5  # where the script is unknown
+VOWEL_SOUNDS = frozenset("aeiouə")
+DIGIT_WORDS = ("zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine")
+LETTERS_PER_SYLLABLE = 2.5  # estimated letters per syllable, for scripts of unknown structure
 SYLLABIC_SCRIPTS = ("HIRAGANA LETTER", "KATAKANA LETTER", "HANGUL SYLLABLE")
 
-# The longest spelling wins; sounds that look alike on the lips share a symbol.
-SOUNDS: Mapping[str, tuple[str, ...]] = {
+# The longest spelling wins; sounds with the same lip shape have the same symbol.
+SPELLING_SOUNDS: Mapping[str, tuple[str, ...]] = {
     "sch": ("ʃ",),
     "tch": ("t", "ʃ"),
     "ch": ("t", "ʃ"),
@@ -57,54 +60,64 @@ SOUNDS: Mapping[str, tuple[str, ...]] = {
     "đ": ("d",),
     "ł": ("w",),
 }
-_SPELLING = re.compile("|".join(sorted(SOUNDS, key=len, reverse=True)))
-_SILENT_E = re.compile(r"(?<=[^aeiouy])(?<![^aeiouy]l)e$")  # make, but not little
+_SPELLING_PATTERN = re.compile("|".join(sorted(SPELLING_SOUNDS, key=len, reverse=True)))
+_SILENT_E = re.compile(r"(?<=[^aeiouy])(?<![^aeiouy]l)e$")  # silent e of "make", but not of "little"
 _SILENT_E_LANGUAGES = ("en", "fr")
 
 
 def word_sounds(word: str, *, language: str = "en") -> tuple[str, ...]:
-    """Finds the sounds of a word in order, at least one of them a vowel.
+    """Return the sounds of a word, at least one vowel.
 
     Args:
-        word: letters of one word; accents do not matter.
+        word: letters of one word; accents are ignored.
         language: BCP 47 tag; English and French have a silent e.
 
     Returns:
-        Symbols of the International Phonetic Alphabet. A word in a script that is not Latin is as many neutral
-        vowels as it probably has syllables.
+        Symbols of the International Phonetic Alphabet. A word in a non-Latin script gives as many neutral vowels as it
+        probably has
+        syllables.
     """
-    letters = _plain(word)
+    letters = _plain_letters(word)
     if language.casefold().startswith(_SILENT_E_LANGUAGES):
-        shorter = _SILENT_E.sub("", letters)
-        letters = shorter if syllables(_spoken(shorter)) else letters
-    sounds = _spoken(letters)
+        without_e = _SILENT_E.sub("", letters)
+        letters = without_e if count_syllables(_read_letters(without_e)) else letters
+    sounds = _read_letters(letters)
     if not sounds:
         return ("ə",) * max(1, round(len(letters) / LETTERS_PER_SYLLABLE))
-    return sounds if syllables(sounds) else ("ə", *sounds)
+    return sounds if count_syllables(sounds) else ("ə", *sounds)
 
 
 def number_sounds(number: str) -> tuple[str, ...]:
-    """Finds the sounds of a number read digit by digit; characters that are no digits are silent."""
+    """Return the sounds of a number read digit by digit.
+
+    Other characters are silent.
+    """
     digits = [unicodedata.digit(character, None) for character in number]
-    return tuple(sound for digit in digits if digit is not None for sound in word_sounds(DIGITS[digit]))
+    return tuple(sound for digit in digits if digit is not None for sound in word_sounds(DIGIT_WORDS[digit]))
 
 
 def mora_sounds(character: str) -> tuple[str, ...]:
-    """Finds the sounds of a Chinese, Japanese or Korean character; a neutral vowel where it hides its sound."""
+    """Return the sounds of a Chinese, Japanese or Korean character.
+
+    Characters of unknown sound give a neutral vowel.
+    """
     name = unicodedata.name(character, "")
     if name.startswith(SYLLABIC_SCRIPTS):
         return word_sounds(name.split()[-1], language="")
     return ("ə",)
 
 
-def syllables(sounds: tuple[str, ...]) -> int:
-    """Counts vowel groups."""
-    return sum(sound in VOWELS and before not in VOWELS for before, sound in zip(("", *sounds), sounds, strict=False))
+def count_syllables(sounds: tuple[str, ...]) -> int:
+    """Count a word's syllables as groups of successive vowel sounds."""
+    return sum(
+        sound in VOWEL_SOUNDS and before not in VOWEL_SOUNDS
+        for before, sound in zip(("", *sounds), sounds, strict=False)
+    )
 
 
-def _plain(word: str) -> str:
+def _plain_letters(word: str) -> str:
     return "".join(c for c in unicodedata.normalize("NFD", word.casefold()) if c.isalpha())
 
 
-def _spoken(letters: str) -> tuple[str, ...]:
-    return tuple(sound for spelling in _SPELLING.findall(letters) for sound in SOUNDS[spelling])
+def _read_letters(letters: str) -> tuple[str, ...]:
+    return tuple(sound for spelling in _SPELLING_PATTERN.findall(letters) for sound in SPELLING_SOUNDS[spelling])

@@ -1,65 +1,103 @@
-"""A script as SSML, written so that an engine reads exactly what was meant."""
+"""Conversion of speech scripts to SSML."""
 
 import re
+import unicodedata
+from collections.abc import Collection
 from io import StringIO
 from typing import TYPE_CHECKING
 from xml.sax.xmlreader import AttributesImpl
 
+from kinesic.body.pictographs import blank_pictographs
 from kinesic.body.utterance import Emphasis, Mark, Script
 
 if TYPE_CHECKING:
     from xml.sax.saxutils import XMLGenerator
 
-_FORBIDDEN = re.compile("[\x00-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")  # in XML, or of no sound
+_FORBIDDEN_PATTERN = re.compile(
+    "[\x00-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]"
+)  # characters without a sound or not allowed in XML
 _FULL_STOP = re.compile(r"\.\s*$")
+_STOP_PATTERN = re.compile(r"[.!?\u2026]+(?![\w.!?\u2026])")  # stops that end a sentence
 
 
-def ssml(script: Script) -> str:
-    """Writes a script as a <speak> element.
+def write_ssml(script: Script) -> str:
+    """Write a speech script as an SSML <speak> element.
 
-    Marks are called by their number among `script.stops()`, so that any name, and any name twice, comes through.
-    Between a full stop and an element there is the end of a line: espeak-ng 1.52 passes over elements that stand
-    between a full stop and a capital letter.
+    Marks are named by their index in `script.stops()`, so that any name works, even twice. A line break separates a
+    full stop from a following element, because espeak-ng 1.52 skips elements between a full stop and a capital letter.
+    Pictographs are omitted, because espeak-ng reads their names.
     """
-    from xml.sax.saxutils import XMLGenerator  # noqa: PLC0415 - brings clients of the web with it, and few scripts speak
+    from xml.sax.saxutils import XMLGenerator  # noqa: PLC0415 - imports web clients, which few programs need
 
-    written = StringIO()
-    writer = XMLGenerator(written, encoding="utf-8", short_empty_elements=True)
-    text = _FORBIDDEN.sub(" ", script.text)
+    output = StringIO()
+    writer = XMLGenerator(output, encoding="utf-8", short_empty_elements=True)
+    text = blank_pictographs(_FORBIDDEN_PATTERN.sub(" ", script.text))
     stops = list(enumerate(script.stops()))
-    coming = sorted((e for e in script.emphases if e.begin < e.end), key=lambda e: (e.begin, -e.end))
-    places = {0, len(text), *(stop.position for _, stop in stops)}
-    places |= {place for emphasis in coming for place in (emphasis.begin, emphasis.end)}
-    open_ones: list[Emphasis] = []
-    before = 0
+    pending = sorted((e for e in script.emphases if e.begin < e.end), key=lambda e: (e.begin, -e.end))
+    positions = {0, len(text), *(stop.position for _, stop in stops)}
+    positions |= {position for emphasis in pending for position in (emphasis.begin, emphasis.end)}
+    characters = _separate_stops(text, positions)
+    open_elements: list[Emphasis] = []
+    written_up_to = 0
     writer.startElement("speak", AttributesImpl({}))
-    for place in sorted(min(max(place, 0), len(text)) for place in places):
-        writer.characters(text[before:place] + ("\n" if _is_swallowed(text, place) else ""))
-        before = place
-        while open_ones and open_ones[-1].end <= place:
-            writer.endElement(open_ones.pop().element)
-        while stops and stops[0][1].position <= place:
+    for position in sorted(min(max(position, 0), len(text)) for position in positions):
+        written = "".join(characters[written_up_to:position])
+        writer.characters(written + ("\n" if _is_swallowed(text, position) and not written.endswith("\n") else ""))
+        written_up_to = position
+        while open_elements and open_elements[-1].end <= position:
+            writer.endElement(open_elements.pop().element)
+        while stops and stops[0][1].position <= position:
             number, stop = stops.pop(0)
             if isinstance(stop, Mark):
-                _empty(writer, "mark", {"name": str(number)})
+                _write_empty(writer, "mark", {"name": str(number)})
             else:
-                _empty(writer, "break", {"time": f"{round(1000 * stop.duration)}ms"})
-        while coming and coming[0].begin <= place:
-            open_ones.append(coming.pop(0))
-            writer.startElement(open_ones[-1].element, AttributesImpl(dict(open_ones[-1].attributes)))
-    for emphasis in reversed(open_ones):
+                _write_empty(writer, "break", {"time": f"{round(1000 * stop.duration)}ms"})
+        while pending and pending[0].begin <= position:
+            open_elements.append(pending.pop(0))
+            writer.startElement(open_elements[-1].element, AttributesImpl(dict(open_elements[-1].attributes)))
+    for emphasis in reversed(open_elements):
         writer.endElement(emphasis.element)
     writer.endElement("speak")
-    return written.getvalue()
+    return output.getvalue()
 
 
-def _is_swallowed(text: str, place: int) -> bool:
-    """Says whether an element would stand between a full stop, no decimal point, and a new sentence."""
-    first = text[place:].lstrip()[:1]
-    is_decimal = first.isdigit() and text[place - 1 : place + 1] == f".{first}"
-    return bool(first and _FULL_STOP.search(text[:place])) and not (first.islower() or is_decimal)
+def _separate_stops(text: str, boundaries: Collection[int]) -> list[str]:
+    """Return a text's characters, with line breaks after isolated sentence stops.
+
+    espeak-ng 1.52 reads a stop aloud ("dot") that an element, a quote, a bracket or a sign separates from its word,
+    unless a line ends after it. A stop without a word since the preceding stop is omitted.
+
+    Args:
+        text: text to speak.
+        boundaries: positions of SSML elements.
+    """
+    characters = list(text)
+    end_of_stop = -1  # end of the preceding stop
+    for match in _STOP_PATTERN.finditer(text):
+        begin, end = match.span()
+        is_separated = begin in boundaries or not (begin and _is_letter(text[begin - 1]))
+        if end_of_stop >= 0 and not any(map(_is_letter, text[end_of_stop:begin])):
+            characters[begin:end] = " " * (end - begin)
+        elif is_separated or any(position in boundaries for position in range(begin + 1, end)):
+            characters[begin:end] = [*text[begin : end - 1], text[end - 1] + "\n"]
+        end_of_stop = end
+    return characters
 
 
-def _empty(writer: "XMLGenerator", name: str, attributes: dict[str, str]) -> None:
+def _is_letter(character: str) -> bool:
+    return unicodedata.category(character)[0] in "LMN"
+
+
+def _is_swallowed(text: str, position: int) -> bool:
+    """Return whether espeak-ng would skip an SSML element at a position.
+
+    A decimal point is not a full stop.
+    """
+    first = text[position:].lstrip()[:1]
+    is_decimal = first.isdigit() and text[position - 1 : position + 1] == f".{first}"
+    return bool(first and _FULL_STOP.search(text[:position])) and not (first.islower() or is_decimal)
+
+
+def _write_empty(writer: "XMLGenerator", name: str, attributes: dict[str, str]) -> None:
     writer.startElement(name, AttributesImpl(attributes))
     writer.endElement(name)

@@ -1,77 +1,86 @@
-"""Chooses who speaks: a recording where the document has one, else an engine, else the model of durations."""
+"""Selection of the speech engine, and playback of recordings.
+
+A recording, else an engine, else the duration model.
+"""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from kinesic.body.choices import VoiceName
 from kinesic.body.config import ConfigError, check_inside
-from kinesic.body.utterance import Phoneme, Recording, Script, Sound, Utterance, Voice
+from kinesic.body.utterance import Recording, Script, Sound, Utterance, Voice
+from kinesic.speech.alignment import align_phonemes, find_audible_spans, order_anchors
 from kinesic.speech.durations import DurationModel
 from kinesic.speech.espeak import Espeak
 from kinesic.speech.espeak_pool import espeak_fault
 from kinesic.speech.recording import RecordingError, read_wav
 
-ASTRAY = 0.05  # [s] by which a mark may be off its word without a remark
+MAX_UNREMARKED_SHIFT = 0.05  # [s] largest distance of a mark from its word without a remark
 
 
 def voice(name: VoiceName = "durations") -> Voice:
-    """Makes the voice of a name; each plays recordings, too.
+    """Create the voice with a name such as `auto` or `espeak`.
+
+    Every voice also plays recordings.
 
     Args:
-        name: `espeak` is heard; `durations` is silent and the same on every machine; `auto` is espeak where it works,
-            else durations, and then every utterance remarks why it is not heard.
+        name: `espeak` is audible; `durations` is silent and the same on every machine; `auto` is espeak if it works,
+            else durations
+            with a remark in every utterance.
 
     Raises:
-        ConfigError: espeak is asked for by its name and does not work.
+        ConfigError: espeak is requested explicitly and does not work.
     """
     why = "" if name == "durations" else espeak_fault()
     if why and name == "espeak":
         raise ConfigError(f"the voice espeak cannot speak: {why}; --voice durations is silent and needs nothing")
     if why or name == "durations":
-        return Recorded(DurationModel(f"nothing is heard, only the time that it takes is known: {why}" if why else ""))
-    return Recorded(Espeak())
+        return RecordedVoice(DurationModel(f"nothing is heard, only its duration is estimated: {why}" if why else ""))
+    return RecordedVoice(Espeak())
 
 
 @dataclass(frozen=True)
-class Recorded:
-    """A voice that plays recordings, and has another voice say everything else."""
+class RecordedVoice:
+    """Voice that plays recordings and otherwise uses another voice."""
 
     voice: Voice
 
     def say(self, script: Script, /, *, rate: float = 1.0, pitch: float = 1.0) -> Utterance:
-        """Says a script, or plays its recording, which neither rate nor pitch changes.
+        """Play a script's recording if it exists, or synthesise the script.
 
-        Marks whose time nobody gave, and what the lips do, are where the duration model has them, stretched to the
-        length of the recording. One that cannot be read is said by the other voice, with a remark. Where the document
-        says when a mark falls, it falls then, whoever speaks.
+        Mark times that are not given, and lip sounds, come from the duration model, and are placed in the audible parts
+        of the recording, each word between the given times around it. An unreadable recording is spoken by the other
+        voice, with a remark. Marks with times in the document fall at these times with every voice.
         """
         if script.recording is None:
             return _keep_times(script, self.voice.say(script, rate=rate, pitch=pitch))
         try:
             sound = read_wav(_find(script.recording))
         except RecordingError as error:
-            said = self.say(replace(script, recording=None), rate=rate, pitch=pitch)
-            return replace(said, remarks=(f"{error}: it is said instead", *said.remarks))
-        return _played(script, script.recording, sound)
+            utterance = self.say(replace(script, recording=None), rate=rate, pitch=pitch)
+            return replace(utterance, remarks=(f"{error}: it is said instead", *utterance.remarks))
+        return _play_recording(script, script.recording, sound)
 
 
-def _keep_times(script: Script, said: Utterance) -> Utterance:
-    """Puts marks where the document has them, and remarks where the voice would have had them elsewhere."""
+def _keep_times(script: Script, utterance: Utterance) -> Utterance:
+    """Move speech marks to the times in the document, and remark large shifts."""
     given = {mark.name: mark.time for mark in reversed(script.marks) if mark.time is not None}
     if not given:
-        return said
-    kept = {name: min(max(time, 0.0), said.duration) for name, time in given.items()}
-    apart = [
-        f"{name} (given {given[name]:g} s, said {said.marks.get(name, 0.0):.2f} s)"
+        return utterance
+    clipped = {name: min(max(time, 0.0), utterance.duration) for name, time in given.items()}
+    shifted = [
+        f"{name} (given {given[name]:g} s, said {utterance.marks.get(name, 0.0):.2f} s)"
         for name in reversed(given)
-        if abs(given[name] - said.marks.get(name, 0.0)) > ASTRAY
+        if abs(given[name] - utterance.marks.get(name, 0.0)) > MAX_UNREMARKED_SHIFT
     ]
-    remark = f"marks fall when the document says, not when the voice says their words: {', '.join(apart)}"
-    return replace(said, marks={**said.marks, **kept}, remarks=(*said.remarks, *([remark] if apart else [])))
+    remark = f"marks keep the times of the document, which differ from those of their words: {', '.join(shifted)}"
+    return replace(
+        utterance, marks={**utterance.marks, **clipped}, remarks=(*utterance.remarks, *([remark] if shifted else []))
+    )
 
 
 def _find(recording: Recording) -> Path:
-    """The file of a recording, which may be named without its ending."""
+    """Return the path of a recording, adding a missing suffix .wav."""
     path = recording.path
     _check(path, recording.folder)
     if path.suffix or not path.name or path.exists():
@@ -82,7 +91,7 @@ def _find(recording: Recording) -> Path:
 
 
 def _check(path: Path, folder: Path | None) -> None:
-    """Refuses a recording outside of the folder in which it must lie."""
+    """Reject a recording outside of the folder in which it must lie."""
     if folder is not None:
         try:
             check_inside(folder, path)
@@ -90,20 +99,22 @@ def _check(path: Path, folder: Path | None) -> None:
             raise RecordingError(f"the recording {error}") from None
 
 
-def _played(script: Script, recording: Recording, sound: Sound) -> Utterance:
-    guessed = DurationModel().say(replace(script, pauses=()))
-    stretch = sound.duration / guessed.duration if guessed.duration else 0.0
+def _play_recording(script: Script, recording: Recording, sound: Sound) -> Utterance:
+    estimate = DurationModel().say(replace(script, pauses=()))
     in_text = {mark.name: mark.time for mark in reversed(script.marks) if mark.time is not None}
-    known = in_text | dict(reversed(recording.marks))
-    given = {name: min(max(time, 0.0), sound.duration) for name, time in known.items()}
-    marks = {name: given.get(name, stretch * time) for name, time in guessed.marks.items()} | given
-    late = [f"{name} ({time:g} s)" for name, time in known.items() if not 0.0 <= time <= sound.duration]
-    open_ones = [name for name in guessed.marks if name not in given]
+    given_times = in_text | dict(reversed(recording.marks))
+    given = {name: min(max(time, 0.0), sound.duration) for name, time in given_times.items()}
+    anchors = [(estimate.marks[name], time) for name, time in given.items() if name in estimate.marks]
+    phonemes, place = align_phonemes(
+        estimate.phonemes, order_anchors(anchors, estimate.duration, sound.duration), find_audible_spans(sound)
+    )
+    marks = {name: given.get(name, place(time)) for name, time in estimate.marks.items()} | given
+    outside = [f"{name} ({time:g} s)" for name, time in given_times.items() if not 0.0 <= time <= sound.duration]
+    estimated_marks = [name for name in estimate.marks if name not in given]
     remarks = []
-    if late:
-        what = f"marks outside the {sound.duration:.3f} s of {recording.path.name}"
-        remarks.append(f"{what} are at its nearest end: {', '.join(late)}")
-    if open_ones:
-        remarks.append(f"when {', '.join(open_ones)} falls in {recording.path.name} is estimated: no time is given")
-    phonemes = tuple(Phoneme(p.symbol, stretch * p.start, stretch * p.duration) for p in guessed.phonemes)
+    if outside:
+        subject = f"marks outside the {sound.duration:.3f} s of {recording.path.name}"
+        remarks.append(f"{subject} are at its nearest end: {', '.join(outside)}")
+    if estimated_marks:
+        remarks.append(f"the time of {', '.join(estimated_marks)} in {recording.path.name} is estimated: none is given")
     return Utterance(sound.duration, marks, phonemes, "recording", sound, tuple(remarks))

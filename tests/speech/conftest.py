@@ -1,4 +1,4 @@
-"""The voice that tests of speech share."""
+"""Fixtures of the speech tests."""
 
 import pytest
 
@@ -8,7 +8,7 @@ from kinesic.speech.espeak_pool import espeak_fault
 
 @pytest.fixture(scope="session")
 def espeak() -> Espeak:
-    """The engine; tests that need it are skipped where it is missing."""
+    """Return an espeak-ng voice, or skip the test if it is missing."""
     if why := espeak_fault():
         pytest.skip(why)
     return Espeak()

@@ -6,39 +6,39 @@ import pytest
 from kinesic.bench.bml.speech import mark_errors
 from kinesic.body.utterance import Emphasis, Mark, Pause, Script
 from kinesic.speech import espeak as module
-from kinesic.speech.espeak import Espeak, voice_of, voices
-from kinesic.speech.espeak_pool import SpeechError, engine
+from kinesic.speech.espeak import Espeak, find_voice, list_voices
+from kinesic.speech.espeak_pool import SpeechError, find_engine
 
-PRECISION = 0.005  # [s]
+MARK_PRECISION = 0.005  # [s]
 
 
-def test_marks_lie_where_silence_ends_in_the_recorded_sound(espeak: Espeak):
+def test_speech_marks_lie_at_audible_word_onsets(espeak: Espeak):
     errors = list(mark_errors(15))
     assert len(errors) == 30
-    assert max(map(abs, errors)) <= PRECISION
+    assert max(map(abs, errors)) <= MARK_PRECISION
 
 
-def test_marks_on_both_sides_of_a_pause_enclose_it(espeak: Espeak):
+def test_speech_marks_before_and_after_a_pause_enclose_the_silence(espeak: Espeak):
     script = Script("and one zero", (Mark("a", 8), Mark("b", 8)), pauses=(Pause(8, 0.5, after=1),))
-    said = espeak.say(script)
-    assert said.sound is not None
-    begin, end = (round(said.marks[name] * said.sound.rate) for name in "ab")
-    assert said.marks["b"] - said.marks["a"] == pytest.approx(0.5, abs=0.015)  # lips take 12 ms to begin
-    assert np.abs(said.sound.samples[begin + 10 : end - 10]).max() == 0.0
-    assert np.abs(said.sound.samples[begin - 200 : begin]).max() > 0.0
-    assert np.abs(said.sound.samples[end : end + 200]).max() > 0.0
+    utterance = espeak.say(script)
+    assert utterance.sound is not None
+    begin, end = (round(utterance.marks[name] * utterance.sound.rate) for name in "ab")
+    assert utterance.marks["b"] - utterance.marks["a"] == pytest.approx(0.5, abs=0.015)  # lips take 12 ms to open
+    assert np.abs(utterance.sound.samples[begin + 10 : end - 10]).max() == 0.0
+    assert np.abs(utterance.sound.samples[begin - 200 : begin]).max() > 0.0
+    assert np.abs(utterance.sound.samples[end : end + 200]).max() > 0.0
 
 
 @pytest.mark.parametrize("rate", [0.6, 1.0, 1.8])
-def test_a_pause_lasts_as_long_at_every_rate(rate: float, espeak: Espeak):
-    said = espeak.say(Script("one zero", (Mark("m", 4),), pauses=(Pause(4, 0.5),)), rate=rate)
-    assert said.sound is not None
-    before = np.abs(said.sound.samples[: round(said.marks["m"] * said.sound.rate)])
-    silence = (len(before) - 1 - np.flatnonzero(before > 1e-3)[-1]) / said.sound.rate
+def test_speech_pause_has_the_same_length_at_every_rate(rate: float, espeak: Espeak):
+    utterance = espeak.say(Script("one zero", (Mark("m", 4),), pauses=(Pause(4, 0.5),)), rate=rate)
+    assert utterance.sound is not None
+    before = np.abs(utterance.sound.samples[: round(utterance.marks["m"] * utterance.sound.rate)])
+    silence = (len(before) - 1 - np.flatnonzero(before > 1e-3)[-1]) / utterance.sound.rate
     assert silence == pytest.approx(0.5, abs=0.03)
 
 
-def test_nothing_is_silent_after_the_last_word_but_a_pause(espeak: Espeak):
+def test_synthesised_speech_ends_with_its_last_word_or_requested_pause(espeak: Espeak):
     plain, waiting = espeak.say(Script("one two.")), espeak.say(Script("one two.", pauses=(Pause(8, 0.4),)))
     assert plain.sound is not None
     assert plain.duration == pytest.approx(plain.sound.duration)
@@ -49,7 +49,7 @@ def test_nothing_is_silent_after_the_last_word_but_a_pause(espeak: Espeak):
     assert len(waiting.sound.samples) == round(waiting.duration * waiting.sound.rate)
 
 
-def test_faster_is_shorter_and_higher_sounds_otherwise(espeak: Espeak):
+def test_rate_shortens_and_pitch_raises_speech(espeak: Espeak):
     script = Script("My two hands can do large gestures")
     durations = [espeak.say(script, rate=rate).duration for rate in (0.7, 1.0, 1.4, 2.0)]
     assert durations == sorted(durations, reverse=True)
@@ -58,22 +58,22 @@ def test_faster_is_shorter_and_higher_sounds_otherwise(espeak: Espeak):
     assert _pitch(higher) == pytest.approx(1.5 * _pitch(usual), rel=0.2)
 
 
-def _pitch(said) -> float:
-    """[Hz] at which a sound is most like itself, 70 to 300."""
-    samples, rate = said.sound.samples.astype(float), said.sound.rate
-    likeness = np.fft.irfft(np.abs(np.fft.rfft(samples, 2 * len(samples))) ** 2)
-    least, most = round(rate / 300), round(rate / 70)
-    return rate / (least + int(likeness[least:most].argmax()))
+def _pitch(utterance) -> float:
+    """Return the fundamental frequency [Hz] by autocorrelation, in 70..300."""
+    samples, rate = utterance.sound.samples.astype(float), utterance.sound.rate
+    correlation = np.fft.irfft(np.abs(np.fft.rfft(samples, 2 * len(samples))) ** 2)
+    shortest, longest = round(rate / 300), round(rate / 70)
+    return rate / (shortest + int(correlation[shortest:longest].argmax()))
 
 
-def test_phonemes_are_of_the_phonetic_alphabet_and_fill_what_is_heard(espeak: Espeak):
-    said = espeak.say(Script("Hello, my friend"))
-    assert [phoneme.symbol for phoneme in said.phonemes][:4] == ["h", "ə", "l", "\u02c8oʊ"]
-    assert all(phoneme.duration > 0 for phoneme in said.phonemes)
-    ends = [phoneme.start + phoneme.duration for phoneme in said.phonemes]
-    assert all(later.start >= end - 1e-9 for end, later in zip(ends, said.phonemes[1:], strict=False))
-    assert ends[-1] == pytest.approx(said.duration)
-    assert said.voice == "espeak-ng"
+def test_espeak_phonemes_are_ipa_symbols_that_fill_the_sound(espeak: Espeak):
+    utterance = espeak.say(Script("Hello, my friend"))
+    assert [phoneme.symbol for phoneme in utterance.phonemes][:4] == ["h", "ə", "l", "\u02c8oʊ"]
+    assert all(phoneme.duration > 0 for phoneme in utterance.phonemes)
+    ends = [phoneme.start + phoneme.duration for phoneme in utterance.phonemes]
+    assert all(later.start >= end - 1e-9 for end, later in zip(ends, utterance.phonemes[1:], strict=False))
+    assert ends[-1] == pytest.approx(utterance.duration)
+    assert utterance.voice == "espeak-ng"
 
 
 def test_prosody_and_languages_reach_the_engine(espeak: Espeak):
@@ -86,23 +86,23 @@ def test_prosody_and_languages_reach_the_engine(espeak: Espeak):
     assert "ʒ" in [phoneme.symbol for phoneme in inside.phonemes]
 
 
-def test_an_unknown_language_is_remarked(espeak: Espeak):
-    said = espeak.say(Script("hello", language="tlh"))
-    assert said.sound is not None
-    assert "tlh" in said.remarks[0]
+def test_speech_in_an_unknown_language_has_a_remark(espeak: Espeak):
+    utterance = espeak.say(Script("hello", language="tlh"))
+    assert utterance.sound is not None
+    assert "tlh" in utterance.remarks[0]
 
 
 @pytest.mark.parametrize("text", ["", "   ", "...", "?!"])
-def test_nothing_to_say_takes_no_time(text: str, espeak: Espeak):
-    said = espeak.say(Script(text, (Mark("m", 0), Mark("n", len(text)))))
-    assert (said.duration, said.marks, said.phonemes) == (0.0, {"m": 0.0, "n": 0.0}, ())
+def test_empty_speech_is_synthesised_with_duration_zero(text: str, espeak: Espeak):
+    utterance = espeak.say(Script(text, (Mark("m", 0), Mark("n", len(text)))))
+    assert (utterance.duration, utterance.marks, utterance.phonemes) == (0.0, {"m": 0.0, "n": 0.0}, ())
 
 
-def test_a_mark_before_a_comma_stays_at_the_end_of_its_word(espeak: Espeak):
-    said = espeak.say(Script("one, two", (Mark("end", 3), Mark("two", 5))))
+def test_speech_mark_before_a_comma_stays_at_the_end_of_its_word(espeak: Espeak):
+    utterance = espeak.say(Script("one, two", (Mark("end", 3), Mark("two", 5))))
     word = espeak.say(Script("one"))
-    assert said.marks["end"] == pytest.approx(word.duration, abs=0.1)
-    assert said.marks["two"] > said.marks["end"] + 0.1
+    assert utterance.marks["end"] == pytest.approx(word.duration, abs=0.1)
+    assert utterance.marks["two"] > utterance.marks["end"] + 0.1
 
 
 @pytest.mark.parametrize(
@@ -118,59 +118,59 @@ def test_a_mark_before_a_comma_stays_at_the_end_of_its_word(espeak: Espeak):
         "É. |Été",
     ],
 )
-def test_a_mark_after_a_full_stop_is_told_and_changes_nothing(text: str, espeak: Espeak):
-    place, plain = text.index("|"), text.replace("|", "")
-    said = espeak.say(Script(plain, (Mark("m", place),)))
-    assert said.remarks == ()
-    assert said.duration == pytest.approx(espeak.say(Script(plain)).duration, abs=0.005)
-    assert said.marks["m"] > 0.1
+def test_speech_mark_after_a_full_stop_does_not_change_the_sound(text: str, espeak: Espeak):
+    position, plain = text.index("|"), text.replace("|", "")
+    utterance = espeak.say(Script(plain, (Mark("m", position),)))
+    assert utterance.remarks == ()
+    assert utterance.duration == pytest.approx(espeak.say(Script(plain)).duration, abs=0.005)
+    assert utterance.marks["m"] > 0.1
 
 
-def test_prosody_after_a_full_stop_is_heard(espeak: Espeak):
+def test_prosody_after_a_full_stop_is_audible(espeak: Espeak):
     text = "One. You go there"
     slow = Script(text, emphases=(Emphasis(5, len(text), "prosody", (("rate", "50%"),)),))
     assert espeak.say(slow).duration > 1.3 * espeak.say(Script(text)).duration
 
 
-def test_every_mark_has_a_time_inside_in_order(espeak: Espeak):
+def test_speech_mark_times_are_ordered_within_the_utterance(espeak: Espeak):
     text = "a b, c. D (exactly) 12 % & <e> fish—chips; don't 'go' now"
     marks = tuple(Mark(f"m{k}", k) for k in range(len(text) + 1))
-    said = espeak.say(Script(text, marks))
-    times = [said.marks[mark.name] for mark in marks]
+    utterance = espeak.say(Script(text, marks))
+    times = [utterance.marks[mark.name] for mark in marks]
     assert times == sorted(times)
-    assert 0.0 <= times[0] <= times[-1] <= said.duration
+    assert 0.0 <= times[0] <= times[-1] <= utterance.duration
 
 
 @pytest.mark.parametrize("kind", ["rate", "pitch"])
 @pytest.mark.parametrize("value", [0.0, -1.0, float("nan"), float("inf")])
-def test_a_number_that_is_none_is_refused(kind: str, value: float):
+def test_invalid_rate_or_pitch_is_rejected(kind: str, value: float):
     with pytest.raises(ValueError, match=f"{kind} is"):
         Espeak().say(Script("one"), **{kind: value})
 
 
-def test_an_engine_that_fails_leaves_the_times_and_says_so(espeak: Espeak, monkeypatch: pytest.MonkeyPatch):
+def test_failed_speech_synthesis_gives_estimated_times_with_a_remark(espeak: Espeak, monkeypatch: pytest.MonkeyPatch):
     def fails(*_: object, **__: object) -> None:
         raise SpeechError("it broke")
 
     monkeypatch.setattr(module, "synthesise", fails)
-    said = espeak.say(Script("never said before, in no other test"))
-    assert (said.voice, said.sound) == ("durations", None)
-    assert said.duration > 1.0
-    assert "it broke" in said.remarks[0]
+    utterance = espeak.say(Script("a text of no other test"))
+    assert (utterance.voice, utterance.sound) == ("durations", None)
+    assert utterance.duration > 1.0
+    assert "it broke" in utterance.remarks[0]
 
 
-def test_a_text_without_end_is_not_waited_for(espeak: Espeak):
-    said = espeak.say(Script("on and " * 20_000))
-    assert (said.voice, said.sound) == ("durations", None)
-    assert "140000 characters" in said.remarks[0]
+def test_very_long_text_is_not_synthesised(espeak: Espeak):
+    utterance = espeak.say(Script("on and " * 20_000))
+    assert (utterance.voice, utterance.sound) == ("durations", None)
+    assert "140000 characters" in utterance.remarks[0]
 
 
 @pytest.fixture(scope="module")
 def data() -> Path:
-    place = engine()
-    if place is None:
+    paths = find_engine()
+    if paths is None:
         pytest.skip("espeak-ng is not installed")
-    return place.data
+    return paths.data
 
 
 @pytest.mark.parametrize(
@@ -185,14 +185,14 @@ def data() -> Path:
         ("no", "nb"),
     ],
 )
-def test_a_tag_finds_its_voice_in_any_spelling(tag: str, voice: str, data: Path):
-    found, remark = voice_of(tag, data)
-    assert found.rpartition("/")[2] == voice
+def test_language_tag_finds_its_voice_in_any_spelling(tag: str, voice: str, data: Path):
+    spoken_by, remark = find_voice(tag, data)
+    assert spoken_by.rpartition("/")[2] == voice
     assert remark == ""
 
 
 @pytest.mark.parametrize("tag", ["tlh", "", "klingon", "-"])
-def test_a_language_that_nobody_speaks_is_read_as_english_and_says_so(tag: str, data: Path):
-    found, remark = voice_of(tag, data)
-    assert found == voices(data)["en-us"]
+def test_unsupported_language_is_read_as_english_with_a_remark(tag: str, data: Path):
+    spoken_by, remark = find_voice(tag, data)
+    assert spoken_by == list_voices(data)["en-us"]
     assert repr(tag) in remark

@@ -7,30 +7,30 @@ import pytest
 from kinesic.speech import espeak_pool
 from kinesic.speech.espeak_pool import EspeakPaths, SpeechError, synthesise
 
-HELLO = "<speak>Hello, I am <mark name='0'/>here</speak>"
-USUAL = {"voice": "gmw/en-US", "words_per_minute": 175, "pitch": 50}
+HELLO_SSML = "<speak>Hello, I am <mark name='0'/>here</speak>"
+VOICE_SETTINGS = {"voice": "gmw/en-US", "words_per_minute": 175, "pitch": 50}
 
 
 @pytest.fixture
 def place(espeak: object) -> EspeakPaths:
-    found = espeak_pool.engine()
-    assert found is not None
-    return found
+    paths = espeak_pool.find_engine()
+    assert paths is not None
+    return paths
 
 
-def test_the_same_text_sounds_the_same_each_time(place: EspeakPaths):
-    first = synthesise(HELLO, place, **USUAL)
-    synthesise("<speak>something else</speak>", place, **USUAL)
-    assert synthesise(HELLO, place, **USUAL) == first
+def test_same_text_gives_the_same_speech_samples(place: EspeakPaths):
+    first = synthesise(HELLO_SSML, place, **VOICE_SETTINGS)
+    synthesise("<speak>something else</speak>", place, **VOICE_SETTINGS)
+    assert synthesise(HELLO_SSML, place, **VOICE_SETTINGS) == first
     assert first.samples
 
 
-def test_a_process_of_its_own_says_it(place: EspeakPaths):
-    """The licence of the library stays outside of our process, and so does what it remembers."""
+def test_synthesis_runs_in_its_own_process(place: EspeakPaths):
+    """Check that the library is not loaded into the test process."""
     maps = Path("/proc/self/maps")
     if not maps.exists():
-        pytest.skip("this system does not tell which libraries a process has")
-    synthesise(HELLO, place, **USUAL)
+        pytest.skip("this system does not list the libraries of a process")
+    synthesise(HELLO_SSML, place, **VOICE_SETTINGS)
     assert "espeak" not in maps.read_text()
 
 
@@ -41,35 +41,35 @@ def test_a_process_of_its_own_says_it(place: EspeakPaths):
         ({"place": EspeakPaths(Path("/no/library.so"), Path("/"))}, "no/library"),
     ],
 )
-def test_what_fails_says_why(place: EspeakPaths, change: dict[str, object], why: str):
-    espeak_pool._dismiss()  # the one that waits knows the right library
+def test_synthesis_failure_is_reported_with_its_reason(place: EspeakPaths, change: dict[str, object], why: str):
+    espeak_pool._dismiss()  # the waiting process has the right library
     with pytest.raises(SpeechError, match=why):
-        synthesise(**({"text": HELLO, "place": place} | USUAL | change))
+        synthesise(**({"text": HELLO_SSML, "place": place} | VOICE_SETTINGS | change))
     espeak_pool._dismiss()
-    assert synthesise(HELLO, place, **USUAL).samples
+    assert synthesise(HELLO_SSML, place, **VOICE_SETTINGS).samples
 
 
-def test_an_engine_that_takes_too_long_is_given_up(place: EspeakPaths, monkeypatch: pytest.MonkeyPatch):
+def test_slow_speech_engine_is_stopped(place: EspeakPaths, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(espeak_pool, "ENGINE_TIMEOUT", 0.0)
     with pytest.raises(SpeechError, match="longer than 0 s"):
-        synthesise(HELLO, place, **USUAL)
+        synthesise(HELLO_SSML, place, **VOICE_SETTINGS)
 
 
-def test_the_program_ends_quietly_when_nobody_asks(place: EspeakPaths):
+def test_speech_engine_program_ends_silently_without_a_request(place: EspeakPaths):
     program = Path(espeak_pool.__file__).with_name("espeak_process.py")
-    done = subprocess.run(
+    process = subprocess.run(
         [sys.executable, "-I", "-S", program, place.library, place.data], input=b"", capture_output=True, check=False
     )
-    assert (done.returncode, done.stdout, done.stderr) == (0, b"", b"")
+    assert (process.returncode, process.stdout, process.stderr) == (0, b"", b"")
 
 
-def test_without_the_package_the_line_that_installs_it_is_told(monkeypatch: pytest.MonkeyPatch):
-    espeak_pool.engine.cache_clear()
+def test_missing_espeak_package_gives_the_install_command(monkeypatch: pytest.MonkeyPatch):
+    espeak_pool.find_engine.cache_clear()
     espeak_pool.espeak_fault.cache_clear()
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     try:
-        assert espeak_pool.engine() is None
+        assert espeak_pool.find_engine() is None
         assert "pip install" in espeak_pool.espeak_fault()
     finally:
-        espeak_pool.engine.cache_clear()
+        espeak_pool.find_engine.cache_clear()
         espeak_pool.espeak_fault.cache_clear()

@@ -3,26 +3,26 @@ from xml.etree.ElementTree import fromstring
 import pytest
 
 from kinesic.body.utterance import Emphasis, Mark, Pause, Script
-from kinesic.speech.ssml import ssml
+from kinesic.speech.ssml import write_ssml
 
 
-def test_marks_are_called_by_their_number_among_all_stops():
+def test_ssml_marks_are_named_by_their_index_among_marks_and_pauses():
     script = Script("one two", (Mark("a<b", 0), Mark("a<b", 4)), pauses=(Pause(4, 0.25),))
-    assert ssml(script) == '<speak><mark name="0"/>one <break time="250ms"/><mark name="2"/>two</speak>'
+    assert write_ssml(script) == '<speak><mark name="0"/>one <break time="250ms"/><mark name="2"/>two</speak>'
 
 
-def test_a_pause_stands_between_the_marks_that_it_is_between():
+def test_ssml_pause_stays_between_the_same_speech_marks():
     script = Script("one two", (Mark("a", 4), Mark("b", 4)), pauses=(Pause(4, 0.1, after=1), Pause(4, 0.2, after=2)))
-    kinds = [(element.tag, element.get("name") or element.get("time")) for element in fromstring(ssml(script))]
+    kinds = [(element.tag, element.get("name") or element.get("time")) for element in fromstring(write_ssml(script))]
     assert kinds == [("mark", "0"), ("break", "100ms"), ("mark", "2"), ("break", "200ms")]
 
 
-def test_text_is_escaped_and_has_no_control_characters():
-    written = ssml(Script('a < b & "c"\x00\x07]]>'))
-    assert fromstring(written).text == 'a < b & "c"  ]]>'
+def test_ssml_text_is_escaped_without_control_characters():
+    output = write_ssml(Script('a < b & "c"\x00\x07]]>'))
+    assert fromstring(output).text == 'a < b & "c"  ]]>'
 
 
-def test_emphases_enclose_what_they_concern_and_nest():
+def test_ssml_emphases_enclose_their_text_and_nest():
     script = Script(
         "one two three",
         (Mark("m", 4),),
@@ -33,20 +33,20 @@ def test_emphases_enclose_what_they_concern_and_nest():
             Emphasis(5, 5, "emphasis"),
         ),
     )
-    assert ssml(script) == (
+    assert write_ssml(script) == (
         '<speak><prosody rate="slow">one <mark name="0"/><emphasis level="strong">two</emphasis></prosody>'
         ' <voice xml:lang="fr">three</voice></speak>'
     )
 
 
 @pytest.mark.parametrize("spans", [[(0, 5), (3, 8)], [(3, 8), (0, 5)], [(0, 99)], [(-3, 2)]])
-def test_whatever_overlaps_is_well_formed(spans: list[tuple[int, int]]):
+def test_overlapping_emphases_give_well_formed_ssml(spans: list[tuple[int, int]]):
     script = Script("0123456789", emphases=tuple(Emphasis(begin, end, "emphasis") for begin, end in spans))
-    assert "".join(fromstring(ssml(script)).itertext()) == "0123456789"
+    assert "".join(fromstring(write_ssml(script)).itertext()) == "0123456789"
 
 
 @pytest.mark.parametrize(
-    ("text", "place", "ends"),
+    ("text", "position", "has_break"),
     [
         ("one. Two", 5, True),
         ("one.Two", 4, True),
@@ -56,6 +56,30 @@ def test_whatever_overlaps_is_well_formed(spans: list[tuple[int, int]]):
         ("one.", 4, False),
     ],
 )
-def test_a_line_ends_between_a_sentence_and_an_element(text: str, place: int, ends: bool):
-    written = ssml(Script(text, (Mark("m", place),)))
-    assert ("\n<mark" in written) is ends
+def test_line_break_separates_a_sentence_from_an_ssml_element(text: str, position: int, has_break: bool):
+    output = write_ssml(Script(text, (Mark("m", position),)))
+    assert ("\n<mark" in output) is has_break
+
+
+@pytest.mark.parametrize(
+    ("text", "boundary", "separated"),
+    [
+        ("now.", 3, ".\n"),
+        ("apple. then", 5, ".\n then"),
+        ('"here". then', 0, '".\n then'),
+        ("5 %.", 0, "%.\n"),
+        ("5 %... then", 0, "%...\n then"),
+        ("here. then", 0, "here. then"),
+        ("one! ! two", 0, "one!   two"),
+        ("3.5", 1, ".5"),
+        ("e.g. this", 0, "e.g. this"),
+    ],
+)
+def test_line_break_follows_a_full_stop_separated_from_its_word_by_ssml(text: str, boundary: int, separated: str):
+    output = write_ssml(Script(text, (Mark("m", boundary),)))
+    assert fromstring(output).find("mark") is not None
+    assert "".join(fromstring(output).itertext()).endswith(separated)
+
+
+def test_emoji_are_omitted_from_ssml():
+    assert write_ssml(Script("Good \U0001f44d\U0001f3fd\ufe0f day")) == "<speak>Good     day</speak>"

@@ -1,4 +1,4 @@
-"""Letters that a voice of espeak-ng cannot read."""
+"""Tests of detecting letters that espeak-ng's voices cannot read."""
 
 import pytest
 
@@ -9,7 +9,7 @@ from kinesic.speech.writing import unreadable_letters
 
 
 @pytest.mark.parametrize(
-    ("text", "voice", "lost"),
+    ("text", "voice", "unreadable"),
     [
         ("\u79c1\u306f\u5b66\u751f\u3067\u3059\u3002\u5b66", "jpx/ja", "\u79c1\u5b66\u751f"),
         ("\u79c1\u5b66", "sit/cmn", ""),
@@ -23,16 +23,16 @@ from kinesic.speech.writing import unreadable_letters
         ("", "gmw/en", ""),
     ],
 )
-def test_letters_of_other_languages_are_not_read(text: str, voice: str, lost: str) -> None:
-    assert unreadable_letters(text, voice) == lost
+def test_letters_that_a_voice_cannot_read_are_listed(text: str, voice: str, unreadable: str) -> None:
+    assert unreadable_letters(text, voice) == unreadable
 
 
 @pytest.mark.skipif(bool(espeak_fault()), reason=f"espeak-ng does not work here: {espeak_fault()}")
-def test_what_is_lost_is_said_with_its_letters_and_not_spoken() -> None:
+def test_letters_that_a_voice_cannot_read_are_omitted_with_a_remark() -> None:
     kana = Espeak().say(Script(" \u306f \u3067\u3059", (), "ja"))
     mixed = Espeak().say(Script("\u79c1\u306f\u5b66\u3067\u3059", (Mark("m", 2),), "ja"))
     assert [p.symbol for p in mixed.phonemes] == [p.symbol for p in kana.phonemes]
-    assert any("\u79c1\u5b66" in remark and "lost" in remark for remark in mixed.remarks)
+    assert any("\u79c1\u5b66" in remark and "omitted" in remark for remark in mixed.remarks)
     assert 0.0 < mixed.marks["m"] < mixed.duration
     whole = Espeak().say(Script("\u79c1\u5b66", (), "ja"))
     assert whole.sound is None
