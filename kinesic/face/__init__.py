@@ -1,1 +1,1 @@
-"""Shows the face: action units to a picture, in a window or a file."""
+"""Rendering of the face from action units, to windows or files."""

@@ -1,31 +1,37 @@
-"""Where pictures of the face are drawn: an OpenGL context without a window.
+"""Offscreen OpenGL context for pictures of the face.
 
-The room `face` shows the robot's face: action units become shapes of a mesh, with wrinkles, occlusion and skin, in a
-window or in a file. OpenGL is optional everywhere; a machine without it gets one error that tells how to mend it.
+The package `face` renders the robot's face: action units deform a mesh, which is drawn with wrinkles, ambient occlusion
+and skin shading, in a window or in a file. OpenGL is optional everywhere; a machine without it gets one error that
+names the remedy.
 """
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
-from kinesic.face.gl.context import GlContext
-from kinesic.face.gl.egl import open_context
-from kinesic.face.gl.functions import GraphicsError
+if TYPE_CHECKING:
+    from kinesic.face.gl.context import GlContext
 
-INSTALL_DRIVER = "apt-get install libegl1 libgl1"
-INSTALL_WINDOWS = "pip install 'kinesic[face]'"
+INSTALL_DRIVER = "apt-get install libegl1 libgl1"  # command that installs OpenGL on Debian and Ubuntu
+INSTALL_WINDOWS = "pip install 'kinesic[face]'"  # command that installs the window library
 
 
 class DisplayError(RuntimeError):
-    """Nothing can be drawn on this machine; says which command mends it."""
+    """Error if nothing can be drawn on this machine, with the remedy."""
 
 
 @contextmanager
-def offscreen() -> Iterator[GlContext]:
-    """Opens an EGL context that needs neither a screen nor a graphics card, and releases it at the end.
+def open_offscreen_context() -> "Iterator[GlContext]":
+    """Open an EGL context without a screen, released at the end.
+
+    Neither a display nor a graphics card is needed.
 
     Raises:
         DisplayError: there is no OpenGL driver.
     """
+    from kinesic.face.gl.egl import open_context  # noqa: PLC0415 - only pictures need it
+    from kinesic.face.gl.functions import GraphicsError  # noqa: PLC0415 - as above
+
     try:
         context = open_context()
     except GraphicsError as error:
@@ -36,10 +42,10 @@ def offscreen() -> Iterator[GlContext]:
         context.release()
 
 
-def available() -> str | None:
-    """Tells why no picture can be drawn here; None where it can."""
+def find_display_problem() -> str | None:
+    """Return why no picture can be drawn here, or None."""
     try:
-        with offscreen():
+        with open_offscreen_context():
             return None
     except DisplayError as error:
         return str(error)

@@ -4,7 +4,7 @@ from functools import cache
 
 import pytest
 
-from kinesic.face.display import available, offscreen
+from kinesic.face.display import find_display_problem, open_offscreen_context
 from kinesic.face.render.portrait import Portrait
 from kinesic.face.render.presets import Preset
 
@@ -13,23 +13,26 @@ Gallery = Callable[[Preset, tuple[int, int]], AbstractContextManager[Portrait]]
 
 @pytest.fixture(scope="session")
 def drawable() -> None:
-    """Skips where nothing can be drawn, saying why."""
-    reason = available()
+    """Skip the test with a reason if nothing can be drawn."""
+    reason = find_display_problem()
     if reason is not None:
         pytest.skip(reason)
 
 
 @pytest.fixture(scope="session")
 def portrait(drawable: None) -> Iterator[Portrait]:
-    """The female head at 256 x 256 in preset normal."""
+    """Portrait of the female head, 256 x 256 pixels, preset normal."""
     with Portrait("female", size=(256, 256)) as opened:
         yield opened
 
 
 @pytest.fixture(scope="module")
 def gallery(drawable: None) -> Iterator[Gallery]:
-    """Portraits of the female head by preset and size: each is opened once, all in one context."""
-    with offscreen() as context:
+    """Portraits of the female head by preset and size.
+
+    All use one context.
+    """
+    with open_offscreen_context() as context:
 
         @cache
         def portrait(preset: Preset, size: tuple[int, int]) -> Portrait:

@@ -5,20 +5,20 @@ import sys
 
 import pytest
 
-from kinesic.face.display import INSTALL_DRIVER, available, offscreen
+from kinesic.face.display import INSTALL_DRIVER, find_display_problem, open_offscreen_context
 from kinesic.face.gl import egl
 
 
 def draws() -> None:
-    """Skips where nothing can be drawn, saying why."""
-    reason = available()
+    """Skip the test with a reason if nothing can be drawn."""
+    reason = find_display_problem()
     if reason is not None:
         pytest.skip(reason)
 
 
-def test_a_picture_is_drawn_and_read_back():
+def test_offscreen_picture_is_drawn_and_read_back():
     draws()
-    with offscreen() as context:
+    with open_offscreen_context() as context:
         frame = context.frame([context.texture((4, 4), 3)])
         frame.clear(1.0, 0.0, 0.0)
         pixels = frame.read()
@@ -27,67 +27,73 @@ def test_a_picture_is_drawn_and_read_back():
     assert error == 0
 
 
-def test_a_mistake_inside_is_not_called_a_missing_display():
+def test_errors_while_drawing_are_not_reported_as_display_errors():
     draws()
-    with pytest.raises(KeyError, match="mine"), offscreen():
+    with pytest.raises(KeyError, match="mine"), open_offscreen_context():
         raise KeyError("mine")
 
 
 @pytest.mark.parametrize(
     ("variable", "value", "says"),
     [
-        ("MESA_GL_VERSION_OVERRIDE", "2.1", "OpenGL is 2.1 here, a face needs 3.3"),
+        ("MESA_GL_VERSION_OVERRIDE", "2.1", "OpenGL is 2.1 here, the face needs 3.3"),
         ("__EGL_VENDOR_LIBRARY_FILENAMES", "/nowhere", "EGL finds no device to draw with"),
         ("LIBGL_DRIVERS_PATH", "/nowhere", "EGL does not start"),
     ],
 )
-def test_a_driver_that_cannot_is_one_line(variable: str, value: str, says: str):
+def test_unsuitable_opengl_driver_gives_a_one_line_error(variable: str, value: str, says: str):
     draws()
-    words = [sys.executable, "-c", "from kinesic.face.display import available; print(available())"]
-    told = subprocess.run(words, env={**os.environ, variable: value}, capture_output=True, text=True, check=True).stdout
-    if told.strip() == "None":
+    words = [
+        sys.executable,
+        "-c",
+        "from kinesic.face.display import find_display_problem; print(find_display_problem())",
+    ]
+    output = subprocess.run(
+        words, env={**os.environ, variable: value}, capture_output=True, text=True, check=True
+    ).stdout
+    if output.strip() == "None":
         pytest.skip(f"this driver does not listen to {variable}")
-    assert says in told
-    assert told.strip().endswith(INSTALL_DRIVER)
-    assert told.count("\n") == 1
+    assert says in output
+    assert output.strip().endswith(INSTALL_DRIVER)
+    assert output.count("\n") == 1
 
 
-def test_missing_libraries_are_named(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(egl, "EGL", "libabsent.so.1")
-    monkeypatch.setattr(egl, "started", egl.Egl)
-    reason = available()
+def test_missing_opengl_libraries_are_named_in_the_error(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(egl, "EGL_LIBRARY", "libabsent.so.1")
+    monkeypatch.setattr(egl, "start_egl", egl.Egl)
+    reason = find_display_problem()
     assert reason is not None
-    assert reason.startswith("no OpenGL: libabsent.so.1 ")  # and others, where there are none
+    assert reason.startswith("no OpenGL: libabsent.so.1 ")  # further libraries may be missing, too
     assert "cannot be loaded" in reason
     assert reason.endswith(INSTALL_DRIVER)
 
 
-def test_a_device_that_does_not_start_leaves_the_next(monkeypatch: pytest.MonkeyPatch):
-    """As where a machine has a card that is not ours to use, before one that is."""
+def test_next_graphics_device_is_tried_if_one_fails(monkeypatch: pytest.MonkeyPatch):
+    """A machine may have an inaccessible graphics card before an accessible one."""
     draws()
-    real = egl._DEVICES
+    real = egl._QueryDevices
 
     def with_one_before(address: int):
         def query(most: int, devices, count) -> int:
-            found = real(address)(most - 1, ctypes.byref(devices, ctypes.sizeof(ctypes.c_void_p)), count)
+            actual = real(address)(most - 1, ctypes.byref(devices, ctypes.sizeof(ctypes.c_void_p)), count)
             devices[0], count._obj.value = 1, count._obj.value + 1
-            return int(found)
+            return int(actual)
 
         return query
 
-    monkeypatch.setattr(egl, "_DEVICES", with_one_before)
-    monkeypatch.setattr(egl, "started", egl.Egl)
-    assert available() is None
+    monkeypatch.setattr(egl, "_QueryDevices", with_one_before)
+    monkeypatch.setattr(egl, "start_egl", egl.Egl)
+    assert find_display_problem() is None
 
 
-def test_a_driver_that_knows_all_functions_needs_no_other_library(monkeypatch: pytest.MonkeyPatch):
+def test_egl_driver_with_all_functions_needs_no_libgl(monkeypatch: pytest.MonkeyPatch):
     draws()
-    monkeypatch.setattr(egl, "GL", ("libabsent.so.1",))
-    monkeypatch.setattr(egl, "started", egl.Egl)
-    assert available() is None
+    monkeypatch.setattr(egl, "GL_LIBRARIES", ("libabsent.so.1",))
+    monkeypatch.setattr(egl, "start_egl", egl.Egl)
+    assert find_display_problem() is None
 
 
-DRAWS = """
+DRAWING_PROGRAM = """
 import sys
 from kinesic.face.render.portrait import Portrait
 with Portrait(size=(32, 32)) as portrait:
@@ -97,8 +103,8 @@ print(*{each.partition("/")[0] for each in files if each.endswith(".so")})
 """
 
 
-def test_nothing_compiled_is_drawn_with_but_the_driver():
-    """So that it draws wherever kinesic's core installs, without a compiler."""
+def test_face_rendering_imports_no_compiled_packages_except_the_core_dependencies():
+    """Rendering works wherever kinesic's core can be installed, without a compiler."""
     draws()
-    told = subprocess.run([sys.executable, "-c", DRAWS], capture_output=True, text=True, check=True).stdout
-    assert set(told.split()) <= {"numpy", "scipy", "msgspec", "PIL"}
+    output = subprocess.run([sys.executable, "-c", DRAWING_PROGRAM], capture_output=True, text=True, check=True).stdout
+    assert set(output.split()) <= {"numpy", "scipy", "msgspec", "PIL"}

@@ -1,1 +1,1 @@
-"""Makes the head: its mesh, its skin, and the shapes of its action units."""
+"""Mesh, skin and expression shapes of the head."""

@@ -1,7 +1,7 @@
-"""Turns action units into the shape of a face: the expression shapes of each unit, and the vertices that they move.
+"""Deformation of the face mesh by action units.
 
-The shapes are those of the Face Units pack: 52, and the inner brow's cut in two. What a shape shows was judged on
-pictures of both heads against the appearance changes that the Facial Action Coding System lists.
+The shapes are those of the Face Units pack: 52, with the inner brow split in two. The combination of shapes for each
+action unit was judged on pictures of both heads against the appearance changes in the Facial Action Coding System.
 """
 
 import math
@@ -13,39 +13,39 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesic.body.action_units import (
-    ASIDE,
-    CHANNELS,
-    DOWNWARD,
-    INWARD,
-    UNITS,
-    UPWARD,
-    channels,
+    ACTION_UNITS,
+    FACE_CHANNELS,
+    MAX_EYE_CONVERGENCE,
+    MAX_EYE_DEPRESSION,
+    MAX_EYE_ELEVATION,
+    MAX_EYE_YAW,
+    describe_unknown_unit,
     face_keys,
-    unknown_unit,
+    unit_channels,
 )
 from kinesic.body.arrays import Floats, sealed
-from kinesic.face.assets.lids import Lids, lids
-from kinesic.face.assets.lips import Lips, lips
+from kinesic.face.assets.lids import Lids, find_lids
+from kinesic.face.assets.lips import Lips, find_lips
 from kinesic.face.assets.mesh import Mesh
 from kinesic.face.display import DisplayError
 
-SIDES = {"L": "Left", "R": "Right"}
+SIDE_NAMES = {"L": "Left", "R": "Right"}
 
-# SIDE stands for Left or Right in units that have sides.
-SHAPES: Mapping[int, Mapping[str, float]] = {
+# SIDE stands for Left and Right.
+UNIT_SHAPES: Mapping[int, Mapping[str, float]] = {
     1: {"browInnerUpSIDE": 1.0},
     2: {"browOuterUpSIDE": 1.0},
     4: {"browDownSIDE": 1.0},
     5: {"eyeWideSIDE": 1.0},
-    6: {"cheekSquintSIDE": 1.0, "eyeSquintSIDE": 0.45},  # orbicularis oculi pushes the lower lid up as well
+    6: {"cheekSquintSIDE": 1.0, "eyeSquintSIDE": 0.45},  # orbicularis oculi also raises the lower lid
     7: {"eyeSquintSIDE": 1.0},
-    9: {"noseSneerSIDE": 1.0, "mouthUpperUpSIDE": 0.15, "browDownSIDE": 0.2},  # the levator draws brow and lip along
-    10: {"mouthUpperUpSIDE": 1.0, "noseSneerSIDE": 0.25},  # the furrow beside the nose deepens with the lip
+    9: {"noseSneerSIDE": 1.0, "mouthUpperUpSIDE": 0.15, "browDownSIDE": 0.2},  # the levator also moves brow and lip
+    10: {"mouthUpperUpSIDE": 1.0, "noseSneerSIDE": 0.25},  # the nasolabial furrow deepens with the lip
     11: {"noseSneerSIDE": 0.4, "mouthUpperUpSIDE": 0.2},
     12: {
         "mouthSmileSIDE": 0.85,
         "mouthLowerDownSIDE": 0.3,
-    },  # at full weight the cheek folds on itself; lips meet as high
+    },  # the cheek folds at full weight; keeps the height of the lip line
     13: {"mouthSmileSIDE": 0.5, "cheekSquintSIDE": 0.3, "mouthPressSIDE": 0.2},  # corners sharply up, cheeks puffy
     14: {"mouthDimpleSIDE": 1.0},
     15: {"mouthFrownSIDE": 1.0},
@@ -53,12 +53,12 @@ SHAPES: Mapping[int, Mapping[str, float]] = {
     17: {"mouthShrugLower": 1.0, "mouthShrugUpper": 0.7},  # the chin boss pushes both lips up
     18: {"mouthPucker": 1.0},
     19: {"tongueOut": 1.0, "jawOpen": 0.25},  # the tongue needs the teeth apart
-    20: {"mouthStretchSIDE": 1.0, "mouthDimpleSIDE": 0.75},  # together straight outward
+    20: {"mouthStretchSIDE": 1.0, "mouthDimpleSIDE": 0.75},  # their sum points straight outward
     22: {"mouthFunnel": 1.0},
-    23: {"mouthRollLower": 0.45, "mouthRollUpper": 0.35, "mouthPucker": 0.13},  # narrow lips, no corner moves
-    24: {"mouthRollLower": 0.5, "mouthRollUpper": 0.4},  # the pack's mouthPress lifts the corners as a smile would
+    23: {"mouthRollLower": 0.45, "mouthRollUpper": 0.35, "mouthPucker": 0.13},  # narrow lips; the corners stay
+    24: {"mouthRollLower": 0.5, "mouthRollUpper": 0.4},  # mouthPress would raise the corners as in a smile
     25: {"mouthLowerDownLeft": 0.7, "mouthLowerDownRight": 0.7, "mouthUpperUpLeft": 0.3, "mouthUpperUpRight": 0.3},
-    26: {"jawOpen": 0.55},  # as far as it falls when its muscle relaxes
+    26: {"jawOpen": 0.55},  # opening with relaxed muscles
     27: {"jawOpen": 1.0, "mouthStretchLeft": 0.1, "mouthStretchRight": 0.1},
     28: {"mouthRollLower": 1.0, "mouthRollUpper": 1.0},
     29: {"jawForward": 1.0},
@@ -67,169 +67,189 @@ SHAPES: Mapping[int, Mapping[str, float]] = {
     34: {"cheekPuff": 1.0},
     43: {"eyeBlinkSIDE": 1.0},
     45: {"eyeBlinkSIDE": 1.0},
-    46: {"eyeBlinkSIDE": 1.0, "cheekSquintSIDE": 0.4},  # a wink is helped by the cheek
-    61: {"eyeLookOutLeft": 1.0, "eyeLookInRight": 1.0},  # of these four the lids; the eyeballs turn
+    46: {"eyeBlinkSIDE": 1.0, "cheekSquintSIDE": 0.4},  # the cheek supports a wink
+    61: {"eyeLookOutLeft": 1.0, "eyeLookInRight": 1.0},  # AU 61 to 64 move lids; the eyeballs rotate
     62: {"eyeLookInLeft": 1.0, "eyeLookOutRight": 1.0},
     63: {"eyeLookUpLeft": 1.0, "eyeLookUpRight": 1.0},
     64: {"eyeLookDownLeft": 1.0, "eyeLookDownRight": 1.0},
     66: {"eyeLookInLeft": 0.4, "eyeLookInRight": 0.4},
 }
-COMBINATIONS: Mapping[tuple[str, str], Mapping[str, float]] = {  # what two units do that neither does alone
+UNIT_COMBINATIONS: Mapping[tuple[str, str], Mapping[str, float]] = {  # extra shape weights while two units act together
     **{  # a smile parts the lips over the teeth
-        (f"{side}12", "25"): {f"mouthUpperUp{name}": 0.7, f"mouthLowerDown{name}": 0.35} for side, name in SIDES.items()
+        (f"{side}12", "25"): {f"mouthUpperUp{name}": 0.7, f"mouthLowerDown{name}": 0.35}
+        for side, name in SIDE_NAMES.items()
     },
     ("26", "25"): {"mouthUpperUpLeft": 0.25, "mouthUpperUpRight": 0.25},  # a mouth wide open shows the upper teeth
     ("27", "25"): {"mouthUpperUpLeft": 0.3, "mouthUpperUpRight": 0.3},
 }
-SEALS = ("24", "28")  # action units that hold the lips together, whatever the jaw does
-PARTING = ("mouthLowerDownLeft", "mouthLowerDownRight", "mouthUpperUpLeft", "mouthUpperUpRight", "mouthFunnel")
-LIDS = ("eyeWide", "eyeSquint", "eyeLookDown", "eyeLookUp", "eyeLookIn", "eyeLookOut")  # that a closing lid undoes
-BLINK = "eyeBlink"  # a shape of which only is used which vertices it moves: lids slide instead
+LIP_SEALING_UNITS = ("24", "28")  # action units that press the lips together at any jaw opening
+LIP_PARTING_SHAPES = (
+    "mouthLowerDownLeft",
+    "mouthLowerDownRight",
+    "mouthUpperUpLeft",
+    "mouthUpperUpRight",
+    "mouthFunnel",
+)
+LID_SHAPES = (
+    "eyeWide",
+    "eyeSquint",
+    "eyeLookDown",
+    "eyeLookUp",
+    "eyeLookIn",
+    "eyeLookOut",
+)  # shapes cancelled by a closing lid
+BLINK_SHAPE = "eyeBlink"  # shape that only marks the lid vertices; the lids themselves slide
 
-_CHANNEL = {name: place for place, name in enumerate(CHANNELS)}
+_CHANNEL_INDICES = {name: place for place, name in enumerate(FACE_CHANNELS)}
 
 
-def shape_mixing(shapes: tuple[str, ...]) -> Floats:
-    """Gives the weight of each of a mesh's shapes in each of `CHANNELS`, (s, c).
+def build_shape_matrix(shapes: tuple[str, ...]) -> Floats:
+    """Return the (s, c) weight of each shape in each of `FACE_CHANNELS`.
 
     Args:
-        shapes: names, in the mesh's order.
+        shapes: shape names in the order of the mesh.
     """
-    found = np.zeros((len(shapes), len(CHANNELS)))
-    for number in UNITS:
-        for channel in channels(number):
-            for shape, weight in SHAPES[number].items():
-                name = shape.replace("SIDE", SIDES.get(channel[0], ""))
-                found[shapes.index(name), CHANNELS.index(channel)] = weight
-    return sealed(found)
+    weights = np.zeros((len(shapes), len(FACE_CHANNELS)))
+    for number in ACTION_UNITS:
+        for channel in unit_channels(number):
+            for shape, weight in UNIT_SHAPES[number].items():
+                name = shape.replace("SIDE", SIDE_NAMES.get(channel[0], ""))
+                weights[shapes.index(name), FACE_CHANNELS.index(channel)] = weight
+    return sealed(weights)
 
 
 @dataclass(frozen=True, eq=False)
 class _Rig:
-    """What deforming a mesh needs to look up once."""
+    """Precomputed data for the deformation of a face mesh."""
 
-    mixing: Floats  # (s, c)
-    shape: Mapping[str, int]  # name -> place
-    eyeballs: tuple[NDArray[np.intp], NDArray[np.intp]]  # vertices of the left and of the right
+    mixing: Floats  # (s, c) weights of shapes in channels
+    shape: Mapping[str, int]  # name -> index
+    eyeballs: tuple[NDArray[np.intp], NDArray[np.intp]]  # vertices of the left and right one
     lids: tuple[Lids, Lids]
     lips: Lips
-    rest: Floats  # (v, 3) [m] of a face that shows nothing: lips touch
+    rest: Floats  # (v, 3) [m] positions at rest, with touching lips
 
 
-def intensities(units: Mapping[str, float]) -> Floats:
-    """(c,) intensity of each of `CHANNELS`; a number without side is both sides, and the stronger counts.
+def read_intensities(units: Mapping[str, float]) -> Floats:
+    """Return the (c,) intensity of each action unit channel in `FACE_CHANNELS`.
+
+    A number without a side means both sides; the stronger value counts.
 
     Args:
         units: action unit -> 0..1, as in `Command.face`.
 
     Raises:
-        DisplayError: an unknown unit, or an intensity outside 0..1.
+        DisplayError: an unknown action unit, or an intensity outside 0..1.
     """
-    found = np.zeros(len(CHANNELS))
+    values = np.zeros(len(FACE_CHANNELS))
     for name, value in units.items():
         if not (math.isfinite(value) and 0.0 <= value <= 1.0):
             raise DisplayError(f"action unit {name} is {value:g}; intensities go from 0 to 1")
         keys = face_keys(name)
         if not keys:
-            raise DisplayError(unknown_unit(name))
+            raise DisplayError(describe_unknown_unit(name))
         for channel in keys:
-            found[_CHANNEL[channel]] = max(found[_CHANNEL[channel]], value)
-    return found
+            values[_CHANNEL_INDICES[channel]] = max(values[_CHANNEL_INDICES[channel]], value)
+    return values
 
 
-def shape_weights(mesh: Mesh, units: Mapping[str, float]) -> Floats:
-    """Gives the weights 0..1 of a mesh's shapes, (s,), for who has shapes alone.
+def compute_shape_weights(mesh: Mesh, units: Mapping[str, float]) -> Floats:
+    """Return the (s,) weights 0..1 of a mesh's expression shapes.
 
-    Weights of one shape add up to at most 1. A closed mouth undoes what parts the lips: pressed lips stay together on
-    a dropped jaw. A closing lid, which `deform` slides over the eyeball instead, undoes what else moves it.
+    This serves renderers that know only shapes. The weight of a shape is at most 1. A closed mouth cancels shapes that
+    part the lips: pressed lips stay together while the jaw drops. A closing lid, which `deform` slides over the eyeball
+    instead, cancels other motion of the lid.
 
     Raises:
-        DisplayError: an unknown unit, or an intensity outside 0..1.
+        DisplayError: an unknown action unit, or an intensity outside 0..1.
     """
-    rig = _rig(mesh)
-    found = _weights(rig, intensities(units))
-    for side in SIDES.values():
-        found[[rig.shape[f"{lid}{side}"] for lid in LIDS]] *= 1.0 - found[rig.shape[f"{BLINK}{side}"]]
-    return found
+    rig = _build_rig(mesh)
+    weights = _compute_weights(rig, read_intensities(units))
+    for side in SIDE_NAMES.values():
+        weights[[rig.shape[f"{lid}{side}"] for lid in LID_SHAPES]] *= 1.0 - weights[rig.shape[f"{BLINK_SHAPE}{side}"]]
+    return weights
 
 
 def deform(mesh: Mesh, units: Mapping[str, float]) -> Floats:
-    """Moves the vertices of a mesh to where they are when it shows some action units, (v, 3) [m].
+    """Return the (v, 3) vertex positions [m] for given action units.
 
-    Skin, teeth and tongue are moved by shapes; lips give way to each other; the eyeballs turn about their centres, by
-    up to `ASIDE`, `UPWARD`, `DOWNWARD` and `INWARD`, and the lids slide over them.
+    Shapes move skin, teeth and tongue; lips yield to each other; the eyeballs turn about their centres by up to
+    `MAX_EYE_YAW`, `MAX_EYE_ELEVATION`, `MAX_EYE_DEPRESSION` and `MAX_EYE_CONVERGENCE`, and the lids slide over them.
 
     Args:
-        mesh: of the head, subdivided or not.
+        mesh: mesh of the head, subdivided or not.
         units: action unit -> 0..1, as in `Command.face`.
 
     Raises:
-        DisplayError: an unknown unit, or an intensity outside 0..1.
+        DisplayError: an unknown action unit, or an intensity outside 0..1.
     """
-    rig, told = _rig(mesh), intensities(units)
-    if not told.any():
+    rig, channels = _build_rig(mesh), read_intensities(units)
+    if not channels.any():
         return rig.rest.copy()
-    weights = _weights(rig, told)
-    shut = [rig.shape[f"{BLINK}{side}"] for side in SIDES.values()]
+    weights = _compute_weights(rig, channels)
+    shut = [rig.shape[f"{BLINK_SHAPE}{side}"] for side in SIDE_NAMES.values()]
     closing = weights[shut]
     weights[shut] = 0.0
     positions: Floats = mesh.positions + (mesh.deltas @ weights).reshape(-1, 3)
-    rig.lips.part(positions, _seal(told))
+    rig.lips.part(positions, _compute_seal(channels))
     for number, (eyeball, centre, closer) in enumerate(zip(rig.eyeballs, mesh.eyes, rig.lids, strict=True)):
-        turned = gaze_rotation(told, number)
-        positions[eyeball] = centre + (mesh.positions[eyeball] - centre) @ turned.T
-        closer.close(positions, closing[number], turned[:, 0])
+        gaze = compute_gaze_rotation(channels, number)
+        positions[eyeball] = centre + (mesh.positions[eyeball] - centre) @ gaze.T
+        closer.close(positions, closing[number], gaze[:, 0])
     return positions
 
 
-def lid_closure(told: Floats) -> float:
-    """Tells how far the lids are shut, 0..1, in the mean of both eyes.
+def compute_lid_closure(channels: Floats) -> float:
+    """Return the mean closure of both lids, 0..1.
 
     Args:
-        told: (c,) intensity of each of `CHANNELS`.
+        channels: (c,) intensity of each of `FACE_CHANNELS`.
     """
-    shut = [min(told[_CHANNEL[f"{side}43"]] + told[_CHANNEL[f"{side}45"]], 1.0) for side in SIDES]
+    shut = [
+        min(channels[_CHANNEL_INDICES[f"{side}43"]] + channels[_CHANNEL_INDICES[f"{side}45"]], 1.0)
+        for side in SIDE_NAMES
+    ]
     return float(np.mean(shut))
 
 
-def gaze_rotation(told: Floats, number: int) -> Floats:
-    """(3, 3) rotation of the left (0) or the right (1) eyeball.
+def compute_gaze_rotation(channels: Floats, number: int) -> Floats:
+    """Return the (3, 3) rotation of an eyeball.
 
     Args:
-        told: (c,) intensity of each of `CHANNELS`.
-        number: of the eyeball.
+        channels: (c,) intensity of each of `FACE_CHANNELS`.
+        number: number of the eyeball.
     """
-    left, right, up, down, inward = (told[_CHANNEL[name]] for name in ("61", "62", "63", "64", "66"))
-    aside = ASIDE * (left - right) + INWARD * inward * (2 * number - 1)
-    raised = UPWARD * up - DOWNWARD * down
+    left, right, up, down, inward = (channels[_CHANNEL_INDICES[name]] for name in ("61", "62", "63", "64", "66"))
+    aside = MAX_EYE_YAW * (left - right) + MAX_EYE_CONVERGENCE * inward * (2 * number - 1)
+    raised = MAX_EYE_ELEVATION * up - MAX_EYE_DEPRESSION * down
     cy, sy, cp, sp = math.cos(aside), math.sin(aside), math.cos(raised), math.sin(raised)
     return np.array([[cy * cp, -sy, -cy * sp], [sy * cp, cy, -sy * sp], [sp, 0.0, cp]])
 
 
-def _weights(rig: _Rig, told: Floats) -> Floats:
-    found = rig.mixing @ told
-    for both, shapes in COMBINATIONS.items():
-        amount = min(told[_CHANNEL[name]] for name in both)
+def _compute_weights(rig: _Rig, channels: Floats) -> Floats:
+    weights = rig.mixing @ channels
+    for both, shapes in UNIT_COMBINATIONS.items():
+        amount = min(channels[_CHANNEL_INDICES[name]] for name in both)
         for name, weight in shapes.items():
-            found[rig.shape[name]] += amount * weight
-    found = np.minimum(found, 1.0)
-    seal = _seal(told)
-    found[[rig.shape[name] for name in PARTING]] *= 1.0 - seal
-    found[rig.shape["mouthClose"]] = seal * found[rig.shape["jawOpen"]]
-    return found
+            weights[rig.shape[name]] += amount * weight
+    weights = np.minimum(weights, 1.0)
+    seal = _compute_seal(channels)
+    weights[[rig.shape[name] for name in LIP_PARTING_SHAPES]] *= 1.0 - seal
+    weights[rig.shape["mouthClose"]] = seal * weights[rig.shape["jawOpen"]]
+    return weights
 
 
-def _seal(told: Floats) -> float:
-    """0..1 how firmly the lips are held together."""
-    return float(max(told[_CHANNEL[name]] for name in SEALS))
+def _compute_seal(channels: Floats) -> float:
+    """Return the strength 0..1 with which the lips are pressed together."""
+    return float(max(channels[_CHANNEL_INDICES[name]] for name in LIP_SEALING_UNITS))
 
 
 @lru_cache(maxsize=8)
-def _rig(mesh: Mesh) -> _Rig:
+def _build_rig(mesh: Mesh) -> _Rig:
     eyes = mesh.vertices("eyes")
     is_left = mesh.positions[eyes, 1] > 0.0
     shape = {name: place for place, name in enumerate(mesh.shapes)}
-    closing = (lids(mesh, "Left", 0), lids(mesh, "Right", 1))
-    parting, rest = lips(mesh), mesh.positions.copy()
+    closing = (find_lids(mesh, "Left", 0), find_lids(mesh, "Right", 1))
+    parting, rest = find_lips(mesh), mesh.positions.copy()
     parting.part(rest, 0.0)
-    return _Rig(shape_mixing(mesh.shapes), shape, (eyes[is_left], eyes[~is_left]), closing, parting, sealed(rest))
+    return _Rig(build_shape_matrix(mesh.shapes), shape, (eyes[is_left], eyes[~is_left]), closing, parting, sealed(rest))

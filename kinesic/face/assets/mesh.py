@@ -1,7 +1,7 @@
-"""The head as data: positions at rest, faces, parts and expression shapes, of two people with the same faces.
+"""Meshes of two heads with common faces, parts and expression shapes.
 
-`configs/faces/head.npz` holds them; `kinesic.face.assets.bake` made it. Both meshes are in our frame, x forward, y
-left, z up, with the origin between the centres of the eyes.
+`configs/faces/head.npz` holds them; `kinesic.face.assets.bake` wrote it. Both meshes are in kinesic's frame, x forward,
+y left, z up, with the origin between the centres of the eyes.
 """
 
 from dataclasses import dataclass, replace
@@ -21,106 +21,119 @@ from kinesic.face.display import DisplayError
 
 MeshPart = Literal["skin", "eyes", "teeth", "tongue", "lashes", "cloth"]
 Indices = NDArray[np.int32]
-Whole = TypeVar("Whole", np.int32, np.uint8)
+IntegerType = TypeVar("IntegerType", np.int32, np.uint8)
 
-VARIANTS: tuple[Variant, ...] = ("female", "male")
-PARTS: tuple[MeshPart, ...] = ("skin", "eyes", "teeth", "tongue", "lashes", "cloth")
+FACE_VARIANTS: tuple[Variant, ...] = ("female", "male")
+MESH_PARTS: tuple[MeshPart, ...] = ("skin", "eyes", "teeth", "tongue", "lashes", "cloth")
 HEAD_FILE = CONFIGS / "faces" / "head.npz"
-POSITION_STEP = 1e-5  # [m] of the file's rest positions
-DELTA_STEP = 1e-4  # [m] of its shapes
-BROW = "browInnerUp"  # the only shape without sides whose action unit has them
-BRIDGE = 0.02  # [m] across the nose, over which its halves change places
+POSITION_STEP = 1e-5  # [m] resolution of rest positions in the file
+DELTA_STEP = 1e-4  # [m] resolution of shapes in the file
+INNER_BROW_SHAPE = "browInnerUp"  # only shape without sides whose action unit has sides
+NOSE_BRIDGE_WIDTH = 0.02  # [m] width over which the two halves of the inner brow blend
 
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """One head, or a whole figure; parts share no vertices."""
+    """Mesh of a head or a figure.
+
+    Parts have no vertices in common.
+    """
 
     positions: Floats  # (v, 3) [m] at rest
     faces: Indices  # (f, 4) corners, anticlockwise from outside
-    parts: NDArray[np.uint8]  # (v,) place of each vertex's part in PARTS
-    shapes: tuple[str, ...]  # names of the columns of deltas
-    deltas: "scipy.sparse.csc_array"  # (3 v, s) [m] what each shape adds at full weight, a row for each coordinate
+    parts: NDArray[np.uint8]  # (v,) index of the part in MESH_PARTS
+    shapes: tuple[str, ...]  # shape names, one per column of deltas
+    deltas: "scipy.sparse.csc_array"  # (3 v, s) [m] displacement at full weight, a row per coordinate
     eyes: Floats  # (2, 3) [m] centres of the eyeballs, left and right
-    tips: Floats  # (v,) 0 .. 1 how near to the tip of a lash; of cloth, [m] how far beyond its border; 0 elsewhere
-    plain: Floats | None = None  # (v, 4) of cloth: square root of its linear colour, and how much it shines
+    tips: Floats  # (v,) lash: 0 at the root, 1 at the tip; cloth: [m] beyond its border; otherwise 0
+    plain: Floats | None = None  # (v, 4) cloth: square root of linear RGB, gloss
 
     @cached_property
     def triangles(self) -> Indices:
-        """(2 f, 3) corners, anticlockwise from outside: each face cut along its first diagonal."""
-        return seal_whole(self.faces[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3))
+        """Vertex indices (2 f, 3) of the triangles, anticlockwise from outside.
+
+        Each face is split along its first diagonal.
+        """
+        return seal_integers(self.faces[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3))
 
     def vertices(self, part: MeshPart) -> NDArray[np.intp]:
-        """Returns the indices of a part's vertices."""
-        return np.flatnonzero(self.parts == PARTS.index(part))
+        """Return the indices of a part's vertices."""
+        return np.flatnonzero(self.parts == MESH_PARTS.index(part))
 
     def normals(self, positions: Floats) -> Floats:
-        """(v, 3) unit normals outward, weighted by area, of the mesh with its vertices at (v, 3) positions."""
+        """Return (v, 3) outward unit normals, weighted by area.
+
+        Args:
+            positions: (v, 3) vertex positions.
+        """
         a, b, c, d = positions.take(self.faces.T, axis=0)
         sums = self._around @ np.cross(c - a, d - b)
         squares = np.einsum("vi,vi->v", sums, sums)
         return np.asarray(sums / np.maximum(np.sqrt(squares), 1e-12)[:, None])
 
     def subdivided(self) -> "Mesh":
-        """The same head with every face cut into four (Catmull-Clark); its first vertices are this mesh's.
+        """Return the mesh with each face divided into four (Catmull-Clark).
 
-        Subdivision is linear: shapes are subdivided with the positions, so that deforming works on either mesh.
-        Eyeballs would shrink, and keep their radii; teeth would be worn at their edges, and stay as flat as they are.
+        The first vertices are those of this mesh. Subdivision is linear: shapes are subdivided with the positions, so
+        that deformation works on either mesh. Eyeballs, which would shrink, keep their radii; teeth, whose edges would
+        be rounded, stay flat.
         """
-        stencil, faces = refine(self.faces, len(self.positions), flat=self.parts == PARTS.index("teeth"))
+        stencil, faces = build_subdivision(
+            self.faces, len(self.positions), flat=self.parts == MESH_PARTS.index("teeth")
+        )
         positions = stencil @ self.positions
         parts = np.rint(stencil @ self.parts).astype(np.uint8)
-        ball = np.flatnonzero(parts == PARTS.index("eyes"))
-        centres = self._centres(positions[ball])
+        ball = np.flatnonzero(parts == MESH_PARTS.index("eyes"))
+        centres = self._find_eye_centres(positions[ball])
         spokes = positions[ball] - centres
-        radii = np.linalg.norm(self.positions - self._centres(self.positions), axis=1)
+        radii = np.linalg.norm(self.positions - self._find_eye_centres(self.positions), axis=1)
         lengths = (stencil @ radii)[ball] / np.linalg.norm(spokes, axis=1)
         positions[ball] = centres + spokes * lengths[:, None]
         return replace(
             self,
             positions=sealed(positions),
-            faces=seal_whole(faces),
-            parts=seal_whole(parts),
+            faces=seal_integers(faces),
+            parts=seal_integers(parts),
             deltas=scipy.sparse.csc_array(scipy.sparse.kron(stencil, scipy.sparse.eye_array(3)) @ self.deltas),
             tips=sealed(stencil @ self.tips),
             plain=None if self.plain is None else sealed(stencil @ self.plain),
         )
 
-    def _centres(self, positions: Floats) -> Floats:
-        """(k, 3) [m] the centre of the eyeball on the side of each of (k, 3) positions."""
+    def _find_eye_centres(self, positions: Floats) -> Floats:
+        """Return each point's (k, 3) eyeball centre [m] on its side."""
         return self.eyes[np.where(positions[:, 1] > 0.0, 0, 1)]
 
     @cached_property
     def _around(self) -> "scipy.sparse.csr_array":
-        """(v, f) which faces meet at each vertex."""
+        """Incidence matrix (v, f) of faces at vertices."""
         corners, number = self.faces.ravel(), np.repeat(np.arange(len(self.faces)), 4)
         shape = (len(self.positions), len(self.faces))
         return scipy.sparse.csr_array((np.ones(len(corners)), (corners, number)), shape=shape)
 
 
 def load_head(variant: Variant = "female", *, path: Path = HEAD_FILE) -> Mesh:
-    """Reads a head from its file.
+    """Read a head from its file.
 
     Args:
-        variant: which of the two.
-        path: of the file.
+        variant: variant of the head.
+        path: file to read.
 
     Raises:
-        DisplayError: there is no such variant, or the file is missing or no head.
+        DisplayError: no such variant, or the file is missing or invalid.
     """
-    if variant not in VARIANTS:
-        raise DisplayError(f"no face {variant}{suggestion(variant, VARIANTS)}")
+    if variant not in FACE_VARIANTS:
+        raise DisplayError(f"no face {variant}{suggestion(variant, FACE_VARIANTS)}")
     try:
         with path.open("rb") as packed, np.load(packed) as file:
             data = {name: file[name] for name in file.files}
-        return _mesh(data, VARIANTS.index(variant))
+        return _build_mesh(data, FACE_VARIANTS.index(variant))
     except FileNotFoundError:
         raise DisplayError(f"{path}: no such file; it is part of kinesic: install kinesic again") from None
     except (OSError, ValueError, KeyError, IndexError, TypeError, EOFError, BadZipFile) as error:
         raise DisplayError(f"{path}: not a head that kinesic.face.assets.bake wrote: {error}") from None
 
 
-def _mesh(data: dict[str, NDArray[np.generic]], variant: int) -> Mesh:
+def _build_mesh(data: dict[str, NDArray[np.generic]], variant: int) -> Mesh:
     positions = data["positions"][variant].astype(np.float64) * POSITION_STEP
     starts, places = data["starts"], data["places"].astype(np.int32)
     deltas = data["deltas"].astype(np.float64) * DELTA_STEP
@@ -128,12 +141,12 @@ def _mesh(data: dict[str, NDArray[np.generic]], variant: int) -> Mesh:
     rows = (3 * places[:, None] + np.arange(3)).ravel()
     shape = (positions.size, len(names))
     moves = scipy.sparse.csc_array((deltas.ravel(), rows, 3 * starts), shape=shape)
-    names, moves = _halved(names, moves, positions[:, 1])
+    names, moves = _split_brow_shape(names, moves, positions[:, 1])
     moves.eliminate_zeros()
     return Mesh(
         positions=sealed(positions),
-        faces=seal_whole(data["faces"].astype(np.int32)),
-        parts=seal_whole(data["parts"].astype(np.uint8)),
+        faces=seal_integers(data["faces"].astype(np.int32)),
+        parts=seal_integers(data["parts"].astype(np.uint8)),
         shapes=names,
         deltas=moves,
         eyes=sealed(data["eyes"][variant]),
@@ -141,61 +154,65 @@ def _mesh(data: dict[str, NDArray[np.generic]], variant: int) -> Mesh:
     )
 
 
-def _halved(
+def _split_brow_shape(
     names: tuple[str, ...], moves: "scipy.sparse.csc_array", left: Floats
 ) -> tuple[tuple[str, ...], "scipy.sparse.csc_array"]:
-    """Shapes with the inner brow's cut in two, each half fading out over the nose, as (v,) [m] to the left has it."""
-    whole = names.index(BROW)
-    share = np.repeat(np.clip(0.5 + left / BRIDGE, 0.0, 1.0), 3)
-    halves = [moves[:, [whole]].multiply(part[:, None]) for part in (share, 1.0 - share)]
-    others = [place for place in range(len(names)) if place != whole]
-    columns = scipy.sparse.csc_array(scipy.sparse.hstack([moves[:, others], *halves]))
-    return (*(names[place] for place in others), f"{BROW}Left", f"{BROW}Right"), columns
+    """Split the inner brow shape into halves that fade over the nose."""
+    whole = names.index(INNER_BROW_SHAPE)
+    left_weight = np.repeat(np.clip(0.5 + left / NOSE_BRIDGE_WIDTH, 0.0, 1.0), 3)
+    halves = [moves[:, [whole]].multiply(part[:, None]) for part in (left_weight, 1.0 - left_weight)]
+    other_columns = [place for place in range(len(names)) if place != whole]
+    columns = scipy.sparse.csc_array(scipy.sparse.hstack([moves[:, other_columns], *halves]))
+    return (*(names[place] for place in other_columns), f"{INNER_BROW_SHAPE}Left", f"{INNER_BROW_SHAPE}Right"), columns
 
 
-def seal_whole(values: NDArray[Whole]) -> NDArray[Whole]:
-    """Makes an array of whole numbers read-only, and returns it."""
+def seal_integers(values: NDArray[IntegerType]) -> NDArray[IntegerType]:
+    """Make an integer array read-only and return it."""
     values.setflags(write=False)
     return values
 
 
-def refine(
+def build_subdivision(
     faces: Indices, vertices: int, *, flat: NDArray[np.bool_] | None = None
 ) -> tuple["scipy.sparse.csr_array", Indices]:
-    """Refines a mesh: a vertex for each vertex, edge and face, in this order, and four faces for each.
+    """Return the Catmull-Clark stencil of a mesh and its finer faces.
+
+    There is a vertex for each vertex, edge and face, in this order, and four faces for each face.
 
     Args:
-        faces: (f, 4) corners of quadrangles that run round all in the same sense.
-        vertices: their number, v.
-        flat: (v,) which of them stay where they are, as do the faces between them.
+        faces: (f, 4) corners of consistently oriented quadrangles.
+        vertices: number of vertices, v.
+        flat: (v,) vertices that stay in place, as do the faces between them.
 
     Returns:
         (v + e + f, v) stencil, whose product with positions gives the finer positions, and (4 f, 4) faces.
     """
-    ends, edge_of = _edges(faces)
+    ends, edge_of = _find_edges(faces)
     count, total = len(faces), len(ends)
-    middle = _incidence(np.repeat(np.arange(count), 4), faces.ravel(), (count, vertices)) / 4
-    halfway = _incidence(np.repeat(np.arange(total), 2), ends.ravel(), (total, vertices)) / 2
-    beside = _incidence(edge_of.ravel(), np.repeat(np.arange(count), 4), (total, count))
+    middle = _build_incidence(np.repeat(np.arange(count), 4), faces.ravel(), (count, vertices)) / 4
+    halfway = _build_incidence(np.repeat(np.arange(total), 2), ends.ravel(), (total, vertices)) / 2
+    edge_faces = _build_incidence(edge_of.ravel(), np.repeat(np.arange(count), 4), (total, count))
     flat = np.zeros(vertices, dtype=bool) if flat is None else flat
-    border = (_sums(beside) < 2) | flat[ends[:, 0]]
-    between = _scaled(np.where(border, 1.0, 0.5), halfway) + _scaled(np.where(border, 0.0, 0.25), beside) @ middle
-    kept = _corners(faces, ends, border, middle, halfway, flat)
-    stencil = scipy.sparse.csr_array(scipy.sparse.vstack([kept, between, middle]))
+    border = (_sum_rows(edge_faces) < 2) | flat[ends[:, 0]]
+    between = (
+        _scale_rows(np.where(border, 1.0, 0.5), halfway) + _scale_rows(np.where(border, 0.0, 0.25), edge_faces) @ middle
+    )
+    corners = _build_corner_stencil(faces, ends, border, middle, halfway, flat)
+    stencil = scipy.sparse.csr_array(scipy.sparse.vstack([corners, between, middle]))
     centres = vertices + total + np.arange(count)
-    after, before = vertices + edge_of, vertices + np.roll(edge_of, 1, axis=1)
-    parts = [np.stack([faces[:, k], after[:, k], centres, before[:, k]], axis=1) for k in range(4)]
+    after, previous = vertices + edge_of, vertices + np.roll(edge_of, 1, axis=1)
+    parts = [np.stack([faces[:, k], after[:, k], centres, previous[:, k]], axis=1) for k in range(4)]
     return stencil, np.stack(parts, axis=1).reshape(-1, 4).astype(np.int32)
 
 
-def _edges(faces: Indices) -> tuple[Indices, NDArray[np.intp]]:
-    """(e, 2) ends of the edges, and (f, 4) the edge from each corner to the next."""
+def _find_edges(faces: Indices) -> tuple[Indices, NDArray[np.intp]]:
+    """Return a mesh's edge ends (e, 2) and face edges (f, 4)."""
     both = np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2)
     ends, edge_of = np.unique(np.sort(both, axis=1), axis=0, return_inverse=True)
     return ends, edge_of.reshape(faces.shape)
 
 
-def _corners(
+def _build_corner_stencil(
     faces: Indices,
     ends: Indices,
     border: NDArray[np.bool_],
@@ -203,34 +220,37 @@ def _corners(
     halfway: "scipy.sparse.csr_array",
     flat: NDArray[np.bool_],
 ) -> "scipy.sparse.csr_array":
-    """(v, v) where the old vertices go: (F + 2 R + (n - 3) P) / n inside, (R + P) / 2 on a border; flat ones stay."""
+    """Return the Catmull-Clark weights (v, v) of the original vertices.
+
+    Inner vertices: (F + 2 R + (n - 3) P) / n; border vertices: (R + P) / 2; flat vertices stay.
+    """
     vertices, count, total = len(flat), len(faces), len(ends)
-    faces_at = _incidence(faces.ravel(), np.repeat(np.arange(count), 4), (vertices, count))
-    edges_at = _incidence(ends.ravel(), np.repeat(np.arange(total), 2), (vertices, total))
+    faces_at = _build_incidence(faces.ravel(), np.repeat(np.arange(count), 4), (vertices, count))
+    edges_at = _build_incidence(ends.ravel(), np.repeat(np.arange(total), 2), (vertices, total))
     open_at = edges_at @ scipy.sparse.diags_array(border.astype(float))
-    outside = _sums(open_at) > 0
-    valence = np.maximum(_sums(edges_at), 1.0)
-    meeting = np.maximum(_sums(faces_at), 1.0)
+    outside = _sum_rows(open_at) > 0
+    valence = np.maximum(_sum_rows(edges_at), 1.0)
+    meeting = np.maximum(_sum_rows(faces_at), 1.0)
     inner = np.where(outside, 0.0, 1.0 / valence)
-    outer = np.where(outside & ~flat, 0.5 / np.maximum(_sums(open_at), 1.0), 0.0)
+    outer = np.where(outside & ~flat, 0.5 / np.maximum(_sum_rows(open_at), 1.0), 0.0)
     stays = np.where(flat, 1.0, np.where(outside, 0.5, 1.0 - 3.0 / valence))
     return (
-        _scaled(inner / meeting, faces_at @ middle)
-        + _scaled(2 * inner / valence, edges_at @ halfway)
-        + _scaled(outer, open_at @ halfway)
+        _scale_rows(inner / meeting, faces_at @ middle)
+        + _scale_rows(2 * inner / valence, edges_at @ halfway)
+        + _scale_rows(outer, open_at @ halfway)
         + scipy.sparse.diags_array(stays)
     ).tocsr()
 
 
-def _incidence(
+def _build_incidence(
     rows: NDArray[np.generic], columns: NDArray[np.generic], shape: tuple[int, int]
 ) -> "scipy.sparse.csr_array":
     return scipy.sparse.csr_array((np.ones(len(rows)), (rows, columns)), shape=shape)
 
 
-def _sums(matrix: "scipy.sparse.csr_array") -> NDArray[np.float64]:
+def _sum_rows(matrix: "scipy.sparse.csr_array") -> NDArray[np.float64]:
     return np.asarray(matrix.sum(axis=1)).ravel()
 
 
-def _scaled(factors: NDArray[np.float64], matrix: "scipy.sparse.csr_array") -> "scipy.sparse.csr_array":
+def _scale_rows(factors: NDArray[np.float64], matrix: "scipy.sparse.csr_array") -> "scipy.sparse.csr_array":
     return scipy.sparse.diags_array(factors) @ matrix

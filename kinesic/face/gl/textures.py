@@ -1,4 +1,4 @@
-"""What is drawn into and read from: textures, depth, and the frames that join them."""
+"""Textures, depth buffers and framebuffers."""
 
 import ctypes
 from collections.abc import Mapping, Sequence
@@ -13,100 +13,110 @@ if TYPE_CHECKING:
 Size = tuple[int, int]  # width, height [pixels]
 Rectangle = tuple[int, int, int, int]  # left, low, width, height [pixels]
 
-LAYOUTS = (n.RED, n.RG, n.RGB, n.RGBA)  # of one to four components
-KINDS: Mapping[str, tuple[int, int, tuple[int, int, int, int]]] = {  # type; bytes; how it is stored, by components
-    "f1": (n.UNSIGNED_BYTE, 1, (0x8229, 0x822B, 0x8051, 0x8058)),
-    "f2": (n.HALF_FLOAT, 2, (0x822D, 0x822F, 0x881B, 0x881A)),
-    "f4": (n.FLOAT, 4, (0x822E, 0x8230, 0x8815, 0x8814)),
+PIXEL_LAYOUTS = (n.GL_RED, n.GL_RG, n.GL_RGB, n.GL_RGBA)  # OpenGL pixel layouts with 1 to 4 components
+COMPONENT_FORMATS: Mapping[
+    str, tuple[int, int, tuple[int, int, int, int]]
+] = {  # component type, bytes, internal formats for 1 to 4 components
+    "f1": (n.GL_UNSIGNED_BYTE, 1, (0x8229, 0x822B, 0x8051, 0x8058)),
+    "f2": (n.GL_HALF_FLOAT, 2, (0x822D, 0x822F, 0x881B, 0x881A)),
+    "f4": (n.GL_FLOAT, 4, (0x822E, 0x8230, 0x8815, 0x8814)),
 }
-SWIZZLES = {"R": n.RED, "G": n.GREEN, "B": n.BLUE, "A": n.ALPHA, "0": n.ZERO, "1": n.ONE}
+SWIZZLE_SOURCES = {"R": n.GL_RED, "G": n.GL_GREEN, "B": n.GL_BLUE, "A": n.GL_ALPHA, "0": n.GL_ZERO, "1": n.GL_ONE}
 
 
 class Texture:
-    """A picture on the graphics card, repeated beyond its border until `clamp`."""
+    """Texture on the graphics card, repeated beyond its border until `clamp`."""
 
     def __init__(self, context: "GlContext", size: Size, components: int, data: bytes | None, kind: str) -> None:
         self._context, self.size, self.components, self.dtype = context, size, components, kind
         self.number = context.functions.new("Textures")
         self._bind()
-        type_, _, stored = KINDS[kind]
-        self._shape, self._stored = (LAYOUTS[components - 1], type_), stored[components - 1]
+        type_, _, internal_formats = COMPONENT_FORMATS[kind]
+        self._shape, self._stored = (PIXEL_LAYOUTS[components - 1], type_), internal_formats[components - 1]
         self._upload(data)
-        self.filter = (n.LINEAR, n.LINEAR)
+        self.filter = (n.GL_LINEAR, n.GL_LINEAR)
 
     @property
     def width(self) -> int:
-        """[pixels]."""
+        """Texture width [pixels]."""
         return self.size[0]
 
     @property
     def height(self) -> int:
-        """[pixels]."""
+        """Texture height [pixels]."""
         return self.size[1]
 
     @property
     def filter(self) -> tuple[int, int]:
-        """The filters that read the texture where its pixels are smaller than the screen's, and where larger."""
+        """Texture filters for minification and magnification."""
         return self._filter
 
     @filter.setter
-    def filter(self, found: tuple[int, int]) -> None:
-        self._filter = found
-        self._set((n.MIN_FILTER, found[0]), (n.MAG_FILTER, found[1]))
+    def filter(self, filters: tuple[int, int]) -> None:
+        self._filter = filters
+        self._set((n.GL_MIN_FILTER, filters[0]), (n.GL_MAG_FILTER, filters[1]))
 
     def clamp(self) -> None:
-        """Has its border go on beyond it."""
-        self._set((n.WRAP_S, n.CLAMP_TO_EDGE), (n.WRAP_T, n.CLAMP_TO_EDGE))
+        """Repeat the texture's border pixels beyond its border."""
+        self._set((n.GL_WRAP_S, n.GL_CLAMP_TO_EDGE), (n.GL_WRAP_T, n.GL_CLAMP_TO_EDGE))
 
     def swizzle(self, order: str) -> None:
-        """Says which component is read as red, green, blue and alpha: letters of RGBA, 0 and 1."""
-        self._set(*((n.SWIZZLE_R + k, SWIZZLES[each]) for k, each in enumerate(order)))
+        """Set the texture components read as red, green, blue and alpha.
+
+        Each of the four letters is R, G, B, A, 0 or 1.
+        """
+        self._set(*((n.GL_SWIZZLE_R + k, SWIZZLE_SOURCES[component]) for k, component in enumerate(order)))
 
     def write_smaller(self, levels: Sequence[bytes]) -> None:
-        """Adds smaller ones, each half as large as the one before: a driver's own differ by processor."""
+        """Add the texture's mipmap levels, each half as large.
+
+        The mipmaps of drivers differ between processors.
+        """
         self._bind()
         gl = self._context.functions
-        gl.PixelStorei(n.UNPACK_ALIGNMENT, 1)
+        gl.PixelStorei(n.GL_UNPACK_ALIGNMENT, 1)
         for level, data in enumerate(levels, start=1):
             size = self.width >> level, self.height >> level
-            gl.TexImage2D(n.TEXTURE_2D, level, self._stored, *size, 0, *self._shape, data)
-        self._set((n.MAX_LEVEL, len(levels)))
+            gl.TexImage2D(n.GL_TEXTURE_2D, level, self._stored, *size, 0, *self._shape, data)
+        self._set((n.GL_MAX_LEVEL, len(levels)))
 
-    def use(self, place: int = 0) -> None:
-        """Gives it to the sampler of a place."""
-        self._context.functions.ActiveTexture(0x84C0 + place)
-        self._context.functions.BindTexture(n.TEXTURE_2D, self.number)
+    def use(self, unit: int = 0) -> None:
+        """Bind the texture to a texture unit."""
+        self._context.functions.ActiveTexture(0x84C0 + unit)
+        self._context.functions.BindTexture(n.GL_TEXTURE_2D, self.number)
 
     def write(self, data: bytes) -> None:
-        """Replaces all pixels; first row at the bottom, without gaps."""
+        """Replace all texture pixels, given from the bottom row without gaps."""
         self._check(data)
         self._bind()
         gl = self._context.functions
-        gl.PixelStorei(n.UNPACK_ALIGNMENT, 1)
-        gl.TexSubImage2D(n.TEXTURE_2D, 0, 0, 0, *self.size, *self._shape, data)
+        gl.PixelStorei(n.GL_UNPACK_ALIGNMENT, 1)
+        gl.TexSubImage2D(n.GL_TEXTURE_2D, 0, 0, 0, *self.size, *self._shape, data)
 
     def read(self) -> bytes:
-        """All pixels; first row at the bottom, without gaps."""
-        gl, found = self._context.functions, ctypes.create_string_buffer(self._bytes)
+        """Return all texture pixels from the bottom row without gaps."""
+        gl, pixels = self._context.functions, ctypes.create_string_buffer(self._bytes)
         self._bind()
-        gl.PixelStorei(n.PACK_ALIGNMENT, 1)
-        gl.GetTexImage(n.TEXTURE_2D, 0, *self._shape, found)
-        return found.raw
+        gl.PixelStorei(n.GL_PACK_ALIGNMENT, 1)
+        gl.GetTexImage(n.GL_TEXTURE_2D, 0, *self._shape, pixels)
+        return pixels.raw
 
     @property
     def _bytes(self) -> int:
-        return self.width * self.height * self.components * KINDS[self.dtype][1]
+        return self.width * self.height * self.components * COMPONENT_FORMATS[self.dtype][1]
 
     def _upload(self, data: bytes | None) -> None:
         if data is not None:
             self._check(data)
         gl = self._context.functions
-        gl.PixelStorei(n.UNPACK_ALIGNMENT, 1)
-        gl.TexImage2D(n.TEXTURE_2D, 0, self._stored, *self.size, 0, *self._shape, data)
+        gl.PixelStorei(n.GL_UNPACK_ALIGNMENT, 1)
+        gl.TexImage2D(n.GL_TEXTURE_2D, 0, self._stored, *self.size, 0, *self._shape, data)
 
     def _check(self, data: bytes) -> None:
         if len(data) != self._bytes:
-            raise GraphicsError(f"{len(data)} bytes for {self.size[0]} x {self.size[1]} pixels of {self._bytes}")
+            raise GraphicsError(
+                f"{len(data)} bytes for {self.size[0]} x {self.size[1]} pixels, which need {self._bytes} bytes"
+            )
 
     def _bind(self) -> None:
         self.use(self._context.spare)
@@ -114,61 +124,63 @@ class Texture:
     def _set(self, *values: tuple[int, int]) -> None:
         self._bind()
         for name, value in values:
-            self._context.functions.TexParameteri(n.TEXTURE_2D, name, value)
+            self._context.functions.TexParameteri(n.GL_TEXTURE_2D, name, value)
 
 
 class DepthTexture(Texture):
-    """Depths 0..1 that shaders can read."""
+    """Texture of depths in 0..1 that shaders can read."""
 
     def __init__(self, context: "GlContext", size: Size) -> None:
         self._context, self.size, self.components, self.dtype = context, size, 1, "f4"
         self.number = context.functions.new("Textures")
         self._bind()
-        self._shape, self._stored = (n.DEPTH_COMPONENT, n.FLOAT), n.DEPTH_COMPONENT24
+        self._shape, self._stored = (n.GL_DEPTH_COMPONENT, n.GL_FLOAT), n.GL_DEPTH_COMPONENT24
         self._upload(None)
-        self.filter = (n.NEAREST, n.NEAREST)
+        self.filter = (n.GL_NEAREST, n.GL_NEAREST)
 
 
 class DepthBuffer:
-    """Depths 0..1 that only tests read."""
+    """Buffer of depths in 0..1 for depth tests only."""
 
     def __init__(self, context: "GlContext", size: Size) -> None:
         gl, self.size = context.functions, size
         self.number = gl.new("Renderbuffers")
-        gl.BindRenderbuffer(n.RENDERBUFFER, self.number)
-        gl.RenderbufferStorage(n.RENDERBUFFER, n.DEPTH_COMPONENT24, *size)
+        gl.BindRenderbuffer(n.GL_RENDERBUFFER, self.number)
+        gl.RenderbufferStorage(n.GL_RENDERBUFFER, n.GL_DEPTH_COMPONENT24, *size)
 
 
 Depth = DepthBuffer | DepthTexture
 
 
 class Framebuffer:
-    """Textures that are drawn into together, and the depth that is tested."""
+    """Textures that are drawn together, with an optional depth buffer."""
 
     def __init__(
         self, context: "GlContext", colours: Sequence[Texture], depth: DepthBuffer | DepthTexture | None
     ) -> None:
         gl, self._context, self._colours = context.functions, context, tuple(colours)
         self.size = colours[0].size if colours or depth is None else depth.size
-        self.depth_mask = True  # whether depths are written, by clearing, too
-        self.scissor: Rectangle | None = None  # the pixels that are written, from its next use
+        self.depth_mask = True  # whether drawing and clearing write depths
+        self.scissor: Rectangle | None = None  # restricts drawing from the next use on
         self.number = gl.new("Framebuffers")
-        with self._bound():
-            for k, each in enumerate(colours):
-                gl.FramebufferTexture2D(n.FRAMEBUFFER, n.COLOR_ATTACHMENT0 + k, n.TEXTURE_2D, each.number, 0)
+        with self._bind_temporarily():
+            for k, texture in enumerate(colours):
+                gl.FramebufferTexture2D(
+                    n.GL_FRAMEBUFFER, n.GL_COLOR_ATTACHMENT0 + k, n.GL_TEXTURE_2D, texture.number, 0
+                )
             if isinstance(depth, DepthTexture):
-                gl.FramebufferTexture2D(n.FRAMEBUFFER, n.DEPTH_ATTACHMENT, n.TEXTURE_2D, depth.number, 0)
+                gl.FramebufferTexture2D(n.GL_FRAMEBUFFER, n.GL_DEPTH_ATTACHMENT, n.GL_TEXTURE_2D, depth.number, 0)
             elif depth is not None:
-                gl.FramebufferRenderbuffer(n.FRAMEBUFFER, n.DEPTH_ATTACHMENT, n.RENDERBUFFER, depth.number)
-            targets = [n.COLOR_ATTACHMENT0 + k for k in range(len(colours))] or [n.NONE]
+                gl.FramebufferRenderbuffer(n.GL_FRAMEBUFFER, n.GL_DEPTH_ATTACHMENT, n.GL_RENDERBUFFER, depth.number)
+            targets = [n.GL_COLOR_ATTACHMENT0 + k for k in range(len(colours))] or [n.GL_NONE]
             gl.DrawBuffers(len(targets), (ctypes.c_uint * len(targets))(*targets))
             gl.ReadBuffer(targets[0])
-            status = gl.CheckFramebufferStatus(n.FRAMEBUFFER)
-        if status != n.FRAMEBUFFER_COMPLETE:
-            raise GraphicsError(f"this OpenGL cannot draw into textures such as these (0x{status:x})")
+            status = gl.CheckFramebufferStatus(n.GL_FRAMEBUFFER)
+        if status != n.GL_FRAMEBUFFER_COMPLETE:
+            raise GraphicsError(f"this OpenGL cannot draw into textures of these formats (0x{status:x})")
 
     def use(self) -> None:
-        """Draws into it from now on."""
+        """Make this framebuffer the target of drawing."""
         context, gl = self._context, self._context.functions
         context.bind(self.number)
         gl.Viewport(0, 0, *self.size)
@@ -178,48 +190,50 @@ class Framebuffer:
     def clear(
         self, red: float = 0.0, green: float = 0.0, blue: float = 0.0, alpha: float = 0.0, *, depth: float = 1.0
     ) -> None:
-        """Fills textures with one colour, and depth unless it is masked."""
+        """Fill the textures with a colour, and the depth unless masked."""
         gl = self._context.functions
-        with self._bound():
+        with self._bind_temporarily():
             gl.DepthMask(self.depth_mask)
             gl.ClearColor(red, green, blue, alpha)
             gl.ClearDepth(depth)
-            gl.Clear(n.COLOR_BUFFER_BIT | n.DEPTH_BUFFER_BIT)
+            gl.Clear(n.GL_COLOR_BUFFER_BIT | n.GL_DEPTH_BUFFER_BIT)
 
     def copy(self, other: "Framebuffer") -> None:
-        """Fills the first texture with the pixels of another's."""
+        """Copy the first texture of another framebuffer."""
         gl, (width, height) = self._context.functions, self.size
-        with self._bound():
-            gl.BindFramebuffer(n.READ_FRAMEBUFFER, other.number)
-            gl.BlitFramebuffer(0, 0, width, height, 0, 0, width, height, n.COLOR_BUFFER_BIT, n.NEAREST)
+        with self._bind_temporarily():
+            gl.BindFramebuffer(n.GL_READ_FRAMEBUFFER, other.number)
+            gl.BlitFramebuffer(0, 0, width, height, 0, 0, width, height, n.GL_COLOR_BUFFER_BIT, n.GL_NEAREST)
 
     def read(self, number: int = 0, *, components: int | None = None) -> bytes:
-        """Pixels of one of the textures; first row at the bottom, without gaps."""
-        found = self._colours[number]
-        shown = found.components if components is None else components
-        type_, bytes_, _ = KINDS[found.dtype]
-        return self._pixels(n.COLOR_ATTACHMENT0 + number, LAYOUTS[shown - 1], type_, shown * bytes_)
+        """Return the pixels of a texture from the bottom row without gaps."""
+        texture = self._colours[number]
+        component_count = texture.components if components is None else components
+        type_, bytes_, _ = COMPONENT_FORMATS[texture.dtype]
+        return self._pixels(
+            n.GL_COLOR_ATTACHMENT0 + number, PIXEL_LAYOUTS[component_count - 1], type_, component_count * bytes_
+        )
 
     def read_depth(self) -> bytes:
-        """Depths of all pixels, as floats of four bytes."""
-        return self._pixels(None, n.DEPTH_COMPONENT, n.FLOAT, 4)
+        """Return the depths of all pixels as 4-byte floats."""
+        return self._pixels(None, n.GL_DEPTH_COMPONENT, n.GL_FLOAT, 4)
 
     def _pixels(self, attachment: int | None, layout: int, type_: int, bytes_: int) -> bytes:
         gl, (width, height) = self._context.functions, self.size
-        found = ctypes.create_string_buffer(width * height * bytes_)
-        with self._bound():
+        pixels = ctypes.create_string_buffer(width * height * bytes_)
+        with self._bind_temporarily():
             if attachment is not None:
                 gl.ReadBuffer(attachment)
-            gl.PixelStorei(n.PACK_ALIGNMENT, 1)
-            gl.ReadPixels(0, 0, width, height, layout, type_, found)
-        return found.raw
+            gl.PixelStorei(n.GL_PACK_ALIGNMENT, 1)
+            gl.ReadPixels(0, 0, width, height, layout, type_, pixels)
+        return pixels.raw
 
-    def _bound(self) -> "_Bound":
+    def _bind_temporarily(self) -> "_Bound":
         return _Bound(self._context, self.number)
 
 
 class _Bound:
-    """For a while another frame is drawn into and read from."""
+    """Context manager that binds another framebuffer temporarily."""
 
     def __init__(self, context: "GlContext", number: int) -> None:
         self._context, self._number = context, number

@@ -1,1 +1,1 @@
-"""Draws the head with OpenGL, pass by pass."""
+"""Deferred rendering of heads and figures."""

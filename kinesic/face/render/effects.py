@@ -1,41 +1,45 @@
-"""What of a preset is drawn otherwise: the comparisons of the thesis, each by a word."""
+"""Changes of rendering presets for the comparisons of the thesis."""
 
 from dataclasses import dataclass, replace
 from typing import Literal, TypeVar
 
 from kinesic.face.display import DisplayError
-from kinesic.face.render.camera import FAREST, NEAR
+from kinesic.face.render.camera import MAX_CAMERA_DISTANCE, NEAR_PLANE
 from kinesic.face.render.presets import Estimator, Falloff, Focus, Occlusion, Pattern, Preset, Scattering, Shadow
 
 Marching = Literal["none", "exact", "separable", "one-axis"]
 Spreading = Literal["none", "adaptive", "levels", "everywhere"]
 Shading = Literal["none", "plain", "coloured"]
 
-LEVELS, LEVEL_STEPS = 3, 5  # of scattering in levels, and samples on each side in the last of them
-HOW = "write eyes, a distance such as 0.8, or two such as 0.75:0.85"
-Chosen = TypeVar("Chosen")
+SCATTERING_LEVELS = 3  # levels of detail of subsurface scattering
+LEVEL_STEPS = 5  # scattering samples on each side in the most detailed level
+FOCUS_REMEDY = "write eyes, a distance such as 0.8, or two such as 0.75:0.85"
+ValueType = TypeVar("ValueType")
 
 
 @dataclass(frozen=True)
 class Effects:
-    """What differs from a preset; None is as the preset has it."""
+    """Differences of rendering effects from a quality preset.
+
+    None keeps the preset's value.
+    """
 
     occlusion: Marching | None = None
     size: int | None = None  # samples across
     estimator: Estimator | None = None
     falloff: Falloff | None = None
     pattern: Pattern | None = None
-    tile: int | None = None  # pixels along a side of the pattern
+    tile: int | None = None  # [pixels] along a side of the pattern
     scattering: Spreading | None = None
     shadow: Shading | None = None
-    focus: str | None = None  # none, eyes, [m] from the camera, or two of them with a colon between
-    eyeshade: bool = False  # worn by the head, translucent
+    focus: str | None = None  # none, eyes, a distance [m], or a range such as 0.75:0.85
+    eyeshade: bool = False  # whether the head wears one
 
-    def applied(self, preset: Preset) -> Preset:
-        """Gives a preset with what differs.
+    def apply_to(self, preset: Preset) -> Preset:
+        """Return a quality preset with these rendering effects.
 
         Raises:
-            DisplayError: a number is out of its range, or no focus is written so.
+            DisplayError: a number is out of range, or the focus is invalid.
         """
         return replace(
             preset,
@@ -48,33 +52,33 @@ class Effects:
 
     def _occlusion(self, usual: Occlusion | None) -> Occlusion | None:
         details = (self.occlusion, self.size, self.estimator, self.falloff, self.pattern, self.tile)
-        if self.occlusion == "none" or (usual is None and all(each is None for each in details)):
+        if self.occlusion == "none" or (usual is None and all(detail is None for detail in details)):
             return None
-        own = usual or Occlusion()
+        base = usual or Occlusion()
         return replace(
-            own,
-            exact=own.exact if self.occlusion is None else self.occlusion == "exact",
-            axes=own.axes if self.occlusion is None else 1 if self.occlusion == "one-axis" else 2,
-            size=_chosen(self.size, own.size),
-            estimator=_chosen(self.estimator, own.estimator),
-            falloff=_chosen(self.falloff, own.falloff),
-            pattern=_chosen(self.pattern, own.pattern),
-            tile=_chosen(self.tile, own.tile),
+            base,
+            exact=base.exact if self.occlusion is None else self.occlusion == "exact",
+            axes=base.axes if self.occlusion is None else 1 if self.occlusion == "one-axis" else 2,
+            size=_choose(self.size, base.size),
+            estimator=_choose(self.estimator, base.estimator),
+            falloff=_choose(self.falloff, base.falloff),
+            pattern=_choose(self.pattern, base.pattern),
+            tile=_choose(self.tile, base.tile),
         )
 
     def _scattering(self, usual: Scattering | None) -> Scattering | None:
-        own = usual or Scattering()
+        base = usual or Scattering()
         match self.scattering:
             case None:
                 return usual
             case "none":
                 return None
             case "adaptive":
-                return replace(own, threshold=Scattering().threshold, levels=1)
+                return replace(base, threshold=Scattering().threshold, levels=1)
             case "levels":
-                return replace(own, threshold=1.0, steps=max(own.steps, LEVEL_STEPS), levels=LEVELS)
+                return replace(base, threshold=1.0, steps=max(base.steps, LEVEL_STEPS), levels=SCATTERING_LEVELS)
             case "everywhere":
-                return replace(own, threshold=1.0, levels=1)
+                return replace(base, threshold=1.0, levels=1)
 
     def _shadow(self, usual: Shadow | None) -> Shadow | None:
         if self.shadow is None:
@@ -83,26 +87,30 @@ class Effects:
 
 
 def read_focus(text: str) -> Focus | None:
-    """Reads what is sharp: `none` (everything), `eyes`, a distance from the camera [m], or a range of distances.
+    """Read a focus: `none`, `eyes`, a distance or a distance range.
+
+    `none` keeps everything sharp. Distances are from the camera [m].
 
     Raises:
-        DisplayError: it is none of these, or nothing can be seen so far away.
+        DisplayError: any other text, or a distance out of range.
     """
     if text in ("none", "eyes"):
         return Focus() if text == "eyes" else None
     try:
-        ends = sorted(float(each) for each in text.split(":"))
+        ends = sorted(float(distance) for distance in text.split(":"))
     except ValueError:
-        raise DisplayError(f"focus {text!r}: {HOW}") from None
+        raise DisplayError(f"focus {text!r}: {FOCUS_REMEDY}") from None
     if len(ends) > 2:
-        raise DisplayError(f"focus {text!r}: {HOW}")
-    for each in ends:
-        if not NEAR <= each <= FAREST:
-            raise DisplayError(f"focus at {each:g} m; it may be {NEAR:g} to {FAREST:g} m from the camera")
+        raise DisplayError(f"focus {text!r}: {FOCUS_REMEDY}")
+    for distance in ends:
+        if not NEAR_PLANE <= distance <= MAX_CAMERA_DISTANCE:
+            raise DisplayError(
+                f"focus at {distance:g} m; use {NEAR_PLANE:g} to {MAX_CAMERA_DISTANCE:g} m from the camera"
+            )
     if len(ends) == 1:
         return Focus(plane=ends[0])
     return Focus(plane=sum(ends) / 2, within=(ends[1] - ends[0]) / 2)
 
 
-def _chosen(asked: Chosen | None, usual: Chosen) -> Chosen:
-    return usual if asked is None else asked
+def _choose(requested: ValueType | None, usual: ValueType) -> ValueType:
+    return usual if requested is None else requested

@@ -1,31 +1,32 @@
-"""Turns the drawn head as the robot's neck and trunk turn its own."""
+"""Transfer of the robot's head rotation to the drawn head."""
 
 import numpy as np
 import scipy
 
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
-from kinesic.body.rotation import about
-from kinesic.face.render.camera import PIVOT, head_rotation
+from kinesic.body.rotation import rotation_about
+from kinesic.face.render.camera import HEAD_CENTRE, compute_head_rotation
 
-NECK = "neck"
-HEAD_ENDS, SHOULDERS_BEGIN = -0.09, -0.19  # [m] up from the eyes: the neck lies between
-NO_TURN = 1e-6  # [rad]
+NECK_CHAIN = "neck"
+NECK_TOP = -0.09  # [m] height of the upper end of the bending neck, relative to the eyes
+NECK_BOTTOM = -0.19  # [m] height of the lower end of the bending neck, relative to the eyes
+MIN_TURN = 1e-6  # [rad] smaller head rotations are ignored
 
 
-def turns(robot: Robot, angles: Floats) -> Floats:
-    """Gives how a robot's head is turned, as `Camera.turn` has it.
+def compute_head_turns(robot: Robot, angles: Floats) -> Floats:
+    """Return the head rotation of a robot in the form of `Camera.turn`.
 
     Args:
-        robot: whose head it is; one without a neck holds it still.
+        robot: robot; one without a neck holds its head still.
         angles: (..., n) [rad] in joint order.
 
     Returns:
-        (..., 3) [rad] to its left, up, and over to its right, away from upright in the world.
+        (..., 3) [rad] to its left, up, and over to its right, relative to upright in the world.
     """
-    if not robot.joints(NECK):
+    if not robot.joints(NECK_CHAIN):
         return np.zeros((*np.shape(angles)[:-1], 3))
-    head = robot.skeleton.segment(robot.chains[NECK][-1])
+    head = robot.skeleton.segment(robot.chains[NECK_CHAIN][-1])
     stands = robot.skeleton.frames(angles).rotations[..., head, :, :]
     left = np.arctan2(stands[..., 1, 0], stands[..., 0, 0])
     up = np.arcsin(np.clip(stands[..., 2, 0], -1.0, 1.0))
@@ -33,22 +34,22 @@ def turns(robot: Robot, angles: Floats) -> Floats:
     return np.stack([left, up, over], axis=-1)
 
 
-def steady_shoulders(rest: Floats, positions: Floats, turn: tuple[float, float, float]) -> Floats:
-    """Leaves the shoulders where they are while the head turns, and bends the neck between.
+def keep_shoulders_still(rest: Floats, positions: Floats, turn: tuple[float, float, float]) -> Floats:
+    """Keep the shoulders in place while the head turns, bending the neck.
 
     Args:
-        rest: (v, 3) [m] the head at rest.
+        rest: (v, 3) [m] positions at rest.
         positions: (v, 3) [m] in the frame of the head, which a camera turns as a whole.
-        turn: of the head, as `Camera.turn` has it.
+        turn: head rotation as in `Camera.turn`.
     """
     angle = float(
-        np.linalg.norm(spun := scipy.spatial.transform.Rotation.from_matrix(head_rotation(*turn)).as_rotvec())
+        np.linalg.norm(spun := scipy.spatial.transform.Rotation.from_matrix(compute_head_rotation(*turn)).as_rotvec())
     )
-    if angle < NO_TURN:
+    if angle < MIN_TURN:
         return positions
-    share = np.clip((HEAD_ENDS - rest[:, 2]) / (HEAD_ENDS - SHOULDERS_BEGIN), 0.0, 1.0)
-    moved = share > 0.0
-    back = about(spun / angle, -angle * (share * share * (3.0 - 2.0 * share))[moved])
-    found, pivot = positions.copy(), np.array(PIVOT)
-    found[moved] = pivot + np.einsum("vij,vj->vi", back, positions[moved] - pivot)
-    return found
+    weight = np.clip((NECK_TOP - rest[:, 2]) / (NECK_TOP - NECK_BOTTOM), 0.0, 1.0)
+    moved = weight > 0.0
+    back = rotation_about(spun / angle, -angle * (weight * weight * (3.0 - 2.0 * weight))[moved])
+    bent, pivot = positions.copy(), np.array(HEAD_CENTRE)
+    bent[moved] = pivot + np.einsum("vij,vj->vi", back, positions[moved] - pivot)
+    return bent

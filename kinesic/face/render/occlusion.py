@@ -1,7 +1,7 @@
-"""Ambient occlusion over the G-buffer, exact or separable (thesis chapter 3).
+"""Exact or separable ambient occlusion on the G-buffer (thesis chapter 3).
 
-Separable occlusion marches along two directions instead of all. They turn from pixel to pixel in a small pattern, and a
-blur that respects the geometry joins what neighbours saw: O(k) samples instead of O(k^2).
+Separable occlusion samples two directions instead of all. Directions vary from pixel to pixel in a small pattern, and a
+geometry-aware blur combines neighbouring pixels: O(k) samples instead of O(k^2).
 """
 
 from collections.abc import Callable, Mapping
@@ -15,16 +15,16 @@ from kinesic.body.arrays import Floats
 from kinesic.face.gl.context import GlContext
 from kinesic.face.gl.textures import Size
 from kinesic.face.render.geometry import PositionBuffer
-from kinesic.face.render.passes import ScreenPass, Target, Value, texture
+from kinesic.face.render.passes import ScreenPass, Target, Value, make_texture
 from kinesic.face.render.presets import Estimator, Falloff, Occlusion
 
-SEED = 3
-SPREAD = 0.27  # of a Gaussian, as a share of the radius: at half its height as wide as Wendland's
-OPEN = (1.0, 0.0, 0.0, 0.0)  # the backdrop
+PATTERN_SEED = 3  # seed of the random sample directions
+GAUSSIAN_WIDTH = 0.27  # standard deviation of Gaussian occlusion / radius; equals Wendland's half-height width
+UNOCCLUDED_COLOUR = (1.0, 0.0, 0.0, 0.0)  # occlusion value of the background: completely open
 
 
 class OcclusionPass:
-    """Finds how open each pixel of the head is."""
+    """Pass that computes the unoccluded fraction of ambient light per pixel."""
 
     def __init__(self, context: GlContext, seen: PositionBuffer, occlusion: Occlusion) -> None:
         self.occlusion, self._seen = occlusion, seen
@@ -35,20 +35,20 @@ class OcclusionPass:
             return ScreenPass(context, target, fragment, where=seen.where, defines=defines)
 
         falloff = get_args(Falloff).index(occlusion.falloff)
-        angles = np.zeros((1, 1)) if occlusion.exact else directions(occlusion, seen.position.size)
+        angles = np.zeros((1, 1)) if occlusion.exact else make_direction_tile(occlusion, seen.position.size)
         wide, tall = angles.shape[1], angles.shape[0]
         defines = {"ESTIMATOR": estimator, "FALLOFF": falloff, "WIDE": wide, "TALL": tall}
         self.march = over_head("occlusion", **defines, DIRECTIONS=occlusion.directions, STEPS=occlusion.size // 2)
         self.blurs = () if occlusion.exact else tuple(over_head("blur", SIDE=occlusion.tile) for _ in range(2))
-        self._pattern = texture(context, np.stack([np.cos(angles), np.sin(angles)], axis=-1), "f4")
+        self._pattern = make_texture(context, np.stack([np.cos(angles), np.sin(angles)], axis=-1), "f4")
 
     def draw(self, scale: float) -> Target:
-        """Draws how open each pixel is, 0..1, in the first component.
+        """Draw each pixel's unoccluded fraction 0..1 into the first colour component.
 
-        The normals are those of the geometry; wrinkles would be smeared by the blur.
+        The normals are those of the geometry, since the blur would smear wrinkles.
 
         Args:
-            scale: [pixels/m] at the middle of the head.
+            scale: [pixels/m] at the centre of the head.
         """
         occlusion, seen = self.occlusion, self._seen
         steps, turn = occlusion.size // 2, pi / occlusion.directions
@@ -63,62 +63,71 @@ class OcclusionPass:
         if occlusion.directions > 1:
             values["turn"] = cos(turn), sin(turn)
         if occlusion.estimator != "horizon":
-            values["all"] = float((rings * FALLOFFS[occlusion.falloff](rings / (steps + 1))).sum())
+            values["all"] = float((rings * FALLOFF_FUNCTIONS[occlusion.falloff](rings / (steps + 1))).sum())
         inputs = {"position": seen.position, "normal": seen.normal, "pattern": self._pattern}
-        self.march.clear(*OPEN)
-        found = self.march.draw(inputs, values)
+        self.march.clear(*UNOCCLUDED_COLOUR)
+        result = self.march.draw(inputs, values)
         for blur, axis in zip(self.blurs, ((across, 0.0), (0.0, up)), strict=False):
-            blur.clear(*OPEN)
-            found = blur.draw({"noisy": found.textures[0]}, {"axis": axis})
-        return found
+            blur.clear(*UNOCCLUDED_COLOUR)
+            result = blur.draw({"noisy": result.textures[0]}, {"axis": axis})
+        return result
 
 
-def samples(occlusion: Occlusion) -> int:
-    """Counts the pixels that are looked at for one."""
+def count_samples(occlusion: Occlusion) -> int:
+    """Return the number of ambient-occlusion samples per pixel."""
     return 2 * (occlusion.size // 2) * occlusion.directions
 
 
-def wendland(t: Floats) -> Floats:
-    """Computes the Wendland weight, which falls from 1 at 0 to 0 at 1 and beyond (thesis 3.3.3)."""
+def compute_wendland_weight(t: Floats) -> Floats:
+    """Return the Wendland weight, falling from 1 to 0 (thesis 3.3.3).
+
+    It reaches 0 at t = 1.
+    """
     return np.asarray(np.maximum(1.0 - t, 0.0) ** 4 * (4.0 * t + 1.0))
 
 
-def gaussian(t: Floats) -> Floats:
-    """Computes a Gaussian weight as wide as Wendland's, cut off at 1, where a thousandth of it is left (thesis 3.3)."""
-    return np.asarray(np.where(t < 1.0, np.exp(-0.5 * (t / SPREAD) ** 2), 0.0))
+def compute_gaussian_weight(t: Floats) -> Floats:
+    """Return a Gaussian weight as wide as Wendland's (thesis 3.3).
+
+    It is cut off at 1, at a thousandth of its maximum.
+    """
+    return np.asarray(np.where(t < 1.0, np.exp(-0.5 * (t / GAUSSIAN_WIDTH) ** 2), 0.0))
 
 
-FALLOFFS: Mapping[Falloff, Callable[[Floats], Floats]] = MappingProxyType({"wendland": wendland, "gaussian": gaussian})
+FALLOFF_FUNCTIONS: Mapping[Falloff, Callable[[Floats], Floats]] = MappingProxyType(
+    {"wendland": compute_wendland_weight, "gaussian": compute_gaussian_weight}
+)
 
 
-def directions(occlusion: Occlusion, screen: Size) -> Floats:
-    """(n, n) [rad] the first direction at each pixel of a tile; of noise the tile is as large as the screen.
+def make_direction_tile(occlusion: Occlusion, screen: Size) -> Floats:
+    """Return each tile pixel's first sample direction [rad], shape (n, n).
 
-    They are of a half turn where there is one axis, and of a quarter where a second stands at right angles to it.
+    Noise has a tile as large as the screen. Directions cover half a turn for one axis, and a quarter of a turn if there
+    is a second, perpendicular axis.
     """
     pattern, side = occlusion.pattern, occlusion.tile
     count = side * side
-    random = np.random.default_rng(SEED)
+    random = np.random.default_rng(PATTERN_SEED)
     if pattern == "noise":
         return np.asarray(pi / occlusion.axes * random.uniform(size=screen[::-1]))
     if pattern == "random":
-        shares = random.uniform(size=count)
+        fractions = random.uniform(size=count)
     elif pattern == "regular":
-        shares = np.arange(count) / count
+        fractions = np.arange(count) / count
     elif pattern == "jittered":
-        shares = (random.permutation(count) + random.uniform(size=count)) / count
+        fractions = (random.permutation(count) + random.uniform(size=count)) / count
     elif pattern == "halton":
-        shares = np.array([radical_inverse(k + 1, 3) for k in range(count)])
+        fractions = np.array([compute_radical_inverse(k + 1, 3) for k in range(count)])
     else:
-        shares = np.array([radical_inverse(k, 2) for k in range(count)])
-    return np.asarray(pi / occlusion.axes * shares.reshape(side, side))
+        fractions = np.array([compute_radical_inverse(k, 2) for k in range(count)])
+    return np.asarray(pi / occlusion.axes * fractions.reshape(side, side))
 
 
-def radical_inverse(number: int, base: int) -> float:
-    """Mirrors the digits of a number at the point (J. H. Halton, 1960)."""
-    found, place = 0.0, 1.0 / base
+def compute_radical_inverse(number: int, base: int) -> float:
+    """Return a number's radical inverse in a base (J. H. Halton, 1960)."""
+    inverse, place = 0.0, 1.0 / base
     while number:
         number, digit = divmod(number, base)
-        found += digit * place
+        inverse += digit * place
         place /= base
-    return found
+    return inverse

@@ -1,4 +1,4 @@
-"""Passes of the deferred pipeline: programs, the textures they write, and passes over the whole screen."""
+"""Building blocks of the deferred pipeline: programs, targets and screen passes."""
 
 from collections.abc import Mapping, Sequence
 from functools import cached_property
@@ -15,114 +15,125 @@ from kinesic.face.gl.context import GlContext
 from kinesic.face.gl.programs import Column, Program
 from kinesic.face.gl.textures import DepthBuffer, Framebuffer, Rectangle, Size, Texture
 
-SHADERS = Path(__file__).parent / "shaders"
-VERSION = "#version 330 core\n"
+SHADER_FOLDER = Path(__file__).parent / "shaders"
+VERSION_LINE = "#version 330 core\n"
 
 PassRegion = Literal["head", "marked", "marking", "everywhere"]
-PASSES: Mapping[PassRegion, str] = (
-    MappingProxyType(  # how the far plane's depth, 1, must compare to what the depth buffer has
-        {"head": ">", "marked": "==", "marking": "1", "everywhere": "1"}
-    )
+DEPTH_TESTS: Mapping[PassRegion, str] = MappingProxyType(  # test of the far plane's depth, 1, against the depth buffer
+    {"head": ">", "marked": "==", "marking": "1", "everywhere": "1"}
 )
 TextureFormat: TypeAlias = Literal["f1", "f2", "f4"]  # of a component: a byte for 0..1, or a float of 2 or 4 bytes
-Stored: TypeAlias = NDArray[np.uint8 | np.float16 | np.float32]
-STORED: Mapping[TextureFormat, np.dtype[np.uint8 | np.float16 | np.float32]] = MappingProxyType(
+StoredPixels: TypeAlias = NDArray[np.uint8 | np.float16 | np.float32]
+STORED_TYPES: Mapping[TextureFormat, np.dtype[np.uint8 | np.float16 | np.float32]] = MappingProxyType(
     {"f1": np.dtype("u1"), "f2": np.dtype("f2"), "f4": np.dtype("f4")}
 )
 Value: TypeAlias = float | Sequence[float] | Floats
 Values: TypeAlias = Mapping[str, Value]
 
 
-def program(
+def compile_program(
     context: GlContext, vertex: str, *fragments: str, defines: Mapping[str, int] = MappingProxyType({})
 ) -> Program:
-    """Compiles files of `shaders`; later fragments may use earlier ones, and `defines` sets their constants."""
-    head = VERSION + "".join(f"#define {name} {value}\n" for name, value in defines.items())
+    """Compile a program from shader files.
+
+    Fragment files are concatenated in order. Later files may use functions of earlier ones, and `defines` sets
+    their constants.
+    """
+    head = VERSION_LINE + "".join(f"#define {name} {value}\n" for name, value in defines.items())
     return context.program(
-        VERSION + (SHADERS / f"{vertex}.vert.glsl").read_text(encoding="utf-8"),
-        head + "".join((SHADERS / f"{each}.frag.glsl").read_text(encoding="utf-8") for each in fragments),
+        VERSION_LINE + (SHADER_FOLDER / f"{vertex}.vert.glsl").read_text(encoding="utf-8"),
+        head + "".join((SHADER_FOLDER / f"{fragment}.frag.glsl").read_text(encoding="utf-8") for fragment in fragments),
     )
 
 
 def set_uniforms(shader: Program, values: Values) -> None:
-    """Sets uniforms of a program, matrices and arrays of vectors row by row."""
+    """Set uniforms of a program, matrices and vector arrays row by row."""
     for name, value in values.items():
         shader.set(name, value)
 
 
-def store_pixels(pixels: Floats | Stored, kind: TextureFormat) -> Stored:
-    """Gives pixels as a texture of a kind holds them; those that are stored already stay as they are."""
-    scaled = np.rint(255 * pixels) if kind == "f1" and pixels.dtype != STORED[kind] else pixels
-    return np.ascontiguousarray(scaled, dtype=STORED[kind])
+def store_pixels(pixels: Floats | StoredPixels, kind: TextureFormat) -> StoredPixels:
+    """Convert pixels to the component type of a texture format.
+
+    Pixels that have this type already stay unchanged.
+    """
+    scaled = np.rint(255 * pixels) if kind == "f1" and pixels.dtype != STORED_TYPES[kind] else pixels
+    return np.ascontiguousarray(scaled, dtype=STORED_TYPES[kind])
 
 
-def texture(context: GlContext, pixels: Floats | Stored, kind: TextureFormat = "f2") -> Texture:
-    """Makes a texture that is smooth within and clamped at its border.
+def make_texture(context: GlContext, pixels: Floats | StoredPixels, kind: TextureFormat = "f2") -> Texture:
+    """Create a texture with linear filtering, clamped at its border.
 
     Args:
-        context: to draw in.
-        pixels: (height, width, components), first row at the bottom; numbers, or as `store_pixels` has them.
-        kind: of a component: a byte for 0..1, or a float of 2 or 4 bytes.
+        context: OpenGL context.
+        pixels: (height, width, components) from the bottom row; numbers, or the result of `store_pixels`.
+        kind: component type: a byte for 0..1, or a float of 2 or 4 bytes.
     """
     height, width, components = pixels.shape
-    found = context.texture((width, height), components, store_pixels(pixels, kind).tobytes(), kind)
-    found.clamp()
-    return found
+    created = context.texture((width, height), components, store_pixels(pixels, kind).tobytes(), kind)
+    created.clamp()
+    return created
 
 
 class Target:
-    """Textures that a pass writes, with a depth buffer that passes can share."""
+    """Textures written by a pass, with an optional common depth buffer."""
 
     def __init__(self, context: GlContext, size: Size, formats: Sequence[str], depth: DepthBuffer | None) -> None:
-        """Makes the textures.
+        """Create the textures of the render target.
 
         Args:
-            context: to draw in.
-            size: of the textures.
-            formats: components and type of each, such as "4f2" or "3f1".
-            depth: of the head, or None for a pass that covers everything.
+            context: OpenGL context.
+            size: size of the textures.
+            formats: components and type of each texture, such as "4f2" or "3f1".
+            depth: depth of the head, or None for a pass over everything.
         """
-        textures = [context.texture(size, int(each[0]), kind=each[1:]) for each in formats]
-        for each in textures:
-            each.filter = (gl.NEAREST, gl.NEAREST)
-            each.clamp()
+        textures = [context.texture(size, int(item[0]), kind=item[1:]) for item in formats]
+        for item in textures:
+            item.filter = (gl.GL_NEAREST, gl.GL_NEAREST)
+            item.clamp()
         self._hold(context, textures, depth)
 
     @classmethod
     def of(cls, context: GlContext, textures: Sequence[Texture], depth: DepthBuffer | None) -> "Target":
-        """Makes a target of textures that are there."""
-        found = cls.__new__(cls)
-        found._hold(context, textures, depth)
-        return found
+        """Create a render target of existing textures."""
+        target = cls.__new__(cls)
+        target._hold(context, textures, depth)
+        return target
 
     def _hold(self, context: GlContext, textures: Sequence[Texture], depth: DepthBuffer | None) -> None:
         self._context, self.textures = context, list(textures)
         self.frame = context.frame(self.textures, depth)
 
     def copy(self, other: "Target") -> None:
-        """Fills the first texture with the pixels of another target's; what depth the frame has stays."""
+        """Copy the first texture of another render target, without its depth."""
         self.first.copy(other.first)
 
     @cached_property
     def first(self) -> Framebuffer:
-        """The first texture alone."""
+        """Framebuffer of the first texture alone."""
         return self._context.frame([self.textures[0]])
 
     def read(self, number: int = 0) -> Floats:
-        """(height, width, components) pixels of one of the textures, first row on top."""
-        found = self.textures[number]
-        pixels = np.frombuffer(self.frame.read(number), "u1" if found.dtype == "f1" else found.dtype)
-        return pixels.reshape(found.height, found.width, found.components)[::-1].astype(np.float64)
+        """Return the pixels of a target's texture, top row first.
+
+        The shape is (height, width, components).
+        """
+        source = self.textures[number]
+        pixels = np.frombuffer(self.frame.read(number), "u1" if source.dtype == "f1" else source.dtype)
+        return pixels.reshape(source.height, source.width, source.components)[::-1].astype(np.float64)
 
     def pixels(self) -> NDArray[np.uint8]:
-        """(height, width, 3) colours of the first texture, first row on top."""
+        """Return the colours of the target's first texture, top row first.
+
+        The shape is (height, width, 3).
+        """
         raw = self.frame.read(components=3)
         width, height = self.textures[0].size
         return np.ascontiguousarray(np.frombuffer(raw, np.uint8).reshape(height, width, 3)[::-1])
 
 
 class ScreenPass:
-    """A fragment shader over some pixels of the screen, that reads textures and writes a target."""
+    """Fragment shader over a region of the screen that writes a target."""
 
     def __init__(
         self,
@@ -133,9 +144,9 @@ class ScreenPass:
         defines: Mapping[str, int] = MappingProxyType({}),
     ) -> None:
         self.context, self.target, self.where = context, target, where
-        target.frame.depth_mask = where == "marking"  # the head stays where it is, whatever is drawn or cleared
-        self.shader = program(context, "screen", *fragments, defines=defines)
-        self._places: dict[str, int] = {}  # of textures, by the names of their samplers
+        target.frame.depth_mask = where == "marking"  # other passes must not change the depth of the head
+        self.shader = compile_program(context, "screen", *fragments, defines=defines)
+        self._places: dict[str, int] = {}  # texture unit by sampler name
         corners = context.buffer(np.array([-1, -1, 3, -1, -1, 3], dtype="f4").tobytes())
         self.triangle = context.vertices(self.shader, [Column("corner", corners, 2, 0, 2)])
 
@@ -147,42 +158,45 @@ class ScreenPass:
         within: Rectangle | None = None,
         added: bool = False,
     ) -> Target:
-        """Runs the shader.
+        """Run the fragment shader over the screen region.
 
         Args:
-            inputs: by the names of its samplers.
-            values: by the names of its uniforms.
-            within: no pixel outside is touched.
-            added: to what the target holds, instead of in its place.
+            inputs: textures by sampler name.
+            values: values by uniform name.
+            within: rectangle to which drawing is restricted.
+            added: whether to add to the target instead of replacing it.
         """
-        for name, found in inputs.items():
+        for name, source in inputs.items():
             if name not in self._places:
                 self._places[name] = len(self._places)
                 self.shader.sample(name, self._places[name])
-            found.use(self._places[name])
+            source.use(self._places[name])
         set_uniforms(self.shader, values)
         if within is not None:
             self.target.frame.scissor = within
         self.target.frame.use()
-        self.context.switch_on(*([] if self.where == "everywhere" else [gl.DEPTH_TEST]), *([gl.BLEND] if added else []))
-        self.context.compare_depth(PASSES[self.where])
-        self.context.blend((gl.ONE, gl.ONE))
+        self.context.switch_on(
+            *([] if self.where == "everywhere" else [gl.GL_DEPTH_TEST]), *([gl.GL_BLEND] if added else [])
+        )
+        self.context.compare_depth(DEPTH_TESTS[self.where])
+        self.context.blend((gl.GL_ONE, gl.GL_ONE))
         self.triangle.render()
-        if within is not None:  # it would hold for clearing and copying, too
+        if within is not None:  # otherwise it would also apply to clearing and copying
             self.target.frame.scissor = None
             self.context.confine(None)
         return self.target
 
     def clear(self, red: float = 0.0, green: float = 0.0, blue: float = 0.0, alpha: float = 0.0) -> Target:
-        """Fills the target with one colour."""
+        """Fill the pass's target with one colour."""
         self.target.frame.clear(red, green, blue, alpha)
         return self.target
 
 
-class Marks:
-    """Pixels that a fragment shader does not discard, for passes over those alone, and what it writes there.
+class MarkPass:
+    """Pass that marks pixels in a depth buffer for later passes.
 
-    What one shader skips, a software renderer still works out; what the depth test rejects, it does not.
+    Pixels that the fragment shader discards stay unmarked. The depth test then skips them even on software renderers,
+    which would otherwise evaluate the shader.
     """
 
     def __init__(self, context: GlContext, fragments: Sequence[str], size: Size, formats: Sequence[str] = ()) -> None:
@@ -197,10 +211,10 @@ class Marks:
         *,
         within: Rectangle | None = None,
     ) -> None:
-        """Marks pixels anew, and none outside a rectangle."""
+        """Clear the marks and mark pixels, optionally only in a rectangle."""
         self.target.frame.clear(depth=0.0)
         self._pass.draw(inputs, values, within=within)
 
-    def share(self) -> float:
-        """Tells which share of the screen is marked."""
+    def measure_marked_fraction(self) -> float:
+        """Return the fraction of the screen that is marked."""
         return float((np.frombuffer(self.target.frame.read_depth(), np.float32) > 0.0).mean())

@@ -1,7 +1,7 @@
-"""Draws a face: action units in, a picture out, through a deferred pipeline (thesis chapters 3 to 5).
+"""Drawing of a face from action units (thesis chapters 3 to 5).
 
-The head is drawn once, into textures of what each pixel shows; wrinkles, light and skin are screen-wide passes over
-them, so that their cost depends on the number of pixels alone.
+The head is drawn once into textures of a G-buffer; wrinkles, light and skin are screen passes over them, so their cost
+depends only on the number of pixels.
 """
 
 from collections.abc import Mapping
@@ -11,100 +11,105 @@ from types import TracebackType
 
 from kinesic.body.arrays import Picture
 from kinesic.body.choices import Variant
-from kinesic.face.assets.hair import STYLES, Locks, grow
+from kinesic.face.assets.hair import HAIR_STYLES, Locks, grow_locks
 from kinesic.face.assets.mesh import Mesh, load_head
 from kinesic.face.assets.paint import COMPLEXIONS
-from kinesic.face.display import DisplayError, offscreen
+from kinesic.face.display import DisplayError, open_offscreen_context
 from kinesic.face.gl.context import GlContext
-from kinesic.face.render.camera import FRONT, LIGHTS, Camera, Lights
+from kinesic.face.render.camera import FRONT_CAMERA, STUDIO_LIGHTS, Camera, Lights
 from kinesic.face.render.pipeline import DrawnHead, Pipeline
-from kinesic.face.render.presets import NORMAL, Preset
-from kinesic.face.render.pupils import light_on_eyes, settled_diameter
+from kinesic.face.render.presets import NORMAL_PRESET, Preset
+from kinesic.face.render.pupils import compute_light_on_eyes, compute_settled_diameter
 from kinesic.face.render.shape import HeadShape
 
-LARGEST_SIDE = 4096  # pixels along a side
-LOUDEST = 4.0  # gain of the wrinkles
-CHART: Variant = "female"  # whose chart the painting and the wrinkles of all are drawn in; the vertices correspond
+MAX_PICTURE_SIDE = 4096  # [pixels] largest width or height of a picture
+MAX_WRINKLE_GAIN = 4.0  # largest factor on the height of wrinkles
+CHART_VARIANT: Variant = "female"  # head whose texture chart all variants use; their vertices correspond
 
 
 class Portrait:
-    """A head ready to be drawn, again and again; a context manager that frees what it holds.
+    """Reusable renderer of a head.
 
-    with Portrait("male") as portrait:
-        pixels = portrait.draw({"12": 0.8, "6": 0.6}, Camera(yaw_deg=30))
+    A context manager that frees its resources. with Portrait("male") as portrait:     pixels = portrait.draw({"12":
+    0.8, "6": 0.6}, Camera(yaw_deg=30))
     """
 
     def __init__(
         self,
         variant: Variant = "female",
         *,
-        preset: Preset = NORMAL,
+        preset: Preset = NORMAL_PRESET,
         size: tuple[int, int] = (512, 512),
-        lights: Lights = LIGHTS,
+        lights: Lights = STUDIO_LIGHTS,
         context: GlContext | None = None,
     ) -> None:
-        """Loads the head, compiles the shaders and paints the textures.
+        """Load the head, compile the shaders and paint the textures.
 
         Args:
-            variant: of the head.
-            preset: how much is drawn.
+            variant: variant of the head.
+            preset: quality preset.
             size: (width, height) of pictures [pixels].
-            lights: that stand with the camera.
-            context: to draw in, of OpenGL 3.3 or later, which stays open; its own without a window if None.
+            lights: lights attached to the camera.
+            context: context of OpenGL 3.3 or later, which stays open; None opens one without a window.
 
         Raises:
-            DisplayError: nothing can be drawn here, no such variant, or no picture of this size.
+            DisplayError: nothing can be drawn here, no such variant, or a size out of range.
         """
-        if not all(1 <= side * preset.samples <= LARGEST_SIDE for side in size):
-            limit = LARGEST_SIDE // preset.samples
-            raise DisplayError(f"a picture of {size[0]} x {size[1]} pixels; each side may be 1 to {limit}")
-        self.mesh = _mesh(variant, preset.subdivided)
+        if not all(1 <= side * preset.samples <= MAX_PICTURE_SIDE for side in size):
+            limit = MAX_PICTURE_SIDE // preset.samples
+            raise DisplayError(f"a picture of {size[0]} x {size[1]} pixels; use 1 to {limit} per side")
+        self.mesh = _load_mesh(variant, preset.subdivided)
         self.preset, self.size, self.lights = preset, size, lights
         with ExitStack() as opened:
-            own = opened.enter_context(offscreen()) if context is None else context
+            own_context = opened.enter_context(open_offscreen_context()) if context is None else context
             head = DrawnHead(
                 HeadShape(self.mesh),
-                _mesh(CHART, preset.subdivided),
+                _load_mesh(CHART_VARIANT, preset.subdivided),
                 COMPLEXIONS[variant],
-                _locks(variant) if preset.hair else None,
+                _grow_locks(variant) if preset.hair else None,
             )
-            self.pipeline = Pipeline(own, head, preset=preset, size=size, lights=lights)
-            self._current = own if context is None else nullcontext()  # another portrait may have its own
+            self.pipeline = Pipeline(own_context, head, preset=preset, size=size, lights=lights)
+            self._current = (
+                own_context if context is None else nullcontext()
+            )  # several portraits may have their own contexts
             self._opened = opened.pop_all()
 
     def draw(
         self,
         units: Mapping[str, float],
-        camera: Camera = FRONT,
+        camera: Camera = FRONT_CAMERA,
         *,
         gain: float = 1.0,
         pupil: float | None = None,
     ) -> Picture:
-        """Draws a face that shows some action units.
+        """Draw a face with action units.
 
         Args:
             units: action unit -> 0..1, as in `Command.face`.
-            camera: where it is seen from.
-            gain: of the wrinkles; 0 is none, 1 as they were drawn.
-            pupil: [m] across, as `Pupils` has it; None: as it is after a while in this light.
+            camera: camera of the picture.
+            gain: gain of the wrinkles; 0 is none, 1 as drawn in the maps.
+            pupil: pupil diameter [m], as from `Pupils`; None: the settled diameter in this light.
 
         Raises:
-            DisplayError: an unknown unit, an intensity outside 0..1, or a gain outside 0..4.
+            DisplayError: an unknown action unit, an intensity outside 0..1, or a gain outside 0..4.
         """
-        if not 0.0 <= gain <= LOUDEST:
-            raise DisplayError(f"wrinkles {gain:g} times as deep; 0 to {LOUDEST:g} can be drawn")
-        wide = settled_diameter(light_on_eyes(self.lights, {}, camera)) if pupil is None else pupil
+        if not 0.0 <= gain <= MAX_WRINKLE_GAIN:
+            raise DisplayError(f"wrinkles {gain:g} times as deep; use 0 to {MAX_WRINKLE_GAIN:g}")
+        wide = compute_settled_diameter(compute_light_on_eyes(self.lights, {}, camera)) if pupil is None else pupil
         with self._current:
             self.pipeline.widen_pupils(wide)
             return self.pipeline.draw(units, camera, gain)
 
     def light(self, lights: Lights) -> None:
-        """Lights what is drawn from now on otherwise."""
+        """Replace the lamps and ambient light for the next pictures."""
         self.lights = lights
         self.pipeline.light(lights)
 
     def close(self) -> None:
-        """Frees what is the portrait's own; a given context keeps the textures until it is released itself."""
+        """Free the portrait's OpenGL resources.
+
+        A given context keeps the textures until it is released itself.
+        """
         self._opened.close()
 
     def __enter__(self) -> "Portrait":
@@ -117,11 +122,11 @@ class Portrait:
 
 
 @cache
-def _locks(variant: Variant) -> Locks:
-    return grow(load_head(variant), STYLES[variant])
+def _grow_locks(variant: Variant) -> Locks:
+    return grow_locks(load_head(variant), HAIR_STYLES[variant])
 
 
 @lru_cache(maxsize=4)
-def _mesh(variant: Variant, subdivided: bool) -> Mesh:
+def _load_mesh(variant: Variant, subdivided: bool) -> Mesh:
     mesh = load_head(variant)
     return mesh.subdivided() if subdivided else mesh

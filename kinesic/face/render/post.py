@@ -1,7 +1,7 @@
-"""Finishes a lit picture: light spreads under the skin, then depth of field, smooth edges, fewer pixels.
+"""Post-processing: subsurface scattering, depth of field, anti-aliasing, downsampling.
 
-Light spreads (thesis 5.1) where occlusion says that the surface curves (5.2). Wrinkles and the edges of shadows are too
-fine for occlusion to tell; what they make uneven is filtered, too.
+Light scatters (thesis 5.1) where occlusion indicates a curved surface (5.2). Wrinkles and shadow edges are too fine for
+occlusion; the unevenness they cause is filtered, too.
 """
 
 from collections.abc import Iterator
@@ -12,19 +12,19 @@ from kinesic.face.gl.context import GlContext
 from kinesic.face.gl.textures import Rectangle, Size, Texture
 from kinesic.face.render.camera import Camera
 from kinesic.face.render.geometry import Geometry
-from kinesic.face.render.passes import Marks, ScreenPass, Target, Value, Values
+from kinesic.face.render.passes import MarkPass, ScreenPass, Target, Value, Values
 from kinesic.face.render.presets import Focus, Preset, Scattering
 
 
 class ScatterPass:
-    """Filters diffuse light along one axis and then along the other, and mends the picture where it did."""
+    """Pass that blurs diffuse light along both axes to scatter it."""
 
     def __init__(self, context: GlContext, geometry: Geometry, lit: Target, scattering: Scattering) -> None:
         self.scattering, self._geometry = scattering, geometry
         self._pixel = [1.0 / side for side in geometry.size]
-        self._marks = Marks(context, ("mark_skin",), geometry.size)
+        self._marks = MarkPass(context, ("mark_skin",), geometry.size)
         picture, diffuse, colour = lit.textures
-        self._diffuse, self._colour = (Target.of(context, [each], None) for each in (diffuse, colour))
+        self._diffuse, self._colour = (Target.of(context, [source], None) for source in (diffuse, colour))
         half = Target(context, geometry.size, ("4f4",), self._marks.depth)
         defines = {"STEPS": scattering.steps, "LEVELS": scattering.levels}
         mended = Target.of(context, [picture], self._marks.depth)
@@ -34,22 +34,22 @@ class ScatterPass:
         )
 
     def clear(self) -> None:
-        """Marks nothing as uneven, before light is drawn."""
+        """Clear the scattering marks before the light pass."""
         self._colour.frame.clear()
 
     @property
-    def asked(self) -> Values:
-        """What the light must know to say where it spreads, and by how many levels."""
+    def light_uniforms(self) -> Values:
+        """Uniforms of the light pass that select where light scatters."""
         scattering = self.scattering
         deep = {"deep": scattering.deep} if scattering.levels > 1 else {}
         return {"threshold": scattering.threshold} | deep
 
     def draw(self, bent: Texture, scale: float) -> None:
-        """Lets the light spread.
+        """Blur the diffuse light of skin to scatter it.
 
         Args:
             bent: normals, with depth and part.
-            scale: [pixels/m] at the middle of the head.
+            scale: [pixels/m] at the centre of the head.
         """
         scattering = self.scattering
         colour = self._colour.textures[0]
@@ -65,16 +65,22 @@ class ScatterPass:
         self._up.draw(inputs, values | {"axis": (0.0, up)})
 
     def levels(self) -> Floats:
-        """(height, width) by how much of all samples light spread at each pixel, 0..255; first row on top."""
+        """Return the (height, width) scattering level of each pixel, 0..255.
+
+        The first row is the top row.
+        """
         return self._colour.read()[..., 3]
 
-    def marked(self) -> float:
-        """Tells which share of the picture was filtered last."""
-        return self._marks.share()
+    def measure_filtered_fraction(self) -> float:
+        """Return the fraction of the picture that was filtered last."""
+        return self._marks.measure_marked_fraction()
 
 
 class FocusPass:
-    """Blurs what is nearer or farther than the nearer eye, or than a plane (thesis 12.1)."""
+    """Pass that blurs pixels outside the focus distance (thesis 12.1).
+
+    The focus is on the nearer eye or on a plane.
+    """
 
     def __init__(self, context: GlContext, geometry: Geometry, focus: Focus) -> None:
         self.focus, self._geometry = focus, geometry
@@ -83,7 +89,7 @@ class FocusPass:
         self._gather = ScreenPass(context, blurred, "form", "focus", where="everywhere", defines=defines)
 
     def draw(self, picture: Target, camera: Camera) -> Target:
-        """Draws the picture out of focus where it is too near or too far."""
+        """Draw the picture with blur outside the focus distance."""
         focus, (width, height) = self.focus, self._geometry.size
         view = camera.view()
         eyes = self._geometry.mesh.eyes @ view[:3, :3].T + view[:3, 3]
@@ -92,31 +98,31 @@ class FocusPass:
             "sharp": float(-eyes[:, 2].max()) if focus.plane is None else focus.plane,
             "within": focus.within,
         }
-        found, form = picture.textures[0], self._geometry.target.textures[0]
-        found.filter = (gl.LINEAR, gl.LINEAR)
-        return self._gather.draw({"form": form, "picture": found}, values)
+        source, form = picture.textures[0], self._geometry.target.textures[0]
+        source.filter = (gl.GL_LINEAR, gl.GL_LINEAR)
+        return self._gather.draw({"form": form, "picture": source}, values)
 
 
 class SmoothPass:
-    """Smooths edges that show stairs."""
+    """Pass that smooths jagged edges."""
 
     def __init__(self, context: GlContext, size: Size) -> None:
-        self._marks = Marks(context, ("mark_edges",), size)
+        self._marks = MarkPass(context, ("mark_edges",), size)
         self._pixel = tuple(1.0 / side for side in size)
         smoothed = Target(context, size, ("4f1",), self._marks.depth)
         self._smooth = ScreenPass(context, smoothed, "smooth", where="marked")
 
     def draw(self, picture: Target, within: Rectangle | None) -> Target:
-        """Draws the picture with smooth edges where there may be any."""
-        found = picture.textures[0]
-        found.filter = (gl.NEAREST, gl.NEAREST)
-        self._marks.draw({"picture": found}, {"pixel": self._pixel}, within=within)
+        """Draw the picture with smoothed edges."""
+        source = picture.textures[0]
+        source.filter = (gl.GL_NEAREST, gl.GL_NEAREST)
+        self._marks.draw({"picture": source}, {"pixel": self._pixel}, within=within)
         self._smooth.target.copy(picture)
-        return self._smooth.draw({"picture": found}, {"pixel": self._pixel})
+        return self._smooth.draw({"picture": source}, {"pixel": self._pixel})
 
 
 class PostProcessing:
-    """Does to a picture what its preset asks for."""
+    """Post-processing passes selected by a preset."""
 
     def __init__(self, context: GlContext, geometry: Geometry, preset: Preset, size: Size) -> None:
         self._focus = FocusPass(context, geometry, preset.focus) if preset.focus else None
@@ -127,7 +133,11 @@ class PostProcessing:
             self._shrink = ScreenPass(context, Target(context, size, ("4f1",), None), "shrink", where="everywhere")
 
     def stages(self, picture: Target, camera: Camera) -> Iterator[tuple[str, Target]]:
-        """Draws the picture as it is shown; yields the name of each stage, and where it is by then."""
+        """Draw the final picture stage by stage.
+
+        Yields:
+            The name of each completed stage, and the target with the picture.
+        """
         if self._focus:
             picture = self._focus.draw(picture, camera)
             yield "focus", picture

@@ -1,11 +1,10 @@
-"""Says how much is drawn: from a draft for slow machines to everything."""
+"""Quality presets, from a draft for slow machines to full quality."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Literal
 
-from kinesic.body.config import suggestion
 from kinesic.face.display import DisplayError
 
 Estimator = Literal["angular", "crytek", "obscurance", "horizon"]
@@ -13,45 +12,47 @@ Pattern = Literal["random", "regular", "jittered", "halton", "hammersley", "nois
 Falloff = Literal["wendland", "gaussian"]
 Axes = Literal[1, 2]
 
-TILES = range(2, 9)  # pixels along a side of a pattern that there may be
-LARGEST_SIZE = 63  # samples across
+TILE_SIZES = range(2, 9)  # [pixels] possible sides of a pattern of sample directions
+MAX_OCCLUSION_SAMPLES = 63  # largest number of samples across the occlusion kernel
 
 
 @dataclass(frozen=True)
 class Occlusion:
-    """Ambient occlusion (thesis chapter 3)."""
+    """Parameters of ambient occlusion (thesis chapter 3)."""
 
-    size: int = 11  # samples across, k: k x k of them if exact, else 2 k
-    exact: bool = False  # else along a few axes
-    axes: Axes = 2  # at right angles to each other: 2 is separable; 1 sees too little (Figure 3.9)
+    size: int = 11  # samples across, k; k x k samples if exact, otherwise k per axis
+    exact: bool = False  # whether all directions are sampled
+    axes: Axes = 2  # perpendicular axes; 2 is separable, 1 misses occluders (Figure 3.9)
     estimator: Estimator = "angular"
-    pattern: Pattern = "hammersley"  # in which directions turn from pixel to pixel
-    tile: int = 4  # pixels along a side of it, and of the blur that takes it out (listing 11.1)
-    falloff: Falloff = "wendland"  # of what is further away (3.3)
-    radius: float = 0.024  # [m] within which surfaces occlude
-    strength: float = 1.7
+    pattern: Pattern = "hammersley"  # distribution of directions over the pixels of a tile
+    tile: int = 4  # [pixels] along a side of the tile and of the blur (listing 11.1)
+    falloff: Falloff = "wendland"  # weight by distance (3.3)
+    radius: float = 0.024  # [m] range of occluders
+    strength: float = 1.7  # factor of the occlusion
 
     def __post_init__(self) -> None:
-        if self.tile not in TILES:
-            raise DisplayError(f"a pattern of {self.tile} x {self.tile} pixels; there are {TILES[0]} to {TILES[-1]}")
-        if not 2 <= self.size <= LARGEST_SIZE:
-            raise DisplayError(f"occlusion with {self.size} samples across; there may be 2 to {LARGEST_SIZE}")
+        if self.tile not in TILE_SIZES:
+            raise DisplayError(
+                f"a pattern of {self.tile} x {self.tile} pixels; use {TILE_SIZES[0]} to {TILE_SIZES[-1]}"
+            )
+        if not 2 <= self.size <= MAX_OCCLUSION_SAMPLES:
+            raise DisplayError(f"occlusion with {self.size} samples across; use 2 to {MAX_OCCLUSION_SAMPLES}")
 
     @property
     def directions(self) -> int:
-        """How many directions are marched along, each both ways."""
+        """Number of sampled axes, each in two opposite directions."""
         return self.size if self.exact else self.axes
 
 
 @dataclass(frozen=True)
 class Scattering:
-    """Light that spreads under the skin (thesis 5.1 and 5.2)."""
+    """Parameters of subsurface scattering (thesis 5.1 and 5.2)."""
 
-    width: float = 0.0035  # [m] that red light spreads
-    threshold: float = 0.93  # of openness: pixels more open than this and even are left as they are; 1 filters all
+    width: float = 0.0035  # [m] spread of red light
+    threshold: float = 0.93  # openness above which even pixels are not filtered; 1 filters all
     steps: int = 3  # samples on each side
-    levels: int = 1  # of detail: the more occluded, the more of the samples are taken (Figure 5.2); at most `steps`
-    deep: float = 0.6  # openness at which all of them are
+    levels: int = 1  # levels of detail; more occluded pixels use more samples (Figure 5.2)
+    deep: float = 0.6  # openness below which all samples are used
 
     def __post_init__(self) -> None:
         if self.levels > 1 and not self.deep < self.threshold:
@@ -66,48 +67,51 @@ class Scattering:
 
 @dataclass(frozen=True)
 class Shadow:
-    """The soft shadow of the key light (thesis 12.1)."""
+    """Parameters of the soft shadow of the key light (thesis 12.1)."""
 
-    lamp: float = 0.15  # [m] across: the wider, the softer
-    away: float = 1.2  # [m] from the middle of the head to the lamp
-    blockers: int = 4  # samples along a side where what is in the way is looked for
-    taps: int = 6  # samples along a side of what is compared
-    coloured: bool = False  # what light shines through tints it
-    reach: float = 0.22  # [m] that it covers round the middle of the head, across
-    deep: float = 0.35  # [m] and along the light
-    side: int = 512  # pixels of its map
-    sharpest: float = 0.004  # [m] across what is compared at least: the map has pixels
+    lamp: float = 0.15  # [m] width of the lamp; a wider lamp softens the shadow
+    away: float = 1.2  # [m] distance of the lamp from the head's centre
+    blockers: int = 4  # samples along a side of the blocker search
+    taps: int = 6  # samples along a side of the depth comparison
+    coloured: bool = False  # whether translucent layers tint the light
+    reach: float = 0.22  # [m] half width covered by the map
+    deep: float = 0.35  # [m] half depth covered by the map
+    side: int = 512  # [pixels] along a side of the map
+    sharpest: float = 0.004  # [m] minimum width of the comparison, because of the map's resolution
 
 
 @dataclass(frozen=True)
 class Focus:
-    """Depth of field (thesis 12.1)."""
+    """Parameters of depth of field (thesis 12.1)."""
 
-    circle: float = 0.03  # radius of confusion at its widest, as a share of the picture's height
-    plane: float | None = None  # [m] of depth from the camera that is sharp; None: that of the nearer eye
-    within: float = 0.03  # [m] before and behind it that is sharp, too
-    taps: int = 24
+    circle: float = 0.03  # maximum radius of the circle of confusion, relative to picture height
+    plane: float | None = None  # [m] sharp depth from the camera; None: that of the nearer eye
+    within: float = 0.03  # [m] sharp range before and behind the plane
+    taps: int = 24  # samples per pixel
 
 
 @dataclass(frozen=True)
 class Preset:
-    """What a picture is drawn with; each part can be switched with `dataclasses.replace`."""
+    """Rendering effects and quality of a face picture.
+
+    Each part can be changed with `dataclasses.replace`.
+    """
 
     name: str
-    subdivided: bool = False  # four times the faces
+    subdivided: bool = False  # whether the mesh has four times the faces
     wrinkles: bool = True
-    hair: bool = True  # in locks; else it is painted on the scalp alone
+    hair: bool = True  # whether hair has locks in addition to the painted scalp
     occlusion: Occlusion | None = None
-    scattering: Scattering | None = None  # steered by occlusion, if there is any
+    scattering: Scattering | None = None  # uses the occlusion if there is one
     shadow: Shadow | None = None
     focus: Focus | None = None
-    eyeshade: bool = False  # worn by the head, translucent
-    coarse: int = 2  # pixels along a side of one that occlusion and shadow are found for
-    smooth: bool = True  # edges
-    samples: int = 1  # pixels drawn along each side of a pixel shown
+    eyeshade: bool = False  # whether the head wears one
+    coarse: int = 2  # [pixels] along a side of a block with common occlusion and shadow
+    smooth: bool = True  # whether edges are smoothed
+    samples: int = 1  # drawn pixels along a side of a displayed pixel
 
 
-PRESETS: Mapping[str, Preset] = MappingProxyType(
+QUALITY_PRESETS: Mapping[str, Preset] = MappingProxyType(
     {
         preset.name: preset
         for preset in (
@@ -125,15 +129,6 @@ PRESETS: Mapping[str, Preset] = MappingProxyType(
         )
     }
 )
-DRAFT, NORMAL, FULL = PRESETS.values()
-
-
-def quality_preset(name: str) -> Preset:
-    """Finds a preset by its name.
-
-    Raises:
-        DisplayError: there is none.
-    """
-    if name not in PRESETS:
-        raise DisplayError(f"no preset {name}{suggestion(name, list(PRESETS))}; there are {', '.join(PRESETS)}")
-    return PRESETS[name]
+DRAFT_PRESET = QUALITY_PRESETS["draft"]
+NORMAL_PRESET = QUALITY_PRESETS["normal"]
+FULL_PRESET = QUALITY_PRESETS["full"]

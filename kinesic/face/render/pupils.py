@@ -1,4 +1,7 @@
-"""Pupils: how wide they are in the light that falls on the face, and how slowly they follow it, both alike."""
+"""Pupil diameter in the light on the face, and its dynamics.
+
+Both pupils have the same diameter.
+"""
 
 import math
 from collections.abc import Mapping
@@ -6,55 +9,62 @@ from collections.abc import Mapping
 import numpy as np
 
 from kinesic.body.arrays import Floats
-from kinesic.face.assets.action_units import intensities, lid_closure
+from kinesic.face.assets.action_units import compute_lid_closure, read_intensities
 from kinesic.face.render.camera import Camera, Lights
 
-SMALLEST, LARGEST = 2e-3, 7e-3  # [m] across
-SURROUNDINGS = 10.0  # [cd/m^2] that a face looks at in light of 1: a room in the evening
-THROUGH_LIDS = 0.03  # share of the light that closed lids let through
-CONSTRICTION, DILATION = 0.4, 1.4  # [s] in which 63 % of a change are done: pupils close fast and open slowly
-BRIGHTNESS = np.array([0.2126, 0.7152, 0.0722])  # of linear colours (ITU-R BT.709)
+MIN_PUPIL_DIAMETER = 2e-3  # [m] pupil diameter in bright light
+MAX_PUPIL_DIAMETER = 7e-3  # [m] pupil diameter in darkness
+SCENE_LUMINANCE = 10.0  # [cd/m^2] luminance seen in light of strength 1: a room in the evening
+LID_TRANSMITTANCE = 0.03  # fraction of light through closed lids
+CONSTRICTION_TIME = 0.4  # [s] time constant of pupils that narrow
+DILATION_TIME = 1.4  # [s] time constant of pupils that widen
+LUMINANCE_WEIGHTS = np.array([0.2126, 0.7152, 0.0722])  # luminance weights of linear RGB (ITU-R BT.709)
 
 
-def settled_diameter(light: float) -> float:
-    """Gives how wide pupils are [m] after a while in some light (P. Moon, D. E. Spencer, 1944).
+def compute_settled_diameter(light: float) -> float:
+    """Return the steady pupil diameter [m] (P. Moon, D. E. Spencer, 1944).
 
     Args:
-        light: on the eyes, linear as pictures have it; 0 is darkness.
+        light: light on the eyes, linear as in pictures; 0 is darkness.
     """
-    exponent = math.log10(max(SURROUNDINGS * light, 1e-9))
-    return min(max(1e-3 * (4.9 - 3.0 * math.tanh(0.4 * exponent)), SMALLEST), LARGEST)
+    exponent = math.log10(max(SCENE_LUMINANCE * light, 1e-9))
+    return min(max(1e-3 * (4.9 - 3.0 * math.tanh(0.4 * exponent)), MIN_PUPIL_DIAMETER), MAX_PUPIL_DIAMETER)
 
 
-def light_on_eyes(lights: Lights, units: Mapping[str, float], camera: Camera) -> float:
-    """Adds up the light that falls on the front of a face and through its lids, linear as pictures have it.
+def compute_light_on_eyes(lights: Lights, units: Mapping[str, float], camera: Camera) -> float:
+    """Return the strength of light that reaches a face's eyes.
+
+    The value is linear as in pictures.
 
     Args:
-        lights: that stand with the camera.
-        units: action unit -> 0..1, as in `Command.face`; what closes the lids keeps light out.
-        camera: that the face is turned to, or from.
+        lights: lights attached to the camera.
+        units: action unit -> 0..1, as in `Command.face`; closed lids block light.
+        camera: camera of the picture.
 
     Raises:
-        DisplayError: an unknown unit, or an intensity outside 0..1.
+        DisplayError: an unknown action unit, or an intensity outside 0..1.
     """
     ahead = camera.view()[:3, 0]
     lamps = np.maximum(lights.directions() @ ahead, 0.0) @ lights.powers()
     around: Floats = np.array(lights.ground) + (0.5 + 0.5 * ahead[1]) * (np.array(lights.sky) - lights.ground)
-    shut = lid_closure(intensities(units))
-    return float((lamps + around) @ BRIGHTNESS) * (1.0 - (1.0 - THROUGH_LIDS) * shut)
+    shut = compute_lid_closure(read_intensities(units))
+    return float((lamps + around) @ LUMINANCE_WEIGHTS) * (1.0 - (1.0 - LID_TRANSMITTANCE) * shut)
 
 
 class Pupils:
-    """The pupils of a face that is seen over time; what either eye sees moves both."""
+    """Pupils of a face over time."""
 
     def __init__(self) -> None:
-        self.diameter: float | None = None  # [m]; None before any light has been seen
+        self.diameter: float | None = None  # [m]; None before the first call of `follow`
 
     def follow(self, light: float, seconds: float) -> float:
-        """Lets time go by in a light, and gives how wide they are then [m]; at first they are settled."""
-        goal = settled_diameter(light)
+        """Advance time under a light and return the pupils' new diameter [m].
+
+        The first call returns the settled diameter.
+        """
+        goal = compute_settled_diameter(light)
         if self.diameter is None:
             self.diameter = goal
-        lag = CONSTRICTION if goal < self.diameter else DILATION
+        lag = CONSTRICTION_TIME if goal < self.diameter else DILATION_TIME
         self.diameter += (goal - self.diameter) * -math.expm1(-max(seconds, 0.0) / lag)
         return self.diameter

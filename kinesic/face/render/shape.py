@@ -1,4 +1,4 @@
-"""What moves the vertices that are drawn: a head that turns, or a whole figure that stands as a skeleton does."""
+"""Moving meshes: a turning head, or a figure posed by a skeleton."""
 
 from collections.abc import Mapping
 from typing import Protocol
@@ -9,61 +9,68 @@ from kinesic.body.arrays import Floats
 from kinesic.body.skeleton import Skeleton
 from kinesic.face.assets.action_units import deform
 from kinesic.face.assets.body import DressedPerson
-from kinesic.face.assets.chart import vertex_chart
-from kinesic.face.assets.hair import THICK
-from kinesic.face.assets.mesh import PARTS, Mesh
+from kinesic.face.assets.chart import compute_vertex_chart
+from kinesic.face.assets.hair import SCALP_RAMP
+from kinesic.face.assets.mesh import MESH_PARTS, Mesh
 from kinesic.face.assets.skinning import Blending, Skin
 from kinesic.face.render.camera import Camera
-from kinesic.face.render.head_pose import steady_shoulders
+from kinesic.face.render.head_pose import keep_shoulders_still
 
-VOLUME = 0.0035  # [m] that painted hair stands off the scalp, so far over the hairline as it is thick
+PAINTED_HAIR_HEIGHT = 0.0035  # [m] distance of painted hair from the scalp at SCALP_RAMP
 
 
 class MovingMesh(Protocol):
-    """A mesh that moves."""
+    """Interface of a mesh with moving vertices."""
 
     mesh: Mesh
 
     def vertices(self, units: Mapping[str, float], camera: Camera) -> Floats:
-        """(v, 6) positions [m] and normals of a face that shows some action units."""
+        """Return (v, 6) mesh positions [m] and normals for action units."""
 
 
 class HeadShape:
-    """A head that the camera turns, on shoulders that stay."""
+    """Head that turns with `Camera.turn` on still shoulders."""
 
     def __init__(self, mesh: Mesh) -> None:
         self.mesh = mesh
-        self._hair = VOLUME * np.clip(vertex_chart(mesh)[:, 3] / THICK, 0.0, 1.0) * (mesh.parts == PARTS.index("skin"))
+        self._hair = (
+            PAINTED_HAIR_HEIGHT
+            * np.clip(compute_vertex_chart(mesh)[:, 3] / SCALP_RAMP, 0.0, 1.0)
+            * (mesh.parts == MESH_PARTS.index("skin"))
+        )
 
     def vertices(self, units: Mapping[str, float], camera: Camera) -> Floats:
-        """(v, 6) positions and normals."""
-        positions = steady_shoulders(self.mesh.positions, deform(self.mesh, units), camera.turn)
-        return _with_normals(self.mesh, positions, self.mesh.eyes, self._hair)
+        """Return (v, 6) positions [m] and normals of the turned head."""
+        positions = keep_shoulders_still(self.mesh.positions, deform(self.mesh, units), camera.turn)
+        return _add_normals(self.mesh, positions, self.mesh.eyes, self._hair)
 
 
 class FigureShape:
-    """A figure in the world; set `angles` before it is drawn."""
+    """Figure in the world, posed by its attribute `angles`."""
 
     def __init__(self, figure: DressedPerson, skeleton: Skeleton, *, blending: Blending = "linear") -> None:
-        """Stands at rest.
+        """Create the figure in its rest pose.
 
         Args:
-            figure: with its skin and clothes.
-            skeleton: that moves it.
-            blending: how its skin follows.
+            figure: figure with its skin and clothes.
+            skeleton: skeleton that moves it.
+            blending: skinning method.
         """
         self.mesh, self.angles = figure.mesh, skeleton.rest
         self._skin = Skin(figure, skeleton, blending=blending)
         self._hair = figure.hair
 
     def vertices(self, units: Mapping[str, float], camera: Camera) -> Floats:
-        """(v, 6) positions and normals."""
-        positions = self._skin.place(deform(self.mesh, units), self.angles)
-        return _with_normals(self.mesh, positions, self._skin.carry(self.mesh.eyes, self.angles), self._hair)
+        """Return (v, 6) positions [m] and normals of the posed figure."""
+        positions = self._skin.move_skin(deform(self.mesh, units), self.angles)
+        return _add_normals(self.mesh, positions, self._skin.move_with_head(self.mesh.eyes, self.angles), self._hair)
 
 
-def _with_normals(mesh: Mesh, positions: Floats, eyes: Floats, hair: Floats) -> Floats:
-    """(v, 6) positions, with hair that stands off by (v,) [m], and normals; those of eyeballs are a ball's."""
+def _add_normals(mesh: Mesh, positions: Floats, eyes: Floats, hair: Floats) -> Floats:
+    """Return (v, 6) vertex positions, moved outwards by the hair thickness (v,) [m], and normals.
+
+    Normals of eyeballs are those of spheres.
+    """
     normals = mesh.normals(positions)
     balls = mesh.vertices("eyes")
     spokes = positions[balls] - eyes[np.where(mesh.positions[balls, 1] > 0.0, 0, 1)]

@@ -1,1 +1,1 @@
-"""Shows the drawn face: in a window, in a picture or in a film."""
+"""Display of the drawn face in a window, picture or film."""

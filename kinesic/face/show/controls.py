@@ -1,17 +1,17 @@
-"""What the keyboard changes in the window of the face."""
+"""Keyboard controls of the face window."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from kinesic.body.action_units import UNITS, channels
+from kinesic.body.action_units import ACTION_UNITS, unit_channels
 from kinesic.body.choices import Variant
-from kinesic.face.assets.mesh import VARIANTS
-from kinesic.face.render.presets import PRESETS
+from kinesic.face.assets.mesh import FACE_VARIANTS
+from kinesic.face.render.presets import QUALITY_PRESETS
 
-INTENSITY_STEP = 0.1  # of an intensity
-CAMERA_TURN = 15.0  # [deg] of the camera
-NUMBERS = tuple(UNITS)
-HELP = (
+INTENSITY_STEP = 0.1  # change of an action unit's intensity per key press
+CAMERA_TURN = 15.0  # [deg] rotation of the camera per key press
+UNIT_NUMBERS = tuple(ACTION_UNITS)  # action units that the keyboard can select
+KEY_HELP = (
     "1 2 3: preset; left, right: action unit; up, down: its intensity; 0: none by hand; w: wrinkles; v: variant; "
     "comma, period: from the side; escape: close"
 )
@@ -19,28 +19,30 @@ HELP = (
 
 @dataclass(frozen=True)
 class Controls:
-    """Everything that a person can change while looking."""
+    """Settings of the face window that keys change."""
 
     preset: str = "normal"
     variant: Variant = "female"
-    unit: int = 12  # that up and down change
-    units: Mapping[int, float] = field(default_factory=dict)  # set by hand, 0..1
-    gain: float = 1.0  # of the wrinkles
+    unit: int = 12  # action unit changed by up and down
+    units: Mapping[int, float] = field(default_factory=dict)  # manual intensities, 0..1
+    gain: float = 1.0  # gain of the wrinkles
     yaw_deg: float = 0.0
-    shut: bool = False  # the window is to be closed
+    is_closing: bool = False  # whether to close the window
 
-    def pressed(self, key: str) -> "Controls":
-        """Gives the controls after a key; those after an unknown one are the same.
+    def press(self, key: str) -> "Controls":
+        """Return the window's settings after a key press.
+
+        Unknown keys change nothing.
 
         Args:
-            key: its name: `1`, `left`, `escape`.
+            key: name of the key: `1`, `left`, `escape`.
         """
-        if key.isdigit() and 1 <= int(key) <= len(PRESETS):
-            return replace(self, preset=list(PRESETS)[int(key) - 1])
+        if key.isdigit() and 1 <= int(key) <= len(QUALITY_PRESETS):
+            return replace(self, preset=list(QUALITY_PRESETS)[int(key) - 1])
         match key:
             case "left" | "right":
-                place = NUMBERS.index(self.unit) + (1 if key == "right" else -1)
-                return replace(self, unit=NUMBERS[place % len(NUMBERS)])
+                place = UNIT_NUMBERS.index(self.unit) + (1 if key == "right" else -1)
+                return replace(self, unit=UNIT_NUMBERS[place % len(UNIT_NUMBERS)])
             case "up" | "down":
                 value = self.units.get(self.unit, 0.0) + (INTENSITY_STEP if key == "up" else -INTENSITY_STEP)
                 return replace(self, units={**self.units, self.unit: min(max(round(value, 3), 0.0), 1.0)})
@@ -49,22 +51,24 @@ class Controls:
             case "w":
                 return replace(self, gain=0.0 if self.gain else 1.0)
             case "v":
-                return replace(self, variant=VARIANTS[1 - VARIANTS.index(self.variant)])
+                return replace(self, variant=FACE_VARIANTS[1 - FACE_VARIANTS.index(self.variant)])
             case "comma" | "period":
                 return replace(self, yaw_deg=self.yaw_deg + (CAMERA_TURN if key == "comma" else -CAMERA_TURN))
             case "escape" | "q":
-                return replace(self, shut=True)
+                return replace(self, is_closing=True)
         return self
 
-    def over(self, units: Mapping[str, float]) -> Mapping[str, float]:
-        """Gives what is shown: the command's units, and what a person set where that is stronger."""
-        found = dict(units)
+    def merge_units(self, units: Mapping[str, float]) -> Mapping[str, float]:
+        """Combine a command's action units with manual ones by maximum."""
+        channels = dict(units)
         for number, value in self.units.items():
-            for channel in channels(number):
-                found[channel] = max(found.get(channel, 0.0), value)
-        return found
+            for channel in unit_channels(number):
+                channels[channel] = max(channels.get(channel, 0.0), value)
+        return channels
 
     @property
     def title(self) -> str:
-        """What the title of the window says."""
-        return f"kinesic: {self.preset}, {self.unit} {UNITS[self.unit].name} {self.units.get(self.unit, 0.0):.1f}"
+        """Title of the face window."""
+        return (
+            f"kinesic: {self.preset}, {self.unit} {ACTION_UNITS[self.unit].name} {self.units.get(self.unit, 0.0):.1f}"
+        )

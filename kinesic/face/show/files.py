@@ -1,4 +1,4 @@
-"""Pictures and short films of the face in files, and films of the body that are shown beside it."""
+"""Picture and film files of the face, and accompanying body films."""
 
 from collections.abc import Iterable, Sequence
 from itertools import chain
@@ -9,27 +9,28 @@ from PIL import Image
 
 from kinesic.body.arrays import Picture
 from kinesic.face.display import DisplayError
-from kinesic.files.film_file import MP4 as ENCODED
+from kinesic.files.film_file import MP4_SUFFIX as ENCODED
 from kinesic.files.film_file import NO_ENCODER, EncodingError, Mp4Film, WebpFilm, find_encoder
-from kinesic.files.film_file import WEBP as FILM
+from kinesic.files.film_file import WEBP_SUFFIX as FILM
 from kinesic.files.film_reader import FilmReader
 
-STILLS = (".png", ".webp")
-STRIP = ".png"
-FILMS = (FILM, ENCODED, STRIP)
-QUALITY, METHOD = 86, 1  # of WebP: 2 takes three times as long for a seventh less
-STRIP_WIDTH = 2048  # pixels, about
+PICTURE_SUFFIXES = (".png", ".webp")  # formats of single pictures
+STRIP_SUFFIX = ".png"  # suffix of a picture with all film frames in rows
+FILM_SUFFIXES = (FILM, ENCODED, STRIP_SUFFIX)
+WEBP_QUALITY = 86  # picture quality, 0..100
+WEBP_METHOD = 1  # compression effort; 2 takes three times as long for files one seventh smaller
+MAX_STRIP_WIDTH = 2048  # [pixels] largest width of a picture of film frames in rows
 
 
-def save(pixels: Picture, path: Path) -> None:
-    """Writes one picture, PNG or WebP by its ending.
+def save_picture(pixels: Picture, path: Path) -> None:
+    """Write one picture as PNG or WebP by its suffix.
 
     Raises:
-        DisplayError: another ending, or the file cannot be written.
+        DisplayError: another suffix, or the file cannot be written.
     """
     check_ending(path)
     try:
-        Image.fromarray(pixels).save(path, quality=QUALITY)
+        Image.fromarray(pixels).save(path, quality=WEBP_QUALITY)
     except OSError as error:
         raise DisplayError(f"{path}: {error.strerror or error}") from None
 
@@ -37,32 +38,32 @@ def save(pixels: Picture, path: Path) -> None:
 def save_film(
     frames: Iterable[Picture], path: Path, *, rate: float, once: bool = False, sound: Path | None = None
 ) -> None:
-    """Writes a film by its ending: an animated WebP, an MP4, or as PNG all its pictures in rows.
+    """Write a film as WebP, MP4 or PNG strip by its suffix.
 
     Args:
-        frames: in their order, at least one.
-        path: ending in .webp, .mp4 or .png.
-        rate: [Hz] of frames.
-        once: whether it stops at its last frame, instead of repeating for ever.
-        sound: a WAV that begins with the first frame, for .mp4.
+        frames: pictures in order, at least one.
+        path: file ending in .webp, .mp4 or .png.
+        rate: frame rate [Hz].
+        once: whether the film stops at its last frame instead of repeating.
+        sound: WAV file that starts with the first frame, for .mp4.
 
     Raises:
-        DisplayError: another ending, no encoder, or the file cannot be written.
+        DisplayError: another suffix, no encoder, or the file cannot be written.
     """
     check_film(path)
-    if path.suffix.lower() == STRIP:
-        save(film_strip(list(frames)), path)
+    if path.suffix.lower() == STRIP_SUFFIX:
+        save_picture(join_frames(list(frames)), path)
         return
-    others = iter(frames)
-    first = next(others)
+    remaining = iter(frames)
+    first = next(remaining)
     size = (first.shape[1], first.shape[0])
     try:
         with (
-            WebpFilm(path, size, quality=QUALITY, method=METHOD, in_parts=False, once=once)
+            WebpFilm(path, size, quality=WEBP_QUALITY, method=WEBP_METHOD, in_parts=False, once=once)
             if path.suffix.lower() == FILM
             else Mp4Film(path, size, rate=rate, sound=sound)
         ) as film:
-            for k, frame in enumerate(chain((first,), others)):
+            for k, frame in enumerate(chain((first,), remaining)):
                 film.write(frame, None, round(1e3 * (k + 1) / rate) - round(1e3 * k / rate))
     except EncodingError as error:
         raise DisplayError(str(error)) from None
@@ -70,10 +71,10 @@ def save_film(
         raise DisplayError(f"{path}: {error.strerror or error}") from None
 
 
-def film_strip(frames: Sequence[Picture]) -> Picture:
-    """Puts frames in rows, the first on the left of the uppermost."""
+def join_frames(frames: Sequence[Picture]) -> Picture:
+    """Arrange film frames in rows, from the top left."""
     height, width, depth = frames[0].shape
-    across = max(1, min(len(frames), STRIP_WIDTH // width))
+    across = max(1, min(len(frames), MAX_STRIP_WIDTH // width))
     rows = -(-len(frames) // across)
     paper = np.zeros((rows * height, across * width, depth), dtype=np.uint8)
     for place, frame in enumerate(frames):
@@ -83,59 +84,62 @@ def film_strip(frames: Sequence[Picture]) -> Picture:
 
 
 def check_ending(path: Path) -> None:
-    """Refuses a path whose ending names no format of pictures.
+    """Reject a picture path without a picture suffix.
 
     Raises:
-        DisplayError: it does not.
+        DisplayError: the suffix is not that of a picture.
     """
-    if path.suffix.lower() not in STILLS:
-        raise DisplayError(f"{path}: a picture of the face ends in {' or '.join(STILLS)}")
+    if path.suffix.lower() not in PICTURE_SUFFIXES:
+        raise DisplayError(f"{path}: a picture of the face must end in {' or '.join(PICTURE_SUFFIXES)}")
 
 
 def check_film(path: Path) -> None:
-    """Refuses a path whose ending names no format of films, or one that cannot be written here.
+    """Reject a film path with wrong suffix or without an encoder.
 
     Raises:
-        DisplayError: it does not, or there is no encoder.
+        DisplayError: the suffix is not that of a film, or there is no encoder.
     """
-    if path.suffix.lower() not in FILMS:
-        raise DisplayError(f"{path}: a film of the face ends in {', '.join(FILMS)}")
+    if path.suffix.lower() not in FILM_SUFFIXES:
+        raise DisplayError(f"{path}: a film of the face must end in {', '.join(FILM_SUFFIXES)}")
     if path.suffix.lower() == ENCODED:
-        encoder()
+        require_encoder()
 
 
-def encoder() -> str:
-    """Finds ffmpeg.
+def require_encoder() -> str:
+    """Return the path of ffmpeg, which encodes films.
 
     Raises:
-        DisplayError: there is none.
+        DisplayError: ffmpeg is not installed.
     """
-    found = find_encoder()
-    if found is None:
+    path = find_encoder()
+    if path is None:
         raise DisplayError(NO_ENCODER)
-    return found
+    return path
 
 
 class SideFilm:
-    """An animated picture of the body that is read as time goes on; only one of its pictures is in memory."""
+    """Film of the body that is read picture by picture."""
 
     def __init__(self, path: Path, height: int) -> None:
-        """Opens a film.
+        """Open an accompanying film of the body.
 
         Args:
-            path: of an animated WebP on the clock of the performance.
-            height: of its pictures as they are shown [pixels].
+            path: animated WebP on the clock of the performance.
+            height: height of the displayed pictures [pixels].
 
         Raises:
-            DisplayError: it cannot be read.
+            DisplayError: the file cannot be read.
         """
         try:
             self._film = FilmReader(path)
         except OSError as error:
-            raise DisplayError(f"{path}: no film: {error}") from None
+            raise DisplayError(f"{path}: not a film: {error}") from None
         width, tall = self._film.size
         self._size = (round(width * height / tall), height)
 
     def at(self, time: float) -> Picture:
-        """(height, width, 3) the picture of a time [s]; times never decrease."""
+        """Return the body film's picture at a time [s].
+
+        Times must not decrease between calls.
+        """
         return np.asarray(Image.fromarray(self._film.at(time)).resize(self._size))

@@ -1,4 +1,4 @@
-"""Pictures of a film that are drawn one by one: together they would not fit into memory."""
+"""Lazily drawn pictures of a film that would not fit into memory."""
 
 from collections.abc import Callable, Sequence
 from typing import overload
@@ -7,14 +7,14 @@ from kinesic.body.arrays import Picture
 
 
 class LazyPictures(Sequence[Picture]):
-    """A sequence that draws each picture whenever it is asked for."""
+    """Sequence that draws a picture on each access."""
 
     def __init__(self, count: int, draw: Callable[[int], Picture]) -> None:
-        """Draws nothing yet.
+        """Create a sequence without drawing anything.
 
         Args:
-            count: of pictures.
-            draw: makes the picture of an index, 0 to count - 1.
+            count: number of pictures.
+            draw: returns the picture of an index, 0 to count - 1.
         """
         self._count, self._draw = count, draw
 

@@ -1,4 +1,4 @@
-"""How a preview of the face begins."""
+"""Initial settings of a face preview."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -6,19 +6,19 @@ from pathlib import Path
 from kinesic.body.choices import Variant
 from kinesic.face.render.effects import Effects
 
-UNCHANGED = Effects()
+NO_EFFECTS = Effects()
 
 
 @dataclass(frozen=True)
 class PreviewSettings:
-    """How a preview begins."""
+    """Initial settings of a face preview."""
 
     variant: Variant = "female"
     preset: str = "normal"
     side: int = 512  # [pixels]
     windowed: bool = True
-    gain: float = 1.0  # of the wrinkles
-    light: float = 1.0  # of the scene, by the usual one
+    gain: float = 1.0  # gain of the wrinkles
+    light: float = 1.0  # brightness factor of the scene
     yaw_deg: float = 0.0
-    beside: Path | None = None  # a film of the body on the clock of the performance
-    effects: Effects = UNCHANGED  # over the preset, whichever it is
+    beside: Path | None = None  # film of the body on the clock of the performance, shown next to the face
+    effects: Effects = NO_EFFECTS  # changes of any preset

@@ -1,4 +1,4 @@
-"""The newest command, in memory that two processes share; whoever writes never waits for whoever reads."""
+"""Newest command in memory shared by two processes, without blocking the writer."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -6,43 +6,45 @@ from multiprocessing.context import SpawnContext
 
 import numpy as np
 
-from kinesic.body.action_units import CHANNELS
-from kinesic.face.assets.action_units import intensities
+from kinesic.body.action_units import FACE_CHANNELS
+from kinesic.face.assets.action_units import read_intensities
 
-FACE = 5  # first place of the intensities; before them number, time and turn
-LATEST = 5.0  # [s] that the last command waits for a reader
+INTENSITIES_START = 5  # index of the first intensity in shared memory, after number, time and head turn
+WRITE_TIMEOUT = 5.0  # [s] longest wait until the last command is written
 
 
 @dataclass(frozen=True)
 class ShownFace:
-    """What is to be drawn."""
+    """Action units, time and head rotation of the face to draw."""
 
-    number: int  # of the command, from 1; 0: none yet
+    number: int  # number of the command from 1; 0 before the first
     time: float  # [s] performance time
-    turn: tuple[float, float, float]  # [rad] of the head
+    turn: tuple[float, float, float]  # [rad] head rotation
     units: Mapping[str, float]  # action unit -> 0..1
 
 
 class SharedCommand:
-    """The newest command as a row of shared memory, which a child process gets when it is started."""
+    """Newest command in shared memory, passed to a starting child process."""
 
     def __init__(self, context: SpawnContext) -> None:
-        self._row = context.RawArray("d", FACE + len(CHANNELS))
+        self._row = context.RawArray("d", INTENSITIES_START + len(FACE_CHANNELS))
         self._lock = context.Lock()
         self._over = context.Event()
 
     def write(self, shown: ShownFace, *, wait: bool = False) -> bool:
-        """Writes the newest command; False when the reader is reading, and this one is passed over.
+        """Write the newest command to shared memory.
+
+        Return False if the reader is busy.
 
         Args:
-            shown: what is to be drawn.
-            wait: for the reader, as the last command does.
+            shown: face to draw.
+            wait: whether to wait for the reader, as for the last command.
 
         Raises:
             DisplayError: an unknown action unit, or an intensity outside 0..1.
         """
-        row = np.concatenate([[shown.number, shown.time, *shown.turn], intensities(shown.units)])
-        if not self._lock.acquire(timeout=LATEST if wait else 0.0):
+        row = np.concatenate([[shown.number, shown.time, *shown.turn], read_intensities(shown.units)])
+        if not self._lock.acquire(timeout=WRITE_TIMEOUT if wait else 0.0):
             return False
         try:
             self._row[:] = row.tolist()
@@ -51,17 +53,17 @@ class SharedCommand:
         return True
 
     def read(self) -> ShownFace:
-        """Reads the newest command."""
+        """Return the newest command from shared memory."""
         with self._lock:
             number, time, left, up, over, *units = self._row[:]
-        shown = {channel: value for channel, value in zip(CHANNELS, units, strict=True) if value > 0.0}
+        shown = {channel: value for channel, value in zip(FACE_CHANNELS, units, strict=True) if value > 0.0}
         return ShownFace(int(number), time, (left, up, over), shown)
 
     def end(self) -> None:
-        """Says that no command is to come."""
+        """Signal through shared memory that no further command follows."""
         self._over.set()
 
     @property
-    def over(self) -> bool:
-        """Whether no command is to come."""
+    def is_over(self) -> bool:
+        """Whether no further command follows."""
         return self._over.is_set()

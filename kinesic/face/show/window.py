@@ -1,4 +1,4 @@
-"""A window on a display, in which pictures of the face are shown and keys are heard."""
+"""Window that shows pictures of the face and receives keys."""
 
 import os
 import platform
@@ -19,15 +19,15 @@ if TYPE_CHECKING:
     import glfw
 
 
-KEYS = ("left", "right", "up", "down", "escape", "comma", "period", *"0123wvq")
-GROUND = (0.055, 0.075, 0.105)
-_VERTEX = """
+KEY_NAMES = ("left", "right", "up", "down", "escape", "comma", "period", *"0123wvq")
+BACKGROUND_COLOUR = (0.055, 0.075, 0.105)  # linear RGB colour behind the picture
+_VERTEX_SHADER = """
 #version 330
 in vec2 corner;
 out vec2 place;
 void main() { place = vec2(corner.x, 1.0 - corner.y); gl_Position = vec4(2.0 * corner - 1.0, 0.0, 1.0); }
 """
-_FRAGMENT = """
+_FRAGMENT_SHADER = """
 #version 330
 uniform sampler2D picture;
 in vec2 place;
@@ -37,37 +37,37 @@ void main() { colour = texture(picture, place); }
 
 
 def has_display() -> bool:
-    """Whether windows can be expected to open here."""
+    """Return whether a window can probably be opened on this machine."""
     return platform.system() != "Linux" or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
 class Window:
-    """An open window; made by `open_window`."""
+    """On-screen window for pictures and keys, created by `open_window`."""
 
     def __init__(self, handle: "glfw._GLFWwindowPointerT", context: GlContext) -> None:
         import glfw  # noqa: PLC0415 - optional; `open_window` has imported it
 
         self._glfw, self._handle, self.context = glfw, handle, context
         self._keys: list[str] = []
-        names = {getattr(glfw, f"KEY_{name.upper()}"): name for name in KEYS}
+        names = {getattr(glfw, f"KEY_{name.upper()}"): name for name in KEY_NAMES}
 
         def note_key(_window: object, key: int, _scan: int, action: int, _mods: int) -> None:
             if action != glfw.RELEASE and key in names:
                 self._keys.append(names[key])
 
         glfw.set_key_callback(handle, note_key)
-        shader = context.program(_VERTEX, _FRAGMENT)
+        shader = context.program(_VERTEX_SHADER, _FRAGMENT_SHADER)
         corners = context.buffer(np.array([0, 0, 1, 0, 0, 1, 1, 1], dtype="f4").tobytes())
         self._quad = context.vertices(shader, [Column("corner", corners, 2, 0, 2)])
         self._texture: Texture | None = None
 
     @property
     def closed(self) -> bool:
-        """Whether somebody closed it."""
+        """Whether the window was closed."""
         return bool(self._glfw.window_should_close(self._handle))
 
     def show(self, pixels: Picture, title: str) -> None:
-        """Shows a picture, as large as the window has room for."""
+        """Show a picture of the face, scaled to fit the window."""
         height, width, _ = pixels.shape
         if self._texture is None or self._texture.size != (width, height):
             self._texture = self.context.texture((width, height), 3)
@@ -75,22 +75,22 @@ class Window:
         wide, tall = self._glfw.get_framebuffer_size(self._handle)
         scale = min(wide / width, tall / height)
         room = (round(scale * width), round(scale * height))
-        self.context.clear_screen(*GROUND)
+        self.context.clear_screen(*BACKGROUND_COLOUR)
         self.context.use_screen(((wide - room[0]) // 2, (tall - room[1]) // 2, *room))
         self._texture.use()
-        self._quad.render(gl.TRIANGLE_STRIP)
+        self._quad.render(gl.GL_TRIANGLE_STRIP)
         self._glfw.swap_buffers(self._handle)
         self._glfw.set_window_title(self._handle, title)
 
     def pressed(self) -> list[str]:
-        """Names of the keys that were pressed since the last call."""
+        """Return the names of the keys pressed since the last call."""
         self._glfw.poll_events()
         keys, self._keys = self._keys, []
         return keys
 
 
-class _Current:
-    """The context of a window, however the window system made it, as `GlContext` wants its owner."""
+class _WindowContext:
+    """Owner of the OpenGL context of a window."""
 
     def __init__(self, handle: "glfw._GLFWwindowPointerT") -> None:
         import glfw  # noqa: PLC0415 - optional; `open_window` has imported it
@@ -98,31 +98,31 @@ class _Current:
         self._glfw, self._handle = glfw, handle
 
     def find(self, name: str) -> int:
-        """Address of a function of OpenGL, 0 for an unknown one."""
-        found = self._glfw.get_proc_address(name)
-        return found if isinstance(found, int) else int(found.value or 0) if found else 0
+        """Return the address of an OpenGL function, 0 if unknown."""
+        address = self._glfw.get_proc_address(name)
+        return address if isinstance(address, int) else int(address.value or 0) if address else 0
 
     def release(self) -> None:
-        """The window goes with glfw."""
+        """Do nothing, since glfw frees the window's context."""
 
     def enter(self) -> None:
-        """Makes it current."""
+        """Make the window's OpenGL context current."""
         self._glfw.make_context_current(self._handle)
 
     def leave(self) -> None:
-        """Nothing: the process draws in no other."""
+        """Do nothing, since the process has no other OpenGL context."""
 
 
 @contextmanager
 def open_window(size: tuple[int, int], title: str) -> Iterator[Window]:
-    """Opens a window, and closes it at the end; of the main thread of a process.
+    """Open a window in the main thread, closed at the end.
 
     Args:
         size: (width, height) [pixels].
-        title: that it has at first.
+        title: initial title.
 
     Raises:
-        DisplayError: glfw is not installed, or no window opens here.
+        DisplayError: glfw is not installed, or no window can be opened here.
     """
     try:
         import glfw  # noqa: PLC0415 - optional
@@ -136,7 +136,7 @@ def open_window(size: tuple[int, int], title: str) -> Iterator[Window]:
     glfw.set_error_callback(note)
     with ExitStack() as opened:
         if not glfw.init():
-            raise DisplayError(_no_window(faults))
+            raise DisplayError(_describe_failure(faults))
         opened.callback(glfw.terminate)
         for hint, value in (
             (glfw.CONTEXT_VERSION_MAJOR, 3),
@@ -147,12 +147,12 @@ def open_window(size: tuple[int, int], title: str) -> Iterator[Window]:
             glfw.window_hint(hint, value)
         handle = glfw.create_window(*size, title, None, None)
         if not handle:
-            raise DisplayError(_no_window(faults))
+            raise DisplayError(_describe_failure(faults))
         glfw.make_context_current(handle)
-        current = _Current(handle)
+        current = _WindowContext(handle)
         yield Window(handle, GlContext(current.find, current))
 
 
-def _no_window(faults: list[str]) -> str:
+def _describe_failure(faults: list[str]) -> str:
     why = " ".join(faults[-1].split()) if faults else "for an unknown reason"
     return f"no window: {why}; on a machine without a display write to a file with --out"

@@ -1,4 +1,4 @@
-"""Hair grows out of the skull, stays outside it, and leaves the face free."""
+"""Tests of hair on the skull: coverage, clearance and shape of locks."""
 
 from functools import cache
 
@@ -7,89 +7,91 @@ import pytest
 import scipy
 
 from kinesic.body.choices import Variant
-from kinesic.face.assets.chart import hair
-from kinesic.face.assets.hair import CUT, EARS, INSIDE, STYLES, Locks, grow
-from kinesic.face.assets.mesh import VARIANTS, load_head
+from kinesic.face.assets.chart import measure_hairline_height
+from kinesic.face.assets.hair import CUT_VARIATION, EAR_REGION, HAIR_STYLES, HEAD_CENTRE, Locks, grow_locks
+from kinesic.face.assets.mesh import FACE_VARIANTS, load_head
 
 
 @cache
 def locks(variant: Variant) -> tuple[Locks, np.ndarray]:
-    """Hair, and where it is in distances between the eyes."""
+    """Return the hair and its positions in distances between the eyes."""
     mesh = load_head(variant)
-    found = grow(mesh, STYLES[variant])
-    return found, found.positions / (mesh.eyes[0, 1] - mesh.eyes[1, 1])
+    actual = grow_locks(mesh, HAIR_STYLES[variant])
+    return actual, actual.positions / (mesh.eyes[0, 1] - mesh.eyes[1, 1])
 
 
 def edges(variant: Variant) -> np.ndarray:
-    """(locks, along, 2 edges, 3) of them."""
-    return locks(variant)[1].reshape(-1, STYLES[variant].steps + 1, 2, 3)
+    """Return the (locks, along, 2 edges, 3) vertices of locks."""
+    return locks(variant)[1].reshape(-1, HAIR_STYLES[variant].steps + 1, 2, 3)
 
 
 def lengths(variant: Variant) -> np.ndarray:
-    """(locks, steps) along their middles."""
+    """Return the (locks, steps) lengths along the middle of locks."""
     return np.linalg.norm(np.diff(edges(variant).mean(axis=2), axis=1), axis=2)
 
 
-@pytest.mark.parametrize("variant", VARIANTS)
-def test_hair_covers_the_skull_and_not_the_face(variant: Variant):
-    found, (forward, left, up) = locks(variant)[0], locks(variant)[1].T
-    assert np.isfinite(found.positions).all()
-    np.testing.assert_allclose(np.linalg.norm(found.normals, axis=1), 1.0)
+@pytest.mark.parametrize("variant", FACE_VARIANTS)
+def test_hair_covers_the_skull_but_not_the_face(variant: Variant):
+    actual, (forward, left, up) = locks(variant)[0], locks(variant)[1].T
+    assert np.isfinite(actual.positions).all()
+    np.testing.assert_allclose(np.linalg.norm(actual.normals, axis=1), 1.0)
     assert not ((forward > 0.0) & (np.abs(left) < 0.9) & (up > -2.0) & (up < 0.8)).any()
     for place in ((-0.6, 0.8, 0.9), (-1.2, -0.9, 0.8), (-2.9, 0.0, 0.4), (-1.1, 0.2, 1.7)):
         assert np.linalg.norm(locks(variant)[1] - place, axis=1).min() < 0.5, place
 
 
-@pytest.mark.parametrize("variant", VARIANTS)
-def test_hair_is_outside_the_head(variant: Variant):
+@pytest.mark.parametrize("variant", FACE_VARIANTS)
+def test_hair_stays_outside_the_head(variant: Variant):
     mesh = load_head(variant)
-    skin = mesh.positions[mesh.vertices("skin")] / (mesh.eyes[0, 1] - mesh.eyes[1, 1]) - INSIDE
+    skin = mesh.positions[mesh.vertices("skin")] / (mesh.eyes[0, 1] - mesh.eyes[1, 1]) - HEAD_CENTRE
     far = np.linalg.norm(skin, axis=1)
-    spokes = locks(variant)[1] - INSIDE
+    spokes = locks(variant)[1] - HEAD_CENTRE
     away = np.linalg.norm(spokes, axis=1)
     nearest = (spokes / away[:, None] @ (skin / far[:, None]).T).argmax(axis=1)
     high = locks(variant)[1][:, 2] > 0.0
     assert np.mean(away[high] > far[nearest][high] - 0.03) > 0.97
 
 
-@pytest.mark.parametrize("variant", VARIANTS)
-def test_locks_are_seen_from_outside_and_those_that_hang_from_inside_too(variant: Variant):
-    found, _ = locks(variant)
-    for triangles, outward in ((found.triangles, 1.0), (found.inside, -1.0)):
-        a, b, c = found.positions[triangles].transpose(1, 0, 2)
-        facing = outward * np.einsum("ti,ti->t", np.cross(b - a, c - a), found.normals[triangles[:, 0]]) > 0.0
+@pytest.mark.parametrize("variant", FACE_VARIANTS)
+def test_hair_locks_face_outward_and_hanging_locks_are_double_sided(variant: Variant):
+    actual, _ = locks(variant)
+    for triangles, outward in ((actual.triangles, 1.0), (actual.inside, -1.0)):
+        a, b, c = actual.positions[triangles].transpose(1, 0, 2)
+        facing = outward * np.einsum("ti,ti->t", np.cross(b - a, c - a), actual.normals[triangles[:, 0]]) > 0.0
         assert facing.mean() > 0.95
-    assert len(found.inside) < 0.8 * len(found.triangles)
-    each = found.inside[:, 0] // (2 * (STYLES[variant].steps + 1))
-    assert set(np.unique(each, return_counts=True)[1]) == {2 * STYLES[variant].steps}  # else it begins in a step
-    assert found.places[:, 0].min() == -1.0
-    assert found.places[:, 0].max() == 1.0
+    assert len(actual.inside) < 0.8 * len(actual.triangles)
+    item = actual.inside[:, 0] // (2 * (HAIR_STYLES[variant].steps + 1))
+    assert set(np.unique(item, return_counts=True)[1]) == {
+        2 * HAIR_STYLES[variant].steps
+    }  # otherwise a lock would start with a step
+    assert actual.places[:, 0].min() == -1.0
+    assert actual.places[:, 0].max() == 1.0
 
 
-def test_the_two_styles_differ_in_length():
-    woman, man = (locks(variant)[1] for variant in VARIANTS)
+def test_hair_styles_differ_in_length():
+    woman, man = (locks(variant)[1] for variant in FACE_VARIANTS)
     assert woman[:, 2].min() < -1.3
     assert man[:, 2].min() > -0.9
 
 
-def test_hair_is_the_same_every_time():
+def test_hair_generation_is_deterministic():
     mesh = load_head("male")
-    np.testing.assert_array_equal(grow(mesh, STYLES["male"]).positions, locks("male")[0].positions)
+    np.testing.assert_array_equal(grow_locks(mesh, HAIR_STYLES["male"]).positions, locks("male")[0].positions)
 
 
 @pytest.mark.parametrize(("variant", "tip"), [("female", 0.2), ("male", 0.05)])
-def test_locks_begin_narrow_at_the_hairline_and_do_not_end_in_a_point(variant: Variant, tip: float):
-    """Wide roots are steps along the hairline, and thin tips are dots in small pictures."""
+def test_hair_locks_start_narrow_and_end_blunt(variant: Variant, tip: float):
+    """Wide roots look like steps, and thin tips like dots."""
     points = edges(variant)
-    widths = np.linalg.norm(points[:, :, 0] - points[:, :, 1], axis=2) / (2.0 * STYLES[variant].width[0])
-    first = hair(points[:, 0].mean(axis=1)) < 0.08
+    widths = np.linalg.norm(points[:, :, 0] - points[:, :, 1], axis=2) / (2.0 * HAIR_STYLES[variant].width[0])
+    first = measure_hairline_height(points[:, 0].mean(axis=1)) < 0.08
     assert first.sum() > 5
     assert widths[first, 0].max() < 0.75
     assert widths[:, -1].min() > tip
 
 
-def test_short_hair_lies_on_the_neck_and_has_no_scales():
-    """Locks there are several times as long as wide, and their tips do not stand off."""
+def test_short_hair_lies_flat_on_the_neck():
+    """Locks there are long and narrow, and their tips lie flat."""
     mesh = load_head("male")
     skin = mesh.positions[mesh.vertices("skin")] / (mesh.eyes[0, 1] - mesh.eyes[1, 1])
     tips = edges("male")[:, -1].mean(axis=1)
@@ -100,29 +102,29 @@ def test_short_hair_lies_on_the_neck_and_has_no_scales():
     assert np.median(widths / lengths("male")[low].sum(axis=1)) < 0.35
 
 
-def test_the_crown_is_covered():
-    """Rays from inside the head meet a lock wherever it has hair behind the forehead."""
-    ways = np.random.default_rng(3).standard_normal((1200, 3))
-    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
-    crown = ways[(ways[:, 2] > 0.5) & (ways[:, 0] < 0.1)]
-    a, b, c = (locks("female")[1][locks("female")[0].triangles] - INSIDE).transpose(1, 0, 2)
+def test_hair_covers_the_crown_of_the_head():
+    """Rays from inside the head hit a lock everywhere behind the forehead."""
+    vectors = np.random.default_rng(3).standard_normal((1200, 3))
+    vectors /= np.linalg.norm(vectors, axis=1, keepdims=True)
+    crown = vectors[(vectors[:, 2] > 0.5) & (vectors[:, 0] < 0.1)]
+    a, b, c = (locks("female")[1][locks("female")[0].triangles] - HEAD_CENTRE).transpose(1, 0, 2)
     within = [crown @ np.cross(one, other).T > 0.0 for one, other in ((b, c), (c, a), (a, b))]
     assert np.all(within, axis=0).any(axis=1).mean() > 0.93
 
 
-def test_long_hair_rises_gently_over_the_ears():
+def test_long_hair_rises_gently_over_ears():
     middles = edges("female").mean(axis=2)
-    rises = np.diff(np.linalg.norm(middles - INSIDE, axis=2), axis=1) / lengths("female")
-    beside = (np.abs(middles[:, 1:, 1]) > 0.9) & (middles[:, 1:, 2] < 0.5) & (middles[:, 1:, 2] > -0.6)
-    assert np.percentile(rises[beside], 90) < 0.35
+    rises = np.diff(np.linalg.norm(middles - HEAD_CENTRE, axis=2), axis=1) / lengths("female")
+    neighbours = (np.abs(middles[:, 1:, 1]) > 0.9) & (middles[:, 1:, 2] < 0.5) & (middles[:, 1:, 2] > -0.6)
+    assert np.percentile(rises[neighbours], 90) < 0.35
 
 
-def test_short_hair_goes_round_the_ears():
+def test_short_hair_leaves_the_ears_free():
     forward, left, up = np.moveaxis(edges("male").mean(axis=2), -1, 0)
-    back, front, low, high, aside = EARS
+    back, front, low, high, aside = EAR_REGION
     assert not ((forward > back) & (forward < front) & (up > low) & (up < high) & (np.abs(left) > aside)).any()
 
 
-@pytest.mark.parametrize("variant", VARIANTS)
-def test_locks_end_where_they_are_cut(variant: Variant):
-    assert edges(variant).mean(axis=2)[:, :, 2].min() > STYLES[variant].cut + CUT[0] - 1e-9
+@pytest.mark.parametrize("variant", FACE_VARIANTS)
+def test_hair_locks_end_above_the_cut_height_of_the_hair_style(variant: Variant):
+    assert edges(variant).mean(axis=2)[:, :, 2].min() > HAIR_STYLES[variant].cut + CUT_VARIATION[0] - 1e-9

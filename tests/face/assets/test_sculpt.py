@@ -3,41 +3,44 @@ import pytest
 
 from kinesic.body.choices import Variant
 from kinesic.face.assets.action_units import deform
-from kinesic.face.assets.chart import mouth
-from kinesic.face.assets.lips import lips
-from kinesic.face.assets.mesh import VARIANTS, Mesh, load_head
+from kinesic.face.assets.chart import measure_mouth_depth
+from kinesic.face.assets.lips import find_lips
+from kinesic.face.assets.mesh import FACE_VARIANTS, Mesh, load_head
 from kinesic.face.assets.sculpt import even_out
 
-BESIDE = (0.68, -1.0)  # the mouth, to either side and up, in distances between the eyes
-NEAR = 0.22
+SMOOTHED_CENTRE = (0.68, -1.0)  # lateral position and height, in distances between the eyes
+SMOOTHED_RADIUS = 0.22
 
 
 def edges_beside_the_mouth(mesh: Mesh) -> np.ndarray:
-    """(e, 2) vertices at the ends of edges of the skin there."""
+    """Return the (e, 2) ends of skin edges next to the mouth."""
     ends = np.sort(np.stack([mesh.faces, np.roll(mesh.faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
     ends = np.unique(ends, axis=0)
     woman = load_head()
     middle = woman.positions[ends].mean(axis=1) / (woman.eyes[0, 1] - woman.eyes[1, 1])
-    near = np.hypot(np.abs(middle[:, 1]) - BESIDE[0], middle[:, 2] - BESIDE[1]) < NEAR
-    outside = (mesh.parts[ends] == 0).all(axis=1) & (mouth(mesh)[ends] == 0.0).all(axis=1)
+    near = np.hypot(np.abs(middle[:, 1]) - SMOOTHED_CENTRE[0], middle[:, 2] - SMOOTHED_CENTRE[1]) < SMOOTHED_RADIUS
+    outside = (mesh.parts[ends] == 0).all(axis=1) & (measure_mouth_depth(mesh)[ends] == 0.0).all(axis=1)
     return np.asarray(ends[near & outside & (middle[:, 0] > 0.0)])
 
 
-@pytest.mark.parametrize("variant", VARIANTS)
+@pytest.mark.parametrize("variant", FACE_VARIANTS)
 @pytest.mark.parametrize("units", [{"12": 1.0}, {"6": 0.8, "12": 0.9, "25": 0.8}], ids=["12", "6+12+25"])
-def test_a_smile_neither_dents_nor_crushes_the_skin_beside_the_mouth(variant: Variant, units: dict[str, float]):
-    """In the source neighbours turned by 23 degrees there, and edges shrank to less than half."""
+def test_smile_keeps_skin_beside_the_mouth_smooth(variant: Variant, units: dict[str, float]):
+    """In the source, neighbours turn by 23 degrees there.
+
+    Edges shrink to less than half.
+    """
     mesh = load_head(variant)
     one, other = edges_beside_the_mouth(mesh).T
     smiling = deform(mesh, units)
-    lengths = [np.linalg.norm(each[one] - each[other], axis=1) for each in (mesh.positions, smiling)]
+    lengths = [np.linalg.norm(item[one] - item[other], axis=1) for item in (mesh.positions, smiling)]
     assert len(one) > 50
     assert np.min(lengths[1] / lengths[0]) > 0.6
     normals = mesh.normals(smiling)
     assert np.degrees(np.arccos(np.sum(normals[one] * normals[other], axis=1))).max() < 13.0
 
 
-def test_only_a_smile_is_evened_out_and_the_corner_of_the_mouth_goes_as_far():
+def test_only_skin_beside_the_mouth_is_smoothed_in_smiles():
     head = load_head()
     moves = np.random.default_rng(5).normal(size=head.positions.shape)
     np.testing.assert_array_equal(even_out("mouthFrownLeft", moves, head), moves)
@@ -50,8 +53,8 @@ def test_only_a_smile_is_evened_out_and_the_corner_of_the_mouth_goes_as_far():
     assert evened[changed].std() < 0.7 * moves[changed].std()
 
 
-@pytest.mark.parametrize("variant", VARIANTS)
-def test_a_raised_cheek_bulges(variant: Variant):
+@pytest.mark.parametrize("variant", FACE_VARIANTS)
+def test_raised_cheek_bulges_outward(variant: Variant):
     mesh = load_head(variant)
     rest = mesh.positions / (mesh.eyes[0, 1] - mesh.eyes[1, 1])
     cheek = (mesh.parts == 0) & (np.hypot(np.abs(rest[:, 1]) - 0.55, rest[:, 2] + 0.4) < 0.1) & (rest[:, 0] > 0.0)
@@ -60,13 +63,13 @@ def test_a_raised_cheek_bulges(variant: Variant):
     assert moved[:, 2].mean() > 0.006
 
 
-@pytest.mark.parametrize("variant", VARIANTS)
-def test_a_smile_lies_on_the_teeth_and_the_upper_lip_does_not_sag_in_its_middle(variant: Variant):
+@pytest.mark.parametrize("variant", FACE_VARIANTS)
+def test_smiling_lips_rest_on_the_teeth_without_sagging(variant: Variant):
     mesh = load_head(variant)
     rest = mesh.positions / (mesh.eyes[0, 1] - mesh.eyes[1, 1])
     middle = (mesh.parts == 0) & (np.abs(rest[:, 1]) < 0.05) & (rest[:, 0] > 0.2) & (np.abs(rest[:, 2] + 1.1) < 0.4)
     assert (deform(mesh, {"12": 1.0}) - mesh.positions)[middle, 0].mean() < -0.001
-    found = lips(mesh)
-    points = found.points[: found.starts[1]] @ deform(mesh, {"6": 0.8, "12": 0.9, "25": 0.8})
-    edge = [points[np.abs(points[:, 1] - at) < 0.001, 2].min() for at in found.middles[8:17]]
+    actual = find_lips(mesh)
+    points = actual.points[: actual.starts[1]] @ deform(mesh, {"6": 0.8, "12": 0.9, "25": 0.8})
+    edge = [points[np.abs(points[:, 1] - at) < 0.001, 2].min() for at in actual.middles[8:17]]
     assert max(edge) - edge[4] < 0.0010

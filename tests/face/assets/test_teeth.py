@@ -1,17 +1,17 @@
 import numpy as np
 import pytest
 
-from kinesic.face.assets.mesh import VARIANTS, Mesh, load_head
-from kinesic.face.assets.teeth import teeth_chart
+from kinesic.face.assets.mesh import FACE_VARIANTS, Mesh, load_head
+from kinesic.face.assets.teeth import compute_teeth_chart
 
 
-@pytest.fixture(scope="module", params=[*VARIANTS, "finer"])
+@pytest.fixture(scope="module", params=[*FACE_VARIANTS, "finer"])
 def mesh(request: pytest.FixtureRequest) -> Mesh:
     return load_head().subdivided() if request.param == "finer" else load_head(request.param)
 
 
-def test_rows_run_from_left_to_right_and_from_the_edge_to_the_gums(mesh: Mesh):
-    place, points = teeth_chart(mesh), mesh.positions[mesh.vertices("teeth")]
+def test_teeth_chart_runs_along_the_row_and_towards_the_gums(mesh: Mesh):
+    place, points = compute_teeth_chart(mesh), mesh.positions[mesh.vertices("teeth")]
     for jaw in (1.0, -1.0):
         along, away = place[place[:, 3] == jaw, :2].T
         row = points[place[:, 3] == jaw]
@@ -26,8 +26,8 @@ def test_rows_run_from_left_to_right_and_from_the_edge_to_the_gums(mesh: Mesh):
         assert row[front & (away < -2.0), 0].max() < edge[:, 0].max() - 0.003  # the side of the tongue
 
 
-def test_upper_teeth_stand_before_the_lower_ones(mesh: Mesh):
-    place, points = teeth_chart(mesh), mesh.positions[mesh.vertices("teeth")]
+def test_upper_teeth_are_in_front_of_lower_teeth(mesh: Mesh):
+    place, points = compute_teeth_chart(mesh), mesh.positions[mesh.vertices("teeth")]
     upper, lower = (
         points[(place[:, 3] == jaw) & (np.abs(place[:, 0]) < 6.0) & (np.abs(place[:, 1]) < 0.5)] for jaw in (1.0, -1.0)
     )

@@ -1,4 +1,4 @@
-"""Calls of OpenGL through ctypes: what is written is read back, and what is wrong is told."""
+"""Tests of OpenGL calls through ctypes and their errors."""
 
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -6,31 +6,31 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from kinesic.face.display import offscreen
+from kinesic.face.display import open_offscreen_context
 from kinesic.face.gl import numbers as gl
 from kinesic.face.gl.context import GlContext
-from kinesic.face.gl.functions import SIGNATURES, Functions, GraphicsError
+from kinesic.face.gl.functions import FUNCTION_SIGNATURES, Functions, GraphicsError
 from kinesic.face.gl.programs import Column
 
-VERTEX = """#version 330 core
+VERTEX_SHADER = """#version 330 core
 uniform mat2 turn; in vec2 corner; in float share; out float seen;
 void main() { seen = share; gl_Position = vec4(turn * corner, 0.5, 1.0); }"""
-FRAGMENT = """#version 330 core
+FRAGMENT_SHADER = """#version 330 core
 uniform vec3 tints[2]; uniform sampler2D picture; in float seen; out vec4 found;
 void main() { found = vec4(tints[1] * seen, texelFetch(picture, ivec2(0), 0).g); }"""
-TRIANGLE = np.array([[-1, -1, 0.5], [3, -1, 0.5], [-1, 3, 0.5]])  # over the whole frame
+FULL_TRIANGLE = np.array([[-1, -1, 0.5], [3, -1, 0.5], [-1, 3, 0.5]])  # over the whole frame
 
 
 @pytest.fixture(scope="module")
 def context(drawable: None) -> Iterator[GlContext]:
-    with offscreen() as opened:
+    with open_offscreen_context() as opened:
         yield opened
         assert opened.error == 0
 
 
 @pytest.mark.parametrize("components", [1, 2, 3, 4])
 @pytest.mark.parametrize(("kind", "stored"), [("f1", "u1"), ("f2", "f2"), ("f4", "f4")])
-def test_pixels_come_back_as_they_were_written(context: GlContext, components: int, kind: str, stored: str):
+def test_texture_pixels_are_read_back_unchanged(context: GlContext, components: int, kind: str, stored: str):
     pixels = np.arange(3 * 5 * components).astype(stored).tobytes()
     texture = context.texture((3, 5), components, pixels, kind)
     assert texture.read() == pixels
@@ -39,11 +39,11 @@ def test_pixels_come_back_as_they_were_written(context: GlContext, components: i
     assert context.texture((3, 5), components, texture.read(), kind).read() == pixels[::-1]
 
 
-def test_smaller_versions_are_those_that_were_written(context: GlContext):
-    """A frame of one pixel, and the last of three levels, which is read where all of the texture is in it."""
+def test_written_mipmap_levels_are_read_back_by_a_shader(context: GlContext):
+    """A one-pixel frame reads the last of three levels."""
     texture = context.texture((4, 4), 1, bytes(16), "f1")
     texture.write_smaller([bytes([50] * 4), b"\x64"])
-    texture.filter = (gl.LINEAR_MIPMAP_NEAREST, gl.LINEAR)
+    texture.filter = (gl.GL_LINEAR_MIPMAP_NEAREST, gl.GL_LINEAR)
     source = "#version 330 core\nuniform sampler2D picture; out float found;"
     source += "void main() { found = textureLod(picture, vec2(0.5), LEVEL).r; }"
     vertex = "#version 330 core\nin vec2 corner; void main() { gl_Position = vec4(corner, 0.5, 1.0); }"
@@ -55,17 +55,17 @@ def test_smaller_versions_are_those_that_were_written(context: GlContext):
         program.sample("picture", 0)
         frame.use()
         context.switch_on()
-        corners = context.buffer(TRIANGLE.astype("f4").tobytes())
+        corners = context.buffer(FULL_TRIANGLE.astype("f4").tobytes())
         context.vertices(program, [Column("corner", corners, 2, 0, 3)]).render()
         seen.append(frame.read()[0])
     assert seen == [0, 50, 100]
 
 
 def drawn(context: GlContext, tints: object, turn: object = ((1, 0), (0, 1))) -> list[float]:
-    """The last pixel of a frame that a program covered."""
+    """Return the last pixel of a frame covered by a program."""
     frame = context.frame([context.texture((4, 4), 4, kind="f4")], context.depth_buffer((4, 4)))
-    program = context.program(VERTEX, FRAGMENT)
-    corners = context.buffer(TRIANGLE.astype("f4").tobytes())
+    program = context.program(VERTEX_SHADER, FRAGMENT_SHADER)
+    corners = context.buffer(FULL_TRIANGLE.astype("f4").tobytes())
     columns = [Column("corner", corners, 2, 0, 3), Column("share", corners, 1, 2, 3)]
     indices = context.buffer(np.array([0, 1, 2], "i4").tobytes())
     program.set("tints", tints)
@@ -74,23 +74,23 @@ def drawn(context: GlContext, tints: object, turn: object = ((1, 0), (0, 1))) ->
     program.sample("picture", 3)
     frame.clear(0.25, 0.5, 0.75, 1.0)
     frame.use()
-    context.switch_on(gl.DEPTH_TEST)
+    context.switch_on(gl.GL_DEPTH_TEST)
     context.compare_depth("<")
     context.vertices(program, columns, indices).render()
     return np.frombuffer(frame.read(), "f4")[-4:].tolist()
 
 
-def test_uniforms_columns_and_textures_reach_a_pixel(context: GlContext):
+def test_uniforms_attributes_and_textures_reach_a_pixel(context: GlContext):
     assert drawn(context, [[9, 9, 9], [0.5, 1.0, 2.0]]) == pytest.approx([0.25, 0.5, 1.0, 0.2])
 
 
-def test_a_matrix_is_handed_over_row_after_row_as_columns(context: GlContext):
-    """Turned by half, the triangle leaves the last pixel as it was cleared."""
+def test_matrix_rows_become_columns_in_the_shader(context: GlContext):
+    """Rotated by half a turn, the triangle misses the last pixel."""
     assert drawn(context, np.ones((2, 3)), -np.eye(2)) == pytest.approx([0.5, 0.5, 0.5, 0.2])
     assert drawn(context, np.ones((2, 3)), [[0.1, 0.0], [0.0, 0.1]]) == [0.25, 0.5, 0.75, 1.0]
 
 
-def test_what_is_confined_or_masked_stays(context: GlContext):
+def test_scissor_and_depth_mask_protect_pixels(context: GlContext):
     frame = context.frame([context.texture((4, 4), 1)], context.depth_buffer((4, 4)))
     frame.clear(0.0, depth=0.25)
     frame.depth_mask = False
@@ -102,23 +102,23 @@ def test_what_is_confined_or_masked_stays(context: GlContext):
     assert frame.read() == bytes((0, 0, 255, 255)) * 4
 
 
-def test_a_frame_is_copied(context: GlContext):
+def test_copied_framebuffer_has_the_pixels_of_its_source(context: GlContext):
     one, other = (context.frame([context.texture((2, 2), 1)]) for _ in range(2))
     one.clear(1.0)
     other.copy(one)
     assert other.read() == b"\xff" * 4
 
 
-def test_drawing_in_another_context_ends_where_it_began(context: GlContext):
+def test_leaving_an_opengl_context_restores_the_previous_one(context: GlContext):
     with context:
-        before = context.texture((1, 1), 1, b"a")
-        with offscreen() as inner, inner, context:
-            assert before.read() == b"a"
+        previous = context.texture((1, 1), 1, b"a")
+        with open_offscreen_context() as inner, inner, context:
+            assert previous.read() == b"a"
         with context:
-            assert before.read() == b"a"
+            assert previous.read() == b"a"
 
 
-def test_time_is_measured(context: GlContext):
+def test_opengl_drawing_time_is_measured(context: GlContext):
     with context:
         assert 0.0 <= context.elapsed(lambda: context.frame([context.texture((64, 64), 4)]).clear()) < 60.0
         assert context.renderer
@@ -127,49 +127,57 @@ def test_time_is_measured(context: GlContext):
 @pytest.mark.parametrize(
     ("wrong", "says"),
     [
-        (lambda c: c.program(VERTEX, "#version 330 core\nvoid main() { x = 1.0; }"), "a shader does not compile: .*x"),
         (
-            lambda c: c.program(VERTEX, FRAGMENT.replace("in float", "in vec3")),
-            "shaders do not fit together|not compile",
+            lambda c: c.program(VERTEX_SHADER, "#version 330 core\nvoid main() { x = 1.0; }"),
+            "a shader does not compile: .*x",
         ),
-        (lambda c: c.texture((2, 2), 3, b"short"), "5 bytes for 2 x 2 pixels of 12"),
-        (lambda c: c.buffer(b"1234").write(b"12345"), "5 bytes into a buffer of 4"),
-        (lambda c: c.program(VERTEX, FRAGMENT).set("tints", [1.0]), "tints holds 6 numbers, and not 1"),
-        (lambda c: c.frame([c.texture((1, 1), 1), c.depth_texture((1, 1))]), "cannot draw into textures such as these"),
         (
-            lambda c: c.vertices(c.program(VERTEX, FRAGMENT), [Column("nose", c.buffer(b"1234"), 1, 0, 1)]),
+            lambda c: c.program(VERTEX_SHADER, FRAGMENT_SHADER.replace("in float", "in vec3")),
+            "shaders cannot be linked|not compile",
+        ),
+        (lambda c: c.texture((2, 2), 3, b"short"), "5 bytes for 2 x 2 pixels, which need 12"),
+        (lambda c: c.buffer(b"1234").write(b"12345"), "5 bytes do not fit into a buffer of 4"),
+        (lambda c: c.program(VERTEX_SHADER, FRAGMENT_SHADER).set("tints", [1.0]), "tints needs 6 numbers, not 1"),
+        (
+            lambda c: c.frame([c.texture((1, 1), 1), c.depth_texture((1, 1))]),
+            "cannot draw into textures of these formats",
+        ),
+        (
+            lambda c: c.vertices(
+                c.program(VERTEX_SHADER, FRAGMENT_SHADER), [Column("nose", c.buffer(b"1234"), 1, 0, 1)]
+            ),
             "the program has no attribute nose",
         ),
     ],
 )
-def test_mistakes_are_told(context: GlContext, wrong, says: str):
+def test_opengl_misuse_raises_an_error(context: GlContext, wrong, says: str):
     with context, pytest.raises(GraphicsError, match=says):
         wrong(context)
     with context:
         context.error  # noqa: B018 - what OpenGL says itself is forgotten
 
 
-def test_an_unknown_uniform_or_function_is_told(context: GlContext):
+def test_unknown_uniform_or_function_raises_an_error(context: GlContext):
     with context, pytest.raises(KeyError, match="nose"):
-        context.program(VERTEX, FRAGMENT).set("nose", 1.0)
+        context.program(VERTEX_SHADER, FRAGMENT_SHADER).set("nose", 1.0)
     with pytest.raises(GraphicsError, match="this OpenGL has no glClear"):
         Functions(lambda _: 0).Clear(0)
     with pytest.raises(AttributeError, match="Fly"):
         Functions(lambda _: 0).Fly()
 
 
-def test_every_function_of_the_table_is_there(context: GlContext):
+def test_all_listed_opengl_functions_are_available(context: GlContext):
     with context:
-        for name in SIGNATURES:
+        for name in FUNCTION_SIGNATURES:
             getattr(context.functions, name)
 
 
-def test_each_thread_may_open_one(context: GlContext):
-    """EGL keeps for each thread which OpenGL it makes: a new one has that for mobile phones."""
+def test_each_thread_can_open_an_opengl_context(context: GlContext):
+    """EGL stores the API per thread, initially OpenGL ES."""
     with ThreadPoolExecutor(1) as thread:
         assert thread.submit(red_of_a_frame).result() == 255
 
 
 def red_of_a_frame() -> int:
-    with offscreen() as opened:
+    with open_offscreen_context() as opened:
         return int(opened.frame([opened.texture((1, 1), 4, bytes((255, 0, 0, 0)))]).read()[0])

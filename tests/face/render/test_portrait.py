@@ -5,48 +5,55 @@ import pytest
 from scipy.ndimage import binary_erosion
 
 from kinesic.body.arrays import Picture
-from kinesic.face.display import DisplayError, offscreen
+from kinesic.face.display import DisplayError, open_offscreen_context
 from kinesic.face.gl import numbers as gl
 from kinesic.face.gl.context import GlContext
 from kinesic.face.gl.textures import Texture
 from kinesic.face.render.camera import Camera
 from kinesic.face.render.portrait import Portrait
-from kinesic.face.render.presets import DRAFT, FULL, NORMAL, PRESETS, Preset, Shadow, quality_preset
+from kinesic.face.render.presets import (
+    DRAFT_PRESET,
+    FULL_PRESET,
+    NORMAL_PRESET,
+    QUALITY_PRESETS,
+    Preset,
+    Shadow,
+)
 
 from ..conftest import Gallery
 
-YAWS = range(-90, 91, 30)
-SIDE = 256
-GRIN = {"6": 1.0, "12": 1.0, "1": 1.0}
+CAMERA_YAWS = range(-90, 91, 30)
+PICTURE_SIDE = 256
+GRIN_UNITS = {"6": 1.0, "12": 1.0, "1": 1.0}
 
 
 @pytest.fixture(scope="module")
 def everything(gallery: Gallery) -> Picture:
-    with gallery(FULL, (96, 80)) as portrait:
-        return portrait.draw(GRIN)
+    with gallery(FULL_PRESET, (96, 80)) as portrait:
+        return portrait.draw(GRIN_UNITS)
 
 
 def face_of(pixels: Picture) -> np.ndarray:
-    """(height, width) where skin is seen: redder than the backdrop is blue."""
+    """Return the (height, width) mask of skin by its colour."""
     red, blue = pixels[..., 0].astype(int), pixels[..., 2].astype(int)
     return red > blue + 5
 
 
 def changed(one: Picture, other: Picture) -> np.ndarray:
-    """(height, width) where two pictures differ visibly."""
+    """Return the (height, width) mask of visible differences between two pictures."""
     return np.abs(one.astype(int) - other.astype(int)).max(axis=2) > 6
 
 
-def test_a_picture_is_a_face_before_a_plain_ground(portrait: Portrait):
+def test_picture_shows_a_face_on_a_plain_background(portrait: Portrait):
     pixels = portrait.draw({})
-    assert pixels.shape == (SIDE, SIDE, 3)
+    assert pixels.shape == (PICTURE_SIDE, PICTURE_SIDE, 3)
     assert pixels.dtype == np.uint8
     assert 0.35 < face_of(pixels).mean() < 0.8
-    assert not face_of(pixels)[: SIDE // 3, : SIDE // 10].any()
-    assert pixels[..., 1].max() < 255  # nothing is burnt out
+    assert not face_of(pixels)[: PICTURE_SIDE // 3, : PICTURE_SIDE // 10].any()
+    assert pixels[..., 1].max() < 255  # no overexposure
 
 
-def test_the_same_face_is_the_same_picture(portrait: Portrait):
+def test_portrait_drawing_is_deterministic(portrait: Portrait):
     first = portrait.draw({"12": 0.6, "1": 0.3}, Camera(yaw_deg=20))
     portrait.draw({"26": 1.0})
     np.testing.assert_array_equal(portrait.draw({"12": 0.6, "1": 0.3}, Camera(yaw_deg=20)), first)
@@ -56,63 +63,66 @@ def test_the_same_face_is_the_same_picture(portrait: Portrait):
     ("unit", "rows"),
     [("1", (0.1, 0.5)), ("4", (0.05, 0.55)), ("12", (0.4, 0.9)), ("26", (0.5, 1.0)), ("43", (0.3, 0.5))],
 )
-def test_units_change_their_part_of_the_face(portrait: Portrait, unit: str, rows: tuple[float, float]):
-    moved = np.nonzero(changed(portrait.draw({unit: 1.0}), portrait.draw({})))[0] / SIDE
+def test_action_units_change_only_their_face_region_in_the_picture(
+    portrait: Portrait, unit: str, rows: tuple[float, float]
+):
+    moved = np.nonzero(changed(portrait.draw({unit: 1.0}), portrait.draw({})))[0] / PICTURE_SIDE
     assert len(moved) > 5
     assert rows[0] <= np.percentile(moved, 10)
     assert np.percentile(moved, 90) <= rows[1]
 
 
-def test_a_side_moves_the_side_of_the_head_that_is_its_own(portrait: Portrait):
-    """The left of the head is to the right in the picture of somebody who faces us."""
+def test_left_action_unit_changes_the_right_half_of_the_picture(portrait: Portrait):
+    """The left of the head is on the right of the picture of a facing person."""
     columns = np.flatnonzero(changed(portrait.draw({"L12": 1.0}), portrait.draw({})).any(axis=0))
-    assert np.median(columns) > SIDE / 2
+    assert np.median(columns) > PICTURE_SIDE / 2
 
 
-@pytest.mark.parametrize("yaw", [*YAWS, 180])
-def test_a_head_is_seen_whole_from_every_side(portrait: Portrait, yaw: int):
+@pytest.mark.parametrize("yaw", [*CAMERA_YAWS, 180])
+def test_head_is_complete_from_every_side(portrait: Portrait, yaw: int):
     pixels = portrait.draw({}, Camera(yaw_deg=yaw))
     rows = np.flatnonzero(face_of(pixels).any(axis=1))
-    assert rows.max() == SIDE - 1
+    assert rows.max() == PICTURE_SIDE - 1
     assert not np.isnan(pixels).any()
     assert (pixels != pixels[0, 0]).any(axis=2).mean() > 0.4
 
 
-def test_left_and_right_views_cover_mirrored_pixels(gallery: Gallery):
-    found = []
-    with gallery(dataclasses.replace(DRAFT, hair=False), (SIDE, SIDE)) as portrait:
+def test_left_and_right_views_are_mirrored(gallery: Gallery):
+    actual = []
+    with gallery(dataclasses.replace(DRAFT_PRESET, hair=False), (PICTURE_SIDE, PICTURE_SIDE)) as portrait:
         for yaw in (60.0, -60.0):
             portrait.pipeline.geometry.draw({}, Camera(yaw_deg=yaw))
-            found.append(portrait.pipeline.geometry.parts() > 0)
-    left, right = found
+            actual.append(portrait.pipeline.geometry.parts() > 0)
+    left, right = actual
     assert (left != right[:, ::-1]).mean() < 0.01
 
 
-def test_two_portraits_draw_side_by_side(portrait: Portrait):
-    before = portrait.draw({"4": 1.0})
-    with Portrait("male", preset=DRAFT, size=(64, 48)) as other:
+@pytest.mark.soak
+def test_two_portraits_draw_independently(portrait: Portrait):
+    previous = portrait.draw({"4": 1.0})
+    with Portrait("male", preset=DRAFT_PRESET, size=(64, 48)) as other:
         pixels = other.draw({})
         assert pixels.shape == (48, 64, 3)
         assert face_of(pixels).any()
-        np.testing.assert_array_equal(portrait.draw({"4": 1.0}), before)
-    np.testing.assert_array_equal(portrait.draw({"4": 1.0}), before)
+        np.testing.assert_array_equal(portrait.draw({"4": 1.0}), previous)
+    np.testing.assert_array_equal(portrait.draw({"4": 1.0}), previous)
 
 
-def test_a_given_context_stays_open(drawable: None):
-    with offscreen() as context:
-        with Portrait(size=(32, 32), preset=DRAFT, context=context) as portrait:
+def test_portrait_leaves_the_callers_opengl_context_open(drawable: None):
+    with open_offscreen_context() as context:
+        with Portrait(size=(32, 32), preset=DRAFT_PRESET, context=context) as portrait:
             assert face_of(portrait.draw({})).any()
         assert context.error == 0
         assert context.texture((2, 2), 4, bytes(16)).read() == bytes(16)
 
 
-def test_a_draft_has_no_wrinkles(gallery: Gallery):
-    with gallery(DRAFT, (64, 64)) as portrait:
+def test_draft_preset_has_no_wrinkles(gallery: Gallery):
+    with gallery(DRAFT_PRESET, (64, 64)) as portrait:
         np.testing.assert_array_equal(portrait.draw({"4": 1.0}, gain=1.0), portrait.draw({"4": 1.0}, gain=0.0))
 
 
-def test_full_has_the_finer_mesh(gallery: Gallery):
-    with gallery(dataclasses.replace(FULL, samples=2), (64, 64)) as portrait:
+def test_full_preset_has_the_subdivided_mesh(gallery: Gallery):
+    with gallery(dataclasses.replace(FULL_PRESET, samples=2), (64, 64)) as portrait:
         assert portrait.draw({"12": 1.0}).shape == (64, 64, 3)
         assert len(portrait.mesh.faces) > 20_000
 
@@ -133,18 +143,18 @@ def test_full_has_the_finer_mesh(gallery: Gallery):
         {"coarse": 1},
     ],
 )
-def test_each_effect_can_be_switched(gallery: Gallery, everything: Picture, off: dict[str, object]):
-    with gallery(dataclasses.replace(FULL, **off), (96, 80)) as portrait:
-        without = portrait.draw(GRIN)
+def test_each_effect_can_be_switched_off(gallery: Gallery, everything: Picture, off: dict[str, object]):
+    with gallery(dataclasses.replace(FULL_PRESET, **off), (96, 80)) as portrait:
+        without = portrait.draw(GRIN_UNITS)
     apart = np.abs(without.astype(int) - everything.astype(int)).max(axis=2)
     assert apart.max() > 0
     assert apart.mean() < 12.0  # still the same face
 
 
-@pytest.mark.parametrize("preset", [DRAFT, NORMAL])
+@pytest.mark.parametrize("preset", [DRAFT_PRESET, NORMAL_PRESET])
 @pytest.mark.parametrize("yaw", [140, 160, 180, -140])
-def test_nothing_of_the_face_is_painted_where_the_chart_has_its_seam(gallery: Gallery, preset: Preset, yaw: int):
-    """On the neck, seen from behind, colours change slowly; a squeezed face would be a red line."""
+def test_no_face_paint_at_the_chart_seam(gallery: Gallery, preset: Preset, yaw: int):
+    """On the neck, seen from behind, colours change slowly; squeezed face paint would be a red line."""
     with gallery(dataclasses.replace(preset, hair=False), (512, 512)) as portrait:
         neck = portrait.draw({"4": 1.0, "12": 1.0}, Camera(yaw_deg=yaw))[315:430].astype(int)
     inside = binary_erosion(neck[..., 0] > 140, np.ones((9, 17)))
@@ -153,37 +163,36 @@ def test_nothing_of_the_face_is_painted_where_the_chart_has_its_seam(gallery: Ga
     assert np.abs(np.diff(redness, axis=1))[inside[:, 1:]].max() <= 8
 
 
-def test_presets_are_known_by_name():
-    assert list(PRESETS) == ["draft", "normal", "full"]
-    assert quality_preset("normal") is NORMAL
-    with pytest.raises(DisplayError, match="no preset ful; did you mean full"):
-        quality_preset("ful")
+def test_rendering_presets_are_ordered_by_quality():
+    assert list(QUALITY_PRESETS) == ["draft", "normal", "full"]
 
 
 @pytest.mark.parametrize(
     ("units", "gain", "says"),
     [({"99": 1.0}, 1.0, "no action unit 99"), ({"1": 1.5}, 1.0, "1 is 1.5"), ({}, -1.0, "wrinkles -1 times")],
 )
-def test_bad_input_is_named(portrait: Portrait, units: dict[str, float], gain: float, says: str):
+def test_invalid_portrait_argument_is_named_in_the_error(
+    portrait: Portrait, units: dict[str, float], gain: float, says: str
+):
     with pytest.raises(DisplayError, match=says):
         portrait.draw(units, gain=gain)
 
 
 @pytest.mark.parametrize("size", [(0, 64), (64, 5000)])
-def test_no_picture_of_such_a_size(size: tuple[int, int]):
-    with pytest.raises(DisplayError, match="each side may be 1 to 4096"):
+def test_picture_size_out_of_range_is_rejected(size: tuple[int, int]):
+    with pytest.raises(DisplayError, match="use 1 to 4096 per side"):
         Portrait(size=size)
 
 
 @pytest.mark.parametrize(
     ("fields", "says"), [({"yaw_deg": float("nan")}, "yaw nan"), ({"distance": 0.1}, "0.1 m away")]
 )
-def test_no_camera_there(fields: dict[str, float], says: str):
+def test_camera_out_of_range_is_rejected(fields: dict[str, float], says: str):
     with pytest.raises(DisplayError, match=says):
         Camera(**fields)
 
 
-def test_the_camera_looks_at_the_head():
+def test_default_camera_looks_at_the_head():
     for yaw in (0.0, 37.0, 180.0):
         view = Camera(yaw_deg=yaw).view()
         np.testing.assert_allclose(view[:3, :3] @ view[:3, :3].T, np.eye(3), atol=1e-12)
@@ -194,8 +203,8 @@ def test_the_camera_looks_at_the_head():
     assert left_side[2] > -Camera().distance + 0.07  # nearer than the middle
 
 
-def test_nothing_is_mixed_between_pixels_of_bytes(drawable: None, monkeypatch: pytest.MonkeyPatch):
-    """Drivers round such mixtures to either side: another processor would draw edges and shadows otherwise."""
+def test_byte_textures_are_never_interpolated(drawable: None, monkeypatch: pytest.MonkeyPatch):
+    """Drivers round interpolated bytes differently, so edges and shadows would depend on the processor."""
     made: list[Texture] = []
     real = GlContext.texture
 
@@ -204,10 +213,10 @@ def test_nothing_is_mixed_between_pixels_of_bytes(drawable: None, monkeypatch: p
         return made[-1]
 
     monkeypatch.setattr(GlContext, "texture", texture)
-    for preset in (NORMAL, dataclasses.replace(FULL, eyeshade=True)):
+    for preset in (NORMAL_PRESET, dataclasses.replace(FULL_PRESET, eyeshade=True)):
         with Portrait(preset=preset, size=(32, 32)) as portrait:
-            portrait.draw(GRIN)
-            bytes_ = [each for each in made if each.dtype == "f1"]
+            portrait.draw(GRIN_UNITS)
+            bytes_ = [item for item in made if item.dtype == "f1"]
             assert bytes_
-            assert {each.filter for each in bytes_} == {(gl.NEAREST, gl.NEAREST)}
+            assert {item.filter for item in bytes_} == {(gl.GL_NEAREST, gl.GL_NEAREST)}
         made.clear()

@@ -6,22 +6,22 @@ import pytest
 from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats
-from kinesic.face.render.camera import FRONT, LIGHTS, Camera
-from kinesic.face.render.presets import DRAFT, Preset, Shadow
-from kinesic.face.render.shadow import lamp_view
+from kinesic.face.render.camera import FRONT_CAMERA, STUDIO_LIGHTS, Camera
+from kinesic.face.render.presets import DRAFT_PRESET, Preset, Shadow
+from kinesic.face.render.shadow import compute_lamp_view
 
 from ..conftest import Gallery
 
-SIZE = (128, 128)
-SHADED = replace(DRAFT, shadow=Shadow(), coarse=1)
+PICTURE_SIZE = (128, 128)
+SHADOW_PRESET = replace(DRAFT_PRESET, shadow=Shadow(), coarse=1)
 
 
 @pytest.fixture
 def drawn(gallery: Gallery) -> Callable[..., NDArray[np.int64]]:
-    """A picture of the face at rest."""
+    """Function that draws the face at rest."""
 
-    def draw(preset: Preset, camera: Camera = FRONT) -> NDArray[np.int64]:
-        with gallery(preset, SIZE) as portrait:
+    def draw(preset: Preset, camera: Camera = FRONT_CAMERA) -> NDArray[np.int64]:
+        with gallery(preset, PICTURE_SIZE) as portrait:
             return portrait.draw({}, camera).astype(np.int64)
 
     return draw
@@ -29,23 +29,26 @@ def drawn(gallery: Gallery) -> Callable[..., NDArray[np.int64]]:
 
 @pytest.fixture
 def reached(gallery: Gallery) -> Callable[..., tuple[Floats, NDArray[np.intp]]]:
-    """(height, width, 3) light of the key 0..1, and (height, width) parts that are seen, 1 for skin."""
+    """Function that returns key light and parts of all pixels.
+
+    Shapes are (height, width, 3), 0..1, and (height, width), 1 for skin.
+    """
 
     def reach(shadow: Shadow, *, eyeshade: bool = False) -> tuple[Floats, NDArray[np.intp]]:
-        with gallery(replace(SHADED, shadow=shadow, eyeshade=eyeshade), (256, 256)) as portrait:
+        with gallery(replace(SHADOW_PRESET, shadow=shadow, eyeshade=eyeshade), (256, 256)) as portrait:
             portrait.draw({})
             seen = portrait.pipeline.geometry.parts()
             pipeline = portrait.pipeline
-            texture = pipeline.reach(FRONT, pipeline.around(FRONT))
+            texture = pipeline.draw_received_light(FRONT_CAMERA, pipeline.draw_openness(FRONT_CAMERA))
             light = np.frombuffer(texture.read(), np.float32).reshape(256, 256, 4)[::-1, :, :3]
             return light.astype(np.float64), seen
 
     return reach
 
 
-def test_a_lamp_sees_the_middle_of_the_head_in_its_middle():
-    towards = LIGHTS.directions()[0]
-    view = lamp_view(towards, 0.85, Shadow())
+def test_lamp_view_is_centred_on_the_head():
+    towards = STUDIO_LIGHTS.directions()[0]
+    view = compute_lamp_view(towards, 0.85, Shadow())
     middle = np.array([0.0, 0.0, -0.85, 1.0])
     np.testing.assert_allclose(view @ middle, (0.0, 0.0, 0.0, 1.0), atol=1e-12)
     nearer = view @ (middle + 0.1 * np.array([*towards, 0.0]))
@@ -55,30 +58,30 @@ def test_a_lamp_sees_the_middle_of_the_head_in_its_middle():
 
 @pytest.mark.parametrize("coarse", [1, 2])
 @pytest.mark.parametrize("yaw", [0.0, 60.0, 180.0])
-def test_a_shadow_only_darkens_and_falls_on_the_neck(drawn, yaw: float, coarse: int):
+def test_shadow_only_darkens_and_falls_on_the_neck(drawn, yaw: float, coarse: int):
     camera = Camera(yaw_deg=yaw)
-    one, other = drawn(DRAFT, camera), drawn(replace(SHADED, coarse=coarse), camera)
+    one, other = drawn(DRAFT_PRESET, camera), drawn(replace(SHADOW_PRESET, coarse=coarse), camera)
     assert (other - one).max() <= 1
     darker = (one - other).max(axis=2) > 15
     assert 0.005 < darker.mean() < 0.3
     if yaw == 0.0:
-        assert darker[SIZE[1] * 3 // 4 :].sum() > 0.5 * darker.sum()  # under the chin
+        assert darker[PICTURE_SIZE[1] * 3 // 4 :].sum() > 0.5 * darker.sum()  # under the chin
 
 
-def test_the_forehead_does_not_shade_itself(drawn):
-    one, other = (drawn(preset)[34:46, 50:78] for preset in (DRAFT, SHADED))
+def test_forehead_has_no_self_shadow(drawn):
+    one, other = (drawn(preset)[34:46, 50:78] for preset in (DRAFT_PRESET, SHADOW_PRESET))
     assert np.abs(one - other).max() <= 2
 
 
-def test_a_wider_lamp_has_wider_penumbras(reached):
+def test_wider_lamp_widens_penumbras(reached):
     partly = [
         float(np.mean((light > 0.1) & (light < 0.9))) for light in (reached(Shadow(lamp=w))[0] for w in (0.02, 0.3))
     ]
     assert partly[1] > 1.5 * partly[0] > 0.0
 
 
-def test_a_penumbra_grows_with_the_distance_of_what_casts_it(reached):
-    """The edge of the jaw's shadow starts at the jaw, and ends on the other shoulder."""
+def test_penumbra_grows_with_blocker_distance(reached):
+    """The edge of the jaw's shadow starts at the jaw and ends on the other shoulder."""
     light, seen = reached(Shadow(lamp=0.3))
     below = (seen == 1) & (np.arange(256)[:, None] > 196)
     partly = ((light[..., 0] > 0.1) & (light[..., 0] < 0.9) & below).sum(axis=0)
@@ -87,12 +90,12 @@ def test_a_penumbra_grows_with_the_distance_of_what_casts_it(reached):
     assert np.median(far_from_it) > 2 * np.median(at_the_jaw)
 
 
-def test_light_through_an_eyeshade_takes_on_its_colour(reached):
+def test_light_through_an_eyeshade_is_tinted(reached):
     plain, _ = reached(Shadow())
     uncoloured, seen = reached(Shadow(), eyeshade=True)
     coloured, _ = reached(Shadow(coloured=True), eyeshade=True)
     skin = seen == 1
-    np.testing.assert_allclose(uncoloured[skin], plain[skin], atol=1 / 255)  # what lets light through has its own map
+    np.testing.assert_allclose(uncoloured[skin], plain[skin], atol=1 / 255)  # translucent layers have their own map
     red, green, blue = coloured[skin].T
     tinted = green - red > 0.1
     assert 0.02 < tinted.mean() < 0.5

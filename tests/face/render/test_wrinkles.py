@@ -1,4 +1,4 @@
-"""The laws of wrinkles: of the maps on paper, and of the normals that pictures are lit with."""
+"""Tests of wrinkle maps and of the normals that they bend."""
 
 from collections.abc import Iterator
 
@@ -8,52 +8,61 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation
 
 from kinesic.body.arrays import Floats
-from kinesic.face.assets.action_units import intensities
-from kinesic.face.assets.chart import chart_window
+from kinesic.face.assets.action_units import read_intensities
+from kinesic.face.assets.chart import compute_chart_window
 from kinesic.face.render import wrinkles as wrinkle_maps
-from kinesic.face.render.camera import FRONT, Camera
+from kinesic.face.render.camera import FRONT_CAMERA, Camera
 from kinesic.face.render.portrait import Portrait
-from kinesic.face.render.presets import NORMAL
-from kinesic.face.render.wrinkles import MAPS, maps, shares, smooth_line, wrinkles
+from kinesic.face.render.presets import NORMAL_PRESET
+from kinesic.face.render.wrinkles import (
+    MAP_COUNT,
+    compute_map_strengths,
+    draw_wrinkle_maps,
+    interpolate_line,
+    load_wrinkles,
+)
 
 from ..conftest import Gallery
 
 TABLE_41 = {1: (0,), 2: (1, 2), 4: (3,), 6: (4, 5), 10: (6, 7), 12: (8, 9), 20: (10, 11)}  # of the thesis
-BEYOND = {9: (12,), 15: (13,), 17: (14,), 14: (15,)}  # units that the table leaves out
-UNITS = sorted(TABLE_41 | BEYOND)
-SIDE = 160  # [pixels] of its pictures
-VIEWS = (0.0, 30.0, 90.0, -90.0, 140.0, 180.0)
-BACK = -0.6  # [distances between the eyes] the wrinkles end in front of this
+ADDED_UNITS = {9: (12,), 15: (13,), 17: (14,), 14: (15,)}  # units missing in the table
+WRINKLED_UNITS = sorted(TABLE_41 | ADDED_UNITS)
+PICTURE_SIDE = 160  # [pixels] of its pictures
+CAMERA_YAWS = (0.0, 30.0, 90.0, -90.0, 140.0, 180.0)
+BACK_POSITION = -0.6  # [distances between the eyes] the wrinkles end in front of this
 
 
 class Bent:
-    """The normals of one still head, with wrinkles asked for apart from the shape, so that only they differ."""
+    """Normals of a still head, with wrinkles independent of the shape."""
 
     def __init__(self, portrait: Portrait) -> None:
         self.pipeline = portrait.pipeline
 
-    def normals(self, units: dict[str, float], camera: Camera = FRONT, gain: float = 1.0) -> Floats:
-        """(height, width, 3) with the shape at rest."""
+    def normals(self, units: dict[str, float], camera: Camera = FRONT_CAMERA, gain: float = 1.0) -> Floats:
+        """Return the (height, width, 3) normals with the shape at rest."""
         with self.context():
             self.pipeline.geometry.draw({}, camera)
-            _, found = self.pipeline.relief.draw(shares(intensities(units)) * gain)
-            width, height = found.size
-            pixels = np.frombuffer(found.read(), "f4").reshape(height, width, 4)[::-1, :, :3].astype(np.float64)
+            _, actual = self.pipeline.relief.draw(compute_map_strengths(read_intensities(units)) * gain)
+            width, height = actual.size
+            pixels = np.frombuffer(actual.read(), "f4").reshape(height, width, 4)[::-1, :, :3].astype(np.float64)
             return pixels * self.covered(camera)[..., None]
 
     def covered(self, camera: Camera) -> Floats:
-        """(height, width) 1 on the head."""
+        """Return a (height, width) mask of the head."""
         with self.context():
             self.pipeline.geometry.draw({}, camera)
             return np.sign(self.pipeline.geometry.parts())
 
-    def flat(self, camera: Camera = FRONT) -> Floats:
-        """(height, width, 3) of the G-buffer."""
+    def flat(self, camera: Camera = FRONT_CAMERA) -> Floats:
+        """Return the (height, width, 3) normals of the G-buffer."""
         with self.context():
             return self.pipeline.geometry.draw({}, camera).read()[..., :3] * self.covered(camera)[..., None]
 
-    def places(self, camera: Camera = FRONT) -> tuple[Floats, NDArray[np.intp]]:
-        """(height, width, 4) places in the chart, and (height, width) parts, 0 for none and 1 for skin."""
+    def places(self, camera: Camera = FRONT_CAMERA) -> tuple[Floats, NDArray[np.intp]]:
+        """Return the chart positions and the parts of all pixels.
+
+        Shapes are (height, width, 4) and (height, width); part 0 is the background, 1 is skin.
+        """
         with self.context():
             buffer = self.pipeline.geometry.draw({}, camera)
             return buffer.read(1), self.pipeline.geometry.parts()
@@ -64,62 +73,73 @@ class Bent:
 
 @pytest.fixture(scope="module")
 def bent(gallery: Gallery) -> Iterator[Bent]:
-    with gallery(NORMAL, (SIDE, SIDE)) as portrait:
+    with gallery(NORMAL_PRESET, (PICTURE_SIDE, PICTURE_SIDE)) as portrait:
         yield Bent(portrait)
 
 
 def tangent(normals: Floats, flat: Floats) -> Floats:
-    """(height, width) tangent of the angle by which normals deviate; the cosine would lose small angles."""
+    """Return the (height, width) tangent of the angle between normals.
+
+    The cosine would lose small angles.
+    """
     cosine = (normals * flat).sum(axis=2)
     sine = np.linalg.norm(np.cross(normals, flat), axis=2)
     return np.where(cosine > 0.0, sine / np.maximum(cosine, 1e-3), 0.0)
 
 
-def test_each_unit_has_the_maps_of_table_41():
-    assert {wrinkle.unit: wrinkle.maps for wrinkle in wrinkles()} == TABLE_41 | BEYOND
-    assert maps().shape[0] == MAPS
-    assert np.all(np.abs(maps()).max(axis=(1, 2)) > 0.2)
+def test_wrinkle_maps_of_action_units_match_thesis_table_41():
+    assert {wrinkle.unit: wrinkle.maps for wrinkle in load_wrinkles()} == TABLE_41 | ADDED_UNITS
+    assert draw_wrinkle_maps().shape[0] == MAP_COUNT
+    assert np.all(np.abs(draw_wrinkle_maps()).max(axis=(1, 2)) > 0.2)
 
 
-def test_furrows_round_the_mouth_are_broad():
-    """Narrower ones are pencil lines in small pictures."""
-    assert min(curve.width for each in wrinkles() if each.unit in (15, 17, 20) for curve in each.curves) > 0.027
+def test_furrows_around_the_mouth_are_wide():
+    """Narrow ones would be pencil lines in small pictures."""
+    assert min(curve.width for item in load_wrinkles() if item.unit in (15, 17, 20) for curve in item.curves) > 0.027
 
 
-def test_maps_of_two_sides_mirror_and_whole_ones_are_symmetric():
-    for numbers in (TABLE_41 | BEYOND).values():
-        left, right = maps()[numbers[0]], maps()[numbers[-1]]
+def test_left_wrinkle_maps_mirror_right_ones():
+    for numbers in (TABLE_41 | ADDED_UNITS).values():
+        left, right = draw_wrinkle_maps()[numbers[0]], draw_wrinkle_maps()[numbers[-1]]
         np.testing.assert_allclose(left, right[:, ::-1], atol=1e-9)
 
 
-def test_maps_end_within_the_window():
-    border = np.concatenate([maps()[:, 0], maps()[:, -1], maps()[:, :, 0], maps()[:, :, -1]], axis=1)
+def test_wrinkle_maps_end_inside_the_chart_window():
+    border = np.concatenate(
+        [
+            draw_wrinkle_maps()[:, 0],
+            draw_wrinkle_maps()[:, -1],
+            draw_wrinkle_maps()[:, :, 0],
+            draw_wrinkle_maps()[:, :, -1],
+        ],
+        axis=1,
+    )
     assert np.all(border == 0.0)
 
 
-def test_a_side_shows_its_own_unit():
-    left = shares(intensities({"L12": 0.7, "L1": 0.3}))
+def test_wrinkles_appear_only_on_the_side_of_a_one_sided_action_unit():
+    left = compute_map_strengths(read_intensities({"L12": 0.7, "L1": 0.3}))
     assert np.all(left[:, 8] == 0.7)
     assert np.all(left[:, 9] == 0.0)
     assert left[:, 0].tolist() == [0.3, 0.0]
-    assert shares(intensities({"17": 0.4}))[:, 14].tolist() == [0.4, 0.4]
-    assert np.all(shares(intensities({"26": 1.0, "16": 1.0})) == 0.0)
+    assert compute_map_strengths(read_intensities({"17": 0.4}))[:, 14].tolist() == [0.4, 0.4]
+    assert np.all(compute_map_strengths(read_intensities({"26": 1.0, "16": 1.0})) == 0.0)
 
 
-def test_a_line_goes_through_its_points():
+def test_furrow_spline_passes_through_its_points():
     points = np.array([[0.0, 0.0], [1.0, 0.5], [2.0, 0.0]])
-    line = smooth_line(points)
+    line = interpolate_line(points)
     for point in points:
         assert np.linalg.norm(line - point, axis=1).min() < 1e-12
 
 
-def test_pixels_near_a_line_know_how_far_it_is_and_which_share_of_it_is_before():
-    line, reach = smooth_line(np.array([[-0.3, -0.2], [0.1, 0.2], [0.4, -0.1], [0.2, -0.3]])), 0.2
+def test_nearest_position_on_a_furrow_line_is_found():
+    line, reach = interpolate_line(np.array([[-0.3, -0.2], [0.1, 0.2], [0.4, -0.1], [0.2, -0.3]])), 0.2
     a, y = np.linspace(-0.6, 0.7, 40), np.linspace(-0.5, 0.5, 30)
-    away, along = wrinkle_maps._nearest(line, reach, a, y)
-    shares = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+    away, along = wrinkle_maps._find_nearest(line, reach, a, y)
+    fractions = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
     dense = np.linspace(0.0, 1.0, 2000)
-    points = np.transpose([np.interp(dense, shares / shares[-1], each) for each in line.T])
+    points = np.transpose([np.interp(dense, fractions / fractions[-1], item) for item in line.T])
     exact = np.hypot(a[:, None] - points[:, 0], y[:, None, None] - points[:, 1])
     np.testing.assert_allclose(away, np.minimum(exact.min(axis=2), reach), atol=1e-3)
     reached = np.take_along_axis(exact, np.rint(1999 * along).astype(int)[..., None], axis=2)[..., 0]
@@ -127,17 +147,17 @@ def test_pixels_near_a_line_know_how_far_it_is_and_which_share_of_it_is_before()
 
 
 @pytest.mark.parametrize("yaw", [0.0, 60.0])
-def test_no_intensity_and_no_gain_are_bit_for_bit_no_wrinkles(bent: Bent, yaw: float):
+def test_zero_intensity_or_gain_gives_no_wrinkles(bent: Bent, yaw: float):
     camera = Camera(yaw_deg=yaw)
     none = bent.normals({}, camera)
-    everything = {str(unit): 1.0 for unit in UNITS}
+    everything = {str(unit): 1.0 for unit in WRINKLED_UNITS}
     np.testing.assert_array_equal(bent.normals(dict.fromkeys(everything, 0.0), camera), none)
     np.testing.assert_array_equal(bent.normals(everything, camera, gain=0.0), none)
     np.testing.assert_array_equal(none, bent.flat(camera))
 
 
-@pytest.mark.parametrize("unit", UNITS)
-def test_the_tangent_of_the_deviation_is_linear_in_the_intensity(bent: Bent, unit: int):
+@pytest.mark.parametrize("unit", WRINKLED_UNITS)
+def test_wrinkle_normal_deviation_is_linear_in_intensity(bent: Bent, unit: int):
     flat = bent.normals({})
     full, half, quarter = (tangent(bent.normals({str(unit): k}), flat) for k in (1.0, 0.5, 0.25))
     deep = (full > 0.05) & (full < 1.5)
@@ -147,16 +167,16 @@ def test_the_tangent_of_the_deviation_is_linear_in_the_intensity(bent: Bent, uni
     np.testing.assert_allclose(quarter[deep], 0.25 * full[deep], rtol=0.02, atol=2e-3)
 
 
-@pytest.mark.parametrize("unit", UNITS)
-def test_a_unit_bends_only_the_skin_that_its_maps_cover(bent: Bent, unit: int):
+@pytest.mark.parametrize("unit", WRINKLED_UNITS)
+def test_action_unit_bends_only_skin_under_its_wrinkle_maps(bent: Bent, unit: int):
     shown, none = bent.normals({str(unit): 1.0}), bent.normals({})
     deviation = tangent(shown, none)
     place, part = bent.places()
-    scale_a, scale_y, offset_a, offset_y = chart_window()
-    size = maps().shape[1]
+    scale_a, scale_y, offset_a, offset_y = compute_chart_window()
+    size = draw_wrinkle_maps().shape[1]
     column = np.clip((place[..., 0] * scale_a + offset_a) * size, 0, size - 1).astype(int)
     row = np.clip((place[..., 1] * scale_y + offset_y) * size, 0, size - 1).astype(int)
-    drawn = np.abs(maps()[list((TABLE_41 | BEYOND)[unit])]).max(axis=0) > 1e-3
+    drawn = np.abs(draw_wrinkle_maps()[list((TABLE_41 | ADDED_UNITS)[unit])]).max(axis=0) > 1e-3
     support = binary_dilation(drawn, iterations=8)[row, column]
     energy = deviation**2
     assert energy[support & (part == 1)].sum() >= 0.9999 * energy.sum() > 0.0
@@ -165,8 +185,8 @@ def test_a_unit_bends_only_the_skin_that_its_maps_cover(bent: Bent, unit: int):
     assert np.degrees(np.arctan(deviation.max())) < 65.0
 
 
-@pytest.mark.parametrize("unit", [unit for unit in UNITS if unit != 17])  # which has no sides
-def test_left_wrinkles_mirror_right_ones(bent: Bent, unit: int):
+@pytest.mark.parametrize("unit", [unit for unit in WRINKLED_UNITS if unit != 17])  # without sides
+def test_left_and_right_wrinkles_mirror(bent: Bent, unit: int):
     flat = bent.normals({})
     left, right = (tangent(bent.normals({f"{side}{unit}": 1.0}), flat) for side in "LR")
     assert left.max() > 0.1
@@ -174,47 +194,47 @@ def test_left_wrinkles_mirror_right_ones(bent: Bent, unit: int):
     assert difference < 0.003
 
 
-@pytest.mark.parametrize("yaw", VIEWS)
-def test_the_back_of_the_head_has_no_wrinkles_from_any_side(bent: Bent, yaw: float):
+@pytest.mark.parametrize("yaw", CAMERA_YAWS)
+def test_back_of_the_head_has_no_wrinkles(bent: Bent, yaw: float):
     camera = Camera(yaw_deg=yaw)
-    everything = {str(unit): 1.0 for unit in UNITS}
+    everything = {str(unit): 1.0 for unit in WRINKLED_UNITS}
     changed = np.any(bent.normals(everything, camera) != bent.normals({}, camera), axis=2)
     geometry, view, mesh = bent.pipeline.geometry, camera.view(), bent.pipeline.geometry.mesh
     with bent.context():
         geometry.draw({}, camera)
         seen, positions = geometry.parts() > 0, geometry.positions()
     in_head = (positions - view[:3, 3]) @ view[:3, :3]
-    behind = seen & (in_head[..., 0] / (mesh.eyes[0, 1] - mesh.eyes[1, 1]) < BACK - 0.05)
+    behind = seen & (in_head[..., 0] / (mesh.eyes[0, 1] - mesh.eyes[1, 1]) < BACK_POSITION - 0.05)
     assert behind.sum() > 500 or abs(yaw) < 45
     assert not changed[behind].any()
     if yaw == 180.0:
         assert not changed.any()
 
 
-@pytest.mark.parametrize("yaw", VIEWS)
-def test_nothing_of_a_wrinkle_lies_outside_the_rectangle_that_is_drawn(
+@pytest.mark.parametrize("yaw", CAMERA_YAWS)
+def test_drawing_wrinkles_only_inside_the_face_rectangle_changes_no_normals(
     bent: Bent, yaw: float, monkeypatch: pytest.MonkeyPatch
 ):
-    camera, everything = Camera(yaw_deg=yaw), {str(unit): 1.0 for unit in UNITS}
-    found = bent.normals(everything, camera)
+    camera, everything = Camera(yaw_deg=yaw), {str(unit): 1.0 for unit in WRINKLED_UNITS}
+    actual = bent.normals(everything, camera)
     geometry = bent.pipeline.geometry
     monkeypatch.setattr(geometry, "rectangle", lambda _: (0, 0, *geometry.size))
-    np.testing.assert_allclose(found, bent.normals(everything, camera), atol=1e-4)
+    np.testing.assert_allclose(actual, bent.normals(everything, camera), atol=1e-4)
 
 
-def test_wrinkles_do_not_depend_on_how_far_the_camera_is(bent: Bent):
-    """From twice as far, through a lens of half the angle, each furrow is as steep."""
+def test_wrinkles_are_independent_of_camera_distance(bent: Bent):
+    """From twice the distance, with half the field of view, each furrow is equally steep."""
     near = Camera()
     far = Camera(distance=2 * near.distance, field_deg=near.field_deg / 2)
     steep = [
-        np.degrees(np.arctan(tangent(bent.normals({"4": 1.0}, each), bent.normals({}, each)))) for each in (near, far)
+        np.degrees(np.arctan(tangent(bent.normals({"4": 1.0}, item), bent.normals({}, item)))) for item in (near, far)
     ]
-    strong = [np.percentile(each[each > 2.0], 90) for each in steep]
+    strong = [np.percentile(item[item > 2.0], 90) for item in steep]
     np.testing.assert_allclose(strong[0], strong[1], rtol=0.1)
 
 
-def test_the_picture_grows_rougher_with_intensity(portrait: Portrait):
-    """Contrast of the forehead against the same shape without wrinkles."""
+def test_picture_contrast_increases_with_wrinkle_intensity(portrait: Portrait):
+    """The contrast of the forehead is compared with the same shape without wrinkles."""
     contrasts = []
     for intensity in (0.0, 0.25, 0.5, 0.75, 1.0):
         units = {"1": intensity, "2": intensity}

@@ -6,24 +6,24 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from kinesic.body.action_units import UNITS
+from kinesic.body.action_units import ACTION_UNITS
 from kinesic.face.display import DisplayError
 from kinesic.face.render.portrait import Portrait
-from kinesic.face.render.presets import DRAFT
-from kinesic.face.show.files import encoder, film_strip, save, save_film
-from kinesic.face.show.sheet import ACROSS, GAP, KINDS, LABEL, draw_units_sheet
+from kinesic.face.render.presets import DRAFT_PRESET
+from kinesic.face.show.files import join_frames, require_encoder, save_film, save_picture
+from kinesic.face.show.sheet import LABEL_HEIGHT, PICTURE_KINDS, UNIT_GAP, UNITS_PER_ROW, draw_units_sheet
 from kinesic.files import film_file
 
-PIXELS = np.zeros((8, 8, 3), dtype=np.uint8)
+BLACK_PICTURE = np.zeros((8, 8, 3), dtype=np.uint8)
 
 
-def test_a_picture_comes_back(tmp_path: Path):
+def test_saved_picture_is_read_back(tmp_path: Path):
     pixels = np.random.default_rng(0).integers(0, 256, (8, 12, 3), dtype=np.uint8)
-    save(pixels, tmp_path / "x.png")
+    save_picture(pixels, tmp_path / "x.png")
     np.testing.assert_array_equal(np.asarray(Image.open(tmp_path / "x.png")), pixels)
 
 
-def test_a_film_has_its_frames(tmp_path: Path):
+def test_saved_film_has_all_frames(tmp_path: Path):
     frames = [np.full((8, 8, 3), 40 * k, dtype=np.uint8) for k in range(5)]
     save_film(frames, tmp_path / "x.webp", rate=20.0)
     with Image.open(tmp_path / "x.webp") as film:
@@ -31,19 +31,19 @@ def test_a_film_has_its_frames(tmp_path: Path):
 
 
 @pytest.mark.parametrize("name", ["x.gif", "x", "nowhere/x.png"])
-def test_a_path_that_no_picture_goes_to_is_named(tmp_path: Path, name: str):
+def test_invalid_picture_path_is_named_in_the_error(tmp_path: Path, name: str):
     with pytest.raises(DisplayError, match=name):
-        save(PIXELS, tmp_path / name)
+        save_picture(BLACK_PICTURE, tmp_path / name)
 
 
 @pytest.mark.parametrize("name", ["x.gif", "x", "nowhere/x.webp"])
-def test_a_path_that_no_film_goes_to_is_named(tmp_path: Path, name: str):
+def test_invalid_film_path_is_named_in_the_error(tmp_path: Path, name: str):
     with pytest.raises(DisplayError, match=name):
-        save_film([PIXELS], tmp_path / name, rate=24.0)
+        save_film([BLACK_PICTURE], tmp_path / name, rate=24.0)
 
 
-def test_pictures_of_a_film_keep_the_clock(tmp_path: Path):
-    """Periods that are no whole milliseconds do not add up to a drift."""
+def test_film_frame_times_do_not_drift(tmp_path: Path):
+    """Periods that are not whole milliseconds do not accumulate rounding errors."""
     frames = [np.full((8, 8, 3), 3 * k, dtype=np.uint8) for k in range(60)]
     save_film(frames, tmp_path / "x.webp", rate=24.0)
     total = 0
@@ -55,16 +55,16 @@ def test_pictures_of_a_film_keep_the_clock(tmp_path: Path):
     assert total == 2500
 
 
-def test_a_strip_has_its_pictures_in_rows():
+def test_picture_strip_arranges_pictures_in_rows():
     frames = [np.full((700, 700, 3), 10 * k, dtype=np.uint8) for k in range(3)]
-    pixels = film_strip(frames)
+    pixels = join_frames(frames)
     assert pixels.shape == (1400, 1400, 3)
     assert [pixels[100, 100, 0], pixels[100, 800, 0], pixels[800, 100, 0], pixels[800, 800, 0]] == [0, 10, 20, 0]
 
 
-def test_an_encoder_makes_mp4(tmp_path: Path):
+def test_encoder_writes_mp4(tmp_path: Path):
     try:
-        encoder()
+        require_encoder()
     except DisplayError as error:
         pytest.skip(str(error))
     with wave.open(str(tmp_path / "x.wav"), "wb") as sound:
@@ -78,16 +78,20 @@ def test_an_encoder_makes_mp4(tmp_path: Path):
     assert b"mp4a" in data
 
 
-def test_without_an_encoder_the_packages_are_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_missing_encoder_error_names_packages(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     monkeypatch.setattr(film_file.shutil, "which", lambda name: None)
     with pytest.raises(DisplayError, match="pip install imageio-ffmpeg") as caught:
-        save_film([PIXELS], tmp_path / "x.mp4", rate=24.0)
+        save_film([BLACK_PICTURE], tmp_path / "x.mp4", rate=24.0)
     assert "\n" not in str(caught.value)
 
 
-def test_a_sheet_has_four_pictures_of_each_unit(drawable: None):
-    with Portrait(size=(40, 40), preset=DRAFT) as portrait:
+def test_action_unit_sheet_has_four_pictures_per_unit(drawable: None):
+    with Portrait(size=(40, 40), preset=DRAFT_PRESET) as portrait:
         pixels = draw_units_sheet(portrait, units=[1, 4, 12, 26])
-    assert pixels.shape == (2 * (40 + LABEL) + LABEL, ACROSS * (len(KINDS) * 40 + GAP) - GAP, 3)
-    assert len(UNITS) <= 13 * ACROSS
+    assert pixels.shape == (
+        2 * (40 + LABEL_HEIGHT) + LABEL_HEIGHT,
+        UNITS_PER_ROW * (len(PICTURE_KINDS) * 40 + UNIT_GAP) - UNIT_GAP,
+        3,
+    )
+    assert len(ACTION_UNITS) <= 13 * UNITS_PER_ROW

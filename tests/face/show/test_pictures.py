@@ -1,4 +1,4 @@
-"""Pictures that are drawn when they are asked for."""
+"""Tests of pictures that are drawn on access."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ import pytest
 from kinesic.face.show.pictures import LazyPictures
 
 
-def test_they_are_a_sequence_and_none_is_drawn_before_it_is_asked_for():
+def test_lazy_pictures_are_drawn_on_access():
     drawn = []
 
     def draw(index: int):
@@ -16,8 +16,8 @@ def test_they_are_a_sequence_and_none_is_drawn_before_it_is_asked_for():
     pictures = LazyPictures(4, draw)
     assert len(pictures) == 4
     assert drawn == []
-    assert [int(each[0, 0, 0]) for each in pictures] == [0, 1, 2, 3]
+    assert [int(item[0, 0, 0]) for item in pictures] == [0, 1, 2, 3]
     assert int(pictures[-1][0, 0, 0]) == 3
-    assert [int(each[0, 0, 0]) for each in pictures[1:3]] == [1, 2]
+    assert [int(item[0, 0, 0]) for item in pictures[1:3]] == [1, 2]
     with pytest.raises(IndexError):
         pictures[4]

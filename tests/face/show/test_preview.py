@@ -1,4 +1,4 @@
-"""The face as a sink that draws in a process of its own."""
+"""Tests of the preview sink, which draws in a separate process."""
 
 import multiprocessing
 import os
@@ -15,23 +15,23 @@ import pytest
 from kinesic.body.command import NO_FACE, Command
 from kinesic.body.robot import Robot
 from kinesic.controller.play import play
-from kinesic.face.display import DisplayError, offscreen
+from kinesic.face.display import DisplayError, open_offscreen_context
 from kinesic.face.render.portrait import Portrait
 from kinesic.face.show.controls import Controls
 from kinesic.face.show.files import SideFilm, save_film
 from kinesic.face.show.preview import Preview
 from kinesic.face.show.preview_settings import PreviewSettings
-from kinesic.face.show.process import follow, painter
+from kinesic.face.show.process import make_painter, run_preview
 from kinesic.face.show.shared_command import SharedCommand, ShownFace
 from kinesic.face.show.window import has_display
 
 pytestmark = pytest.mark.realtime
 
-SMALL = PreviewSettings(preset="draft", side=32)
-NONE = np.zeros(0)
+SMALL_SETTINGS = PreviewSettings(preset="draft", side=32)
+NO_ANGLES = np.zeros(0)
 
 
-def command(time: float, face: Mapping[str, float] = NO_FACE, angles: np.ndarray = NONE) -> Command:
+def command(time: float, face: Mapping[str, float] = NO_FACE, angles: np.ndarray = NO_ANGLES) -> Command:
     return Command(time, angles, angles, angles, angles, face)
 
 
@@ -40,7 +40,7 @@ def shared() -> SharedCommand:
 
 
 class Screen:
-    """Is closed after some pictures."""
+    """Screen that closes after some pictures."""
 
     def __init__(self, pictures: int = 1000, keys: list[str] | None = None) -> None:
         self.titles: list[str] = []
@@ -58,7 +58,7 @@ class Screen:
         return keys
 
 
-def test_a_board_holds_the_newest():
+def test_preview_shared_memory_contains_the_newest_face():
     here = shared()
     assert here.read() == ShownFace(0, 0.0, (0.0, 0.0, 0.0), {})
     for number in (1, 2):
@@ -66,7 +66,7 @@ def test_a_board_holds_the_newest():
     assert here.read() == ShownFace(2, 0.5, (0.1, 0.2, 0.3), {"L12": 0.4, "R12": 0.4, "26": 0.5})
 
 
-def test_whoever_writes_does_not_wait_for_whoever_reads():
+def test_preview_writer_does_not_wait_while_the_shared_memory_is_locked():
     here = shared()
     with here._lock:
         assert not here.write(ShownFace(1, 0.0, (0.0, 0.0, 0.0), {}))
@@ -77,31 +77,31 @@ def test_whoever_writes_does_not_wait_for_whoever_reads():
     ("units", "says"),
     [({"99": 1.0}, "no action unit 99"), ({"12": 1.5}, "action unit 12 is 1.5; intensities go from 0 to 1")],
 )
-def test_a_face_that_cannot_be_is_one_line(units: Mapping[str, float], says: str):
+def test_invalid_action_unit_or_intensity_in_the_preview_gives_a_one_line_error(units: Mapping[str, float], says: str):
     with pytest.raises(DisplayError, match=says) as caught:
         shared().write(ShownFace(1, 0.0, (0.0, 0.0, 0.0), units))
     assert "\n" not in str(caught.value)
 
 
-def test_what_does_not_change_is_drawn_once_and_the_last_command_always():
+def test_preview_draws_the_last_face_even_after_the_end():
     here, screen, drawn = shared(), Screen(), []
     here.write(ShownFace(7, 0.0, (0.0, 0.0, 0.0), {"12": 0.4}))
     here.end()
-    assert follow(here, screen, lambda shown, told: drawn.append(shown), Controls()) == 1
+    assert run_preview(here, screen, lambda shown, told: drawn.append(shown), Controls()) == 1
     assert [shown.number for shown in drawn] == [7]
 
 
-def test_keys_change_what_is_drawn():
-    here, told = shared(), []
+def test_pressed_keys_change_the_preview_picture():
+    here, given_values = shared(), []
     here.end()
-    follow(here, Screen(keys=["3", "up"]), lambda shown, controls: told.append(controls), Controls())
-    assert (told[-1].preset, told[-1].units) == ("full", {12: 0.1})
+    run_preview(here, Screen(keys=["3", "up"]), lambda shown, controls: given_values.append(controls), Controls())
+    assert (given_values[-1].preset, given_values[-1].units) == ("full", {12: 0.1})
 
 
 @pytest.mark.parametrize("screen", [Screen(pictures=1), Screen(keys=["escape"])])
-def test_a_closed_window_ends_the_drawing(screen: Screen):
+def test_closing_the_preview_window_ends_drawing(screen: Screen):
     here = shared()
-    assert follow(here, screen, lambda shown, told: None, Controls()) <= 1
+    assert run_preview(here, screen, lambda shown, told: None, Controls()) <= 1
 
 
 @pytest.fixture(scope="module")
@@ -109,7 +109,7 @@ def robot() -> Robot:
     return Robot.load("upper22")
 
 
-def test_the_loop_is_not_held_up_and_goes_on_when_nothing_is_drawn_any_more(portrait: Portrait, robot: Robot):
+def test_preview_sink_returns_quickly_even_after_the_window_closed(portrait: Portrait, robot: Robot):
     """A command costs a small part of a picture, so that pictures are dropped and commands are not.
 
     In the end nothing is drawn any more, as after somebody has closed the window.
@@ -118,7 +118,7 @@ def test_the_loop_is_not_held_up_and_goes_on_when_nothing_is_drawn_any_more(port
     for k in range(5):
         portrait.draw({"12": k / 5})
     picture = (time.perf_counter() - began) / 5
-    with Preview(robot, look=SMALL, windowed=False) as preview:
+    with Preview(robot, look=SMALL_SETTINGS, windowed=False) as preview:
         began = time.perf_counter()
         for k in range(1000):
             preview.write(command(k / 100, {"26": k / 1000}, robot.skeleton.rest))
@@ -131,42 +131,42 @@ def test_the_loop_is_not_held_up_and_goes_on_when_nothing_is_drawn_any_more(port
     play((command(k / 100, {"12": 0.5}, robot.skeleton.rest) for k in range(100)), preview)
 
 
-def test_the_body_is_shown_beside_in_step(drawable: None, tmp_path: Path):
+def test_preview_window_shows_the_body_film_at_the_time_of_the_face(drawable: None, tmp_path: Path):
     path = tmp_path / "film.webp"
     save_film([np.full((30, 40, 3), 25 * k, dtype=np.uint8) for k in range(10)], path, rate=10.0)
     body = SideFilm(path, 60)
     assert body.at(0.0).shape == (60, 80, 3)
     for time_s, shade in ((0.05, 0), (0.35, 75), (0.35, 75), (5.0, 225)):
         assert body.at(time_s).mean() == pytest.approx(shade, abs=4)
-    with offscreen() as context:
-        draw = painter(context, (60, 60), SideFilm(path, 60))
+    with open_offscreen_context() as context:
+        draw = make_painter(context, (60, 60), SideFilm(path, 60))
         pixels = draw(ShownFace(1, 0.55, (0.0, 0.0, 0.0), {}), Controls(preset="draft"))
     assert pixels.shape == (60, 140, 3)
     assert pixels[:, 60:].mean() == pytest.approx(125, abs=4)
 
 
-def test_a_film_that_is_none_is_one_line(tmp_path: Path):
+def test_invalid_body_film_in_the_preview_gives_a_one_line_error(tmp_path: Path):
     (tmp_path / "film.webp").write_text("nothing")
-    with pytest.raises(DisplayError, match=r"film\.webp: no film: ") as caught:
+    with pytest.raises(DisplayError, match=r"film\.webp: not a film: ") as caught:
         SideFilm(tmp_path / "film.webp", 60)
     assert "\n" not in str(caught.value)
 
 
-def test_no_display_is_one_line(drawable: None, monkeypatch: pytest.MonkeyPatch):
+def test_missing_display_gives_a_one_line_error(drawable: None, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
     pytest.importorskip("glfw")
     if has_display():
         pytest.skip("this system has a display in any case")
     with pytest.raises(DisplayError, match="no window: ") as caught:
-        Preview(look=SMALL, windowed=True)
+        Preview(look=SMALL_SETTINGS, windowed=True)
     assert "\n" not in str(caught.value)
     assert "--out" in str(caught.value)
 
 
 @pytest.fixture
 def display() -> Iterator[str]:
-    """A display that nobody sees."""
+    """Invisible display."""
     server = shutil.which("Xvfb")
     if server is None:
         pytest.skip("no Xvfb: apt-get install xvfb")
@@ -180,49 +180,48 @@ def display() -> Iterator[str]:
         running.terminate()
 
 
-WINDOWED = """
+WINDOW_PROGRAM = """
 import ctypes
 import glfw
 from kinesic.face.gl import numbers as gl
 from kinesic.face.show.shared_command import ShownFace
 from kinesic.face.show.controls import Controls
-from kinesic.face.show.process import follow, painter
+from kinesic.face.show.process import make_painter, run_preview
 from kinesic.face.show.window import open_window
 
 class SharedCommand:
-    over = False
+    is_over = False
     def read(self):
         return ShownFace(1, 0.0, (0.0, 0.0, 0.0), {"12": 0.7})
 
 with open_window((64, 64), "t") as framed:
-    picture = painter(framed.context, (64, 64))
-    def draw(shown, told):
+    picture = make_painter(framed.context, (64, 64))
+    def draw(shown, controls):
         glfw.set_window_should_close(framed._handle, True)
-        return picture(shown, told)
-    pictures = follow(SharedCommand(), framed, draw, Controls(preset="draft"))
+        return picture(shown, controls)
+    pictures = run_preview(SharedCommand(), framed, draw, Controls(preset="draft"))
     framed.context.bind(0)
     seen = ctypes.create_string_buffer(64 * 64 * 3)
-    framed.context.functions.PixelStorei(gl.PACK_ALIGNMENT, 1)
-    framed.context.functions.ReadPixels(0, 0, 64, 64, gl.RGB, gl.UNSIGNED_BYTE, seen)
+    framed.context.functions.PixelStorei(gl.GL_PACK_ALIGNMENT, 1)
+    framed.context.functions.ReadPixels(0, 0, 64, 64, gl.GL_RGB, gl.GL_UNSIGNED_BYTE, seen)
 print(pictures, len(set(seen.raw)) > 50)
 """
 
 
-def test_a_window_shows_the_picture_until_it_is_closed(drawable: None, display: str):
+@pytest.mark.soak
+def test_face_window_shows_the_picture_until_closed(drawable: None, display: str):
     pytest.importorskip("glfw")
     environment = {**os.environ, "DISPLAY": display}
     ended = subprocess.run(
-        [sys.executable, "-c", WINDOWED], env=environment, capture_output=True, text=True, check=False
+        [sys.executable, "-c", WINDOW_PROGRAM], env=environment, capture_output=True, text=True, check=False
     )
     assert ended.stdout.split() == ["1", "True"], ended.stderr
 
 
-def test_a_preview_opens_a_window_where_there_is_a_display(
-    drawable: None, display: str, monkeypatch: pytest.MonkeyPatch
-):
+def test_preview_opens_a_window_if_there_is_a_display(drawable: None, display: str, monkeypatch: pytest.MonkeyPatch):
     pytest.importorskip("glfw")
     monkeypatch.setenv("DISPLAY", display)
-    with Preview(look=SMALL) as preview:
+    with Preview(look=SMALL_SETTINGS) as preview:
         preview.write(command(0.0, {"12": 0.5}))
         assert not preview.closed
     assert preview._child.wait() == 0

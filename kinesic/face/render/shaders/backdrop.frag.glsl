@@ -1,4 +1,4 @@
-// What is behind the head.
+// Background behind the head.
 uniform vec3 backdrop;
 
 in vec2 uv;

@@ -3,17 +3,17 @@
 uniform sampler2D form;
 uniform sampler2D relief;
 uniform vec2 lens;
-uniform vec2 pixel;  // in texture coordinates
-uniform float bump;  // [m] of a wrinkle of depth 1
+uniform vec2 pixel;  // size in texture coordinates
+uniform float bump;  // [m] height of a wrinkle of depth 1
 
-const float EDGE = 0.006;  // [m] beyond this, or where parts differ, two pixels are not of one surface
-const float GRAZING = 0.2;  // cosine between the normal and that of what the pixels span, below which they do not tell its slope
+const float EDGE = 0.006;  // [m] depth difference between separate surfaces
+const float GRAZING = 0.2;  // cosine between stored and spanned normal below which the slope is unreliable
 
 in vec2 uv;
 
-out vec4 bent;  // as the G-buffer has it
+out vec4 bent;  // packed as in the G-buffer
 
-// Central difference along a screen axis; one-sided or none at an edge.
+// Central difference along a screen axis; one-sided at an edge.
 void slopes(vec2 step, float at, float height, out vec3 along, out float rise) {
     vec2 from = max(uv - step, 0.5 * pixel), to = min(uv + step, 1.0 - 0.5 * pixel);
     float before = textureLod(form, from, 0.0).w, after = textureLod(form, to, 0.0).w;

@@ -1,8 +1,8 @@
-// The G-buffer of clothes: cut where they end, with a seam along the border, and darker inside.
+// G-buffer of clothes: discarded beyond the border, with a seam along it, and darker inside.
 in vec3 facing;
-in vec4 placed;  // square root of the linear colour; how much it shines
+in vec4 placed;  // square root of the linear colour; gloss
 flat in float kind;
-in float detail;  // [m] beyond its border
+in float detail;  // [m] distance beyond the border
 
 const float SEAM = 0.007;  // [m]
 

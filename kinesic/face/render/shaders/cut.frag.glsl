@@ -1,4 +1,4 @@
-// Depth alone, of clothes where they are.
+// Depth of clothes, discarded beyond their border.
 in float detail;
 
 void main() {

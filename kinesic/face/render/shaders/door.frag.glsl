@@ -1,4 +1,4 @@
-// A screen-door mask: whether a pixel is left out of a surface of which a share is there.
+// Screen-door mask: whether a pixel of a surface with partial coverage is discarded.
 bool hole(float share) {
     ivec2 at = ivec2(gl_FragCoord.xy) & 3;
     int mixed = at.x ^ at.y;

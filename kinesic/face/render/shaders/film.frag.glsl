@@ -1,8 +1,8 @@
-// The G-buffer of what light shines through: only every so many pixels of it, so that others show what is behind.
+// G-buffer of translucent layers with a screen-door mask, so that other pixels show the background.
 in vec3 facing;
-in vec4 placed;  // square root of the linear colour; how much it shines
+in vec4 placed;  // square root of the linear colour; gloss
 flat in float kind;
-in float detail;  // how much of it is there
+in float detail;  // coverage 0..1
 
 layout(location = 0) out vec4 form;
 layout(location = 1) out vec4 place;

@@ -1,11 +1,11 @@
-// Vertices of the head: where they are now, and where on the head at rest they belong.
+// Vertices of the head: current position, and position on the head at rest.
 uniform mat4 view;
 uniform mat4 projection;
 
 in vec3 position;  // [m]
 in vec3 normal;
 in vec4 place;     // skin: chart a and y, front mask, height over the hairline; eyes: direction at rest
-in vec2 matter;    // part; of a lash nearness to the tip, of a film its share
+in vec2 matter;    // part; position along a lash 0..1, or coverage of a film
 
 out vec3 facing;
 out vec4 placed;

@@ -1,14 +1,14 @@
-// The G-buffer of locks of hair: strands, each of which bends the normal.
+// G-buffer of locks of hair with strands that bend the normal.
 uniform vec3 colour;
 
 in vec3 facing;
-in vec4 placed;  // across -1..1, along 0..1, number of the lock, how bright it is
+in vec4 placed;  // across -1..1, along 0..1, number of the lock, brightness
 flat in float kind;
 
-const float STRANDS = 6.0;  // on each half of a lock
+const float STRANDS = 6.0;  // strands on each half of a lock
 
 layout(location = 0) out vec4 form;
-layout(location = 1) out vec4 place;  // square root of the linear colour; how much it shines
+layout(location = 1) out vec4 place;  // square root of the linear colour; gloss
 
 float noise(float x, float y) { return fract(52.9829189 * fract(dot(vec2(floor(x), y), vec2(0.06711056, 7.583715)))); }
 

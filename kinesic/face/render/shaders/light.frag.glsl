@@ -1,33 +1,33 @@
-// Blinn-Phong with three lights that stand with the camera; skin wraps red light round its edges. What is uneven is KEPT
-// apart, if light is to spread under it.
-uniform sampler2D bent;   // form, with normals that the wrinkles bent
-uniform sampler2D reach;  // how much of the key's light arrives; how much of the light around
+// Blinn-Phong shading with three lights attached to the camera; red light wraps around edges of skin. If light is to
+// scatter, KEPT > 0, and uneven skin is also written to separate textures.
+uniform sampler2D bent;   // form with bent normals
+uniform sampler2D reach;  // received fractions of key light and of ambient light
 uniform sampler2D relief;
-uniform vec3 towards[3];  // unit, in the frame of the camera: key, fill, rim
-uniform vec3 power[3];    // linear light of each
+uniform vec3 towards[3];  // unit vectors in the camera's frame: key, fill, rim
+uniform vec3 power[3];    // linear colours of the lights
 uniform vec2 lens;
-uniform vec3 sky;         // from above
-uniform vec3 ground;      // from below
-uniform float threshold;  // of openness, over which the surface is even
+uniform vec3 sky;         // ambient light from above
+uniform vec3 ground;      // ambient light from below
+uniform float threshold;  // openness above which a surface counts as even
 #if LEVELS > 1
-uniform float deep;       // openness at which light spreads by all LEVELS
+uniform float deep;       // openness below which light scatters with all LEVELS
 #endif
 
-const float FURROW = 0.1;  // height of a wrinkle that counts
-const float EDGE = 0.02;   // share of the key's light that is neither light nor shadow
-const float WET = 0.6;     // openness of an eye at least: what is around is seen in its corner, too
-const float FACE = 1.2;    // of the chart, to either side of the nose: there the mask ends at the mouth alone
-const float BRIGHT_MOUTH = 0.65;  // of teeth and tongue at least: light reaches them from lip to lip
-const vec3 BLEED = vec3(0.55, 0.10, 0.05);  // light that comes through the skin round a fold
-const vec3 SEEP = vec3(0.14, 0.07, 0.06);  // of the key, into its shadow on skin
+const float FURROW = 0.1;  // height from which a wrinkle counts as uneven
+const float EDGE = 0.02;   // distance of key light from 0 and 1 that counts as a shadow edge
+const float WET = 0.6;     // minimum openness of an eye
+const float FACE = 1.2;    // chart range around the nose, where the mask is low only in the mouth
+const float BRIGHT_MOUTH = 0.65;  // minimum light on teeth and tongue
+const vec3 BLEED = vec3(0.55, 0.10, 0.05);  // light through the skin around a fold
+const vec3 SEEP = vec3(0.14, 0.07, 0.06);  // key light that seeps into its shadow on skin
 const vec3 WRAP = vec3(0.30, 0.14, 0.10);
 
 in vec2 uv;
 
 layout(location = 0) out vec4 picture;
 #if KEPT
-layout(location = 1) out vec4 diffuse;  // light that has met no colour yet; what is mirrored
-layout(location = 2) out vec4 colour;   // its square root; above 0 on skin that light spreads under: the level, of 1
+layout(location = 1) out vec4 diffuse;  // light before the surface colour; specular light
+layout(location = 2) out vec4 colour;   // square root of the surface colour; scattering level 0..1
 #endif
 
 float eighth(float x) { x *= x; x *= x; return x * x; }
@@ -49,13 +49,13 @@ void main() {
     vec3 direct = vec3(0.0);
     vec4 where = textureLod(place, uv, 0.0);
     float lip = skinned && abs(where.x) < FACE ? clamp(where.z, 0.0, 1.0) : 1.0;
-    float behind = float(!in_mouth) * lip;  // of the rim's light, which has no shadow, and does not shine through a cheek
+    float behind = float(!in_mouth) * lip;  // fraction of rim light, which has no shadow map and must not shine through a cheek
     float gloss = 0.0, frontal = dot(n, eye);
     for (int k = 0; k < 3; ++k) {
         vec3 shone = k == 0 ? power[k] * mix(key, vec3(1.0), SEEP * is_skin) : k == 1 ? power[k] : power[k] * behind;
         float toward = dot(n, towards[k]);
         direct += shone * max(toward + wrap, 0.0);
-        float half_way = max(toward + frontal, 0.0);  // cosine, but for the length of the vector half way
+        float half_way = max(toward + frontal, 0.0);  // unnormalised cosine to the half vector
         float wide = eighth(half_way * half_way / (2.0 + 2.0 * dot(towards[k], eye))), narrow = eighth(wide * wide);
         gloss += dot(shone, vec3(1.0 / 3.0)) * clamp(6.0 * toward, 0.0, 1.0) * (is_eye ? 2.4 * narrow : 0.16 * wide);
     }
@@ -63,7 +63,7 @@ void main() {
     float grazing = 1.0 - max(frontal, 0.0);
     gloss *= own.a * (is_eye ? 1.0 : around) * (1.0 + 2.0 * grazing * grazing * grazing);
     vec4 lit = vec4(light, gloss);
-    vec3 root = floor(255.0 * own.rgb + 0.5) / 255.0;  // as it is kept: where light spreads by nothing, nothing changes
+    vec3 root = floor(255.0 * own.rgb + 0.5) / 255.0;  // quantised as stored, so that zero scattering changes nothing
     picture = composed(lit, root);
 #if KEPT
     bool smooth_skin = abs(height) < FURROW && abs(key.r - 0.5) > 0.5 - EDGE, even = around > threshold && smooth_skin;

@@ -1,6 +1,6 @@
-// Marks where brightness changes between neighbours.
+// Marks pixels whose brightness differs from that of neighbours.
 uniform sampler2D picture;
-uniform vec2 pixel;  // in texture coordinates
+uniform vec2 pixel;  // size in texture coordinates
 
 in vec2 uv;
 

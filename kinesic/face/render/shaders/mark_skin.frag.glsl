@@ -1,4 +1,4 @@
-// Marks the skin that light spreads under: where it is uneven. Elsewhere spreading it changes nothing.
+// Marks uneven skin, where light scatters. Elsewhere scattering would change nothing.
 uniform sampler2D colour;
 
 in vec2 uv;

@@ -1,26 +1,26 @@
-// Ambient occlusion (thesis chapter 3): how much of the light around reaches each pixel, judged by marching over the
-// G-buffer. Exact: along every direction. Separable: along two at right angles that turn from pixel to pixel.
-// WIDE x TALL pixels has the pattern; DIRECTIONS are marched, each both ways, with STEPS on each half.
+// Ambient occlusion (thesis chapter 3): the fraction of ambient light at each pixel, sampled in the G-buffer.
+// Exact: along all directions. Separable: along two perpendicular directions that vary from pixel to pixel.
+// The pattern has WIDE x TALL pixels; DIRECTIONS are sampled in both senses, with STEPS samples each.
 uniform sampler2D position;
 uniform sampler2D normal;
 uniform sampler2D pattern;  // cosine and sine of the first direction, interleaved over the screen
 uniform vec2 turn;          // cosine and sine of the angle between directions
-uniform float stride;       // [pixels] of a step
-uniform vec2 pixel;         // in texture coordinates
-uniform float radius;       // [m] beyond which nothing occludes
+uniform float stride;       // [pixels] step length
+uniform vec2 pixel;         // size in texture coordinates
+uniform float radius;       // [m] range of occluders
 uniform float strength;
-uniform float all;          // weights of one march if everything were in the way
+uniform float all;          // sum of weights along one direction
 
-const float APART = 8.0;      // [m] between parts, so that blurring keeps them apart
-const float BIAS = 0.10;      // sine of the elevation under which a surface does not occlude itself
+const float APART = 8.0;      // [m] depth offset per part, which separates parts in the blur
+const float BIAS = 0.10;      // sine of the elevation below which a surface cannot occlude itself
 
 in vec2 uv;
 
-out vec4 found;  // openness 0..1; depth [m] less that of the part, 0 on the background; x and y of the normal
+out vec4 found;  // openness 0..1; depth [m] minus the part's offset, 0 on the background; x and y of the normal
 
-// How much counts what is a share of the radius away.
+// Weight of an occluder at a distance relative to the radius.
 float falloff(float t) {
-#if FALLOFF == 1  // Gaussian, as wide as the other
+#if FALLOFF == 1  // Gaussian with the half width of Wendland's function
     return t < 1.0 ? exp(-6.8587 * t * t) : 0.0;
 #else  // Wendland
     float u = max(1.0 - t, 0.0);
@@ -29,16 +29,16 @@ float falloff(float t) {
 #endif
 }
 
-// What a sample takes from a pixel, 0..1, against the tangent plane there: a slope does not darken itself.
+// Occlusion of a pixel by a sample, 0..1, relative to the tangent plane, so that slopes do not darken themselves.
 float occluded(vec3 p, vec3 n, vec4 at) {
     vec3 way = at.xyz - p;
     float away = max(length(way), 1e-7), height = dot(n, way);
     float near = float(at.w > 0.0) * falloff(away / radius);
-#if ESTIMATOR == 1  // Crytek: in front or not
+#if ESTIMATOR == 1  // Crytek: in front or behind
     return 0.5 * step(BIAS, height / away) * near;
-#elif ESTIMATOR == 2  // volumetric obscurance: how much of the line through the sphere is filled
+#elif ESTIMATOR == 2  // volumetric obscurance: filled fraction of the line through the sphere
     return clamp(1.5 * (height / radius - 0.2 * BIAS), 0.0, 1.0) * sqrt(near);
-#else  // angular, and the horizon, of which the highest counts
+#else  // angular, and horizon, which uses the maximum
     return 2.2 * max(height / away - BIAS, 0.0) * near;
 #endif
 }
@@ -58,7 +58,7 @@ void main() {
 #if ESTIMATOR == 3
                 blocked = max(blocked, 0.4 * taken);
 #else
-                blocked += taken * float(k) / all;  // a ring is as wide as it is far
+                blocked += taken * float(k) / all;  // the width of a ring is proportional to its distance
 #endif
             }
             sum += blocked;

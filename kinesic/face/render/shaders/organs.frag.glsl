@@ -1,42 +1,42 @@
-// The G-buffer of what is not skin: eyes, teeth and tongue, with their colours.
-uniform sampler2D iris;  // painted round the axis of an eye
+// G-buffer of eyes, teeth and tongue, with their colours.
+uniform sampler2D iris;  // painted around the axis of an eye
 uniform mat4 view;
-uniform float pupil;     // half as wide as it is, in radii of the eye
-uniform mat3 balls[2];   // how the left and the right eyeball stand in the camera's frame: forward, left, up
+uniform float pupil;     // radius in radii of the eyeball
+uniform mat3 balls[2];   // axes of left and right eyeball in the camera's frame: forward, left, up
 
 in vec3 facing;
 in vec4 placed;
 flat in float kind;
-in float detail;  // which of the eyes
+in float detail;  // 1 for the left eye
 
-const float IRIS = 0.8;    // half the width of the painting, in radii of the eye
-const float LIMBUS = 0.4, PUPIL = 0.17;  // where iris and pupil end in the painting, likewise
-const float CORNEA = 0.2742;  // square of the angle at which it ends, and how far it stands out, as in eyeball.py
+const float IRIS = 0.8;    // half width of the painting, in radii of the eyeball
+const float LIMBUS = 0.4, PUPIL = 0.17;  // radii of iris and pupil in the painting
+const float CORNEA = 0.2742;  // square of CORNEA_ANGLE; BULGE is CORNEA_HEIGHT in eyeball.py
 const float BULGE = 0.05;
-const float SUNKEN = 0.12; // how far the iris lies behind it, as it is refracted
-const float DAMP = 0.2;    // how much the white of the eye shines beside the cornea
+const float SUNKEN = 0.12; // apparent depth of the iris behind the cornea
+const float DAMP = 0.2;    // gloss of the white of the eye
 const vec3 GUMS = vec3(0.42, 0.12, 0.11), IVORY = vec3(0.80, 0.74, 0.64), TONGUE_RED = vec3(0.50, 0.135, 0.125);
-const vec3 THROAT = vec3(0.032, 0.008, 0.007);  // what is far back is as dark as the skin there
-const vec3 WALLS = vec3(1.0, 0.66, 0.58);  // light that has come by way of cheeks and palate
-const float LEVEL = 0.85;  // of how far teeth lean up or down, which is left out: their mesh turns over at the cutting edge
-const float INNER = 3.0;  // [mm] that a crown is shorter on the side of the tongue
+const vec3 THROAT = vec3(0.032, 0.008, 0.007);  // equal to the dark skin in the throat
+const vec3 WALLS = vec3(1.0, 0.66, 0.58);  // tint of light from cheeks and palate
+const float LEVEL = 0.85;  // removed fraction of vertical normals, since the mesh turns over at the cutting edge
+const float INNER = 3.0;  // [mm] by which a crown is shorter on the tongue's side
 const int TEETH_ON_A_SIDE = 7;
-const float UPPER[TEETH_ON_A_SIDE] = float[](8.6, 6.6, 7.6, 7.0, 7.0, 10.0, 10.0);  // [mm] along the row
+const float UPPER[TEETH_ON_A_SIDE] = float[](8.6, 6.6, 7.6, 7.0, 7.0, 10.0, 10.0);  // [mm] widths of the upper teeth
 const float LOWER[TEETH_ON_A_SIDE] = float[](5.4, 5.9, 6.8, 7.0, 7.0, 11.0, 11.0);
-const float CROWN[TEETH_ON_A_SIDE] = float[](10.4, 9.4, 10.4, 9.0, 8.4, 8.0, 7.5);  // [mm] from the cutting edge to the gum
-const float WORN[TEETH_ON_A_SIDE] = float[](0.0, 0.8, 0.1, 0.7, 0.9, 1.0, 1.0);     // [mm] that it falls short of the row's edge
+const float CROWN[TEETH_ON_A_SIDE] = float[](10.4, 9.4, 10.4, 9.0, 8.4, 8.0, 7.5);  // [mm] heights of the crowns
+const float WORN[TEETH_ON_A_SIDE] = float[](0.0, 0.8, 0.1, 0.7, 0.9, 1.0, 1.0);     // [mm] distance of a tooth from the edge of the row
 
 layout(location = 0) out vec4 form;
-layout(location = 1) out vec4 place;  // square root of the linear colour; how much it shines
+layout(location = 1) out vec4 place;  // square root of the linear colour; gloss
 
-// Where in the painting the iris is that is there, drawn together as the pupil widens.
+// Position in the painting; the iris contracts as the pupil widens.
 vec2 stretched(vec2 at) {
     float away = max(length(at), 1e-6);
     float outer = PUPIL + (away - pupil) * (LIMBUS - PUPIL) / (LIMBUS - pupil);
     return at / away * (away < pupil ? away * PUPIL / pupil : away < LIMBUS ? outer : away);
 }
 
-// The colour of an eye; its normal is bent by the cornea.
+// Colour of an eye; the cornea bends its normal.
 vec4 eye(mat3 ball, inout vec3 n) {
     vec3 own = n * ball, head = n * mat3(view), seen = vec3(0.0, 0.0, 1.0) * ball;
     float short_of = 1.0 - own.x, inside = max(1.0 - short_of * (2.0 + short_of / 3.0) / CORNEA, 0.0);
@@ -45,7 +45,7 @@ vec4 eye(mat3 ball, inout vec3 n) {
     return vec4(textureLod(iris, stretched(own.yz - SUNKEN * inside * seen.yz) / IRIS * 0.5 + 0.5, 0.0).rgb * lid, mix(DAMP, 1.0, inside));
 }
 
-// The colour of teeth and gums, and how much they shine; each tooth bulges. Nothing is between two edges.
+// Colour and gloss of teeth and gums. Each tooth bulges; gaps between edges are discarded.
 vec4 teeth(inout vec3 n) {
     float from = abs(placed.x);
     bool upper = placed.w > 0.0;

@@ -1,16 +1,16 @@
-// Thesis 4.3.2: height of wrinkles at each pixel, as strong as their action units; one of three textures of four maps.
+// Height of wrinkles at each pixel, weighted by their action units (thesis 4.3.2); one texture of four maps.
 uniform sampler2D form;
 uniform sampler2D place;
 uniform sampler2D maps;
-uniform vec4 left;   // how much of each map is shown on the left half of the face
+uniform vec4 left;   // weight of each map on the left half of the face
 uniform vec4 right;
-uniform vec4 chart;  // maps place to texture: scale, then offset
+uniform vec4 chart;  // scale and offset from chart to texture coordinates
 
-const float MIDDLE = 0.15;  // half the width over which the halves change places
+const float MIDDLE = 0.15;  // half width of the blend between the halves
 
 in vec2 uv;
 
-out float height;  // added to what is there
+out float height;  // added to the target
 
 void main() {
     vec4 at = textureLod(place, uv, 0.0);

@@ -1,15 +1,14 @@
-// Light that spreads under the skin (thesis 5.1 and 5.2), along one axis: a trilateral filter by Wendland's function,
-// with STEPS samples on each side, or with fewer where the level is one of the lower LEVELS. The LAST of two axes makes
-// the picture.
-uniform sampler2D bent;  // form, with normals that the wrinkles bent
+// Subsurface scattering along one axis (thesis 5.1 and 5.2): a trilateral filter with Wendland weights and STEPS samples
+// on each side, fewer at the lower LEVELS. The LAST of two axes writes the picture.
+uniform sampler2D bent;  // form with bent normals
 uniform sampler2D diffuse;
-uniform vec2 axis;    // of a step, in texture coordinates
-uniform float width;  // [m] that red light spreads, in all steps
+uniform vec2 axis;    // step in texture coordinates
+uniform float width;  // [m] spread of red light
 #if LAST || LEVELS > 1
-uniform sampler2D colour;  // its square root; the level, of 1
+uniform sampler2D colour;  // square root of the colour; scattering level 0..1
 #endif
 
-const vec3 SHARE = vec3(1.0, 0.55, 0.4);  // of the width, of each colour
+const vec3 SHARE = vec3(1.0, 0.55, 0.4);  // spread of each colour relative to red
 
 in vec2 uv;
 
@@ -34,7 +33,7 @@ void main() {
         vec3 near = wendland(float(k) / (float(STEPS) * SHARE));
         for (float side = -1.0; side <= 1.0; side += 2.0) {
             vec2 there = uv + side * float(k) * axis;
-            vec4 other = textureLod(bent, there, 0.0);  // another part is far away
+            vec4 other = textureLod(bent, there, 0.0);  // other parts have a large depth offset
             float facing = max(dot(own.xyz, other.xyz), 0.0);
             vec3 weight = near * (wendland(vec3(abs(other.w - own.w) / width)).x * facing * facing * facing);
             sum += weight * textureLod(diffuse, there, 0.0).rgb;

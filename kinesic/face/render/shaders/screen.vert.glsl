@@ -1,7 +1,7 @@
-// One triangle over the whole screen at the far plane: with the depth test GREATER only pixels of the head pass.
+// Triangle over the whole screen at the far plane: the depth test GREATER passes only pixels of the head.
 in vec2 corner;
 
-out vec2 uv;  // of textures as large as the screen
+out vec2 uv;  // coordinates of screen-sized textures
 
 void main() {
     uv = 0.5 * corner + 0.5;

@@ -1,29 +1,29 @@
-// How much of the key light reaches each pixel: percentage-closer soft shadows (R. Fernando, 2005; thesis 12.1). What is
-// in the way is looked for first; the further in front it stands, the wider is the region that is compared. BLOCKERS is
-// how many samples along a side the first has, TAPS the second.
+// Received fraction of key light by percentage-closer soft shadows (R. Fernando, 2005; thesis 12.1). Blockers are searched
+// first; the farther they are from the pixel, the wider is the depth comparison. BLOCKERS and TAPS are the numbers of
+// samples along a side of the search and of the comparison.
 uniform sampler2D position;
 uniform sampler2D normal;
-uniform sampler2D open;    // to the light around
-uniform sampler2D depths;  // of what lets no light through, as the lamp sees it
-uniform mat4 lamp;         // to its clip space
-uniform float deep;        // [m] half the depth of that space
-uniform float away;        // [m] from the lamp to the middle of the head
-uniform float wide;        // [share of the map] that the lamp is
-uniform float nearest;     // [share of the map] that is always compared
+uniform sampler2D open;    // openness to ambient light
+uniform sampler2D depths;  // depths of opaque layers seen from the lamp
+uniform mat4 lamp;         // transform to the lamp's clip space
+uniform float deep;        // [m] half depth of that space
+uniform float away;        // [m] distance of the lamp from the head's centre
+uniform float wide;        // width of the lamp relative to the map
+uniform float nearest;     // minimum width of the comparison relative to the map
 #if COLOURED
-uniform sampler2D tint_depths;  // of what lets coloured light through
+uniform sampler2D tint_depths;  // depths of translucent layers
 uniform sampler2D tints;
 #endif
 
-const float LIFT = 0.002;    // [m] off the surface, so that it does not shade itself
+const float LIFT = 0.002;    // [m] offset from the surface against self shadowing
 const float BIAS = 0.003;
-const float FURTHEST = 0.12; // [share of the lamp's distance] that something in the way may be from a pixel
+const float FURTHEST = 0.12; // maximum distance of a blocker relative to the lamp's distance
 
 in vec2 uv;
 
-out vec4 reached;  // how much of it; how much of the light around
+out vec4 reached;  // received fractions of key light and of ambient light
 
-// Points of a grid of n x n over a square about 0 of side 1, turned so that no two are in line along an axis.
+// Point of an n x n grid in a unit square around 0, rotated so that no two points align with an axis.
 vec2 point(int i, int j, int n) {
     vec2 cell = (vec2(i, j) + 0.5) / float(n) - 0.5;
     return cell + vec2(-cell.y, cell.x) / float(n);
@@ -46,7 +46,7 @@ void main() {
     float from_lamp = metres(blocked / max(found, 1.0));
     float penumbra = max((metres(depth) - from_lamp) / from_lamp * wide, nearest);  // 12.1.2
     float lit = 0.0;
-    int compared = found > 0.0 ? TAPS : 0;  // a loop that all leave is skipped
+    int compared = found > 0.0 ? TAPS : 0;  // allows drivers to skip the loop
     for (int j = 0; j < compared; ++j)
         for (int i = 0; i < TAPS; ++i)
             lit += step(depth, textureLod(depths, at.xy + penumbra * point(i, j, TAPS), 0.0).r);

@@ -1,2 +1,2 @@
-// Depth alone.
+// Depth only.
 void main() {}

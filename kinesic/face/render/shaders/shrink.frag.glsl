@@ -1,4 +1,4 @@
-// Several drawn pixels to one shown.
+// Averages several drawn pixels to one displayed pixel.
 uniform sampler2D picture;
 uniform float samples;
 

@@ -1,12 +1,12 @@
-// Edges without stairs: a blur along the edge (T. Lottes, FXAA, 2009).
+// Anti-aliasing by a blur along edges (T. Lottes, FXAA, 2009).
 uniform sampler2D picture;
-uniform vec2 pixel;  // in texture coordinates
+uniform vec2 pixel;  // size in texture coordinates
 
 in vec2 uv;
 
 out vec4 smoothed;
 
-// Colour and brightness between pixels; drivers round what they mix of bytes to either side.
+// Interpolated colour and brightness; drivers round interpolated bytes differently.
 vec4 colour(vec2 at) {
     vec2 place = at / pixel - 0.5, share = fract(place), low = (floor(place) + 0.5) * pixel;
     vec4 below = mix(textureLod(picture, low, 0.0), textureLod(picture, low + vec2(pixel.x, 0.0), 0.0), share.x);

@@ -1,27 +1,27 @@
-// The colour of each pixel: skin and hair as they are painted in the chart, everything else as it was drawn.
+// Colour of each pixel: painted skin and hair from the chart, otherwise the drawn colour.
 uniform sampler2D place;
-uniform sampler2D skin;  // square root of the colour, painted in the chart; how dry it is
-uniform vec4 chart;      // maps place to texture: scale, then offset
+uniform sampler2D skin;  // square root of the painted colour; dryness
+uniform vec4 chart;      // scale and offset from chart to texture coordinates
 uniform vec3 hair;       // colour
-uniform float level;     // of detail of the painting, whose pixels are about as large as the screen's
+uniform float level;     // mipmap level whose pixels match the screen
 
 const vec3 CHEEKS = vec3(0.20, 0.055, 0.048);  // the inside of the lips
 const vec3 THROAT = vec3(0.032, 0.008, 0.007);  // deep in the mouth
-const float DEEP = 28.0;  // in the chart's measure of it
-const float DULL = 0.8;   // of the gloss of skin, which no lamp's image reaches inside the mouth
-const float LOCK = 3.0;  // strands
+const float DEEP = 28.0;  // depth of full darkness, in the chart's depth unit
+const float DULL = 0.8;   // fraction of gloss removed inside the mouth
+const float LOCK = 3.0;  // [strands]
 const vec2 STRANDS = vec2(150.0, 9.0);  // per unit of the chart
 
 float noise(vec2 p) {
     return fract(52.9829189 * fract(dot(floor(p), vec2(0.06711056, 0.00583715))));
 }
 
-// Square root of the linear colour; how much it shines.
+// Square root of the linear colour; gloss.
 vec4 surface(vec2 uv, bool is_skin, float height) {
     vec4 where = textureLod(place, uv, 0.0);
     vec4 painted = textureLod(skin, where.xy * chart.xy + chart.zw, level);
     vec2 comb = vec2(where.x * STRANDS.x + 6.0 * where.y, where.y * STRANDS.y);
-    float dense = fwidth(where.x) * STRANDS.x;  // strands in a pixel: what is too fine gives way to locks, then to nothing
+    float dense = fwidth(where.x) * STRANDS.x;  // strands per pixel; fine strands fade to locks, then vanish
     float strand = 0.5 + clamp(1.6 - dense, 0.0, 1.0) * (noise(comb) - 0.5)
                  + clamp(1.6 - dense / LOCK, 0.0, 1.0) * clamp(dense - 0.6, 0.0, 1.0) * (noise(comb / vec2(LOCK, 1.0)) - 0.5);
     float head = smoothstep(-0.06, 0.12, where.w + 0.09 * (strand - 0.5));

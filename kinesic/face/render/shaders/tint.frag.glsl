@@ -1,4 +1,4 @@
-// What the key's light takes on where it shines through, as the lamp sees it.
+// Tint of key light through translucent layers, seen from the lamp.
 in vec4 placed;
 flat in float kind;
 in float detail;

@@ -1,11 +1,11 @@
-// Position and normal of each pixel, or of so many the one in the middle.
+// Position and normal of each pixel, or of the middle pixel of a block.
 uniform sampler2D form;
-uniform vec2 offset;  // from the middle of a pixel here to the middle of one there, in texture coordinates
+uniform vec2 offset;  // offset to the middle pixel of the block, in texture coordinates
 uniform vec2 lens;
 
 in vec2 uv;
 
-layout(location = 0) out vec4 place;  // [m] in the frame of the camera; part + 1
+layout(location = 0) out vec4 place;  // [m] in the camera's frame; part + 1
 layout(location = 1) out vec4 facing;
 
 void main() {
