@@ -1,1 +1,1 @@
-"""Facts in TOML, robots, servos, gestures, styles, and example BML."""
+"""Built-in TOML files: robots, servos, gestures and styles, with example BML."""

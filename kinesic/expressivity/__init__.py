@@ -1,1 +1,1 @@
-"""Decides where hands, gaze, torso and face go, and in which manner."""
+"""Conversion of behaviours to key frames of hands, head, torso and face."""

@@ -1,4 +1,4 @@
-"""Gaze and head direction: where eyes and head look, for a while or for good, and when the trunk turns along."""
+"""Gaze and head direction: rotations of eyes, head and trunk over time."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from kinesic.bml.block import Block, Gaze, HeadDirectionShift
-from kinesic.body.action_units import ASIDE, DOWNWARD, UPWARD
+from kinesic.body.action_units import MAX_EYE_DEPRESSION, MAX_EYE_ELEVATION, MAX_EYE_YAW
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import SIDES, Robot
 from kinesic.expressivity.context import BlockContext
@@ -18,118 +18,141 @@ from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.lexicon.movement_words import read_head_name
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.turns import (
-    UPRIGHT,
+    UPRIGHT_TURN,
     Hold,
     add_turns,
     clip_turn,
-    excess,
     hold_turn,
-    room,
+    range_excess,
+    rotation_range,
     scale_turn,
     turn_angles,
 )
 
-AUDIENCE = "audience"  # who is looked at when the one that was meant is unknown
-EYES = (Turn(-ASIDE, -UPWARD), Turn(ASIDE, DOWNWARD))  # how far they turn in the head
-TRUNK_LAG = 0.12  # [s] that the trunk sets out after the head
-HEAD_ALONE = radians(45)  # torsion beyond which the trunk turns along
-SHARE = 50.0  # [deg] of a whole offset in Greta's documents, which write it as a share of 1
-SHARED = ("draft", "none", "fml-apml")  # dialects in which they are
+AUDIENCE_TARGET = "audience"  # substitute for an unknown gaze target
+EYE_RANGE = (Turn(-MAX_EYE_YAW, -MAX_EYE_ELEVATION), Turn(MAX_EYE_YAW, MAX_EYE_DEPRESSION))  # [rad] range of the eyes
+TRUNK_DELAY = 0.12  # [s] start of the trunk after the head in a gaze shift
+MAX_HEAD_TORSION = radians(45)  # [rad] head torsion beyond which the trunk rotates too
+OFFSET_UNIT = 50.0  # [deg] angle of an offset of 1 in Greta's documents
+UNIT_DIALECTS = ("draft", "none", "fml-apml")  # dialects that write offsets as fractions of `OFFSET_UNIT`
 
-_LEAST_LOOK = 0.2  # [s]
-_HEAD_SPEED, _TRUNK_SPEED = radians(20), radians(30)  # [rad/s] peak speeds of the smallest looks
-_PEAK = 1.875  # peak over mean speed of minimum jerk
+_MIN_GAZE_TIME = 0.2  # [s] shortest duration of a gaze shift
+_HEAD_VELOCITY = radians(20)  # [rad/s] peak velocity of the smallest head rotations
+_TRUNK_VELOCITY = radians(30)  # [rad/s] peak velocity of the smallest trunk rotations
+_PEAK_VELOCITY_RATIO = 1.875  # peak / mean velocity of a minimum-jerk motion
 
-# of a turn the trunk takes at least so much when its part is named
-_TRUNK_SHARES = {"SHOULDER": 0.25, "CHEST": 0.25, "TORSO": 0.25, "WAIST": 0.4, "WHOLE": 0.4}
-_OFFSETS = {"UP": (0, -1), "DOWN": (0, 1), "LEFT": (1, 0), "RIGHT": (-1, 0)}  # torsion, tilt
+# Smallest fraction of a rotation that the trunk performs, by the body part that the gaze influences.
+_TRUNK_FRACTIONS = {"SHOULDER": 0.25, "CHEST": 0.25, "TORSO": 0.25, "WAIST": 0.4, "WHOLE": 0.4}
+_OFFSET_DIRECTIONS = {"UP": (0, -1), "DOWN": (0, 1), "LEFT": (1, 0), "RIGHT": (-1, 0)}  # signs of torsion, tilt
 
 Part = Literal["head", "torso"]
-PARTS: tuple[Part, Part] = ("head", "torso")
+GAZE_PARTS: tuple[Part, Part] = ("head", "torso")
 
 
 @dataclass(frozen=True)
 class Aim:
-    """Rotations that look at something."""
+    """Rotations of head, torso and eyes that look at a target."""
 
-    head: Turn  # away from upright, the torso's part included
-    torso: Turn = UPRIGHT
-    eyes: Turn = UPRIGHT  # in the head: what is left for them once it is there
-    substitute: str = ""  # why it is not what was asked
-    missing: str = ""  # what is wrong with the target
-    clipped: str = ""  # what the ranges took away
-
-
-STRAIGHT = Aim(UPRIGHT)
+    head: Turn  # rotation from upright, that of the torso included
+    torso: Turn = UPRIGHT_TURN
+    eyes: Turn = UPRIGHT_TURN  # rotation in the head, once it has arrived
+    substitute: str = ""  # reason for a difference from the request
+    missing: str = ""  # problem of the target
+    clipped: str = ""  # rotation lost to range limits
 
 
-def aim(action: Gaze | HeadDirectionShift, context: BlockContext, base: Aim = STRAIGHT) -> Aim | None:
-    """Finds the rotations of eyes, head and trunk that look at a target or in a direction.
+STRAIGHT_AIM = Aim(UPRIGHT_TURN)
 
-    An unknown target is substituted by the audience. The head goes all the way, as far as its range allows, and eyes
-    the rest; of a gaze that is asked of the eyes alone they do what they can, and the head the rest.
+
+def aim(action: Gaze | HeadDirectionShift, context: BlockContext, base: Aim = STRAIGHT_AIM) -> Aim | None:
+    """Return eye, head and trunk rotations towards a gaze target.
+
+    An unknown target is substituted by the audience. The head performs the whole rotation, as far as its range allows,
+    and the eyes perform the rest. For a gaze of the eyes alone, the eyes perform as much as they can, and the head the
+    rest.
 
     Args:
         action: the behaviour.
-        context: of its block, whose dialect says how offsets are written; its robot has a neck.
-        base: what is looked at for good: an offset without a target starts from there, eyes alone leave head and trunk
-            as they are there, and neck or head alone the trunk.
+        context: of its block, whose dialect determines the unit of offsets; its robot has a neck.
+        base: rotations that are currently held: an offset without a target starts from there, eyes alone leave head and
+            trunk there, and neck or head alone the trunk.
 
     Returns:
-        None when neither the target nor an audience is known.
+        None when neither the target nor an audience is defined.
     """
     robot = context.robot
     influence = action.influence if isinstance(action, Gaze) else None
-    offset = _offset(action, context.block) if isinstance(action, Gaze) else UPRIGHT
+    offset = _offset(action, context.block) if isinstance(action, Gaze) else UPRIGHT_TURN
     if action.target is None:
-        return _share_turn(add_turns(base.head, offset), influence=influence, robot=robot, base=base)
+        return _divide_turn(add_turns(base.head, offset), influence=influence, robot=robot, base=base)
     place, missing = context.find_target(action.target), ""
     if place is None and isinstance(action, HeadDirectionShift):
         name = read_head_name(action.target)
         if name is not None and name.kind == "direction":
-            return _share_turn(scale_turn(direction(name.words), 0.5), influence=None, robot=robot, base=base)
+            return _divide_turn(scale_turn(direction(name.words), 0.5), influence=None, robot=robot, base=base)
     if place is None:
-        place, missing = context.targets.get(AUDIENCE), context.unknown_target(action.target)
+        place, missing = context.targets.get(AUDIENCE_TARGET), context.unknown_target(action.target)
     if place is None:
         return None
     turn = add_turns(towards(place, robot), offset)
-    return _share_turn(turn, influence=influence, robot=robot, base=base, missing=missing)
+    return _divide_turn(turn, influence=influence, robot=robot, base=base, missing=missing)
 
 
 def hold_gaze(look: Aim, times: Mapping[str, float], *, part: Part, stays: bool, pace: Pace) -> Hold:
-    """Times a part of a look: it goes there and, unless it stays, back; the trunk sets out after the head."""
+    """Create the timed head or trunk rotation of a gaze.
+
+    The trunk sets out after the head.
+
+    It returns unless it stays.
+    """
     natural = look_time(look, pace)
     if part == "head":
         return hold_turn(look.head, times, natural=natural, stays=stays)
     arrive = times.get("ready", times["end"])
-    spare = arrive - times["start"] - pace.turn_time("torso", look.torso)
-    late = min(max(spare, 0.0), TRUNK_LAG)
-    return hold_turn(look.torso, {**times, "start": times["start"] + late}, natural=natural, stays=stays)
+    spare_time = arrive - times["start"] - pace.turn_time("torso", look.torso)
+    delay = min(max(spare_time, 0.0), TRUNK_DELAY)
+    return hold_turn(look.torso, {**times, "start": times["start"] + delay}, natural=natural, stays=stays)
 
 
 def look_time(look: Aim, pace: Pace, temporal: float = 0.0) -> float:
-    """Finds the natural time of a look [s]: that of people, or the servos' ease where it is longer."""
+    """Return the natural duration of a gaze shift [s].
+
+    It is that of people, or that of the servos at ease where it is longer.
+    """
     neck = add_turns(look.head, scale_turn(look.torso, -1.0))
-    head = pace.turn_time("neck", neck, temporal, usual=_usual_time(neck, _HEAD_SPEED))
-    trunk = pace.turn_time("torso", look.torso, temporal, usual=_usual_time(look.torso, _TRUNK_SPEED))
-    return max(_LEAST_LOOK, head, trunk)
+    head = pace.turn_time("neck", neck, temporal, usual=_usual_time(neck, _HEAD_VELOCITY))
+    trunk = pace.turn_time("torso", look.torso, temporal, usual=_usual_time(look.torso, _TRUNK_VELOCITY))
+    return max(_MIN_GAZE_TIME, head, trunk)
 
 
 def towards(place: Floats, robot: Robot) -> Turn:
-    """Finds the rotation of a gaze from upright to a place (3,) [m] in the world."""
+    """Return the rotation that turns an upright gaze towards a position.
+
+    Args:
+        place: (3,) [m] in the world.
+        robot: that looks.
+    """
     x, y, z = from_eyes(place, robot)
     return Turn(torsion=atan2(y, x), tilt=atan2(-z, hypot(x, y)))
 
 
 def from_eyes(place: Floats, robot: Robot) -> Floats:
-    """Finds the way (3,) [m] from the eyes of a robot upright to a place in the world."""
+    """Return the vector from the robot's eyes to a position [m].
+
+    Args:
+        place: (3,) [m] in the world.
+        robot: standing upright.
+    """
     return np.asarray(place - _eyes(robot))
 
 
 @lru_cache(maxsize=16)
 def _eyes(robot: Robot) -> Floats:
-    """(3,) [m] in the world; of a robot without a neck: between its shoulders."""
-    frames, neck = robot.skeleton.resting, robot.chains.get("neck")
+    """Return the position of the eyes, (3,) [m] in the world.
+
+    For a robot without a neck it is the point between its shoulders.
+    """
+    frames, neck = robot.skeleton.rest_frames, robot.chains.get("neck")
     if not neck:
         return np.asarray(np.mean([frames.origins[robot.arm(side).shoulder] for side in SIDES], axis=0))
     k, eyes = robot.skeleton.segment(neck[-1]), robot.sites.get("eyes")
@@ -137,48 +160,59 @@ def _eyes(robot: Robot) -> Floats:
     return np.asarray(frames.origins[k] + frames.rotations[k] @ inside)
 
 
-def _usual_time(turn: Turn, speed: float) -> float:
-    """What people take to look somewhere [s]: wide turns are faster, with Greta's peak speed of 4/3 a + `speed`."""
+def _usual_time(turn: Turn, velocity: float) -> float:
+    """Return the duration of a human gaze shift [s].
+
+    Wide shifts are faster, with Greta's peak velocity of 4/3 a + `speed` for an angle a.
+    """
     angle = max(map(abs, turn_angles(turn)))
-    return _PEAK * angle / (4 / 3 * angle + speed)
+    return _PEAK_VELOCITY_RATIO * angle / (4 / 3 * angle + velocity)
 
 
 def _offset(gaze: Gaze, block: Block) -> Turn:
-    """Of drafts and of Greta's dialect, an angle up to 1 is a share of `SHARE`."""
+    """Return the gaze rotation for an offset angle and direction.
+
+    In drafts and in Greta's dialect, an angle up to 1 is a fraction of `OFFSET_UNIT`.
+    """
     angle = gaze.offset_angle
-    if block.dialect in SHARED and abs(angle) <= 1:
-        angle *= SHARE
+    if block.dialect in UNIT_DIALECTS and abs(angle) <= 1:
+        angle *= OFFSET_UNIT
     text = (gaze.offset_direction or "").upper()
-    sides = np.array([_OFFSETS[word] for word in _OFFSETS if word in text])
+    sides = np.array([_OFFSET_DIRECTIONS[word] for word in _OFFSET_DIRECTIONS if word in text])
     if not len(sides):
-        return UPRIGHT
+        return UPRIGHT_TURN
     torsion, tilt = sides.sum(axis=0) * radians(angle) / sqrt(len(sides))
     return Turn(torsion=float(torsion), tilt=float(tilt))
 
 
-def _share_turn(turn: Turn, *, influence: str | None, robot: Robot, base: Aim, missing: str = "") -> Aim:
-    """Shares a rotation between eyes, head and trunk, inside their ranges."""
-    parts, seeing = (influence or "").upper(), EYES if "eyes" in robot.sites else (UPRIGHT, UPRIGHT)
-    alone = clip_turn(add_turns(turn, scale_turn(base.head, -1.0)), seeing) if parts == "EYES" else UPRIGHT
-    head = add_turns(turn, scale_turn(alone, -1.0))
-    share = max((least for part, least in _TRUNK_SHARES.items() if part in parts), default=0.0)
+def _divide_turn(turn: Turn, *, influence: str | None, robot: Robot, base: Aim, missing: str = "") -> Aim:
+    """Divide a rotation among eyes, head and trunk, inside their ranges."""
+    influenced, eye_range = (
+        (influence or "").upper(),
+        EYE_RANGE if "eyes" in robot.sites else (UPRIGHT_TURN, UPRIGHT_TURN),
+    )
+    eyes_alone = (
+        clip_turn(add_turns(turn, scale_turn(base.head, -1.0)), eye_range) if influenced == "EYES" else UPRIGHT_TURN
+    )
+    head = add_turns(turn, scale_turn(eyes_alone, -1.0))
+    fraction = max((smallest for part, smallest in _TRUNK_FRACTIONS.items() if part in influenced), default=0.0)
     torso = base.torso
-    if not parts or share:
-        trunk = copysign(max(share * abs(head.torsion), abs(head.torsion) - HEAD_ALONE), head.torsion)
-        torso = clip_turn(Turn(torsion=trunk), room(robot, "torso"))
+    if not influenced or fraction:
+        trunk = copysign(max(fraction * abs(head.torsion), abs(head.torsion) - MAX_HEAD_TORSION), head.torsion)
+        torso = clip_turn(Turn(torsion=trunk), rotation_range(robot, "torso"))
     neck = add_turns(head, scale_turn(torso, -1.0))
-    turned = add_turns(torso, clip_turn(neck, room(robot, "neck")))
-    rest = add_turns(turn, scale_turn(turned, -1.0))
-    lost, substitute = excess(rest, seeing), ""
+    head_turn = add_turns(torso, clip_turn(neck, rotation_range(robot, "neck")))
+    eye_turn = add_turns(turn, scale_turn(head_turn, -1.0))
+    lost_angle, substitute = range_excess(eye_turn, eye_range), ""
     if missing:
-        substitute = f"looks at the {AUDIENCE}: {missing}"
-    elif parts == "EYES" and "eyes" not in robot.sites:
+        substitute = f"looks at the {AUDIENCE_TARGET}: {missing}"
+    elif influenced == "EYES" and "eyes" not in robot.sites:
         substitute = "the head looks, as the robot has no eyes"
     return Aim(
-        head=turned,
+        head=head_turn,
         torso=torso,
-        eyes=clip_turn(rest, seeing),
+        eyes=clip_turn(eye_turn, eye_range),
         substitute=substitute,
         missing=missing,
-        clipped=f"{lost:.0f} deg beyond the neck's range are left out" if lost > 0.5 else "",
+        clipped=f"{lost_angle:.0f} deg beyond the neck's range are left out" if lost_angle > 0.5 else "",
     )

@@ -1,8 +1,8 @@
-"""Idle motion in pauses: the trunk shifts its weight, and the gaze wanders a little, both in time with breath.
+"""Idle motion in pauses: weight shifts and glances.
 
-Breath itself goes on through all that is done (`kinesic.planning.secondary`). What is here is motion like any other,
-written as layers of torso and head: it adds to whatever they hold, and passes the same conditioning. It fills the
-pauses in which no part moves, and begins and ends at nothing, so that it is over before anything else begins.
+Breath itself continues through all behaviours (`kinesic.planning.secondary`). This module writes layers of torso and
+head: they are added to the held rotations, and conditioned like other motion. They fill the pauses in which no part
+moves, and begin and end at zero, so that they are over before another behaviour begins.
 """
 
 from collections.abc import Iterable, Iterator
@@ -14,42 +14,44 @@ import numpy as np
 
 from kinesic.body.robot import Robot
 from kinesic.expressivity.gather import Sequences
-from kinesic.expressivity.hands.poses import REST
+from kinesic.expressivity.hands.poses import REST_HAND
 from kinesic.expressivity.keyframes import Turn
-from kinesic.expressivity.turns import UPRIGHT, Layer, TurnKey
+from kinesic.expressivity.turns import UPRIGHT_TURN, Layer, TurnKey
 
-Span = tuple[float, float]  # [s] from and to
+Span = tuple[float, float]  # [s] begin and end
 
-IDLE_MARGIN = 0.3  # [s] between idle motion and what is asked for
-LEAST_PAUSE = 2.4  # [s] that is worth a breath
+IDLE_MARGIN = 0.3  # [s] smallest pause between idle and requested motion
 
-BREATH = 4.0  # [s] of one; people breathe 12 to 18 times a minute
-RISE = radians(1.0)  # that the trunk goes back with a breath at most
-SWAY = radians(1.5)  # that the trunk leans and turns aside at most, for two breaths
-GLANCE, GLANCES = radians(5.0), 0.4  # that the head turns away at most, and the share of breaths that bring it
+MIN_PAUSE = 2.4  # [s] shorter pauses have no idle motion
+BREATH_PERIOD = 4.0  # [s] duration of one breath; people breathe 12 to 18 times a minute
+
+RISE_ANGLE = radians(1.0)  # [rad] largest backward rotation of the trunk with a breath
+SWAY_ANGLE = radians(1.5)  # [rad] largest sideward lean and rotation of the trunk, for two breaths
+GLANCE_ANGLE = radians(5.0)  # [rad] largest head rotation of a glance
+GLANCE_PROBABILITY = 0.4  # probability of a glance per breath at amount 1
 
 
 @dataclass(frozen=True)
 class Idling:
-    """What a robot does when nothing is asked."""
+    """Amount of idle motion, with its random seed."""
 
-    amount: float = 0.0  # 0 nothing .. 1 a little .. 2 twice as much
-    seed: int = 0  # of what is left to chance; the same seed gives the same motion
-
-
-OFF = Idling()
+    amount: float = 0.0  # 0 none .. 1 a little .. 2 twice as much
+    seed: int = 0  # of the random generator; the same seed gives the same motion
 
 
-def add_idle_motion(sequences: Sequences, whole: Span, idling: Idling, robot: Robot) -> Sequences:
-    """Adds idle motion to the parts of a block that the robot has.
+NO_IDLING = Idling()  # no idle motion
+
+
+def add_idle_motion(sequences: Sequences, block_span: Span, idling: Idling, robot: Robot) -> Sequences:
+    """Add idle motion to the pauses of a block.
 
     Args:
-        sequences: what is asked of the parts.
-        whole: [s] from the beginning of the block to its end.
-        idling: how lively, and by which chance.
-        robot: whose parts idle.
+        sequences: requested motion of the parts.
+        block_span: begin and end of the block [s].
+        idling: amount and seed.
+        robot: parts that it lacks do not move.
     """
-    torso, head = idle(pauses(used_spans(sequences), whole), idling)
+    torso, head = idle(pauses(used_spans(sequences), block_span), idling)
     return replace(
         sequences,
         torso=(*sequences.torso, torso) if torso and robot.joints("torso") else sequences.torso,
@@ -57,88 +59,106 @@ def add_idle_motion(sequences: Sequences, whole: Span, idling: Idling, robot: Ro
     )
 
 
-def idle(free: Iterable[Span], idling: Idling) -> tuple[Layer, Layer]:
-    """Makes layers of torso and head that fill pauses.
+def idle(free_spans: Iterable[Span], idling: Idling) -> tuple[Layer, Layer]:
+    """Create torso and head layers of idle motion in free time spans.
 
     Args:
-        free: [s] block time, in order, in which nothing is used.
-        idling: how lively, and by which chance.
+        free_spans: unused spans in block time, in order [s].
+        idling: amount and seed.
 
     Returns:
-        Of the torso and of the head, both empty when there is nothing to fill. The head stays level while the trunk
-        breathes.
+        Layer of the torso and of the head, both empty without pauses. The head stays level while the trunk breathes.
     """
     if idling.amount == 0.0:
         return (), ()
-    amount, chance = idling.amount, np.random.default_rng(idling.seed)
+    amount, generator = idling.amount, np.random.default_rng(idling.seed)
     torso: list[TurnKey] = []
     head: list[TurnKey] = []
-    for begin, end in free:
-        if end - begin - 2 * IDLE_MARGIN >= LEAST_PAUSE:
-            times = _breaths((begin + IDLE_MARGIN, end - IDLE_MARGIN), chance)
-            torso += [TurnKey(times[0], UPRIGHT), *_swaying(times, amount, chance), TurnKey(times[-1], UPRIGHT)]
-            head += [TurnKey(times[0], UPRIGHT), *_wandering(times, amount, chance), TurnKey(times[-1], UPRIGHT)]
+    for begin, end in free_spans:
+        if end - begin - 2 * IDLE_MARGIN >= MIN_PAUSE:
+            times = _breath_times((begin + IDLE_MARGIN, end - IDLE_MARGIN), generator)
+            torso += [
+                TurnKey(times[0], UPRIGHT_TURN),
+                *_sway_keys(times, amount, generator),
+                TurnKey(times[-1], UPRIGHT_TURN),
+            ]
+            head += [
+                TurnKey(times[0], UPRIGHT_TURN),
+                *_glance_keys(times, amount, generator),
+                TurnKey(times[-1], UPRIGHT_TURN),
+            ]
     return tuple(torso), tuple(head)
 
 
 def used_spans(sequences: Sequences) -> tuple[Span, ...]:
-    """Finds the spans in which a part moves, or a hand is away from its rest [s]; head and trunk may be anywhere."""
-    turning = [
+    """Return the time spans in which head, trunk or hands move [s].
+
+    Head and trunk may hold any rotation.
+    """
+    turning_spans = [
         (a.time, b.time)
         for layer in (*sequences.torso, *sequences.head)
         for a, b in pairwise(layer)
         if a.turn != b.turn
     ]
-    reaching = [
+    reaching_spans = [
         (a.time, b.time)
         for row in sequences.hands.values()
         for a, b in pairwise(row)
-        if a.hand != REST or b.hand != REST
+        if a.hand != REST_HAND or b.hand != REST_HAND
     ]
-    return (*turning, *reaching)
+    return (*turning_spans, *reaching_spans)
 
 
-def pauses(occupied: Iterable[Span], whole: Span) -> tuple[Span, ...]:
-    """Finds what occupied spans leave of a whole.
+def pauses(occupied: Iterable[Span], block_span: Span) -> tuple[Span, ...]:
+    """Return the free time spans of a block between occupied ones.
 
     Args:
-        occupied: [s] spans in which some part is used, in any order.
-        whole: [s] from the beginning to the end.
+        occupied: spans in which some part is used, in any order [s].
+        block_span: begin and end [s].
     """
-    found: list[Span] = []
-    free = whole[0]
+    gaps: list[Span] = []
+    free_time = block_span[0]
     for begin, end in sorted(occupied):
-        if begin > free:
-            found.append((free, min(begin, whole[1])))
-        free = max(free, end)
-    if free < whole[1]:
-        found.append((free, whole[1]))
-    return tuple(found)
+        if begin > free_time:
+            gaps.append((free_time, min(begin, block_span[1])))
+        free_time = max(free_time, end)
+    if free_time < block_span[1]:
+        gaps.append((free_time, block_span[1]))
+    return tuple(gaps)
 
 
-def _breaths(span: Span, chance: np.random.Generator) -> list[float]:
-    """Turning points of the breath [s], from the first to the last of a span, an even number of ways between them."""
-    count = 2 * max(1, round((span[1] - span[0]) / BREATH))
-    shares = 1.0 + 0.15 * chance.uniform(-1.0, 1.0, count)
-    return [float(time) for time in span[0] + (span[1] - span[0]) * np.append(0.0, np.cumsum(shares)) / shares.sum()]
+def _breath_times(span: Span, generator: np.random.Generator) -> list[float]:
+    """Return the turning points of the breath over a span [s].
+
+    The number of intervals is even.
+    """
+    count = 2 * max(1, round((span[1] - span[0]) / BREATH_PERIOD))
+    durations = 1.0 + 0.15 * generator.uniform(-1.0, 1.0, count)
+    return [
+        float(time) for time in span[0] + (span[1] - span[0]) * np.append(0.0, np.cumsum(durations)) / durations.sum()
+    ]
 
 
-def _swaying(times: list[float], amount: float, chance: np.random.Generator) -> Iterator[TurnKey]:
-    """At some breaths the weight shifts to a side."""
-    weight = UPRIGHT
+def _sway_keys(times: list[float], amount: float, generator: np.random.Generator) -> Iterator[TurnKey]:
+    """Yield torso keys of random weight shifts during breathing."""
+    shifted = UPRIGHT_TURN
     for k, time in enumerate(times[1:-1], 1):
         if k % 4 == 1:
-            aside, turned = amount * SWAY * chance.uniform(-1.0, 1.0, 2)
-            weight = Turn(torsion=float(turned), roll=float(aside))
-        yield TurnKey(time, weight)
+            lateral, turned = amount * SWAY_ANGLE * generator.uniform(-1.0, 1.0, 2)
+            shifted = Turn(torsion=float(turned), roll=float(lateral))
+        yield TurnKey(time, shifted)
 
 
-def _wandering(times: list[float], amount: float, chance: np.random.Generator) -> Iterator[TurnKey]:
-    """At some breaths the gaze goes elsewhere, and comes back with a later one."""
-    glance = UPRIGHT
+def _glance_keys(times: list[float], amount: float, generator: np.random.Generator) -> Iterator[TurnKey]:
+    """Yield head keys of random glances.
+
+    A glance returns at a later breath.
+    """
+    glance_turn = UPRIGHT_TURN
     for k, time in enumerate(times[1:-1], 1):
         if k % 2:
-            away = float(chance.uniform()) < amount * GLANCES
-            aside, down = chance.uniform(-1.0, 1.0, 2) * amount * GLANCE * away
-            glance = Turn(torsion=float(aside), tilt=0.4 * float(down))
-        yield TurnKey(time, glance)
+            is_glancing = float(generator.uniform()) < amount * GLANCE_PROBABILITY
+            lateral, down = generator.uniform(-1.0, 1.0, 2) * amount * GLANCE_ANGLE * is_glancing
+            glance_turn = Turn(torsion=float(lateral), tilt=0.4 * float(down))
+        yield TurnKey(time, glance_turn)

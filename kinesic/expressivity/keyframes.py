@@ -1,4 +1,4 @@
-"""Key frames: where hands, head and torso are at key times (thesis 8.5: the full body at each key)."""
+"""Key frames of hands, head and torso (thesis 8.5)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -11,12 +11,14 @@ from kinesic.body.robot import PartName, Side
 from kinesic.expressivity.lexicon.hand_shapes import Finger
 from kinesic.motion.keys import KeyPassage
 
-Touch = Literal["hand", "forearm", "upper_arm", "head", "chest", "lap"]  # arm and hand: those of the other side
+Touch = Literal[
+    "hand", "forearm", "upper_arm", "head", "chest", "lap"
+]  # touched body part; arm and hand are those of the other side
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a behaviour."""
+    """Outcome of a behaviour, with the reason for a change."""
 
     kind: Literal["realised", "partly", "substituted", "dropped"]
     why: str = ""
@@ -24,7 +26,10 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Turn:
-    """A rotation of head or torso away from upright: torsion first, then tilt, then roll."""
+    """Rotation of head or torso from upright.
+
+    The order is torsion, tilt, roll.
+    """
 
     torsion: float = 0.0  # [rad] + left
     tilt: float = 0.0  # [rad] + down, forward
@@ -33,101 +38,107 @@ class Turn:
 
 @dataclass(frozen=True)
 class BodyMove:
-    """What the rest of the body does in one gesture, where nothing else is asked of it."""
+    """Body motion that accompanies one gesture."""
 
-    head: Turn = Turn()  # at the stroke
-    nod: float = 0.0  # [rad] down at each stroke, beyond where the head is
-    shake: float = 0.0  # [rad] of the head to either side, first to the left; below 0 to the right
+    head: Turn = Turn()  # rotation at the stroke
+    nod: float = 0.0  # [rad] additional tilt down at each stroke
+    shake: float = 0.0  # [rad] of the head to both sides, first to the left; below 0 first to the right
     trunk: Turn = Turn()
-    shoulders: float = 0.0  # [rad] that they rise above the hands that take part
-    eyes: Turn | None = None  # where they look, in the world; None: wherever they did
-    face: tuple[tuple[str, float], ...] = ()  # lexemes of expressions, and their amounts
-    gave_way: tuple[str, ...] = ()  # parts that something else of the document needs meanwhile
+    shoulders: float = 0.0  # [rad] elevation on the sides of the hands that take part
+    eyes: Turn | None = None  # gaze direction in the world; None: unchanged
+    face: tuple[tuple[str, float], ...] = ()  # (lexeme of an expression, amount)
+    gave_way: tuple[str, ...] = ()  # parts that other behaviours of the document need
 
     @property
     def still(self) -> bool:
-        """Whether only the hands move."""
+        """Whether the motion leaves head, trunk and shoulders unmoved."""
         return self.head == self.trunk == Turn() and self.nod == self.shake == self.shoulders == 0.0
 
 
 @dataclass(frozen=True)
 class Succession:
-    """How much later than others a part of a body moves in one gesture."""
+    """Delays between the hands, and between the joints of an arm."""
 
-    leader: Side = "r"  # of two hands the one that comes at the times of the gesture
-    behind: float = 0.0  # [s] that the other one follows
-    loose: float = 0.0  # [s] that the wrist comes later than the shoulder on the ways there and back
+    leader: Side = "r"  # hand without a delay
+    behind: float = 0.0  # [s] delay of the other hand
+    loose: float = 0.0  # [s] delay of the wrist after the shoulder in preparation and retraction
 
     def behind_of(self, side: Side) -> float:
-        """How much later than the gesture's times one of its hands is [s]."""
+        """Return the delay of one hand relative to the gesture [s]."""
         return 0.0 if side == self.leader else self.behind
 
 
-NO_SUCCESSION = Succession()
+NO_SUCCESSION = Succession()  # zero delays: all joints move at the same time
 
 
 @dataclass(frozen=True)
 class HeldTurns:
-    """Rotations that a behaviour holds from its end on, alone."""
+    """Head and torso rotations that remain after a behaviour ends."""
 
-    kind: Literal["look", "posture"]  # of two of one kind the later one alone holds
-    head: Turn = Turn()  # the torso's part included
+    kind: Literal["look", "posture"]  # a later behaviour replaces an earlier one of the same kind
+    head: Turn = Turn()  # that of the torso included
     torso: Turn = Turn()
 
 
 @dataclass(frozen=True, eq=False)
 class Hand:
-    """Where one hand is."""
+    """Pose of one hand, with the properties of its arm."""
 
-    reach: Reach | None = None  # in the world as if the torso stood upright; None: at rest
-    aim: Floats | None = None  # (3,) [m] in the world: what the arm points at from wherever its shoulder then is
-    touch: Touch | None = None  # what the hand is laid on; performed as a hover
-    openness: float = 0.0  # 0 the elbow hangs as the hand lets it .. 1 it stands far out
-    effort: float = 0.0  # 0 the shoulder stays .. 1 the arm pulls it along
-    passing: bool = False  # on a path: the elbow comes along as it is
-    lift: float = 0.0  # [rad] that the shoulder rises, wherever the hand is
+    reach: Reach | None = None  # hand target in the world with an upright torso; None: at rest
+    aim: Floats | None = None  # (3,) [m] pointed place in the world, for any position of the shoulder
+    touch: Touch | None = None  # touched body part; performed as a hover
+    openness: float = 0.0  # 0 the elbow hangs .. 1 it stands far out
+    effort: float = 0.0  # 0 the shoulder stays .. 1 it follows the arm
+    passing: bool = False  # whether the key is on a path, where the elbow keeps its swivel
+    lift: float = 0.0  # [rad] elevation of the shoulder, for any hand position
     shape: str | None = None  # name of a hand shape; None: relaxed
-    tip: Finger | None = None  # whose tip touches; None: palm or finger, whichever is nearer
+    tip: Finger | None = None  # touching fingertip; None: palm or finger, the nearer one
 
 
 @dataclass(frozen=True, eq=False)
 class FingerKey:
-    """The fingers of one hand at one time."""
+    """Finger angles of one hand at one time."""
 
     time: float  # [s] block time
-    angles: Floats  # (f,) [rad] of the hand's finger drives, in joint order
+    angles: Floats  # (f,) [rad] of the finger drives, in joint order
 
 
 @dataclass(frozen=True, eq=False)
 class KeyFrame:
-    """The whole upper body at one key time."""
+    """Poses of the whole upper body at one key time."""
 
     time: float  # [s] block time
     torso: Turn
     head: Turn
     hands: Mapping[Side, Hand]
-    given: frozenset[PartName]  # parts that a behaviour asks for here
-    syncs: tuple[tuple[str, str], ...] = ()  # (behaviour id, sync point) that fall on this key
-    passages: Mapping[PartName, KeyPassage] = field(default_factory=dict)  # of given parts; the others pass plainly
-    filled: frozenset[PartName] = frozenset()  # parts that are on their way here between keys of their own
+    given: frozenset[PartName]  # parts with a key of a behaviour
+    syncs: tuple[tuple[str, str], ...] = ()  # (behaviour id, sync point) at this key
+    passages: Mapping[PartName, KeyPassage] = field(default_factory=dict)  # of given parts; default for the others
+    filled: frozenset[PartName] = frozenset()  # parts interpolated between their own keys
 
     @property
-    def known(self) -> frozenset[PartName]:
-        """Parts whose place this frame says; the others go along with them."""
+    def posed_parts(self) -> frozenset[PartName]:
+        """Body parts that have a key or interpolated pose in this frame.
+
+        The other parts follow them.
+        """
         return self.given | self.filled
 
 
 @dataclass(frozen=True, eq=False)
 class KeyFrames:
-    """One block as key frames, in strictly increasing time, at rest before the first and after the last."""
+    """Key frames of one block in strictly increasing time.
+
+    The body is at rest before the first and after the last frame.
+    """
 
     timeline: Timeline
     frames: tuple[KeyFrame, ...]
-    outcomes: Mapping[str, Outcome]  # behaviour id -> what became of it, dropped ones included
-    uses: Mapping[str, frozenset[PartName]] = field(default_factory=dict)  # behaviour id -> the parts it moves
+    outcomes: Mapping[str, Outcome]  # by behaviour id, dropped ones included
+    uses: Mapping[str, frozenset[PartName]] = field(default_factory=dict)  # behaviour id -> moved parts
     notices: tuple[Notice, ...] = ()  # those of the timeline included
-    bodies: Mapping[str, BodyMove] = field(default_factory=dict)  # id of a gesture -> what the body does beside it
-    fingers: Mapping[Side, tuple[FingerKey, ...]] = field(default_factory=dict)  # of hands whose fingers move
-    shapes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # behaviour id -> hand shapes asked for
-    successions: Mapping[str, Succession] = field(default_factory=dict)  # id of what hands do -> what moves later
-    held: Mapping[str, HeldTurns] = field(default_factory=dict)  # id of a behaviour that never goes back -> it holds
+    bodies: Mapping[str, BodyMove] = field(default_factory=dict)  # gesture id -> accompanying body motion
+    fingers: Mapping[Side, tuple[FingerKey, ...]] = field(default_factory=dict)  # of hands with moving fingers
+    shapes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # behaviour id -> requested hand shapes
+    successions: Mapping[str, Succession] = field(default_factory=dict)  # id of a stroke -> hand and joint delays
+    held: Mapping[str, HeldTurns] = field(default_factory=dict)  # id of a behaviour that stays -> held rotations

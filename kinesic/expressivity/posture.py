@@ -1,6 +1,6 @@
-"""Postures: how trunk, arms and head take a stance and poses, for a while or as the rest to which others return.
+"""Postures of trunk, arms and head, temporary or permanent.
 
-In time, trunk, head and arms go into a posture together, and come back unless they stay.
+Trunk, head and arms take a posture together, and return unless it stays.
 """
 
 from collections.abc import Mapping, Sequence
@@ -27,134 +27,161 @@ from kinesic.expressivity.lexicon.movement_words import movement_words, read_hea
 from kinesic.expressivity.lexicon.names import shorten_name
 from kinesic.expressivity.trunk import Lean, hold_lean, limit_trunk, trunk_direction
 from kinesic.expressivity.turns import (
-    UPRIGHT,
+    UPRIGHT_TURN,
     add_turns,
     clip_turn,
-    exclusive,
-    pass_layer,
-    room,
+    layers_of_holds,
+    rotation_range,
     scale_turn,
+    set_passages,
 )
 
-BENT = 0.5  # amount of a lean that is part of a posture
+LEAN_AMOUNT = 0.5  # amount of a lean that is part of a posture
 
-_ARMS: Mapping[str, HandMode] = {"ARMS": "both", "LEFT_ARM": "left", "RIGHT_ARM": "right"}
-_TRUNK = ("BODY", "TORSO", "SPINE", "TRUNK")
-_WHOLE = "WHOLEBODY"
-_FROM_GESTURES = {"open": "welcome"}  # poses of the arms that are the end of a gesture
-_EASE = frozenset({"neutral", "idle", "stand", "rest", "hang", "side"})  # words for arms that hang
+_ARM_PARTS: Mapping[str, HandMode] = {"ARMS": "both", "LEFT_ARM": "left", "RIGHT_ARM": "right"}
+_TRUNK_PARTS = ("BODY", "TORSO", "SPINE", "TRUNK")  # pose parts that move the trunk
+_WHOLE_BODY = "WHOLEBODY"  # pose part of trunk and arms
+_GESTURE_POSES = {"open": "welcome"}  # gesture whose final pose performs an arm pose, by word
+_HANGING_WORDS = frozenset({"neutral", "idle", "stand", "rest", "hang", "side"})  # words for arms that hang
 
-Arms = GestureForm | HandMode  # a rest form; a mode: these arms hang
-_SIDES: Mapping[str, tuple[Side, ...]] = {"both": ("l", "r"), "left": ("l",), "right": ("r",)}
+Arms = GestureForm | HandMode  # a rest form, or the mode of arms that hang
+_MODE_SIDES: Mapping[str, tuple[Side, ...]] = {"both": ("l", "r"), "left": ("l",), "right": ("r",)}
 
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """A posture: what trunk, head and arms do of it."""
+    """Trunk, head and arm poses of a posture."""
 
     lean: Lean
     arms: tuple[Arms, ...] = ()
-    head: Turn = UPRIGHT
-    left_out: str = ""  # what the robot cannot do of it
-    names_trunk: bool = False  # whether it says how the trunk is, be it upright
+    head: Turn = UPRIGHT_TURN
+    left_out: str = ""  # parts that the robot cannot perform
+    names_trunk: bool = False  # whether it sets the trunk, possibly to upright
 
 
 @dataclass(frozen=True, eq=False)
-class _Part:
-    """What one pose asks of the body."""
+class _PosePart:
+    """Contribution of one pose lexeme to a posture."""
 
-    lean: Turn = UPRIGHT
+    lean: Turn = UPRIGHT_TURN
     arms: Arms | None = None
-    head: Turn = UPRIGHT
+    head: Turn = UPRIGHT_TURN
     names_trunk: bool = False
 
 
 def pose(posture: Posture, lexicon: Lexicon, robot: Robot) -> Pose | None:
-    """Finds what this robot does of a posture: it leans and turns its head, and puts its arms in rest poses.
+    """Return the trunk, head and arm poses of a posture behaviour.
 
-    Of a stance it does what its upper body has part in: who sits has the hands in the lap, who crouches bends forward,
-    who stands lets them hang. A pose of the arms goes before.
+    Of a stance the upper body performs its part: sitting puts the hands in the lap, crouching bends the trunk forward,
+    standing lets the arms hang. An explicit pose of the arms has precedence.
 
     Returns:
-        None when it can do nothing of what was asked.
+        None when the robot can perform no part of it.
     """
-    parts, left_out = _parts(posture, lexicon, robot)
+    parts, left_out = _pose_parts(posture, lexicon, robot)
     arms = tuple(part.arms for part in parts if part.arms is not None)
     stance = (posture.stance or "").upper()
     if stance:
-        stood = _stance(stance, lexicon, stays=posture.shift)
-        if stood is None:
+        stance_part = _stance_part(stance, lexicon, stays=posture.shift)
+        if stance_part is None:
             left_out.append(f"no stance {posture.stance}, as the base is fixed")
         else:
-            parts.append(replace(stood, arms=None))
-            arms = arms or ((stood.arms,) if stood.arms is not None else ())
+            parts.append(replace(stance_part, arms=None))
+            arms = arms or ((stance_part.arms,) if stance_part.arms is not None else ())
     if not parts:
         return None
-    leaned, bowed = UPRIGHT, UPRIGHT
+    lean_turn, head_turn = UPRIGHT_TURN, UPRIGHT_TURN
     for part in parts:
-        leaned, bowed = add_turns(leaned, part.lean), add_turns(bowed, part.head)
-    upright = any(part.names_trunk for part in parts) and bool(robot.joints("torso"))
-    return Pose(limit_trunk(leaned, robot), arms, clip_turn(bowed, room(robot, "neck")), "; ".join(left_out), upright)
+        lean_turn, head_turn = add_turns(lean_turn, part.lean), add_turns(head_turn, part.head)
+    sets_trunk = any(part.names_trunk for part in parts) and bool(robot.joints("torso"))
+    return Pose(
+        limit_trunk(lean_turn, robot),
+        arms,
+        clip_turn(head_turn, rotation_range(robot, "neck")),
+        "; ".join(left_out),
+        sets_trunk,
+    )
 
 
-def _parts(posture: Posture, lexicon: Lexicon, robot: Robot) -> tuple[list[_Part], list[str]]:
-    """Lists what the poses of a posture ask, and why some are left out; of two for one arm, the first counts."""
-    parts: list[_Part] = []
+def _pose_parts(posture: Posture, lexicon: Lexicon, robot: Robot) -> tuple[list[_PosePart], list[str]]:
+    """Return the contributions of all pose lexemes, and reasons for omitted ones.
+
+    Of two for one arm, the first counts.
+    """
+    parts: list[_PosePart] = []
     left_out: list[str] = []
-    placed: dict[Side, str] = {}
+    lexeme_by_side: dict[Side, str] = {}
     for name, lexeme in posture.poses:
-        part = _part(name.upper(), lexeme, lexicon)
+        part = _pose_part(name.upper(), lexeme, lexicon)
         sides: tuple[Side, ...] = () if part is None or part.arms is None else _sides(part.arms)
-        before = next((placed[side] for side in sides if side in placed), None)
+        earlier = next((lexeme_by_side[side] for side in sides if side in lexeme_by_side), None)
         if part is None:
             left_out.append(f"no pose {shorten_name(lexeme)} of {name}")
-        elif before is not None:
-            left_out.append(f"the pose {lexeme} of {name} is left out: the arms are in {before}")
-        elif part.head != UPRIGHT and not robot.joints("neck"):
+        elif earlier is not None:
+            left_out.append(f"the pose {lexeme} of {name} is left out: the arms are in {earlier}")
+        elif part.head != UPRIGHT_TURN and not robot.joints("neck"):
             left_out.append(f"no neck for the pose {lexeme} of {name}")
         else:
             parts.append(part)
-            placed |= dict.fromkeys(sides, lexeme)
+            lexeme_by_side |= dict.fromkeys(sides, lexeme)
     return parts, left_out
 
 
 def _sides(arms: Arms) -> tuple[Side, ...]:
-    return tuple(sorted(arms.sides)) if isinstance(arms, GestureForm) else _SIDES[arms]
+    return tuple(sorted(arms.sides)) if isinstance(arms, GestureForm) else _MODE_SIDES[arms]
 
 
-def _stance(stance: str, lexicon: Lexicon, *, stays: bool) -> _Part | None:
+def _stance_part(stance: str, lexicon: Lexicon, *, stays: bool) -> _PosePart | None:
     match stance:
         case "STANDING":
-            return _Part(arms="both" if stays else None)
+            return _PosePart(arms="both" if stays else None)
         case "SITTING":
-            return _Part(arms=_arms("lap", "both", lexicon))
+            return _PosePart(arms=_find_arm_pose("lap", "both", lexicon))
         case "CROUCHING":
-            return _Part(lean=scale_turn(trunk_direction(("forward",)) or UPRIGHT, BENT))
+            return _PosePart(lean=scale_turn(trunk_direction(("forward",)) or UPRIGHT_TURN, LEAN_AMOUNT))
     return None
 
 
-def _part(name: str, lexeme: str, lexicon: Lexicon) -> _Part | None:
-    """Finds what one pose asks of trunk, arms or head; None when they can do nothing of it."""
-    if name in _ARMS:
-        arms = _arms(lexeme, _ARMS[name], lexicon)
-        return None if arms is None else _Part(arms=arms)
+def _pose_part(name: str, lexeme: str, lexicon: Lexicon) -> _PosePart | None:
+    """Return the contribution of one pose lexeme.
+
+    Returns:
+        None if the lexeme is unknown.
+    """
+    if name in _ARM_PARTS:
+        arms = _find_arm_pose(lexeme, _ARM_PARTS[name], lexicon)
+        return None if arms is None else _PosePart(arms=arms)
     if name == "HEAD":
-        held = read_head_name(lexeme)
-        return _Part(head=scale_turn(direction(held.words), BENT)) if held and held.kind == "direction" else None
-    if name == _WHOLE or name in _TRUNK:
-        leaned = trunk_direction(read_trunk_name(lexeme))
-        arms = None if name != _WHOLE or leaned not in (None, UPRIGHT) else _arms(lexeme, "both", lexicon)
-        if leaned is not None or arms is not None:
-            return _Part(lean=scale_turn(leaned or UPRIGHT, BENT), arms=arms, names_trunk=leaned is not None)
+        head_name = read_head_name(lexeme)
+        return (
+            _PosePart(head=scale_turn(direction(head_name.words), LEAN_AMOUNT))
+            if head_name and head_name.kind == "direction"
+            else None
+        )
+    if name == _WHOLE_BODY or name in _TRUNK_PARTS:
+        lean_turn = trunk_direction(read_trunk_name(lexeme))
+        arms = (
+            None
+            if name != _WHOLE_BODY or lean_turn not in (None, UPRIGHT_TURN)
+            else _find_arm_pose(lexeme, "both", lexicon)
+        )
+        if lean_turn is not None or arms is not None:
+            return _PosePart(
+                lean=scale_turn(lean_turn or UPRIGHT_TURN, LEAN_AMOUNT), arms=arms, names_trunk=lean_turn is not None
+            )
     return None
 
 
-def _arms(lexeme: str, mode: HandMode, lexicon: Lexicon) -> Arms | None:
-    """Finds the rest form of a pose of the arms, or the arms that hang; None when the lexicon knows none."""
-    found = movement_words(lexeme)
-    if _EASE & {*found}:
+def _find_arm_pose(lexeme: str, mode: HandMode, lexicon: Lexicon) -> Arms | None:
+    """Return the gesture form or hanging hands of an arm pose.
+
+    Returns:
+        None when the lexicon has no such pose.
+    """
+    performed = movement_words(lexeme)
+    if _HANGING_WORDS & {*performed}:
         return mode
-    gesture = next((form for word, form in _FROM_GESTURES.items() if word in found), None)
+    gesture = next((form for word, form in _GESTURE_POSES.items() if word in performed), None)
     if gesture is not None and (match := lexicon.find(gesture, mode)) is not None and match.form.keys:
         return replace(match.form, keys=match.form.keys[-1:], rest=True)
     for name in (lexeme, f"arms {lexeme}"):  # the draft's CROSSED of ARMS
@@ -165,60 +192,67 @@ def _arms(lexeme: str, mode: HandMode, lexicon: Lexicon) -> Arms | None:
 
 
 def posture_moves(postures: Sequence[TimedBehaviour], context: BlockContext) -> Mapping[str, Move]:
-    """Leans trunk and head and brings the arms into rest poses; of several postures the later wins from its start."""
+    """Convert postures to layers and arm strokes.
+
+    Later postures override earlier ones.
+    """
     moves: dict[str, Move] = {}
-    found: list[tuple[TimedBehaviour, Pose]] = []
+    performed: list[tuple[TimedBehaviour, Pose]] = []
     for timed in sorted(postures, key=lambda timed: timed.times["start"]):
         action = timed.behaviour.action
         if not isinstance(action, Posture):
-            raise TypeError(f"{timed.behaviour.id} is a {type(action).__name__}, no posture")
-        posed = pose(action, context.lexicon, context.robot)
-        if posed is None:
-            requested = [f"stance {action.stance}"] if action.stance else []
-            names = ", ".join((*requested, *(f"{shorten_name(lexeme)} of {part}" for part, lexeme in action.poses)))
-            known = "standing, sitting, leaning, and rest poses of the arms, are known"
-            moves[timed.behaviour.id] = drop_behaviour(f"no pose {names}; {known}")
-        elif posed.lean.clipped and posed.lean.turn == UPRIGHT and not posed.arms:
-            moves[timed.behaviour.id] = drop_behaviour(f"the trunk cannot: {posed.lean.clipped}")
+            raise TypeError(f"{timed.behaviour.id} is a {type(action).__name__}, not a posture")
+        posture_pose = pose(action, context.lexicon, context.robot)
+        if posture_pose is None:
+            stance_text = [f"stance {action.stance}"] if action.stance else []
+            names = ", ".join((*stance_text, *(f"{shorten_name(lexeme)} of {part}" for part, lexeme in action.poses)))
+            hint = "standing, sitting, leaning, and rest poses of the arms, are known"
+            moves[timed.behaviour.id] = drop_behaviour(f"no pose {names}; {hint}")
+        elif posture_pose.lean.clipped and posture_pose.lean.turn == UPRIGHT_TURN and not posture_pose.arms:
+            moves[timed.behaviour.id] = drop_behaviour(f"the trunk cannot: {posture_pose.lean.clipped}")
         else:
-            found.append((timed, posed))
+            performed.append((timed, posture_pose))
     trunks, heads = (
-        exclusive(
+        layers_of_holds(
             [
                 hold_lean(turn, timed.times, chain=chain, stays=stays(timed.behaviour.action), pace=context.pace)
                 for timed, turn in turns
             ]
         )
         for chain, turns in (
-            ("torso", [(timed, posed.lean.turn) for timed, posed in found]),
-            ("neck", [(timed, posed.head) for timed, posed in found]),
+            ("torso", [(timed, posture_pose.lean.turn) for timed, posture_pose in performed]),
+            ("neck", [(timed, posture_pose.head) for timed, posture_pose in performed]),
         )
     )
-    for (timed, posed), trunk, head in zip(found, trunks, heads, strict=True):
-        outcome, warnings = substitution_outcome(posed.left_out, posed.lean.clipped)
-        bowed = pass_layer(head, context.manner(timed.behaviour, "head")) if context.robot.joints("neck") else ()
-        leaned = pass_layer(trunk, context.manner(timed.behaviour, "torso"))
+    for (timed, posture_pose), trunk, head in zip(performed, trunks, heads, strict=True):
+        outcome, warnings = substitution_outcome(posture_pose.left_out, posture_pose.lean.clipped)
+        head_turn = set_passages(head, context.manner(timed.behaviour, "head")) if context.robot.joints("neck") else ()
+        lean_turn = set_passages(trunk, context.manner(timed.behaviour, "torso"))
         moves[timed.behaviour.id] = Move(
             outcome,
-            head=without_upright(bowed),
-            torso=(leaned,) if posed.names_trunk and stays(timed.behaviour.action) else without_upright(leaned),
-            strokes=tuple(stroke for arms in posed.arms for stroke in _arm_strokes(timed, arms, context)),
+            head=without_upright(head_turn),
+            torso=(lean_turn,)
+            if posture_pose.names_trunk and stays(timed.behaviour.action)
+            else without_upright(lean_turn),
+            strokes=tuple(stroke for arms in posture_pose.arms for stroke in _arm_strokes(timed, arms, context)),
             warnings=warnings,
         )
     return moves
 
 
 def _arm_strokes(timed: TimedBehaviour, arms: Arms, context: BlockContext) -> tuple[Stroke, ...]:
-    """Brings the arms into a rest pose, and back unless the posture stays."""
+    """Return arm motions into a posture and, if temporary, to rest."""
     times, shift, manner = timed.times, stays(timed.behaviour.action), context.manner(timed.behaviour)
-    work = poses(arms, context.robot, manner) if isinstance(arms, GestureForm) else hanging_arms(_SIDES[arms])
-    there = times["end"] if shift else times["ready"]
-    back = times["end"] if shift else times["relax"]
-    taken = Stroke(timed.behaviour.id, _at_once(times["start"], there), (work,), rest=True)
-    left = Stroke(timed.behaviour.id, _at_once(back, times["end"]), (hanging_arms(tuple(work.hands)),), rest=True)
-    return (taken,) if shift else (taken, left)
+    work = poses(arms, context.robot, manner) if isinstance(arms, GestureForm) else hanging_arms(_MODE_SIDES[arms])
+    arrival_time = times["end"] if shift else times["ready"]
+    departure = times["end"] if shift else times["relax"]
+    into_pose = Stroke(timed.behaviour.id, _instant_syncs(times["start"], arrival_time), (work,), rest=True)
+    out_of_pose = Stroke(
+        timed.behaviour.id, _instant_syncs(departure, times["end"]), (hanging_arms(tuple(work.hands)),), rest=True
+    )
+    return (into_pose,) if shift else (into_pose, out_of_pose)
 
 
-def _at_once(start: float, arrive: float) -> dict[str, float]:
-    """Sync points of work that is done when it arrives."""
+def _instant_syncs(start: float, arrive: float) -> dict[str, float]:
+    """Return sync points of an arm motion, all at its arrival."""
     return {"start": start} | dict.fromkeys(("ready", "strokeStart", "stroke", "strokeEnd", "relax", "end"), arrive)

@@ -1,4 +1,4 @@
-"""Rotations of head and torso in time: keys, layers that add up, and the range that holds them."""
+"""Rotations of head and torso over time: keys, layers and ranges."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -14,97 +14,109 @@ from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.style.style import Expressivity, Phase, passage_of
 from kinesic.motion.keys import PLAIN_PASSAGE, KeyPassage
 
-AXES = ("torsion", "tilt", "roll")  # in the order of Turn; hinges of neck and torso are named after them
-UPRIGHT = Turn()
-MERGE = 0.02  # [s] keys nearer than this are one key
+TURN_AXES = ("torsion", "tilt", "roll")  # rotation axes in the order of Turn; suffixes of neck and torso joint names
+UPRIGHT_TURN = Turn()  # rotation of zero
+MIN_KEY_SPACING = 0.02  # [s] shortest interval between keys; closer keys are merged
 
 
 @dataclass(frozen=True)
 class TurnKey:
-    """A rotation at one time."""
+    """Key of a head or torso rotation: time, rotation and spline parameters."""
 
     time: float  # [s] block time
     turn: Turn
     passage: KeyPassage = PLAIN_PASSAGE
 
 
-Layer = tuple[TurnKey, ...]  # in time order; straight between its keys, constant outside them
+Layer = tuple[TurnKey, ...]  # in time order; linearly interpolated between its keys, constant outside them
 
 
 @dataclass(frozen=True)
 class Hold:
-    """Going to a rotation and staying there: for a while, or for good."""
+    """Movement to a rotation that is held temporarily or permanently."""
 
-    start: float  # [s] leaves the present rotation
-    arrive: float  # [s]
+    start: float  # [s] departure from the current rotation
+    arrive: float  # [s] arrival at the held rotation
     turn: Turn
-    leave: float | None = None  # [s]; None: it stays
-    back: float | None = None  # [s]; None: it stays
+    leave: float | None = None  # [s] begin of the return; None: it stays
+    back: float | None = None  # [s] end of the return; None: it stays
 
 
 def hold_turn(turn: Turn, times: Mapping[str, float], *, natural: float, stays: bool) -> Hold:
-    """Times a hold by sync points: there at `ready` (or `end`, if there is no other), back from `relax` to `end`.
+    """Create a held rotation from its sync points.
+
+    It arrives at `ready` (or at `end` without it), and returns from `relax` to `end`.
 
     Args:
-        turn: where it goes.
+        turn: rotation to hold.
         times: sync points [s].
-        natural: time for the way where the sync points leave none [s].
-        stays: whether it never goes back.
+        natural: duration of the movement where the sync points leave no time [s].
+        stays: whether it never returns.
     """
     start = times["start"]
-    arrive = arrival(start, times.get("ready", times["end"]), natural)
+    arrive = arrival_time(start, times.get("ready", times["end"]), natural)
     if stays:
         return Hold(start, arrive, turn)
     leave = max(times["relax"], arrive)
-    return Hold(start, arrive, turn, leave, arrival(leave, times["end"], natural))
+    return Hold(start, arrive, turn, leave, arrival_time(leave, times["end"], natural))
 
 
 def scale_turn(turn: Turn, factor: float) -> Turn:
-    """Multiplies a rotation, axis by axis."""
+    """Multiply a rotation by a factor, axis by axis."""
     return Turn(turn.torsion * factor, turn.tilt * factor, turn.roll * factor)
 
 
 def add_turns(a: Turn, b: Turn) -> Turn:
-    """Adds two rotations, axis by axis."""
+    """Add two rotations, axis by axis."""
     return Turn(a.torsion + b.torsion, a.tilt + b.tilt, a.roll + b.roll)
 
 
 def turn_angles(turn: Turn) -> tuple[float, float, float]:
-    """Lists torsion, tilt and roll [rad], in the order of `AXES`."""
+    """Return torsion, tilt and roll [rad], in the order of `AXES`."""
     return turn.torsion, turn.tilt, turn.roll
 
 
 @lru_cache(maxsize=16)
-def room(robot: Robot, chain: str) -> tuple[Turn, Turn]:
-    """Finds the least and greatest rotation of a chain's hinges; zero where it has no hinge for an axis."""
+def rotation_range(robot: Robot, chain: str) -> tuple[Turn, Turn]:
+    """Return the smallest and largest rotation of a kinematic chain.
+
+    Axes without a joint have the range zero.
+    """
     skeleton = robot.skeleton
     hinges = [skeleton.hinges[k] for k in robot.joints(chain)]
-    lower = [sum(h.lower for h in hinges if h.name.endswith(axis)) for axis in AXES]
-    upper = [sum(h.upper for h in hinges if h.name.endswith(axis)) for axis in AXES]
+    lower = [sum(h.lower for h in hinges if h.name.endswith(axis)) for axis in TURN_AXES]
+    upper = [sum(h.upper for h in hinges if h.name.endswith(axis)) for axis in TURN_AXES]
     return Turn(*lower), Turn(*upper)
 
 
-def clip_turn(turn: Turn, within: tuple[Turn, Turn]) -> Turn:
-    """Finds the nearest rotation inside a range."""
-    least, most = within
+def clip_turn(turn: Turn, limits: tuple[Turn, Turn]) -> Turn:
+    """Clip a rotation to a range, axis by axis."""
+    lower, upper = limits
     return Turn(
-        *(min(max(v, a), b) for v, a, b in zip(turn_angles(turn), turn_angles(least), turn_angles(most), strict=True))
+        *(min(max(v, a), b) for v, a, b in zip(turn_angles(turn), turn_angles(lower), turn_angles(upper), strict=True))
     )
 
 
-def excess(turn: Turn, within: tuple[Turn, Turn]) -> float:
-    """Measures how far a rotation lies outside a range, on its worst axis [deg]."""
-    inside = clip_turn(turn, within)
+def range_excess(turn: Turn, limits: tuple[Turn, Turn]) -> float:
+    """Return the excess of a rotation over a range [deg].
+
+    It is that of the worst axis.
+    """
+    inside = clip_turn(turn, limits)
     return degrees(max(abs(a - b) for a, b in zip(turn_angles(turn), turn_angles(inside), strict=True)))
 
 
 def turn_at(layer: Layer, time: float) -> Turn:
-    """Finds the rotation of a layer at a time."""
-    return Turn(*(float(v) for v in total([layer], np.array([time]))[0]))
+    """Return the rotation of a layer at a time."""
+    return Turn(*(float(v) for v in sum_layers([layer], np.array([time]))[0]))
 
 
-def total(layers: Iterable[Layer], times: Floats) -> Floats:
-    """Adds layers at (m,) times [s]: (m, 3) torsion, tilt, roll [rad]."""
+def sum_layers(layers: Iterable[Layer], times: Floats) -> Floats:
+    """Return the sum of layers at (m,) times [s].
+
+    Returns:
+        (m, 3) torsion, tilt, roll [rad].
+    """
     turns = np.zeros((len(times), 3))
     for layer in layers:
         knots = [key.time for key in layer]
@@ -114,21 +126,21 @@ def total(layers: Iterable[Layer], times: Floats) -> Floats:
     return turns
 
 
-def bump(hold: Hold, base: Turn = UPRIGHT) -> Layer:
-    """Makes the layer of one hold, relative to the rotation that it leaves."""
+def hold_layer(hold: Hold, base: Turn = UPRIGHT_TURN) -> Layer:
+    """Convert one held rotation to a layer relative to a base rotation."""
     change = add_turns(hold.turn, scale_turn(base, -1.0))
-    keys = [TurnKey(hold.start, UPRIGHT), TurnKey(hold.arrive, change)]
+    keys = [TurnKey(hold.start, UPRIGHT_TURN), TurnKey(hold.arrive, change)]
     if hold.leave is not None and hold.back is not None:
         if hold.leave > hold.arrive:
             keys.append(TurnKey(hold.leave, change))
-        keys.append(TurnKey(hold.back, UPRIGHT))
+        keys.append(TurnKey(hold.back, UPRIGHT_TURN))
     return tuple(keys)
 
 
-def exclusive(holds: Sequence[Hold]) -> tuple[Layer, ...]:
-    """Makes layers of holds of which only one is in force: the later wins from its start.
+def layers_of_holds(holds: Sequence[Hold]) -> tuple[Layer, ...]:
+    """Convert holds to layers, later holds overriding earlier ones.
 
-    A hold that stays becomes the rotation that later ones return to.
+    A hold that stays becomes the rotation to which later ones return.
 
     Args:
         holds: in the order of their starts.
@@ -137,37 +149,40 @@ def exclusive(holds: Sequence[Hold]) -> tuple[Layer, ...]:
         One layer for each hold; their sum is the motion.
     """
     layers: list[Layer] = []
-    base = UPRIGHT
+    base = UPRIGHT_TURN
     for k, hold in enumerate(holds):
-        layer = bump(hold, base)
+        layer = hold_layer(hold, base)
         if hold.leave is None:
             base = hold.turn
         elif k + 1 < len(holds) and holds[k + 1].start < hold.leave:
-            layer = _give_way(layer, holds[k + 1])
+            layer = _yield_to(layer, holds[k + 1])
         layers.append(layer)
     return tuple(layers)
 
 
-def _give_way(layer: Layer, other: Hold) -> Layer:
-    """Lets a layer go back to zero while another hold goes to its own rotation."""
+def _yield_to(layer: Layer, other: Hold) -> Layer:
+    """Return a rotation layer to zero while a later held rotation begins."""
     before = tuple(key for key in layer if key.time < other.start)
-    return (*before, TurnKey(other.start, turn_at(layer, other.start)), TurnKey(other.arrive, UPRIGHT))
+    return (*before, TurnKey(other.start, turn_at(layer, other.start)), TurnKey(other.arrive, UPRIGHT_TURN))
 
 
-def pass_layer(layer: Layer, manner: Expressivity) -> Layer:
-    """Sets how a layer's keys are passed: in a manner, as a stroke there, a hold, and a retraction to upright."""
+def set_passages(layer: Layer, manner: Expressivity) -> Layer:
+    """Set the spline parameters of a layer's keys from expressivity.
+
+    Movements away from upright are strokes, constant spans are holds, and movements to upright are retractions.
+    """
     keys = [replace(key, passage=passage_of(manner, "retraction")) for key in layer[:1]]
     for before, key in pairwise(layer):
-        phase: Phase = "hold" if key.turn == before.turn else "retraction" if key.turn == UPRIGHT else "stroke"
+        phase: Phase = "hold" if key.turn == before.turn else "retraction" if key.turn == UPRIGHT_TURN else "stroke"
         keys.append(replace(key, passage=passage_of(manner, phase)))
     return tuple(keys)
 
 
 def departure_time(desired: float, arrival: float, natural: float) -> float:
-    """Finds when to leave [s]: as desired, or early enough when no time was given for the way."""
-    return desired if arrival - desired >= MERGE else arrival - natural
+    """Return the desired departure time, or an earlier feasible one [s]."""
+    return desired if arrival - desired >= MIN_KEY_SPACING else arrival - natural
 
 
-def arrival(leave: float, desired: float, natural: float) -> float:
-    """Finds when to be back [s]: as desired, or late enough when no time was given for the way."""
-    return desired if desired - leave >= MERGE else leave + natural
+def arrival_time(leave: float, desired: float, natural: float) -> float:
+    """Return the desired arrival time, or a later feasible one [s]."""
+    return desired if desired - leave >= MIN_KEY_SPACING else leave + natural

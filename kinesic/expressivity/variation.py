@@ -1,10 +1,11 @@
-"""Variation: how much one gesture differs from the next, as one person's gestures do.
+"""Random variation of gestures, as in human motion.
 
-Nobody makes the same beat twice. In captured takes of one person, the durations of beats have a standard deviation of
-13 to 21 % and the lengths of their ways of 31 to 36 %; the same beat, repeated, is taken to vary half as much. A
+People never make the same beat twice. In captured takes of one person, the durations of beats have a standard deviation
+of 13 to 21 % and their path lengths of 31 to 36 %; the same beat, repeated, is assumed to vary half as much. A
 deviation follows from the seed and amount, the block's id, and the gesture's id and number among the block's gestures,
-so that a performance can be repeated. Where a hand is, is part of what some gestures mean: they keep place and size.
-Nor do all hinges of a person move at one time: shoulders lead and wrists follow, and one hand of two is a little later.
+so that a performance can be repeated. Where the hand position is part of a gesture's meaning, position and size do not
+vary. The joints of a person do not move simultaneously either: shoulders set out before wrists, and one of two hands is
+a little later.
 """
 
 from collections.abc import Mapping
@@ -14,68 +15,64 @@ from zlib import crc32
 
 import numpy as np
 
-from kinesic.bml.block import RANGES, Behaviour, Block, Gesture, Pointing
+from kinesic.bml.block import EXPRESSIVITY_RANGES, Behaviour, Block, Gesture, Pointing
 from kinesic.body.arrays import Floats, sealed
-from kinesic.body.robot import OTHER_SIDE, Robot, Side
+from kinesic.body.robot import Robot, Side
 from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
 from kinesic.expressivity.lexicon.legibility_table import legibility_table
 from kinesic.expressivity.lexicon.space import shift_position, spread_hands
 from kinesic.expressivity.style.style import Expressivity, Style
 
-GOLDEN = (sqrt(5.0) - 1.0) / 2.0  # step of a sequence on the circle whose neighbours are well apart
-
-SPATIAL = 0.5  # most that spatial extent differs, like all of these at amount 1
-TEMPORAL = 0.3  # and temporal extent: an eighth of the time of each phase; half of it follows from the size
-PLACE = 0.05  # [arm lengths] along each axis: 3 cm of a person
-MIRROR_OFFSET = (
-    0.04  # [arm lengths] along each axis, that the left hand of two is beside the mirror image of the right one
-)
-NEAR_HANDS = 0.45  # [arm lengths] from hand to hand, below which they stay mirror images
-OUTWARD = 1  # among the coordinates of a place
-OTHER_HAND = 0.25  # share of gestures that the other hand makes, where the document leaves it open
-BEHIND = 0.03, 0.08  # [s] that one hand of two follows the other
-LEFT_LEADS = 0.25  # share of gestures that the left hand leads
-LOOSE = 0.035, 0.065  # [s] that the wrist comes later than the shoulder on the ways there and back
-EITHER_HAND = frozenset(("beat", "iconic", "metaphoric"))  # categories without a hand of their own
+GOLDEN_STEP = (sqrt(5.0) - 1.0) / 2.0  # step of a low-discrepancy sequence in [0, 1)
+# Largest deviations at amount 1.
+SPATIAL_DEVIATION = 0.5  # largest random change of the spatial extent
+TEMPORAL_DEVIATION = 0.3  # largest random change of temporal extent: an eighth of each phase, half of it from size
+POSITION_DEVIATION = 0.05  # [arm lengths] largest random shift along each axis: 3 cm of a person
+MIRROR_DEVIATION = 0.04  # [arm lengths] largest random shift of the left hand from mirror symmetry, per axis
+NEAR_DISTANCE = 0.45  # [arm lengths] distance below which both hands stay mirror images
+OUTWARD_AXIS = 1  # index of the outward coordinate in a position
+OTHER_HAND_PROBABILITY = 0.25  # probability of using the other hand, where the document leaves it open
+HAND_DELAY_RANGE = 0.03, 0.08  # [s] smallest and largest delay of the second of two hands
+LEFT_FIRST_PROBABILITY = 0.25  # probability that the left hand begins a two-handed gesture
+WRIST_DELAY_RANGE = 0.035, 0.065  # [s] smallest and largest delay of the wrist after the shoulder
+TWO_SIDED_CATEGORIES = frozenset(("beat", "iconic", "metaphoric"))  # gesture categories fit for either hand
 
 
 @dataclass(frozen=True)
 class Variation:
-    """How far gestures differ from what the lexicon and the style say."""
+    """Amount and random seed of the variation between gestures."""
 
-    amount: float = 0.0  # 0 not at all .. 1 as those of a person .. 2 twice as far
+    amount: float = 0.0  # 0 none .. 1 as between gestures of a person .. 2 twice as much
     seed: int = 0  # the same seed gives the same performance
 
 
-EXACT = Variation()
-HERE = sealed(np.zeros(3))
+NO_VARIATION = Variation()  # setting without variation: equal gestures are performed identically
+NO_SHIFT = sealed(np.zeros(3))  # [arm lengths] position shift of zero
 
 
 @dataclass(frozen=True, eq=False)
 class Deviation:
-    """How one gesture differs from what was asked."""
+    """Random difference of one gesture from its lexicon form and style."""
 
-    spatial: float  # of the spatial extent
-    temporal: float  # of the temporal extent
-    place: Floats  # (3,) forward, outward, up [arm lengths] of all stroke keys
-    apart: Floats  # (3,) likewise of the left hand of two, beside that
-    other_hand: bool  # whether the hand that would not have been taken makes it, where either may
-    leader: Side = "r"  # of two hands
-    behind: float = 0.0  # [s] that the other one follows
-    loose: float = 0.0  # [s] that the wrist comes later than the shoulder
+    spatial: float  # change of the spatial extent
+    temporal: float  # change of the temporal extent
+    place: Floats  # (3,) forward, outward, up [arm lengths] shift of all stroke keys
+    apart: Floats  # (3,) forward, outward, up [arm lengths] additional shift of the left hand of two
+    other_hand: bool  # whether the other hand performs it, where either may
+    leader: Side = "r"  # first of two hands
+    behind: float = 0.0  # [s] delay of the other hand
+    loose: float = 0.0  # [s] delay of the wrist after the shoulder
 
     @property
     def in_place(self) -> "Deviation":
-        """The same without what would take a hand from its place."""
-        return replace(self, spatial=0.0, place=HERE, apart=HERE, behind=0.0)
-
-    @property
-    def follower(self) -> Side:
-        """The hand that comes later, of two."""
-        return OTHER_SIDE[self.leader]
+        """The same random deviation without changes of the hand positions."""
+        return replace(self, spatial=0.0, place=NO_SHIFT, apart=NO_SHIFT, behind=0.0)
 
     def style(self, style: Style) -> Style:
-        """Changes the style of a behaviour, inside the ranges of its numbers; the body is as large as the hands."""
+        """Apply the deviation to spatial and temporal extent of a style.
+
+        Head and torso change with the hands.
+        """
         return replace(
             style, gesture=self._manner(style.gesture), head=self._manner(style.head), torso=self._manner(style.torso)
         )
@@ -83,85 +80,92 @@ class Deviation:
     def _manner(self, manner: Expressivity) -> Expressivity:
         return replace(
             manner,
-            spatial=_within("spatial", manner.spatial + self.spatial),
-            temporal=_within("temporal", manner.temporal + self.temporal),
+            spatial=_clip_to_range("spatial", manner.spatial + self.spatial),
+            temporal=_clip_to_range("temporal", manner.temporal + self.temporal),
         )
 
     def form(self, form: GestureForm, robot: Robot) -> GestureForm:
-        """Shifts the stroke keys of a gesture; fixed axes, hands that touch and rest poses stay where they are."""
+        """Apply the deviation to the stroke keys of a gesture.
+
+        Fixed axes, touching hands and rest poses do not move.
+        """
         if form.rest or not self.place.any():
             return form
-        apart = HERE if _hands_meet(form) else self.apart
+        apart = NO_SHIFT if _hands_meet(form) else self.apart
         return replace(form, keys=tuple(self._key(key, apart, robot) for key in form.keys))
 
     def order_hands(self, options: list[GestureForm]) -> list[GestureForm]:
-        """Puts the other hand first where it makes the gesture."""
-        return options[::-1] if self.other_hand and options[0].category in EITHER_HAND else options
+        """Put the other hand's option first if the deviation chooses it."""
+        return options[::-1] if self.other_hand and options[0].category in TWO_SIDED_CATEGORIES else options
 
     def _key(self, key: StrokeKey, apart: Floats, robot: Robot) -> StrokeKey:
         shifts = {"l": self.place + apart, "r": self.place}
-        moved = StrokeKey({side: _shift_pose(pose, shifts[side], robot) for side, pose in key.hands.items()})
-        return moved if all(pose.fixed[1] or pose.touch for pose in key.hands.values()) else spread_hands(moved)
+        shifted = StrokeKey({side: _shift_pose(pose, shifts[side], robot) for side, pose in key.hands.items()})
+        return shifted if all(pose.fixed[1] or pose.touch for pose in key.hands.values()) else spread_hands(shifted)
 
 
 def _hands_meet(form: GestureForm) -> bool:
-    """Whether both hands come so near that what they do, they do to one another; or there is one hand alone."""
-    gaps = [sum(pose.position[OUTWARD] for pose in key.hands.values()) for key in form.keys if len(key.hands) > 1]
-    return min(gaps, default=0.0) < NEAR_HANDS
+    """Return whether the hands come close or only one hand moves."""
+    gaps = [sum(pose.position[OUTWARD_AXIS] for pose in key.hands.values()) for key in form.keys if len(key.hands) > 1]
+    return min(gaps, default=0.0) < NEAR_DISTANCE
 
 
 def _shift_pose(pose: HandPose, shift: Floats, robot: Robot) -> HandPose:
     if pose.touch is not None:
         return pose
-    free = sealed(np.where(pose.fixed, 0.0, shift))
-    path = pose.path and pose.path.mapped(pose.path.amplitude, lambda point: sealed(point + free))
-    return replace(pose, position=shift_position(pose.position, free, robot), path=path)
+    free_shift = sealed(np.where(pose.fixed, 0.0, shift))
+    path = pose.path and pose.path.mapped(pose.path.amplitude, lambda point: sealed(point + free_shift))
+    return replace(pose, position=shift_position(pose.position, free_shift, robot), path=path)
 
 
 def needs_place(form: GestureForm) -> bool:
-    """Whether a gesture would mean something else, or nothing, where its hands were elsewhere."""
+    """Return whether the meaning of a gesture depends on the hand positions."""
     touching = any(pose.touch for key in form.keys for pose in key.hands.values())
     return touching or form.id in legibility_table().places
 
 
 def deviations(block: Block, variation: Variation) -> Mapping[str, Deviation]:
-    """Finds how each gesture of a block differs.
+    """Return the random deviation of each gesture of a block.
 
-    Spatial extents step through a sequence that begins by chance, so that a gesture differs plainly from
-    the one before it.
+    Spatial extents step through a sequence with a random start, so that successive gestures differ clearly.
 
     Args:
-        block: whose gestures and pointing vary.
-        variation: how far, and with which seed.
+        block: with the gestures and pointing behaviours.
+        variation: amount and seed.
 
     Returns:
-        Behaviour id -> deviation; empty where nothing varies.
+        Behaviour id -> deviation; empty without variation.
     """
     if variation.amount == 0.0:
         return {}
-    varied = [behaviour for behaviour in block.behaviours if isinstance(behaviour.action, Gesture | Pointing)]
-    return {behaviour.id: _deviation(block, behaviour, k, variation) for k, behaviour in enumerate(varied)}
+    varied_behaviours = [
+        behaviour for behaviour in block.behaviours if isinstance(behaviour.action, Gesture | Pointing)
+    ]
+    return {behaviour.id: _deviation(block, behaviour, k, variation) for k, behaviour in enumerate(varied_behaviours)}
 
 
-def _deviation(block: Block, behaviour: Behaviour, number: int, variation: Variation) -> Deviation:
-    first = np.random.default_rng((variation.seed, crc32(block.id.encode()))).uniform()
-    chance = np.random.default_rng((variation.seed, crc32(f"{block.id}:{behaviour.id}".encode()), number))
-    extent = 2.0 * ((first + number * GOLDEN) % 1.0) - 1.0
-    temporal, *place = chance.uniform(-1.0, 1.0, 4)
-    other_hand = float(chance.uniform()) < variation.amount * OTHER_HAND
-    apart = chance.uniform(-1.0, 1.0, 3)
+def _deviation(block: Block, behaviour: Behaviour, index: int, variation: Variation) -> Deviation:
+    phase = np.random.default_rng((variation.seed, crc32(block.id.encode()))).uniform()
+    generator = np.random.default_rng((variation.seed, crc32(f"{block.id}:{behaviour.id}".encode()), index))
+    extent = 2.0 * ((phase + index * GOLDEN_STEP) % 1.0) - 1.0
+    temporal, *place = generator.uniform(-1.0, 1.0, 4)
+    other_hand = float(generator.uniform()) < variation.amount * OTHER_HAND_PROBABILITY
+    apart = generator.uniform(-1.0, 1.0, 3)
     return Deviation(
-        spatial=variation.amount * SPATIAL * extent,
-        temporal=variation.amount * TEMPORAL * (float(temporal) - extent) / 2.0,  # what is larger takes longer
-        place=sealed(variation.amount * PLACE * np.array(place)),
-        apart=sealed(variation.amount * MIRROR_OFFSET * apart),
+        spatial=variation.amount * SPATIAL_DEVIATION * extent,
+        temporal=variation.amount
+        * TEMPORAL_DEVIATION
+        * (float(temporal) - extent)
+        / 2.0,  # larger gestures take longer
+        place=sealed(variation.amount * POSITION_DEVIATION * np.array(place)),
+        apart=sealed(variation.amount * MIRROR_DEVIATION * apart),
         other_hand=other_hand,
-        leader="l" if chance.uniform() < LEFT_LEADS else "r",
-        behind=variation.amount * float(chance.uniform(*BEHIND)),
-        loose=variation.amount * float(chance.uniform(*LOOSE)),
+        leader="l" if generator.uniform() < LEFT_FIRST_PROBABILITY else "r",
+        behind=variation.amount * float(generator.uniform(*HAND_DELAY_RANGE)),
+        loose=variation.amount * float(generator.uniform(*WRIST_DELAY_RANGE)),
     )
 
 
-def _within(name: str, value: float) -> float:
-    least, most = RANGES[name]
+def _clip_to_range(name: str, value: float) -> float:
+    least, most = EXPRESSIVITY_RANGES[name]
     return min(max(value, least), most)

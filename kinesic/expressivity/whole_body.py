@@ -1,9 +1,9 @@
-"""The whole body in gestures: head, trunk and eyes go along with the hands, and give way to what is asked of them.
+"""Motion of head, trunk and eyes that accompanies gestures.
 
-Like the hands they begin with the preparation, are there at the stroke, stay while the hands are held and go home with
-them; between gestures that follow one another they do not go home, but the head turns back where a hand waits for the
-next. They do no more than what time allows, so that no stroke waits for them. An axis that a behaviour of the document
-turns meanwhile is left to it.
+Like the hands it begins with the preparation, peaks at the stroke, holds while the hands are held and returns with
+them. Between successive gestures it does not return, but the head turns back where a hand waits for the next. It is
+limited to the available time, so that no stroke waits for it. An axis that another behaviour of the document uses at
+the same time is excluded.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -16,56 +16,57 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
 from kinesic.expressivity.gaze import towards
-from kinesic.expressivity.hands.phases import NEIGHBOUR
+from kinesic.expressivity.hands.phases import NEIGHBOUR_INTERVAL
 from kinesic.expressivity.hands.strokes import HandStroke
 from kinesic.expressivity.keyframes import BodyMove, Turn
 from kinesic.expressivity.lexicon.body_form import NO_BODY, BodyForm, LookAt
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import Expressivity, Phase, passage_of
 from kinesic.expressivity.turns import (
-    MERGE,
-    UPRIGHT,
+    MIN_KEY_SPACING,
+    UPRIGHT_TURN,
     Layer,
     TurnKey,
     add_turns,
     clip_turn,
     departure_time,
-    room,
+    rotation_range,
     scale_turn,
     turn_angles,
 )
 
-HASTE = 0.5  # share of the time from key to key that head and trunk may need
-EASE, HOME = 0.5, 0.8  # [s] of the way there and back, where the document leaves none
-LONG_WAIT = 0.8  # [s] from one gesture to the next, in which the head turns back to the listener
-WAITING = 0.3  # share of its turn that it keeps meanwhile
-FAR = 1.0  # [m] of what a hand points at, where nothing is named
-LARGEST_LOOK: Mapping[LookAt, float] = {"hands": radians(14), "place": radians(35)}  # that the head turns to look
-LEAD_IN = 0.3  # of a nod that the head goes up before it
-SHAKE_TIME = 0.30  # [s] of a shake to one side, at ease
-SWINGS = 4  # at most
-TRUNK_SHARE = 0.5  # of the way to what is looked at, that the trunk turns at most
-BEYOND = 2.0  # times as far as the head, that eyes look away
-NO_MOVE = BodyMove()
+MAX_TIME_FRACTION = 0.5  # largest fraction of the time between two keys that a head or trunk rotation may need
+DEPARTURE_TIME = 0.5  # [s] duration of the movement to the stroke, where the document leaves no time
+RETURN_TIME = 0.8  # [s] duration of the movement back, where the document leaves no time
+LONG_PAUSE = 0.8  # [s] gap between gestures above which the head turns back to the listener
+WAITING_FRACTION = 0.3  # fraction of its rotation that the head keeps in a pause between gestures
+POINTED_DISTANCE = 1.0  # [m] assumed distance of a pointed place without a target
+LARGEST_LOOK: Mapping[LookAt, float] = {"hands": radians(14), "place": radians(35)}  # [rad] largest head rotation
+NOD_PREPARATION = 0.3  # upward rotation before a nod / nod angle
+SHAKE_SWING_TIME = 0.30  # [s] natural duration of a shake to one side
+MAX_SHAKE_SWINGS = 4  # largest number of head shake swings in one gesture
+TRUNK_FRACTION = 0.5  # largest fraction of the gaze torsion that the trunk performs
+AVERTED_EYE_RATIO = 2.0  # eye rotation / head rotation of an averted gaze
+NO_MOVE = BodyMove()  # body motion of gestures that move only the hands
 
-Span = tuple[float, float]  # [s] from and to
+Span = tuple[float, float]  # [s] begin and end
 Spans = tuple[Sequence[Span], Sequence[Span], Sequence[Span]]  # torsion, tilt, roll
-FREE: Spans = ((), (), ())
+NO_SPANS: Spans = ((), (), ())  # time spans without rotation about any axis
 
 
 @dataclass(frozen=True)
 class BodyDemands:
-    """The times at which behaviours of a document need parts of the body."""
+    """Time spans in which other behaviours move head, torso, eyes or face."""
 
-    head: Spans = FREE
-    torso: Spans = FREE
+    head: Spans = NO_SPANS
+    torso: Spans = NO_SPANS
     eyes: Sequence[Span] = ()
     face: Sequence[Span] = ()
 
 
 @dataclass(frozen=True, eq=False)
-class Accompanied:
-    """The hands of one gesture, and the manners of what goes along with them."""
+class AccompaniedGesture:
+    """Gesture with its stroke and the expressivity of head and torso."""
 
     work: HandStroke
     head: Expressivity
@@ -74,26 +75,29 @@ class Accompanied:
 
 @dataclass(frozen=True, eq=False)
 class WholeBody:
-    """What goes along with all gestures of a block."""
+    """Head, torso, gaze and face motion that accompanies gestures."""
 
     head: Layer
     torso: Layer
-    moves: Mapping[str, BodyMove]  # by gesture
+    moves: Mapping[str, BodyMove]  # by gesture id
 
 
 @dataclass(frozen=True, eq=False)
 class _Course:
-    """One part in one gesture."""
+    """Rotation keys of one body part during one gesture."""
 
-    start: float  # [s] leaves
-    keys: Sequence[tuple[float, Turn]]  # [s] and rotation, to the last of which it then holds on
-    leave: float  # [s] goes home
-    back: float  # [s]
+    start: float  # [s] departure
+    keys: Sequence[tuple[float, Turn]]  # time [s] and rotation; the last one is held
+    leave: float  # [s] begin of the return
+    back: float  # [s] end of the return
     manner: Expressivity
 
 
 def axes_used(layers: Iterable[Layer]) -> Spans:
-    """Finds when layers turn each axis; where one stays away from upright for good, it needs it no longer."""
+    """Return the time spans in which the layers rotate each axis.
+
+    A layer that stays away from upright does not use its axis after the last key.
+    """
     spans: tuple[list[Span], list[Span], list[Span]] = ([], [], [])
     for layer in layers:
         for a, b in pairwise(layer):
@@ -103,72 +107,86 @@ def axes_used(layers: Iterable[Layer]) -> Spans:
     return spans
 
 
-def accompany(gestures: Sequence[Accompanied], asked: BodyDemands, pace: Pace) -> WholeBody:
-    """Makes layers of head and torso that go along with the hands.
+def accompany_gestures(gestures: Sequence[AccompaniedGesture], demands: BodyDemands, pace: Pace) -> WholeBody:
+    """Create head and torso layers that accompany the hands.
 
     Args:
         gestures: of a block, in the order of their strokes.
-        asked: what the document asks of the body.
-        pace: of the robot; a part that it lacks does nothing.
+        demands: time spans in which behaviours need the body.
+        pace: of the robot; parts that it lacks do not move.
     """
-    works = [each.work for each in gestures]
-    found = [
-        (each, _body_move(each.work, span, asked, pace.robot))
-        for each, span in zip(gestures, _spans(works), strict=True)
+    works = [gesture.work for gesture in gestures]
+    all_moves = [
+        (gesture, _body_move(gesture.work, span, demands, pace.robot))
+        for gesture, span in zip(gestures, _spans(works), strict=True)
     ]
-    moving = [(each, move) for each, move in found if move != NO_MOVE]
-    trunks = [_trunk_course(each, move) for each, move in moving if move.trunk != UPRIGHT]
-    heads = [course for each, move in moving if (course := _head_course(each, move, pace)).keys]
+    body_moves = [(gesture, move) for gesture, move in all_moves if move != NO_MOVE]
+    trunks = [_trunk_course(gesture, move) for gesture, move in body_moves if move.trunk != UPRIGHT_TURN]
+    heads = [course for gesture, move in body_moves if (course := _head_course(gesture, move, pace)).keys]
     return WholeBody(
-        head=_join(heads, pace, "neck") if pace.robot.joints("neck") else (),
-        torso=_join(trunks, pace, "torso") if pace.robot.joints("torso") else (),
-        moves={each.work.id: move for each, move in moving},
+        head=_join_courses(heads, pace, "neck") if pace.robot.joints("neck") else (),
+        torso=_join_courses(trunks, pace, "torso") if pace.robot.joints("torso") else (),
+        moves={gesture.work.id: move for gesture, move in body_moves},
     )
 
 
 def _spans(works: Sequence[HandStroke]) -> list[Span]:
-    """Finds for each gesture from when to when the body may leave upright: to the next gesture if that is soon [s]."""
-    ends = [max(work.at("end"), max(work.at("relax"), work.at("strokeEnd")) + HOME) for work in works]
+    """Return the time span of each gesture's body motion [s].
+
+    It extends to the next gesture if that follows soon.
+    """
+    ends = [max(work.at("end"), max(work.at("relax"), work.at("strokeEnd")) + RETURN_TIME) for work in works]
     spans: list[Span] = []
     for k, (work, end) in enumerate(zip(works, ends, strict=True)):
-        follows = [other.at("start") for other in works[k + 1 : k + 2] if other.at("start") < end + NEIGHBOUR]
-        spans.append((min(work.at("start"), work.at("strokeStart") - EASE), max([end, *follows])))
+        follows = [other.at("start") for other in works[k + 1 : k + 2] if other.at("start") < end + NEIGHBOUR_INTERVAL]
+        spans.append((min(work.at("start"), work.at("strokeStart") - DEPARTURE_TIME), max([end, *follows])))
     return spans
 
 
-def _body_move(work: HandStroke, span: Span, asked: BodyDemands, robot: Robot) -> BodyMove:
-    """What the body does in a gesture, without what the document needs meanwhile."""
+def _body_move(work: HandStroke, span: Span, demands: BodyDemands, robot: Robot) -> BodyMove:
+    """Return the body motion of a gesture.
+
+    Axes that other behaviours use are excluded.
+    """
     body = work.poses.body
     if body == NO_BODY or work.stroke.rest:
         return NO_MOVE
     place = _place(work, body)
-    seen = UPRIGHT if place is None else towards(place, robot)
-    beside = copysign(min(abs(seen.torsion) * TRUNK_SHARE, body.towards), seen.torsion)
-    wished = {
-        "head": clip_turn(add_turns(body.head, _looked(seen, body)), room(robot, "neck")),
-        "nod": clip_turn(Turn(tilt=body.nod), room(robot, "neck")),
-        "shake": clip_turn(Turn(torsion=body.shake), room(robot, "neck")),
-        "trunk": clip_turn(add_turns(body.trunk, Turn(torsion=beside)), room(robot, "torso")),
+    gaze = UPRIGHT_TURN if place is None else towards(place, robot)
+    trunk_torsion = copysign(min(abs(gaze.torsion) * TRUNK_FRACTION, body.towards), gaze.torsion)
+    requested = {
+        "head": clip_turn(add_turns(body.head, _head_look(gaze, body)), rotation_range(robot, "neck")),
+        "nod": clip_turn(Turn(tilt=body.nod), rotation_range(robot, "neck")),
+        "shake": clip_turn(Turn(torsion=body.shake), rotation_range(robot, "neck")),
+        "trunk": clip_turn(add_turns(body.trunk, Turn(torsion=trunk_torsion)), rotation_range(robot, "torso")),
     }
-    taken = {part: asked.torso if part == "trunk" else asked.head for part in wished}
-    free = {part: _left_free(turn, taken[part], span) for part, turn in wished.items()}
-    eyes = scale_turn(free["head"], BEYOND) if body.gaze == "away" else None if place is None else seen
-    looks, shows = not _meet(asked.eyes, span), not _meet(asked.face, span)
-    away = [part for part in wished if free[part] != wished[part]]
+    used_axes = {part: demands.torso if part == "trunk" else demands.head for part in requested}
+    unused = {part: _unused_axes(turn, used_axes[part], span) for part, turn in requested.items()}
+    eyes = scale_turn(unused["head"], AVERTED_EYE_RATIO) if body.gaze == "away" else None if place is None else gaze
+    eyes_free, face_free = not _overlap(demands.eyes, span), not _overlap(demands.face, span)
+    yielding = [part for part in requested if unused[part] != requested[part]]
     return BodyMove(
-        head=free["head"],
-        nod=free["nod"].tilt,
-        shake=free["shake"].torsion,
-        trunk=free["trunk"],
-        shoulders=body.shoulders if any(robot.arm(side).lifting for side in work.poses.hands) else 0.0,
-        eyes=eyes if looks else None,
-        face=body.face if shows else (),
-        gave_way=(*away, *["eyes"] * (eyes is not None and not looks), *["face"] * bool(body.face and not shows)),
+        head=unused["head"],
+        nod=unused["nod"].tilt,
+        shake=unused["shake"].torsion,
+        trunk=unused["trunk"],
+        shoulders=body.shoulders if any(robot.arm(side).shoulder_lift_joints for side in work.poses.hands) else 0.0,
+        eyes=eyes if eyes_free else None,
+        face=body.face if face_free else (),
+        gave_way=(
+            *yielding,
+            *["eyes"] * (eyes is not None and not eyes_free),
+            *["face"] * bool(body.face and not face_free),
+        ),
     )
 
 
 def _place(work: HandStroke, body: BodyForm) -> Floats | None:
-    """(3,) [m] what is looked at, in the world; None: nothing but the listener."""
+    """Return the position (3,) [m] at which the eyes look during a gesture.
+
+    Returns:
+        None when the gaze stays on the listener.
+    """
     if body.gaze not in ("hands", "place"):
         return None
     hands = [row[work.poses.stroke] for row in work.poses.hands.values()]
@@ -176,60 +194,69 @@ def _place(work: HandStroke, body: BodyForm) -> Floats | None:
     for hand in hands:
         if hand.reach is None:
             continue
-        beyond = FAR * hand.reach.pointing if body.gaze == "place" and hand.reach.pointing is not None else 0.0
-        places.append(hand.aim if hand.aim is not None else hand.reach.position + beyond)
+        pointing_offset = (
+            POINTED_DISTANCE * hand.reach.pointing if body.gaze == "place" and hand.reach.pointing is not None else 0.0
+        )
+        places.append(hand.aim if hand.aim is not None else hand.reach.position + pointing_offset)
     return np.mean(places, axis=0) if places else None
 
 
-def _looked(seen: Turn, body: BodyForm) -> Turn:
-    """The head's share of a gaze."""
-    most = LARGEST_LOOK.get(body.gaze, 0.0)
-    torsion, tilt, _ = (min(max(body.look * angle, -most), most) for angle in turn_angles(seen))
+def _head_look(gaze: Turn, body: BodyForm) -> Turn:
+    """Return the part of a gaze rotation that the head performs."""
+    largest = LARGEST_LOOK.get(body.gaze, 0.0)
+    torsion, tilt, _ = (min(max(body.look * angle, -largest), largest) for angle in turn_angles(gaze))
     return Turn(torsion, tilt)
 
 
-def _left_free(turn: Turn, taken: Spans, span: Span) -> Turn:
-    """Keeps the axes that nothing else turns in a span."""
-    return Turn(*(0.0 if _meet(spans, span) else angle for angle, spans in zip(turn_angles(turn), taken, strict=True)))
+def _unused_axes(turn: Turn, used_axes: Spans, span: Span) -> Turn:
+    """Return the rotation without axes that other behaviours use."""
+    return Turn(
+        *(0.0 if _overlap(spans, span) else angle for angle, spans in zip(turn_angles(turn), used_axes, strict=True))
+    )
 
 
-def _meet(spans: Sequence[Span], span: Span) -> bool:
-    return any(begin < span[1] and span[0] < end for begin, end in spans)
+def _overlap(spans: Sequence[Span], span: Span) -> bool:
+    return any(start < span[1] and span[0] < end for start, end in spans)
 
 
-def _trunk_course(each: Accompanied, move: BodyMove) -> _Course:
-    return _course(each.work, [(each.work.at("stroke"), move.trunk)], each.torso)
+def _trunk_course(gesture: AccompaniedGesture, move: BodyMove) -> _Course:
+    return _course(gesture.work, [(gesture.work.at("stroke"), move.trunk)], gesture.torso)
 
 
-def _head_course(each: Accompanied, move: BodyMove, pace: Pace) -> _Course:
-    """The head turns, and nods at each stroke or shakes while it lasts."""
-    work, looking = each.work, move.eyes is not None
-    strokes = {work.moments[k] for k in (work.poses.stroke, *work.poses.again)} if move.nod else set[float]()
+def _head_course(gesture: AccompaniedGesture, move: BodyMove, pace: Pace) -> _Course:
+    """Return the head keys of a gesture.
+
+    The head nods at the strokes, or shakes.
+    """
+    work, looking = gesture.work, move.eyes is not None
+    stroke_times = {work.moments[k] for k in (work.poses.stroke, *work.poses.again)} if move.nod else set[float]()
     keys: dict[float, Turn] = {}
     if looking or move.nod:
-        lead = Turn(tilt=-LEAD_IN * move.nod)
-        keys[work.at("strokeStart")] = add_turns(scale_turn(move.head, 1.0 if looking else 0.5), lead)
-    for moment in work.moments[1:] if move.nod else ():
-        keys[moment] = add_turns(move.head, Turn(tilt=move.nod)) if moment in strokes else move.head
-    if move.nod or move.head != UPRIGHT:
+        raised = Turn(tilt=-NOD_PREPARATION * move.nod)
+        keys[work.at("strokeStart")] = add_turns(scale_turn(move.head, 1.0 if looking else 0.5), raised)
+    for time in work.moments[1:] if move.nod else ():
+        keys[time] = add_turns(move.head, Turn(tilt=move.nod)) if time in stroke_times else move.head
+    if move.nod or move.head != UPRIGHT_TURN:
         keys.setdefault(work.at("stroke"), move.head)
     if move.nod:
         keys.setdefault(max(work.at("strokeEnd"), work.at("relax")), move.head)
     if move.shake:
-        keys |= _shakes(work, move, pace)
-    return _course(work, sorted(keys.items(), key=lambda key: key[0]), each.head)
+        keys |= _shake_keys(work, move, pace)
+    return _course(work, sorted(keys.items(), key=lambda key: key[0]), gesture.head)
 
 
-def _shakes(work: HandStroke, move: BodyMove, pace: Pace) -> dict[float, Turn]:
-    """To and fro from the beginning of the stroke, as often as there is time for, and then straight.
+def _shake_keys(work: HandStroke, move: BodyMove, pace: Pace) -> dict[float, Turn]:
+    """Return the keys of head shakes in a stroke.
 
-    After a short stroke the head may go on while the hands go home.
+    There are as many as fit.
+
+    After a short stroke the head may continue while the hands retract.
     """
-    begin, held = work.at("strokeStart"), max(work.at("relax"), work.at("strokeEnd"))
-    end = max(held, min(begin + 3 * SHAKE_TIME, work.at("end")))
-    least = pace.least_turn_time("neck", Turn(torsion=2 * move.shake)) / HASTE
-    count = min(SWINGS, int((end - begin) / max(least, SHAKE_TIME)))
-    times = np.linspace(begin, end, count + 1).tolist() if count >= 2 else []
+    start, hold_end = work.at("strokeStart"), max(work.at("relax"), work.at("strokeEnd"))
+    end = max(hold_end, min(start + 3 * SHAKE_SWING_TIME, work.at("end")))
+    minimum_time = pace.least_turn_time("neck", Turn(torsion=2 * move.shake)) / MAX_TIME_FRACTION
+    count = min(MAX_SHAKE_SWINGS, int((end - start) / max(minimum_time, SHAKE_SWING_TIME)))
+    times = np.linspace(start, end, count + 1).tolist() if count >= 2 else []
     sides = [move.shake * (-1) ** k for k in range(count)]
     return {time: add_turns(move.head, Turn(torsion=side)) for time, side in zip(times, (*sides, 0.0), strict=False)}
 
@@ -237,43 +264,55 @@ def _shakes(work: HandStroke, move: BodyMove, pace: Pace) -> dict[float, Turn]:
 def _course(work: HandStroke, keys: Sequence[tuple[float, Turn]], manner: Expressivity) -> _Course:
     first = keys[0][0] if keys else work.at("stroke")
     leave = max(work.at("relax"), keys[-1][0] if keys else work.at("stroke"))
-    return _Course(departure_time(work.at("start"), first, EASE), keys, leave, work.at("end"), manner)
+    return _Course(departure_time(work.at("start"), first, DEPARTURE_TIME), keys, leave, work.at("end"), manner)
 
 
-def _join(courses: Sequence[_Course], pace: Pace, chain: str) -> Layer:
-    """Goes from one gesture to the next, and home where none follows soon; nowhere faster than is easy for the part."""
+def _join_courses(courses: Sequence[_Course], pace: Pace, chain: str) -> Layer:
+    """Join the body motion of successive gestures into one layer.
+
+    It returns to upright where no gesture follows soon.
+    """
     keys: list[TurnKey] = []
-    last: _Course | None = None
+    previous: _Course | None = None
 
-    def add(time: float, turn: Turn, manner: Expressivity, phase: Phase) -> None:
-        if keys and time < keys[-1].time + MERGE:
+    def add_key(time: float, turn: Turn, manner: Expressivity, phase: Phase) -> None:
+        if keys and time < keys[-1].time + MIN_KEY_SPACING:
             return
         if keys:
-            turn = pace.manageable_turn(chain, keys[-1].turn, turn, time - keys[-1].time, HASTE)
+            turn = pace.manageable_turn(chain, keys[-1].turn, turn, time - keys[-1].time, MAX_TIME_FRACTION)
         keys.append(TurnKey(time, turn, passage_of(manner, phase)))
 
-    def go_home(course: _Course) -> None:
+    def return_upright(course: _Course) -> None:
         leave = max(course.leave, keys[-1].time)
-        add(leave, keys[-1].turn, course.manner, "hold")
-        least = pace.least_turn_time(chain, keys[-1].turn) / HASTE
+        add_key(leave, keys[-1].turn, course.manner, "hold")
+        minimum_time = pace.least_turn_time(chain, keys[-1].turn) / MAX_TIME_FRACTION
         keys.append(
-            TurnKey(max(course.back, leave + max(least, MERGE)), UPRIGHT, passage_of(course.manner, "retraction"))
+            TurnKey(
+                max(course.back, leave + max(minimum_time, MIN_KEY_SPACING)),
+                UPRIGHT_TURN,
+                passage_of(course.manner, "retraction"),
+            )
         )
 
     for course in courses:
-        if last is not None and course.start >= last.back + NEIGHBOUR:
-            go_home(last)
-            last = None
-        if last is None:
-            add(course.start, UPRIGHT, course.manner, "retraction")
+        if previous is not None and course.start >= previous.back + NEIGHBOUR_INTERVAL:
+            return_upright(previous)
+            previous = None
+        if previous is None:
+            add_key(course.start, UPRIGHT_TURN, course.manner, "retraction")
         else:
-            add(min(last.leave, course.start), keys[-1].turn, last.manner, "hold")
-            if chain == "neck" and course.start - keys[-1].time >= LONG_WAIT:
-                add(keys[-1].time + EASE, scale_turn(keys[-1].turn, WAITING), last.manner, "retraction")
-                add(course.start, keys[-1].turn, last.manner, "hold")
+            add_key(min(previous.leave, course.start), keys[-1].turn, previous.manner, "hold")
+            if chain == "neck" and course.start - keys[-1].time >= LONG_PAUSE:
+                add_key(
+                    keys[-1].time + DEPARTURE_TIME,
+                    scale_turn(keys[-1].turn, WAITING_FRACTION),
+                    previous.manner,
+                    "retraction",
+                )
+                add_key(course.start, keys[-1].turn, previous.manner, "hold")
         for time, turn in course.keys:
-            add(time, turn, course.manner, "stroke")
-        last = course
-    if last is not None:
-        go_home(last)
+            add_key(time, turn, course.manner, "stroke")
+        previous = course
+    if previous is not None:
+        return_upright(previous)
     return tuple(keys)

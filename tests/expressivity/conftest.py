@@ -1,4 +1,4 @@
-"""A robot, a lexicon, and blocks performed from actions and their sync points."""
+"""Fixtures: robot, lexicon, timelines, contexts and performed blocks."""
 
 from collections.abc import Callable, Mapping
 
@@ -11,7 +11,7 @@ from kinesic.body.robot import Robot
 from kinesic.expressivity.context import BlockContext, Context
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.expressivity.lexicon.lexicon import Lexicon
-from kinesic.expressivity.realise import keyframes
+from kinesic.expressivity.realise import make_keyframes
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import Style
 
@@ -25,7 +25,7 @@ def robot() -> Robot:
 
 @pytest.fixture(scope="session")
 def limits() -> Callable[[Robot], Limits]:
-    """Limits of a robot whose hinges bear what the default one's do at worst, roughly."""
+    """Return joint limits similar to the worst case of the default robot."""
 
     def of(robot: Robot) -> Limits:
         stall = robot.drives.stall
@@ -46,19 +46,22 @@ def lexicon() -> Lexicon:
 
 @pytest.fixture(scope="session")
 def phases() -> Callable[..., dict[str, float]]:
-    """The seven sync points of a gesture from their times."""
+    """Return the seven sync points of a gesture from their times."""
     return lambda *times: dict(zip(GESTURE_SYNCS, map(float, times), strict=True))
 
 
 @pytest.fixture(scope="session")
 def nod_times(phases) -> dict[str, float]:
-    """The sync points of a nod of a second."""
+    """Return the sync points of a nod of one second."""
     return phases(0.0, 0.1, 0.2, 0.5, 0.8, 0.9, 1.0)
 
 
 @pytest.fixture(scope="session")
 def timeline() -> Callable[..., Timeline]:
-    """A timeline from (id, action, times), ids in `required` being required."""
+    """Build a timeline from (id, action, times).
+
+    Behaviours with ids in `required` are required.
+    """
 
     def build(*asked: Asked, required: tuple[str, ...] = (), dialect: str = "bml-1.0") -> Timeline:
         timed = tuple(
@@ -72,7 +75,7 @@ def timeline() -> Callable[..., Timeline]:
 
 @pytest.fixture(scope="session")
 def context(pace, lexicon) -> Callable[..., BlockContext]:
-    """The context of a block, plain where nothing else is asked."""
+    """Build a block context with default options."""
     usual = pace
 
     def of(block: Block, style: Style | None = None, *, pace: Pace = usual, **options) -> BlockContext:
@@ -83,11 +86,11 @@ def context(pace, lexicon) -> Callable[..., BlockContext]:
 
 @pytest.fixture(scope="session")
 def perform(timeline, context) -> Callable[..., KeyFrames]:
-    """Key frames of a timeline from (id, action, times)."""
+    """Create the key frames of a timeline from (id, action, times)."""
 
     def run(*asked: Asked, style: Style | None = None, **options) -> KeyFrames:
         without = options.pop("without", {})
         built = timeline(*asked, **options)
-        return keyframes(built, context(built.block, style), without=without)
+        return make_keyframes(built, context(built.block, style), without=without)
 
     return run

@@ -1,4 +1,4 @@
-"""Documents that others wrote: nearly all their gestures, heads and gazes are performed."""
+"""Tests with third-party documents: nearly all behaviours are performed."""
 
 import json
 import os
@@ -7,24 +7,24 @@ from pathlib import Path
 
 import pytest
 
-from kinesic.bml.block import Action, Block, BmlError, Gaze, Gesture, Head, Manner, Pointing, Speech, modality_of
+from kinesic.bml.block import Action, Block, BmlError, Gaze, Gesture, Head, Manner, Pointing, Speech, find_modality
 from kinesic.bml.parse import parse
 from kinesic.bml.schedule import schedule
 from kinesic.body.arrays import sealed
 from kinesic.body.utterance import Utterance
 from kinesic.expressivity.context import BlockContext, Context
-from kinesic.expressivity.durations import spans
+from kinesic.expressivity.durations import natural_durations
 from kinesic.expressivity.keyframes import KeyFrames
-from kinesic.expressivity.realise import keyframes
+from kinesic.expressivity.realise import make_keyframes
 from kinesic.expressivity.style.resolve import resolve_numbers
-from kinesic.expressivity.style.style import RANGES, Style, style_preset
+from kinesic.expressivity.style.style import EXPRESSIVITY_RANGES, Style, style_preset
 
-CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))
-LETTER = 0.06  # [s] that a letter takes to say
+CORPUS_FOLDER = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))
+LETTER_DURATION = 0.06  # Speech duration per letter [s]
 
 
 def performed(path: Path, pace, lexicon) -> Counter:
-    """How often behaviours of this document were realised, substituted or dropped."""
+    """Count realised, substituted and dropped behaviours of a document."""
     try:
         block = parse(path.read_text(encoding="utf-8", errors="replace"), source=path.name)
     except BmlError:
@@ -38,35 +38,35 @@ def performed(path: Path, pace, lexicon) -> Counter:
 
 
 def played(block: Block, pace, lexicon, targets=None) -> KeyFrames:
-    """The key frames of a block."""
+    """Return the key frames of a block."""
     utterances = {
         behaviour.id: Utterance(
-            LETTER * max(1, len(behaviour.action.script.text)),
-            {mark.name: LETTER * mark.position for mark in behaviour.action.script.marks},
+            LETTER_DURATION * max(1, len(behaviour.action.script.text)),
+            {mark.name: LETTER_DURATION * mark.position for mark in behaviour.action.script.marks},
         )
         for behaviour in block.behaviours
         if isinstance(behaviour.action, Speech)
     }
     context = BlockContext(block, Context(Style(), lexicon, pace, targets or {}))
-    timeline = schedule(block, utterances, spans(context))
-    frames = keyframes(timeline, context)
+    timeline = schedule(block, utterances, natural_durations(context))
+    frames = make_keyframes(timeline, context)
     assert set(frames.outcomes) == {behaviour.id for behaviour in block.behaviours}
     return frames
 
 
-def test_nearly_all_gestures_heads_and_gazes_are_performed(pace, lexicon):
-    folder = CORPUS / "greta" / "bml"
+def test_nearly_all_corpus_behaviours_are_performed(pace, lexicon):
+    folder = CORPUS_FOLDER / "greta" / "bml"
     if not folder.is_dir():
-        pytest.skip(f"no corpus at {CORPUS}; KINESIC_CORPUS names another place")
+        pytest.skip(f"no corpus at {CORPUS_FOLDER}; KINESIC_CORPUS names another place")
     counts = sum((performed(path, pace, lexicon) for path in sorted(folder.rglob("*.xml"))), Counter())
     assert counts.total() > 100
     assert counts["dropped"] <= 0.05 * counts.total()
 
 
-def test_fragments_are_performed_or_warned_of_by_name(pace, lexicon):
-    file = CORPUS / "smartbody" / "fragments.jsonl"
+def test_corpus_fragments_are_performed_or_named_in_warnings(pace, lexicon):
+    file = CORPUS_FOLDER / "smartbody" / "fragments.jsonl"
     if not file.is_file():
-        pytest.skip(f"no corpus at {CORPUS}; KINESIC_CORPUS names another place")
+        pytest.skip(f"no corpus at {CORPUS_FOLDER}; KINESIC_CORPUS names another place")
     rows = [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines()]
     counts: dict[str, Counter] = {}
     for row in rows:
@@ -92,10 +92,10 @@ def is_aimed(action: Action) -> bool:
     return isinstance(action, Gaze | Pointing) and action.target is not None
 
 
-def test_what_the_documents_carry_of_expressivity_is_what_behaviours_are_moved_with():
-    folder = CORPUS / "greta" / "bml"
+def test_corpus_expressivity_is_applied_to_behaviours():
+    folder = CORPUS_FOLDER / "greta" / "bml"
     if not folder.is_dir():
-        pytest.skip(f"no corpus at {CORPUS}; KINESIC_CORPUS names another place")
+        pytest.skip(f"no corpus at {CORPUS_FOLDER}; KINESIC_CORPUS names another place")
     carried: Counter = Counter()
     for path in sorted(folder.rglob("*.xml")):
         try:
@@ -103,11 +103,11 @@ def test_what_the_documents_carry_of_expressivity_is_what_behaviours_are_moved_w
         except BmlError:
             continue
         for behaviour in block.behaviours:
-            modality = modality_of(behaviour.action)
+            modality = find_modality(behaviour.action)
             if modality is None or behaviour.manner == Manner():
                 continue
             found = resolve_numbers(style_preset("sad"), modality, block, behaviour)
-            for name in RANGES:
+            for name in EXPRESSIVITY_RANGES:
                 said = getattr(behaviour.manner, name)
                 assert getattr(found.expressivity, name) == (
                     getattr(style_preset("sad").of(modality), name) if said is None else said

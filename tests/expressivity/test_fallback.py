@@ -3,12 +3,13 @@ from pathlib import Path
 import pytest
 
 from kinesic.body.robot import Robot
-from kinesic.controller.perform import plan, set_up
 from kinesic.expressivity.hands.fingers import lacking_shapes
 from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.session.plan import plan
+from kinesic.session.setup import set_up
 from kinesic.studies.gestures.isolated import plan_gesture
 
-LEXICON = """category = "emblem"
+LEXICON_TOML = """category = "emblem"
 
 [[gesture]]
 id = "hook"
@@ -19,21 +20,23 @@ keys = [{ right = { at = [0.3, 0.3, 0.5], shape = "claw" } }]
 id = "nudge"
 keys = [{ right = { at = [0.3, 0.2, 0.5] } }]
 """
-BLOCK = '<bml id="b" xmlns="http://www.bml-initiative.org/bml/bml-1.0"><gesture id="g" lexeme="hook"/></bml>'
+BML_BLOCK = '<bml id="b" xmlns="http://www.bml-initiative.org/bml/bml-1.0"><gesture id="g" lexeme="hook"/></bml>'
 
 
 @pytest.mark.parametrize(
     ("robot", "kind", "why"),
     [("upper22", "substituted", "hook needs fingers; nudge is done"), ("upper36", "realised", "")],
 )
-def test_a_hand_without_fingers_does_what_the_gesture_names_for_it(tmp_path: Path, robot: str, kind: str, why: str):
+def test_hand_without_fingers_performs_the_fallback_gesture_of_the_lexicon(
+    tmp_path: Path, robot: str, kind: str, why: str
+):
     file = tmp_path / "mine.toml"
-    file.write_text(LEXICON, encoding="utf-8")
-    outcome = plan(BLOCK, set_up(robot, lexicon=file)).keyframes.outcomes["g"]
+    file.write_text(LEXICON_TOML, encoding="utf-8")
+    outcome = plan(BML_BLOCK, set_up(robot, lexicon=file)).keyframes.outcomes["g"]
     assert (outcome.kind, outcome.why) == (kind, why)
 
 
-def test_every_fallback_of_the_lexicon_is_a_gesture_that_needs_no_fingers():
+def test_fallback_gestures_of_the_lexicon_need_no_fingers():
     lexicon, robot = Lexicon.load(), Robot.load("upper22")
     others = {form.id: lexicon.forms_by_id[form.fallback] for form in lexicon.forms if form.fallback}
     assert len(others) >= 7
@@ -44,7 +47,17 @@ def test_every_fallback_of_the_lexicon_is_a_gesture_that_needs_no_fingers():
     assert not any(other.fallback for other in others.values())
 
 
-def test_a_gesture_that_is_shown_alone_is_itself_on_every_robot():
+def test_gesture_planned_by_lexicon_entry_is_not_replaced_by_its_fallback():
     known = set_up("upper22")
     planned = plan_gesture(known.lexicon.forms_by_id["thumb_up"], known)
     assert planned.keyframes.outcomes["gesture"].kind == "partly"
+
+
+@pytest.mark.parametrize(("lexeme", "sides"), [("hook_left", {"l"}), ("hook_both", {"l", "r"}), ("hook", {"r"})])
+def test_fallback_gesture_is_done_by_the_hands_that_the_name_says(tmp_path: Path, lexeme: str, sides: set[str]):
+    file = tmp_path / "mine.toml"
+    file.write_text(LEXICON_TOML, encoding="utf-8")
+    planned = plan(BML_BLOCK.replace("hook", lexeme), set_up("upper22", lexicon=file))
+    assert planned.keyframes.outcomes["g"].why == "hook needs fingers; nudge is done"
+    given = set().union(*(frame.given for frame in planned.keyframes.frames))
+    assert given & {"l_hand", "r_hand"} == {f"{side}_hand" for side in sides}

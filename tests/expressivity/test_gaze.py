@@ -1,4 +1,4 @@
-"""Gazes beside one another, and the parts that take part."""
+"""Tests of gazes that overlap, and of the parts that move."""
 
 from dataclasses import replace
 from itertools import combinations
@@ -10,24 +10,24 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kinesic.bml.block import GAZE_SYNCS, Block, Gaze, HeadDirectionShift, NoticeType
-from kinesic.body.action_units import ASIDE, DOWNWARD, UPWARD
+from kinesic.body.action_units import MAX_EYE_DEPRESSION, MAX_EYE_ELEVATION, MAX_EYE_YAW
 from kinesic.body.robot import SIDES, Robot
-from kinesic.expressivity.gaze import STRAIGHT, TRUNK_LAG, Aim, aim, from_eyes, hold_gaze, look_time, towards
+from kinesic.expressivity.gaze import STRAIGHT_AIM, TRUNK_DELAY, Aim, aim, from_eyes, hold_gaze, look_time, towards
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.style.pace import Pace
-from kinesic.expressivity.turns import UPRIGHT, add_turns, room, scale_turn, turn_angles
+from kinesic.expressivity.turns import UPRIGHT_TURN, add_turns, rotation_range, scale_turn, turn_angles
 
 from ..reduced_robots import write_robot
 
-INFLUENCES = (None, "EYES", "NECK", "HEAD", "SHOULDER", "CHEST", "TORSO", "WAIST", "WHOLE")
-directions = st.tuples(st.floats(-3.0, 3.0), st.floats(-1.2, 1.2))  # torsion, tilt [rad]
+INFLUENCE_NAMES = (None, "EYES", "NECK", "HEAD", "SHOULDER", "CHEST", "TORSO", "WAIST", "WHOLE")
+directions = st.tuples(st.floats(-3.0, 3.0), st.floats(-1.2, 1.2))  # Torsion and tilt [rad]
 
 
 @pytest.fixture(scope="module")
 def look_at(pace, context):
-    """What is done of a gaze or a head direction."""
+    """Return the rotations of a gaze or a head direction."""
 
-    def of(action, *, robot=None, base=STRAIGHT, dialect="bml-1.0"):
+    def of(action, *, robot=None, base=STRAIGHT_AIM, dialect="bml-1.0"):
         changed = Pace(robot or pace.robot, pace.limits)
         return aim(action, context(Block("bml1", (), dialect=dialect), pace=changed), base)
 
@@ -38,7 +38,7 @@ def gaze_times(*times):
     return dict(zip(GAZE_SYNCS, times, strict=True))
 
 
-def test_of_two_gazes_from_the_same_moment_one_is_left_out(perform):
+def test_one_of_two_simultaneous_gazes_is_dropped(perform):
     frames = perform(
         ("one", Gaze("0.5 -1 1"), gaze_times(1, 2, 9, 10)), ("two", Gaze("0.5 1 1"), gaze_times(1, 2, 9, 10))
     )
@@ -48,7 +48,7 @@ def test_of_two_gazes_from_the_same_moment_one_is_left_out(perform):
     assert "two" in notice.text
 
 
-def test_a_shift_and_a_gaze_from_the_same_moment_are_both_performed(perform):
+def test_simultaneous_gaze_and_head_shift_are_both_performed(perform):
     frames = perform(
         ("stays", HeadDirectionShift("0.5 -1 1"), gaze_times(0, 1, 2, 3)),
         ("goes", Gaze("0.5 1 1"), gaze_times(0, 1, 2, 3)),
@@ -57,7 +57,7 @@ def test_a_shift_and_a_gaze_from_the_same_moment_are_both_performed(perform):
 
 
 @pytest.mark.parametrize(("influence", "share"), [("SHOULDER", 0.25), ("WAIST", 0.4)])
-def test_the_trunk_sets_out_after_the_head_and_arrives_with_it(perform, influence, share):
+def test_trunk_starts_a_gaze_turn_after_the_head_and_arrives_with_the_head(perform, influence, share):
     frames = perform(("g", Gaze("0.9 0.4 1.1", influence=influence), gaze_times(0, 2, 3, 5)))
     turned = {frame.time: (frame.head.torsion, frame.torso.torsion) for frame in frames.frames}
     lagging = [time for time, (head, torso) in turned.items() if head > 0 and torso == 0 and time < 2]
@@ -66,7 +66,7 @@ def test_the_trunk_sets_out_after_the_head_and_arrives_with_it(perform, influenc
 
 
 @pytest.mark.parametrize(("influence", "still"), [("EYES", {"head", "torso"}), ("NECK", {"torso"})])
-def test_parts_that_are_not_asked_stay_where_they_look_for_good(perform, influence, still):
+def test_body_parts_outside_the_gaze_influence_keep_the_permanent_gaze(perform, influence, still):
     frames = perform(
         ("for_good", Gaze("0.9 0.4 1.1", influence="WAIST", shift=True), {"start": 0.0, "end": 2.0}),
         ("glance", Gaze(offset_direction="RIGHT", offset_angle=8.0, influence=influence), gaze_times(3, 4, 5, 6)),
@@ -79,9 +79,9 @@ def test_parts_that_are_not_asked_stay_where_they_look_for_good(perform, influen
 
 
 @pytest.mark.parametrize(
-    ("spare", "lag"), [(-0.3, 0.0), (0.0, 0.0), (0.05, 0.05), (TRUNK_LAG, TRUNK_LAG), (1.0, TRUNK_LAG)]
+    ("spare", "lag"), [(-0.3, 0.0), (0.0, 0.0), (0.05, 0.05), (TRUNK_DELAY, TRUNK_DELAY), (1.0, TRUNK_DELAY)]
 )
-def test_the_trunk_lags_behind_the_head_only_as_far_as_its_way_has_time(pace, spare, lag):
+def test_trunk_delay_is_limited_by_the_available_time(pace, spare, lag):
     look = Aim(head=Turn(torsion=0.9), torso=Turn(torsion=0.3))
     needed = pace.turn_time("torso", look.torso)
     times = {"start": 1.0, "ready": 1.0 + needed + spare, "relax": 9.0, "end": 11.0}
@@ -92,13 +92,13 @@ def test_the_trunk_lags_behind_the_head_only_as_far_as_its_way_has_time(pace, sp
 
 
 def place_in(robot, torsion: float, tilt: float) -> str:
-    """A target one metre from the eyes."""
+    """Return a target one metre from the eyes."""
     away = np.array([cos(tilt) * cos(torsion), cos(tilt) * sin(torsion), -sin(tilt)])
     return " ".join(map(str, away - from_eyes(np.zeros(3), robot)))
 
 
-@given(direction=directions, influence=st.sampled_from(INFLUENCES))
-def test_head_and_eyes_together_meet_a_target_within_their_ranges(robot, look_at, direction, influence):
+@given(direction=directions, influence=st.sampled_from(INFLUENCE_NAMES))
+def test_head_and_eyes_together_reach_a_target_within_range(robot, look_at, direction, influence):
     look = look_at(Gaze(place_in(robot, *direction), influence=influence))
     met = turn_angles(add_turns(look.head, look.eyes))
     if not look.clipped:
@@ -107,16 +107,16 @@ def test_head_and_eyes_together_meet_a_target_within_their_ranges(robot, look_at
         lost = max(abs(a - b) for a, b in zip(met, (*direction, 0.0), strict=True))
         assert f"{degrees(lost):.0f} deg beyond" in look.clipped
     for chain, turn in (("torso", look.torso), ("neck", add_turns(look.head, scale_turn(look.torso, -1.0)))):
-        least, most = (turn_angles(each) for each in room(robot, chain))
+        least, most = (turn_angles(each) for each in rotation_range(robot, chain))
         assert all(
             low - 1e-9 <= angle <= high + 1e-9 for low, angle, high in zip(least, turn_angles(turn), most, strict=True)
         )
-    assert abs(look.eyes.torsion) <= ASIDE
-    assert -UPWARD <= look.eyes.tilt <= DOWNWARD
+    assert abs(look.eyes.torsion) <= MAX_EYE_YAW
+    assert -MAX_EYE_ELEVATION <= look.eyes.tilt <= MAX_EYE_DEPRESSION
 
 
-@given(direction=directions, influence=st.sampled_from(INFLUENCES))
-def test_a_gaze_to_the_other_side_is_the_mirrored_gaze(robot, look_at, direction, influence):
+@given(direction=directions, influence=st.sampled_from(INFLUENCE_NAMES))
+def test_gaze_to_a_mirrored_target_has_mirrored_rotations(robot, look_at, direction, influence):
     torsion, tilt = direction
     one, other = (look_at(Gaze(place_in(robot, side * torsion, tilt), influence=influence)) for side in (1, -1))
     for part in ("head", "torso", "eyes"):
@@ -135,26 +135,26 @@ def test_a_gaze_to_the_other_side_is_the_mirrored_gaze(robot, look_at, direction
         ((-1, 0, 0), 180, 0),
     ],
 )
-def test_left_is_a_positive_torsion_and_down_a_positive_tilt(robot, place, torsion, tilt):
+def test_left_is_positive_torsion_and_down_is_positive_tilt(robot, place, torsion, tilt):
     turn = towards(np.array(place) - from_eyes(np.zeros(3), robot), robot)
     assert [degrees(angle) for angle in turn_angles(turn)] == pytest.approx([torsion, tilt, 0], abs=1e-9)
 
 
-def test_eyes_are_where_the_robot_has_them(robot):
-    frames, neck = robot.skeleton.resting, robot.skeleton.segment(robot.chains["neck"][-1])
+def test_gaze_starts_from_the_eye_site_of_the_robot_file(robot):
+    frames, neck = robot.skeleton.rest_frames, robot.skeleton.segment(robot.chains["neck"][-1])
     eyes = frames.origins[neck] + frames.rotations[neck] @ robot.sites["eyes"].position
     np.testing.assert_allclose(from_eyes(eyes, robot), 0.0, atol=1e-12)
     blind = replace(robot, sites={name: site for name, site in robot.sites.items() if name != "eyes"})
     np.testing.assert_allclose(from_eyes(frames.origins[neck], blind), 0.0, atol=1e-12)
 
 
-def test_a_robot_without_a_neck_looks_from_between_its_shoulders(tmp_path):
+def test_robot_without_neck_looks_from_between_its_shoulders(tmp_path):
     robot = Robot.load(write_robot(tmp_path, "neck"))
-    shoulders = [robot.skeleton.resting.origins[robot.arm(side).shoulder] for side in SIDES]
+    shoulders = [robot.skeleton.rest_frames.origins[robot.arm(side).shoulder] for side in SIDES]
     np.testing.assert_allclose(from_eyes((shoulders[0] + shoulders[1]) / 2, robot), 0.0, atol=1e-12)
 
 
-def test_eyes_alone_turn_from_where_the_head_looks_for_good(robot, look_at):
+def test_eyes_alone_start_from_the_permanent_gaze(robot, look_at):
     base = Aim(Turn(torsion=0.5), Turn(torsion=0.2))
     look = look_at(Gaze(place_in(robot, 0.6, 0.1), influence="EYES"), base=base)
     assert (look.head.torsion, look.torso) == (pytest.approx(0.5), base.torso)
@@ -162,7 +162,7 @@ def test_eyes_alone_turn_from_where_the_head_looks_for_good(robot, look_at):
 
 
 @pytest.mark.parametrize("word", ["UP", "DOWN", "LEFT", "RIGHT"])
-def test_an_offset_without_a_target_starts_from_where_the_head_looks_for_good(look_at, word):
+def test_gaze_offset_without_target_starts_from_the_permanent_gaze(look_at, word):
     base = Aim(Turn(0.3, 0.1))
     look = look_at(Gaze(offset_angle=6.0, offset_direction=word, influence="HEAD"), base=base)
     torsion, tilt = {"UP": (0, -6), "DOWN": (0, 6), "LEFT": (6, 0), "RIGHT": (-6, 0)}[word]
@@ -178,7 +178,7 @@ def test_an_offset_without_a_target_starts_from_where_the_head_looks_for_good(lo
         if pair not in (("UP", "DOWN"), ("LEFT", "RIGHT"))
     ],
 )
-def test_a_diagonal_offset_is_as_wide_as_its_angle(look_at, words):
+def test_diagonal_gaze_offset_has_the_requested_angle(look_at, words):
     head = look_at(Gaze(offset_angle=10.0, offset_direction="".join(words), influence="HEAD")).head
     assert degrees(hypot(head.torsion, head.tilt)) == pytest.approx(10.0)
 
@@ -187,32 +187,32 @@ def test_a_diagonal_offset_is_as_wide_as_its_angle(look_at, words):
     ("dialect", "angle", "turned"),
     [("draft", 1.0, 50), ("draft", -1.0, -50), ("fml-apml", 0.5, 25), ("none", 1.1, 1.1), ("bml-1.0", 1.0, 1.0)],
 )
-def test_an_offset_up_to_one_is_a_fraction_of_fifty_degrees_in_drafts(look_at, dialect, angle, turned):
+def test_gaze_offset_angles_up_to_one_are_fractions_of_50_degrees_in_bml_drafts(look_at, dialect, angle, turned):
     look = look_at(Gaze(offset_angle=angle, offset_direction="LEFT", influence="HEAD"), dialect=dialect)
     assert degrees(look.head.torsion) == pytest.approx(turned)
 
 
 @pytest.mark.parametrize("influence", ["SHOULDER", "CHEST", "TORSO", "WAIST", "WHOLE"])
-def test_a_named_part_of_the_trunk_takes_its_fraction_to_either_side(robot, look_at, influence):
+def test_gaze_with_trunk_influence_rotates_the_torso_by_a_fraction(robot, look_at, influence):
     fraction = 0.4 if influence in ("WAIST", "WHOLE") else 0.25
     for torsion in (-0.4, 0.4):
         look = look_at(Gaze(place_in(robot, torsion, 0.2), influence=influence))
         assert turn_angles(look.torso) == pytest.approx((fraction * torsion, 0.0, 0.0))
 
 
-def test_head_directions_by_words_are_half_as_wide_and_leave_the_eyes(look_at):
+def test_named_head_direction_turns_only_the_head_by_half_the_gaze_angle(look_at):
     look = look_at(HeadDirectionShift("Leftward"))
     assert [degrees(angle) for angle in turn_angles(look.head)] == pytest.approx([15, 0, 0])
-    assert (look.eyes, look.substitute, look.clipped) == (UPRIGHT, "", "")
+    assert (look.eyes, look.substitute, look.clipped) == (UPRIGHT_TURN, "", "")
     assert look_at(HeadDirectionShift("nod")).missing
 
 
-def test_a_look_takes_at_least_two_tenths_of_a_second(pace):
-    assert look_time(STRAIGHT, pace) == 0.2
+def test_gaze_shift_takes_at_least_a_fifth_of_a_second(pace):
+    assert look_time(STRAIGHT_AIM, pace) == 0.2
 
 
-@given(direction=directions, influence=st.sampled_from(INFLUENCES))
-def test_a_look_takes_the_time_that_its_servos_need(robot, look_at, pace, direction, influence):
+@given(direction=directions, influence=st.sampled_from(INFLUENCE_NAMES))
+def test_gaze_shift_takes_at_least_the_minimum_servo_time(robot, look_at, pace, direction, influence):
     look = look_at(Gaze(place_in(robot, *direction), influence=influence))
     neck = add_turns(look.head, scale_turn(look.torso, -1.0))
     least = max(pace.least_turn_time("neck", neck), pace.least_turn_time("torso", look.torso))
@@ -220,8 +220,11 @@ def test_a_look_takes_the_time_that_its_servos_need(robot, look_at, pace, direct
     assert max(least, 0.2) <= quick <= usual <= slow
 
 
-def test_a_look_of_a_quick_neck_is_as_fast_as_that_of_people(robot, pace):
-    """Its peak speed is 4/3 of the angle and 20 deg/s; a minimum-jerk motion peaks at 1.875 of its mean speed."""
+def test_gaze_shift_of_a_fast_neck_has_human_velocity(robot, pace):
+    """Compare the peak velocity with 4/3 of the angle plus 20 deg/s.
+
+    A minimum-jerk motion peaks at 1.875 times its mean velocity.
+    """
     eager = Pace(
         robot, replace(pace.limits, speed=100 * pace.limits.speed, acceleration=1e4 * pace.limits.acceleration)
     )
@@ -232,7 +235,7 @@ def test_a_look_of_a_quick_neck_is_as_fast_as_that_of_people(robot, pace):
     assert 1.875 * 30 / look_time(slow, eager) == pytest.approx(4 / 3 * 30 + 30.0)
 
 
-def test_the_trunk_leaves_late_only_as_far_as_it_has_time(robot, pace, look_at):
+def test_trunk_departure_is_delayed_only_by_spare_time(robot, pace, look_at):
     look = look_at(Gaze(place_in(robot, 0.5, 0.0), influence="WAIST"))
     needed = pace.turn_time("torso", look.torso)
     for spare, late in ((1.0, 0.12), (0.05, 0.05), (-0.1, 0.0)):
@@ -245,7 +248,7 @@ def test_the_trunk_leaves_late_only_as_far_as_it_has_time(robot, pace, look_at):
         assert (trunk.leave, trunk.back) == (head.leave, head.back) == (5.0, 6.0)
 
 
-def test_a_gaze_that_stays_has_no_way_back(robot, pace, look_at):
+def test_permanent_gaze_shift_has_no_return_motion(robot, pace, look_at):
     look = look_at(Gaze(place_in(robot, 0.5, 0.0), influence="WAIST"))
     for part in ("head", "torso"):
         hold = hold_gaze(look, {"start": 0.0, "end": 3.0}, part=part, stays=True, pace=pace)

@@ -3,9 +3,9 @@ from math import degrees
 import pytest
 
 from kinesic.bml.block import Head, HeadDirectionShift
-from kinesic.expressivity.head import MORE, NOD_TIME, HeadForm, head_form, head_layer, swing_time
+from kinesic.expressivity.head import MAX_ADDED_STROKES, NOD_SWING_TIME, HeadForm, head_form, head_layer, swing_time
 from kinesic.expressivity.style.style import Expressivity, passage_of
-from kinesic.expressivity.turns import UPRIGHT, room, turn_at
+from kinesic.expressivity.turns import UPRIGHT_TURN, rotation_range, turn_at
 
 
 def frame_at(frames, time):
@@ -13,16 +13,16 @@ def frame_at(frames, time):
 
 
 @pytest.mark.parametrize("amount", [0.25, 0.5, 1.0])
-def test_a_nod_peaks_at_the_stroke(robot, pace, nod_times, amount):
+def test_nod_peaks_at_the_stroke(robot, pace, nod_times, amount):
     layer = head_layer(head_form(Head("NOD", amount=amount), robot, Expressivity()), nod_times, pace, Expressivity())
     assert degrees(turn_at(layer, 0.5).tilt) == pytest.approx(20 * amount)
     assert max(key.turn.tilt for key in layer) == turn_at(layer, 0.5).tilt
     assert turn_at(layer, 0.2).tilt == turn_at(layer, 0.8).tilt == 0
 
 
-def test_a_nod_beyond_the_neck_is_clipped_and_warned(perform, robot, nod_times):
+def test_nod_beyond_the_neck_range_is_clipped_with_warning(perform, robot, nod_times):
     frames = perform(("h", Head("NOD", amount=5.0), nod_times))
-    assert frame_at(frames, 0.5).head.tilt == room(robot, "neck")[1].tilt
+    assert frame_at(frames, 0.5).head.tilt == rotation_range(robot, "neck")[1].tilt
     assert frames.outcomes["h"].kind == "realised"
     assert any(notice.id == "bml1:h" and "60.0 deg" in notice.text for notice in frames.notices)
 
@@ -37,14 +37,14 @@ def test_repeated_nods_peak_at_each_stroke(robot, pace, nod_times):
     assert turn_at(layer, 0.7).tilt == turn_at(layer, 2.0).tilt == 0
 
 
-def test_a_nod_without_room_after_its_stroke_still_returns(robot, pace, phases):
+def test_nod_without_time_after_its_stroke_still_returns(robot, pace, phases):
     layer = head_layer(head_form(Head("NOD"), robot, Expressivity()), phases(1, 1, 1, 1, 1, 1, 1), pace, Expressivity())
     assert layer[0].time < 1 < layer[-1].time
     assert layer[0].turn.tilt == layer[-1].turn.tilt == 0
     assert turn_at(layer, 1.0).tilt > 0
 
 
-def test_a_shake_goes_to_both_sides(robot, pace, nod_times):
+def test_head_shake_goes_to_both_sides(robot, pace, nod_times):
     layer = head_layer(head_form(Head("SHAKE", amount=0.4), robot, Expressivity()), nod_times, pace, Expressivity())
     turns = [round(degrees(key.turn.torsion), 6) for key in layer]
     assert max(turns) == 10
@@ -67,14 +67,14 @@ def test_a_shake_goes_to_both_sides(robot, pace, nod_times):
         ("Neutral", 0, 0, 0),
     ],
 )
-def test_words_of_a_lexeme_name_directions(robot, lexeme, torsion, tilt, roll):
+def test_lexeme_words_set_head_direction(robot, lexeme, torsion, tilt, roll):
     form = head_form(Head(lexeme), robot, Expressivity())
     assert form.substitute == ""
     peak = form.peak
     assert [degrees(angle) for angle in (peak.torsion, peak.tilt, peak.roll)] == pytest.approx([torsion, tilt, roll])
 
 
-def test_a_direction_is_held_until_relax(robot, pace, nod_times):
+def test_head_direction_is_held_until_relax(robot, pace, nod_times):
     layer = head_layer(head_form(Head("Left"), robot, Expressivity()), nod_times, pace, Expressivity())
     assert turn_at(layer, 0.5) == turn_at(layer, 0.9) == head_form(Head("Left"), robot, Expressivity()).peak
     assert 0 < turn_at(layer, 0.1).torsion < turn_at(layer, 0.5).torsion
@@ -84,7 +84,7 @@ def test_a_direction_is_held_until_relax(robot, pace, nod_times):
 @pytest.mark.parametrize(
     ("lexeme", "kind"), [("SPIN", "shake"), ("", "nod"), ("ROTATION", "nod"), ("nod_merrily", "nod")]
 )
-def test_other_lexemes_are_substituted(perform, nod_times, lexeme, kind, robot):
+def test_similar_head_lexemes_are_substituted(perform, nod_times, lexeme, kind, robot):
     assert head_form(Head(lexeme), robot, Expressivity()).kind == kind
     frames = perform(("h", Head(lexeme), nod_times))
     assert frames.outcomes["h"].kind == "substituted"
@@ -93,7 +93,7 @@ def test_other_lexemes_are_substituted(perform, nod_times, lexeme, kind, robot):
 
 
 @pytest.mark.parametrize("lexeme", ["upset", "uproar", "downtown", "leftover", "handshake", "JOY_SIGNAL", "Y"])
-def test_a_name_that_means_no_movement_is_dropped_by_name(perform, nod_times, lexeme):
+def test_unknown_head_lexeme_is_dropped_and_named(perform, nod_times, lexeme):
     frames = perform(("h", Head(lexeme), nod_times))
     assert frames.outcomes["h"].kind == "dropped"
     assert lexeme in frames.outcomes["h"].why
@@ -101,34 +101,34 @@ def test_a_name_that_means_no_movement_is_dropped_by_name(perform, nod_times, le
 
 
 @pytest.mark.parametrize("lexeme", ["UP", "TILT", "LEFT"])
-def test_a_direction_that_repeats_is_gone_to_again_and_again(robot, pace, nod_times, lexeme):
+def test_repeated_head_direction_peaks_at_each_stroke_sync_point(robot, pace, nod_times, lexeme):
     times = {**nod_times, "stroke:2": 0.9, "stroke:3": 1.5, "strokeEnd": 2.0, "relax": 2.0, "end": 2.0}
     form = head_form(Head(lexeme, repetition=3), robot, Expressivity())
     layer = head_layer(form, times, pace, Expressivity())
     assert form.peak == head_form(Head(lexeme), robot, Expressivity()).peak
     assert {turn_at(layer, time) for time in (0.5, 0.9, 1.5)} == {form.peak}
-    assert {turn_at(layer, time) for time in (0.7, 1.2, 2.0)} == {UPRIGHT}
+    assert {turn_at(layer, time) for time in (0.7, 1.2, 2.0)} == {UPRIGHT_TURN}
 
 
 @pytest.mark.parametrize("head", [Head("NEUTRAL", repetition=3), Head("NOD", repetition=3, amount=0.0)])
-def test_strokes_of_a_head_that_stays_upright_are_not_said_to_be_done(perform, nod_times, head):
+def test_head_movement_of_zero_amplitude_has_no_repeated_stroke_sync_points(perform, nod_times, head):
     times = {**nod_times, "stroke:2": 0.9, "stroke:3": 1.5, "strokeEnd": 2.0, "relax": 2.0, "end": 2.0}
     frames = perform(("h", head, times))
     assert frames.outcomes["h"].kind == "substituted"
     assert "upright" in frames.outcomes["h"].why
-    said = {sync for frame in frames.frames for _, sync in frame.syncs}
-    assert {"start", "stroke", "end"} <= said
-    assert not {"stroke:2", "stroke:3"} & said
+    syncs = {sync for frame in frames.frames for _, sync in frame.syncs}
+    assert {"start", "stroke", "end"} <= syncs
+    assert not {"stroke:2", "stroke:3"} & syncs
 
 
-def test_all_strokes_of_a_head_that_moves_are_said_to_be_done(perform, nod_times):
+def test_repeated_nod_has_a_sync_point_for_each_stroke(perform, nod_times):
     times = {**nod_times, "stroke:2": 0.9, "stroke:3": 1.5, "strokeEnd": 2.0, "relax": 2.0, "end": 2.0}
     frames = perform(("h", Head("NOD", repetition=3), times))
     assert frames.outcomes["h"].kind == "realised"
     assert {"stroke:2", "stroke:3"} <= {sync for frame in frames.frames for _, sync in frame.syncs}
 
 
-def test_sizes(robot):
+def test_big_nod_is_larger_than_middle_nod(robot):
     big, middle = (head_form(Head(lexeme), robot, Expressivity()).peak.tilt for lexeme in ("Nod_Big", "Nod_Middle"))
     assert big == pytest.approx(1.5 * middle)
 
@@ -139,16 +139,16 @@ def test_spatial_extent_widens_head_movements(robot):
     assert peaks[0] > 0
 
 
-def test_a_head_direction_stays(perform, phases):
+def test_head_direction_shift_is_permanent(perform, phases):
     frames = perform(("s", HeadDirectionShift("Aside_Left"), phases(0, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5)))
     assert degrees(frames.frames[-1].head.roll) == pytest.approx(-15)
 
 
-def test_repetition_nods_more_as_far_as_there_is_time(robot, pace, phases):
+def test_repetition_adds_only_nods_that_fit(robot, pace, phases):
     form = head_form(Head("NOD"), robot, Expressivity(repetition=1.0))
-    assert (form.repetition, form.more) == (1, MORE)
-    assert head_form(Head("Left"), robot, Expressivity(repetition=1.0)).more == 0
-    assert head_form(Head("NOD", repetition=3), robot, Expressivity(repetition=-1.0)).more == 0
+    assert (form.repetition, form.added_strokes) == (1, MAX_ADDED_STROKES)
+    assert head_form(Head("Left"), robot, Expressivity(repetition=1.0)).added_strokes == 0
+    assert head_form(Head("NOD", repetition=3), robot, Expressivity(repetition=-1.0)).added_strokes == 0
 
     def peaks(end):
         layer = head_layer(form, phases(0.0, 0.1, 0.2, 0.5, end, end, end), pace, Expressivity())
@@ -160,16 +160,16 @@ def test_repetition_nods_more_as_far_as_there_is_time(robot, pace, phases):
     assert [peaks(0.5 + swings * least + 0.01) for swings in (1, 3, 5, 9)] == [1, 2, 3, 3]
 
 
-def test_a_swing_is_quicker_with_temporal_extent_and_power(robot, pace):
+def test_temporal_extent_and_power_shorten_a_head_swing(robot, pace):
     form = head_form(Head("NOD"), robot, Expressivity())
     usual = swing_time(form, pace, Expressivity())
-    assert usual >= NOD_TIME
+    assert usual >= NOD_SWING_TIME
     for name in ("temporal", "power"):
         slow, quick = (swing_time(form, pace, Expressivity(**{name: extent})) for extent in (-1.0, 1.0))
         assert quick < usual < slow
 
 
-def test_keys_are_passed_as_the_manner_says(robot, pace, nod_times):
+def test_head_keys_have_spline_parameters_of_the_expressivity(robot, pace, nod_times):
     manner = Expressivity(tension=0.5, power=1.0)
     nod = head_layer(head_form(Head("NOD"), robot, manner), nod_times, pace, manner)
     peak = next(key for key in nod if key.turn.tilt > 0)
@@ -180,19 +180,19 @@ def test_keys_are_passed_as_the_manner_says(robot, pace, nod_times):
     ]
 
 
-def test_held_direction_takes_its_natural_time_where_its_times_leave_none(robot, pace, phases):
+def test_head_direction_hold_takes_its_natural_time_if_sync_points_coincide(robot, pace, phases):
     form, manner = head_form(Head("Left"), robot, Expressivity()), Expressivity()
     natural = swing_time(form, pace, manner)
     hasty = head_layer(form, phases(1, 1, 1, 1, 1, 2, 2), pace, manner)
     assert [key.time for key in hasty] == pytest.approx([1 - natural, 1, 2, 2 + natural])
     brief = head_layer(form, phases(0, 0.5, 0.5, 1, 1, 1, 1), pace, manner)
     assert [key.time for key in brief] == pytest.approx([0, 0.5, 1, 1 + natural])
-    early = head_layer(form, phases(0, 0.5, 0.5, 2, 2, 1, 3), pace, manner)  # relaxes before its stroke
+    early = head_layer(form, phases(0, 0.5, 0.5, 2, 2, 1, 3), pace, manner)  # Relaxes before its stroke
     assert [key.time for key in early] == pytest.approx([0, 0.5, 2, 3])
 
 
 @pytest.mark.parametrize("ready", [0.001, 0.999])
-def test_held_direction_has_no_key_at_a_ready_that_is_no_time_of_its_own(robot, pace, phases, ready):
+def test_head_direction_has_no_key_at_a_ready_point_close_to_other_sync_points(robot, pace, phases, ready):
     layer = head_layer(
         head_form(Head("Left"), robot, Expressivity()), phases(0, ready, ready, 1, 1, 2, 3), pace, Expressivity()
     )
@@ -209,11 +209,11 @@ def test_held_direction_has_no_key_at_a_ready_that_is_no_time_of_its_own(robot, 
         ("direction", 3, (1,)),
     ],
 )
-def test_swings_of_a_movement_end_upright_or_are_held(kind, count, swings):
-    assert HeadForm(kind, UPRIGHT, count).swings == swings
+def test_nods_and_shakes_end_upright_and_head_directions_are_held(kind, count, swings):
+    assert HeadForm(kind, UPRIGHT_TURN, count).swings == swings
 
 
-def test_nod_takes_its_natural_time_where_its_times_leave_none(robot, pace, phases):
+def test_nod_takes_its_natural_time_without_given_time(robot, pace, phases):
     manner = Expressivity()
     form = head_form(Head("NOD", repetition=2), robot, manner)
     natural = swing_time(form, pace, manner)
@@ -222,7 +222,7 @@ def test_nod_takes_its_natural_time_where_its_times_leave_none(robot, pace, phas
     assert [key.turn.tilt > 0 for key in keys] == [False, True, False, True, False]
 
 
-def test_nod_ends_with_the_first_sync_point_that_leaves_it_time(robot, pace, phases):
+def test_nod_ends_at_the_first_sync_point_after_the_stroke(robot, pace, phases):
     form = head_form(Head("NOD"), robot, Expressivity())
     for times, ends in (((0, 1, 1, 2, 3, 4, 5), 3), ((0, 1, 1, 2, 2, 4, 5), 4), ((0, 1, 1, 2, 2, 2, 5), 5)):
         keys = head_layer(form, phases(*times), pace, Expressivity())
@@ -232,7 +232,7 @@ def test_nod_ends_with_the_first_sync_point_that_leaves_it_time(robot, pace, pha
 def test_head_waits_upright_before_and_after_its_swings(robot, pace, phases):
     form = head_form(Head("NOD"), robot, Expressivity())
     keys = head_layer(form, phases(0, 1, 1, 1.5, 2, 3, 4), pace, Expressivity())
-    assert [(key.time, key.turn == UPRIGHT) for key in keys] == [
+    assert [(key.time, key.turn == UPRIGHT_TURN) for key in keys] == [
         (0, True),
         (1, True),
         (1.5, False),
@@ -241,24 +241,26 @@ def test_head_waits_upright_before_and_after_its_swings(robot, pace, phases):
     ]
 
 
-def test_strokes_of_a_nod_that_have_no_time_are_spread_between_the_others(robot, pace, nod_times):
+def test_nods_without_given_time_are_spread_evenly_between_timed_nods(robot, pace, nod_times):
     form = head_form(Head("NOD", repetition=4), robot, Expressivity())
     times = {**nod_times, "stroke": 1.0, "stroke:2": 1.001, "stroke:3": 3.0, "strokeEnd": 6.0, "relax": 6.0, "end": 6.0}
     peaks = [key.time for key in head_layer(form, times, pace, Expressivity()) if key.turn == form.peak]
     assert peaks == pytest.approx([1.0, 2.0, 3.0, 5.0])
 
 
-def test_stroke_of_a_nod_is_not_before_the_one_before_it(robot, pace, nod_times):
+def test_nod_strokes_keep_their_order(robot, pace, nod_times):
     form = head_form(Head("NOD", repetition=3), robot, Expressivity())
     times = {**nod_times, "stroke": 1.0, "stroke:2": 2.0, "stroke:3": 1.5, "strokeEnd": 5.0, "relax": 5.0, "end": 5.0}
     peaks = [key.time for key in head_layer(form, times, pace, Expressivity()) if key.turn == form.peak]
     assert peaks == pytest.approx([1.0, 2.0, 4.0])
 
 
-def test_full_repetition_adds_as_much_as_half_of_it_does_twice(robot):
-    added = [head_form(Head("NOD"), robot, Expressivity(repetition=share)).more for share in (-1.0, 0.0, 0.5, 1.0)]
-    assert added == [0, 0, MORE // 2, MORE]
+def test_added_nods_are_proportional_to_repetition(robot):
+    added = [
+        head_form(Head("NOD"), robot, Expressivity(repetition=share)).added_strokes for share in (-1.0, 0.0, 0.5, 1.0)
+    ]
+    assert added == [0, 0, MAX_ADDED_STROKES // 2, MAX_ADDED_STROKES]
 
 
-def test_a_direction_that_repeats_twice_is_gone_to_twice(robot):
+def test_head_direction_with_two_repetitions_peaks_twice(robot):
     assert head_form(Head("LEFT", repetition=2), robot, Expressivity()).swings == (1.0, 0.0, 1.0, 0.0)

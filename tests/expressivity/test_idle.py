@@ -6,22 +6,22 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kinesic.bml.block import Gaze, Gesture, Wait
-from kinesic.expressivity.idle import IDLE_MARGIN, LEAST_PAUSE, Idling, idle, pauses
-from kinesic.expressivity.realise import keyframes
-from kinesic.expressivity.turns import UPRIGHT, total, turn_angles
+from kinesic.expressivity.idle import IDLE_MARGIN, MIN_PAUSE, Idling, idle, pauses
+from kinesic.expressivity.realise import make_keyframes
+from kinesic.expressivity.turns import UPRIGHT_TURN, sum_layers, turn_angles
 
-LIVELY = Idling(2.0, 7)
+LIVELY_IDLING = Idling(2.0, 7)
 spans = st.lists(
     st.tuples(st.floats(0, 50), st.floats(0, 10)).map(lambda pair: (pair[0], pair[0] + pair[1])), max_size=6
 )
 
 
-def test_none_is_still():
+def test_idle_motion_with_amount_zero_is_empty():
     assert idle([(0.0, 60.0)], Idling(0.0, 7)) == ((), ())
 
 
 @given(spans, st.integers(0, 5))
-def test_it_moves_in_pauses_alone_and_begins_and_ends_at_nothing(busy, seed):
+def test_idle_motion_is_zero_outside_pauses(busy, seed):
     free = pauses(busy, (0.0, 50.0))
     for layer in idle(free, Idling(2.0, seed)):
         if not layer:
@@ -31,50 +31,52 @@ def test_it_moves_in_pauses_alone_and_begins_and_ends_at_nothing(busy, seed):
         inside = np.concatenate(
             [np.linspace(begin - IDLE_MARGIN, end + IDLE_MARGIN, 20) for begin, end in busy] or [[0.0]]
         )
-        np.testing.assert_allclose(total([layer], inside), 0.0, atol=1e-12)
-        assert layer[0].turn == layer[-1].turn == UPRIGHT
+        np.testing.assert_allclose(sum_layers([layer], inside), 0.0, atol=1e-12)
+        assert layer[0].turn == layer[-1].turn == UPRIGHT_TURN
 
 
 @given(spans)
-def test_pauses_and_busy_spans_make_the_whole(busy):
+def test_pauses_and_busy_time_spans_cover_the_whole_block(busy):
     free = pauses(busy, (0.0, 50.0))
     for time in np.linspace(0.05, 49.95, 97):
         assert any(a <= time <= b for a, b in [*busy, *free])
     assert all(b <= c for (_, b), (c, _) in pairwise(free))
 
 
-def test_the_same_seed_gives_the_same_motion_and_another_another():
-    assert idle([(0.0, 30.0)], LIVELY) == idle([(0.0, 30.0)], LIVELY)
-    assert idle([(0.0, 30.0)], LIVELY) != idle([(0.0, 30.0)], Idling(2.0, 8))
+def test_idle_motion_depends_only_on_the_seed():
+    assert idle([(0.0, 30.0)], LIVELY_IDLING) == idle([(0.0, 30.0)], LIVELY_IDLING)
+    assert idle([(0.0, 30.0)], LIVELY_IDLING) != idle([(0.0, 30.0)], Idling(2.0, 8))
 
 
 @pytest.mark.parametrize("part", [0, 1])
-def test_it_is_small_and_twice_as_much_is_twice_as_far(part):
+def test_idle_motion_is_small_and_grows_with_amount(part):
     times = np.linspace(0.0, 60.0, 600)
     little, much = (
-        float(np.abs(total([idle([(0.0, 60.0)], Idling(amount, 3))[part]], times)).max()) for amount in (1.0, 2.0)
+        float(np.abs(sum_layers([idle([(0.0, 60.0)], Idling(amount, 3))[part]], times)).max()) for amount in (1.0, 2.0)
     )
     assert np.radians(0.5) < little < much < np.radians(12)
 
 
-def test_what_is_held_by_head_and_trunk_is_no_bar(timeline, context):
+def test_permanent_gaze_shift_does_not_prevent_idle_motion(timeline, context):
     gaze = ("z", Gaze(target="left", shift=True), {"start": 0.0, "end": 1.0})
     built = timeline(gaze, ("w", Wait(), {"start": 0.0, "end": 20.0}))
-    still, moving = (keyframes(built, context(built.block, idling=idling)).frames for idling in (Idling(), LIVELY))
+    still, moving = (
+        make_keyframes(built, context(built.block, idling=idling)).frames for idling in (Idling(), LIVELY_IDLING)
+    )
     assert len(moving) > len(still) + 5
     assert moving[-1].head.torsion == pytest.approx(still[-1].head.torsion)
 
 
-def test_a_short_pause_is_left_still():
-    assert idle([(0.0, LEAST_PAUSE + 2 * IDLE_MARGIN - 0.01)], LIVELY) == ((), ())
-    assert idle([(0.0, LEAST_PAUSE + 2 * IDLE_MARGIN + 0.01)], LIVELY)[0]
+def test_short_pause_has_no_idle_motion():
+    assert idle([(0.0, MIN_PAUSE + 2 * IDLE_MARGIN - 0.01)], LIVELY_IDLING) == ((), ())
+    assert idle([(0.0, MIN_PAUSE + 2 * IDLE_MARGIN + 0.01)], LIVELY_IDLING)[0]
 
 
-def test_what_is_asked_stays_as_it_is(timeline, context, phases):
+def test_idle_motion_leaves_requested_motion_unchanged(timeline, context, phases):
     gesture = ("g", Gesture("offer", "left"), phases(8, 9, 9, 9.6, 9.6, 10, 11))
     gaze = ("z", Gaze(target="left"), {"start": 15.0, "ready": 15.5, "relax": 17.0, "end": 17.5})
     built = timeline(gesture, gaze, ("w", Wait(), {"start": 0.0, "end": 30.0}))
-    still, moving = (keyframes(built, context(built.block, idling=idling)) for idling in (Idling(), LIVELY))
+    still, moving = (make_keyframes(built, context(built.block, idling=idling)) for idling in (Idling(), LIVELY_IDLING))
     asked = {(id, sync): frame for frame in still.frames for id, sync in frame.syncs}
     met = {(id, sync): frame for frame in moving.frames for id, sync in frame.syncs}
     assert len(moving.frames) > len(still.frames) + 10
@@ -89,7 +91,7 @@ def test_what_is_asked_stays_as_it_is(timeline, context, phases):
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_head_and_trunk_move_with_one_even_breath(seed):
+def test_idle_head_and_trunk_motion_has_one_common_breathing_rhythm(seed):
     torso, head = idle([(0.0, 60.0)], Idling(1.0, seed))
     times = [key.time for key in torso]
     assert [key.time for key in head] == times

@@ -1,4 +1,4 @@
-"""Postures: what trunk, arms and head do of stances and poses."""
+"""Tests of stances and poses of trunk, arms and head."""
 
 from math import degrees
 
@@ -7,9 +7,9 @@ import pytest
 from kinesic.bml.block import GAZE_SYNCS, SHIFT_SYNCS, Gesture, Posture
 from kinesic.body.robot import Robot
 from kinesic.expressivity.posture import pose
-from kinesic.expressivity.realise import keyframes
+from kinesic.expressivity.realise import make_keyframes
 from kinesic.expressivity.style.pace import Pace
-from kinesic.expressivity.turns import UPRIGHT
+from kinesic.expressivity.turns import UPRIGHT_TURN
 
 from ..reduced_robots import write_robot
 
@@ -18,39 +18,39 @@ def posture_times(*times):
     return dict(zip(GAZE_SYNCS, times, strict=True))
 
 
-def test_standing_is_what_the_robot_does(perform):
+def test_standing_posture_needs_no_motion(perform):
     frames = perform(("p", Posture("STANDING"), posture_times(0, 1, 2, 3)))
     assert frames.outcomes["p"].kind == "realised"
     assert frames.uses["p"] == frozenset()
 
 
-def test_who_sits_has_the_hands_in_the_lap(perform):
+def test_sitting_puts_the_hands_in_the_lap(perform):
     frames = perform(("p", Posture("SITTING"), posture_times(0, 1, 2, 3)))
     assert frames.outcomes["p"].kind == "realised"
     assert frames.uses["p"] == {"l_hand", "r_hand"}
     assert {frame.hands["l"].touch for frame in frames.frames if 1 <= frame.time <= 2} == {"lap"}
 
 
-def test_a_stance_without_a_part_for_the_upper_body_is_dropped(perform):
+def test_stance_that_needs_legs_is_dropped(perform):
     outcome = perform(("p", Posture("LYING"), posture_times(0, 1, 2, 3))).outcomes["p"]
     assert outcome.kind == "dropped"
     assert "LYING" in outcome.why
 
 
-def test_a_posture_without_anything_that_can_be_done_is_dropped(perform):
+def test_impossible_posture_is_dropped(perform):
     outcome = perform(("p", Posture(poses=(("LEGS", "LEGS_CROSSED"),)), posture_times(0, 1, 2, 3))).outcomes["p"]
     assert outcome.kind == "dropped"
     assert "LEGS_CROSSED" in outcome.why
     assert "stance" not in outcome.why
 
 
-def test_leaning_forward_is_a_pose_of_the_trunk(perform):
+def test_leaning_forward_tilts_the_trunk(perform):
     action = Posture("STANDING", (("WHOLEBODY", "LEANING_FORWARD"),))
     frames = perform(("p", action, posture_times(0, 1, 2, 3)))
     assert [round(degrees(frame.torso.tilt), 6) for frame in frames.frames] == [0, 12, 12, 0]
 
 
-def test_crossed_arms_are_taken_and_left(perform):
+def test_crossed_arms_posture_crosses_the_arms_and_releases_them_at_its_end(perform):
     frames = perform(("p", Posture(poses=(("ARMS", "ARMS_CROSSED"),)), posture_times(0, 1, 2, 3)))
     hands = {frame.time: frame.hands["l"].reach for frame in frames.frames}
     assert hands[0] is None
@@ -60,7 +60,7 @@ def test_crossed_arms_are_taken_and_left(perform):
     assert frames.uses["p"] == {"l_hand", "r_hand"}
 
 
-def test_a_posture_that_is_over_at_once_after_a_gesture_leaves_no_arm_crossed(perform, phases):
+def test_posture_of_zero_duration_after_a_gesture_leaves_no_arm_crossed(perform, phases):
     crossed = Posture(poses=(("ARMS", "ARMS_CROSSED"),))
     frames = perform(
         ("g", Gesture("object_handle", "left"), phases(*7 * [1.5])), ("p", crossed, posture_times(*4 * [2.0]))
@@ -68,7 +68,7 @@ def test_a_posture_that_is_over_at_once_after_a_gesture_leaves_no_arm_crossed(pe
     assert frames.frames[-1].hands["l"].reach is None
 
 
-def test_crossed_arms_that_stay_are_where_gestures_return_to(perform, phases):
+def test_gestures_return_to_permanently_crossed_arms(perform, phases):
     frames = perform(
         ("p", Posture(poses=(("ARMS", "ARMS_CROSSED"),), shift=True), dict(zip(SHIFT_SYNCS, (0, 1), strict=True))),
         ("g", Gesture("beat", "right"), phases(2, 2.5, 2.5, 3, 3, 3.2, 4)),
@@ -77,11 +77,11 @@ def test_crossed_arms_that_stay_are_where_gestures_return_to(perform, phases):
     assert frames.frames[-1].hands["r"] is crossed
 
 
-def test_arms_that_hang(robot, lexicon):
+def test_neutral_arm_pose_lets_the_arm_hang(robot, lexicon):
     assert pose(Posture(poses=(("LEFT_ARM", "ARMS_NEUTRAL"),)), lexicon, robot).arms == ("left",)
 
 
-def test_a_pose_is_not_mistaken_for_another(robot, lexicon):
+def test_arm_pose_name_is_matched_as_a_whole_or_rejected(robot, lexicon):
     assert pose(Posture(poses=(("ARMS", "ARMS_AKIMBO"),)), lexicon, robot).arms[0].id == "akimbo"
     assert pose(Posture(poses=(("ARMS", "ARMS_WIGGLY"),)), lexicon, robot) is None
 
@@ -105,23 +105,23 @@ def test_open_arms_are_held_open(robot, lexicon):
         ("akimbo", "akimbo"),
     ],
 )
-def test_a_pose_of_the_whole_body_may_be_one_of_the_arms(robot, lexicon, lexeme, arms):
+def test_whole_body_pose_may_be_an_arm_pose(robot, lexicon, lexeme, arms):
     posed = pose(Posture(poses=(("WHOLEBODY", lexeme),)), lexicon, robot)
     assert [getattr(each, "id", each) for each in posed.arms] == [arms]
 
 
-def test_the_head_takes_part_in_a_posture(perform):
+def test_head_pose_is_part_of_a_posture(perform):
     frames = perform(("p", Posture(poses=(("HEAD", "LEANING_FORWARD"),)), posture_times(0, 1, 2, 3)))
     assert [round(degrees(frame.head.tilt), 6) for frame in frames.frames] == [0, 15, 15, 0]
     assert frames.uses["p"] == {"head"}
 
 
-def test_who_crouches_bends_forward(perform):
+def test_crouching_bends_the_trunk_forward(perform):
     frames = perform(("p", Posture("CROUCHING"), posture_times(0, 1, 2, 3)))
     assert [round(degrees(frame.torso.tilt), 6) for frame in frames.frames] == [0, 12, 12, 0]
 
 
-def test_a_pose_of_the_arms_goes_before_the_stance(perform):
+def test_arm_pose_of_a_posture_overrides_the_arms_of_its_stance(perform):
     frames = perform(("p", Posture("SITTING", (("ARMS", "ARMS_CROSSED"),)), posture_times(0, 1, 2, 3)))
     assert {frame.hands["r"].touch for frame in frames.frames if 1 <= frame.time <= 2} == {"upper_arm"}
 
@@ -136,7 +136,7 @@ def test_standing_up_lets_the_arms_hang_again(perform):
     assert reached[3] is None
 
 
-def test_of_two_poses_for_one_arm_the_first_counts_and_the_other_is_said(robot, lexicon):
+def test_second_pose_of_the_same_arm_is_reported_as_omitted(robot, lexicon):
     twice = pose(Posture(poses=(("ARMS", "ARMS_AKIMBO"), ("ARMS", "ARMS_CROSSED"))), lexicon, robot)
     assert [each.id for each in twice.arms] == ["akimbo"]
     assert "ARMS_CROSSED" in twice.left_out
@@ -145,13 +145,13 @@ def test_of_two_poses_for_one_arm_the_first_counts_and_the_other_is_said(robot, 
 
 
 @pytest.mark.parametrize("part", ["BODY", "TORSO", "SPINE", "TRUNK", "WHOLEBODY"])
-def test_every_name_of_the_trunk_leans_it(robot, lexicon, part):
+def test_every_name_of_the_trunk_in_a_pose_leans_the_trunk(robot, lexicon, part):
     posed = pose(Posture(poses=((part, "LEANING_BACK"),)), lexicon, robot)
     assert degrees(posed.lean.turn.tilt) == pytest.approx(-12)
     assert posed.arms == ()
 
 
-def test_a_part_that_is_neither_trunk_nor_arms_nor_head_has_no_pose(robot, lexicon):
+def test_posture_of_an_unsupported_body_part_has_no_pose(robot, lexicon):
     assert pose(Posture(poses=(("LEGS", "LEANING_BACK"),)), lexicon, robot) is None
 
 
@@ -163,30 +163,32 @@ def test_leans_of_several_poses_add_up_within_the_range(robot, lexicon):
     assert [degrees(angle) for angle in (crouched.head.tilt, crouched.head.torsion)] == pytest.approx([15, 15])
 
 
-def test_a_trunk_that_cannot_lean_at_all_drops_the_posture_by_name(tmp_path, timeline, context, limits):
+def test_posture_is_dropped_if_the_trunk_cannot_lean(tmp_path, timeline, context, limits):
     robot = Robot.load(write_robot(tmp_path, "torso"))
     built = timeline(("p", Posture(poses=(("BODY", "LEANING_FORWARD"),)), posture_times(0, 1, 2, 3)))
-    outcome = keyframes(built, context(built.block, pace=Pace(robot, limits(robot)))).outcomes["p"]
+    outcome = make_keyframes(built, context(built.block, pace=Pace(robot, limits(robot)))).outcomes["p"]
     assert outcome.kind == "dropped"
     assert "the trunk cannot: 12.0 deg" in outcome.why
     crossed = timeline(
         ("p", Posture(poses=(("BODY", "LEANING_FORWARD"), ("ARMS", "CROSSED"))), posture_times(0, 1, 2, 3))
     )
-    assert keyframes(crossed, context(crossed.block, pace=Pace(robot, limits(robot)))).outcomes["p"].kind != "dropped"
+    assert (
+        make_keyframes(crossed, context(crossed.block, pace=Pace(robot, limits(robot)))).outcomes["p"].kind != "dropped"
+    )
 
 
-def test_a_head_that_is_missing_leaves_its_pose_out(tmp_path, lexicon):
+def test_head_pose_is_left_out_without_a_neck(tmp_path, lexicon):
     posed = pose(
         Posture(poses=(("HEAD", "DOWN"), ("BODY", "LEANING_FORWARD"))),
         lexicon,
         Robot.load(write_robot(tmp_path, "neck")),
     )
     assert posed.left_out == "no neck for the pose DOWN of HEAD"
-    assert posed.head == UPRIGHT
+    assert posed.head == UPRIGHT_TURN
     assert degrees(posed.lean.turn.tilt) == pytest.approx(12)
 
 
-def test_the_later_posture_wins_from_its_start(perform):
+def test_later_posture_overrides_an_earlier_one_from_its_start_time(perform):
     lean = Posture(poses=(("BODY", "LEANING_FORWARD"),))
     back = Posture(poses=(("BODY", "LEANING_BACK"),))
     frames = perform(("later", back, posture_times(2, 3, 4, 5)), ("first", lean, posture_times(0, 1, 9, 10)))
@@ -194,7 +196,7 @@ def test_the_later_posture_wins_from_its_start(perform):
     assert [tilts[time] for time in (0, 1, 2, 3, 4, 5)] == pytest.approx([0, 12, 12, -12, -12, 0])
 
 
-def test_arms_that_cross_for_good_do_so_in_the_time_until_the_end(perform):
+def test_permanent_arm_crossing_takes_the_time_until_its_end(perform):
     frames = perform(
         ("p", Posture(poses=(("ARMS", "ARMS_CROSSED"),), shift=True), dict(zip(SHIFT_SYNCS, (1, 3), strict=True)))
     )

@@ -7,8 +7,15 @@ import pytest
 from kinesic.bml.block import Gesture, Torso
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.style.style import Expressivity, Style
-from kinesic.expressivity.trunk import HASTE, RECLINE, hold_lean, limit_trunk, named_lean, trunk_direction
-from kinesic.expressivity.turns import UPRIGHT, add_turns, room, scale_turn, turn_angles
+from kinesic.expressivity.trunk import (
+    MAX_TIME_FRACTION,
+    RECLINE_ANGLE,
+    hold_lean,
+    limit_trunk,
+    named_lean,
+    trunk_direction,
+)
+from kinesic.expressivity.turns import UPRIGHT_TURN, add_turns, rotation_range, scale_turn, turn_angles
 
 
 @pytest.mark.parametrize(
@@ -23,12 +30,12 @@ from kinesic.expressivity.turns import UPRIGHT, add_turns, room, scale_turn, tur
         ("Neutral", 0, 0, 0),
     ],
 )
-def test_words_of_a_lexeme_name_leans(robot, lexeme, torsion, tilt, roll):
+def test_lexeme_words_set_trunk_lean(robot, lexeme, torsion, tilt, roll):
     turn = named_lean(Torso(lexeme), robot, 0.0).turn
     assert [degrees(angle) for angle in (turn.torsion, turn.tilt, turn.roll)] == pytest.approx([torsion, tilt, roll])
 
 
-def test_a_lean_goes_and_returns(perform, phases):
+def test_trunk_leans_at_the_stroke_and_returns_upright(perform, phases):
     frames = perform(("t", Torso("BodyLean"), phases(0, 1, 1, 1, 1, 2, 3)))
     tilts = {frame.time: degrees(frame.torso.tilt) for frame in frames.frames}
     assert tilts == pytest.approx({0: 0, 1: 12, 2: 12, 3: 0})
@@ -36,13 +43,13 @@ def test_a_lean_goes_and_returns(perform, phases):
     assert all(frame.given == {"torso"} for frame in frames.frames)
 
 
-def test_a_lean_beyond_the_range_is_clipped_and_warned(perform, phases, robot):
+def test_lean_beyond_the_range_is_clipped_with_warning(perform, phases, robot):
     frames = perform(("t", Torso("BodyRecline", amount=1.0), phases(0, 1, 1, 1, 1, 2, 3)))
     assert degrees(frames.frames[1].torso.tilt) == pytest.approx(-15)
     assert any("9.0 deg" in notice.text for notice in frames.notices)
 
 
-def test_an_unknown_movement_is_dropped(perform, phases):
+def test_unknown_trunk_movement_is_dropped(perform, phases):
     frames = perform(("t", Torso("jingtry"), phases(0, 1, 1, 1, 1, 2, 3)))
     assert frames.outcomes["t"].kind == "dropped"
     assert "jingtry" in frames.outcomes["t"].why
@@ -62,13 +69,13 @@ def torso(frames):
     return np.array([turn_angles(frame.torso) for frame in frames.frames])
 
 
-def test_without_power_and_openness_the_trunk_stays_upright(perform, calm):
+def test_trunk_stays_upright_without_power_and_openness(perform, calm):
     frames = perform(("g", Gesture("beat", "left"), calm), style=styled(power=0.0, spatial=1.0))
     assert not torso(frames).any()
     assert not any("torso" in frame.given for frame in frames.frames)
 
 
-def test_more_power_turns_the_trunk_more_and_weakness_does_not(perform, calm):
+def test_power_increases_trunk_rotation_and_weakness_gives_none(perform, calm):
     turned = [
         np.abs(torso(perform(("g", Gesture("beat", "left"), calm), style=styled(power=power)))).max()
         for power in (-1.0, 0.0, 0.3, 0.6, 1.0)
@@ -78,7 +85,7 @@ def test_more_power_turns_the_trunk_more_and_weakness_does_not(perform, calm):
     assert np.radians(2) < turned[-1] < np.radians(15)
 
 
-def test_the_trunk_goes_back_as_hands_rise_and_forward_as_they_fall(perform, calm):
+def test_trunk_leans_back_with_rising_hands_and_forward_with_falling_hands(perform, calm):
     frames = perform(("g", Gesture("beat", "left"), calm), style=styled(power=1.0))
     at = {sync: frame.torso for frame in frames.frames for _, sync in frame.syncs}
     assert at["ready"].tilt < 0.0 < at["stroke"].tilt
@@ -86,7 +93,7 @@ def test_the_trunk_goes_back_as_hands_rise_and_forward_as_they_fall(perform, cal
     assert at["stroke"] == at["relax"]
 
 
-def test_left_and_right_turn_the_other_way(perform, calm):
+def test_trunk_motion_of_left_and_right_hand_is_mirrored(perform, calm):
     left, right = (
         torso(perform(("g", Gesture("offer", side), calm), style=styled(power=1.0))) for side in ("left", "right")
     )
@@ -94,35 +101,35 @@ def test_left_and_right_turn_the_other_way(perform, calm):
     assert np.abs(left[:, 0]).max() > 0.0
 
 
-def test_openness_draws_the_trunk_back(perform, calm):
+def test_openness_reclines_the_trunk(perform, calm):
     tilts = [
         torso(perform(("g", Gesture("beat", "left"), calm), style=styled(openness=openness)))[:, 1].min()
         for openness in (0.5, 1.0)
     ]
-    assert tilts == pytest.approx([-0.5 * RECLINE, -RECLINE])
+    assert tilts == pytest.approx([-0.5 * RECLINE_ANGLE, -RECLINE_ANGLE])
 
 
-def test_the_trunk_never_needs_more_time_than_the_hands_have(perform, phases, pace):
+def test_trunk_motion_fits_the_time_between_hand_keys(perform, phases, pace):
     for ready in (0.06, 0.2, 0.5):
         times = phases(0, ready, ready, 2 * ready, 2 * ready, 2.5 * ready, 3 * ready)
         frames = perform(("g", Gesture("beat", "left"), times), style=styled(power=1.0, openness=1.0))
         keys = [(frame.time, frame.torso) for frame in frames.frames if "torso" in frame.given]
         for (begin, a), (end, b) in pairwise(keys):
             least = pace.least_turn_time("torso", add_turns(b, scale_turn(a, -1.0)))
-            assert least <= HASTE * (end - begin) * (1 + 1e-9) + 1e-9
+            assert least <= MAX_TIME_FRACTION * (end - begin) * (1 + 1e-9) + 1e-9
 
 
-def test_a_rest_pose_leaves_the_trunk_alone(perform, calm):
+def test_rest_pose_does_not_move_the_trunk(perform, calm):
     frames = perform(("g", Gesture("arms_crossed"), calm), style=styled(power=1.0, openness=1.0))
     assert not torso(frames).any()
 
 
-def test_the_torsos_own_numbers_count(perform, calm):
+def test_trunk_motion_uses_torso_expressivity(perform, calm):
     style = styled(power=1.0).changed(["torso.power=0"])
     assert not torso(perform(("g", Gesture("beat", "left"), calm), style=style)).any()
 
 
-def test_a_lean_without_time_takes_three_tenths_of_a_second_or_what_servos_need(pace):
+def test_lean_without_given_time_takes_its_minimum_duration(pace):
     at_once = {"start": 1.0, "ready": 1.0, "relax": 2.0, "end": 2.0}
     small, large = (
         hold_lean(turn, at_once, chain="torso", stays=False, pace=pace) for turn in (Turn(tilt=1e-4), Turn(torsion=0.8))
@@ -132,7 +139,7 @@ def test_a_lean_without_time_takes_three_tenths_of_a_second_or_what_servos_need(
     assert large.arrive > 1.3
 
 
-def test_spatial_extent_widens_leans_by_up_to_half(robot):
+def test_spatial_extent_scales_leans_by_up_to_half(robot):
     leans = [degrees(named_lean(Torso("BodyLean"), robot, spatial).turn.tilt) for spatial in (-1.0, 0.0, 1.0)]
     assert leans == pytest.approx([6, 12, 18])
 
@@ -152,15 +159,15 @@ def test_spatial_extent_widens_leans_by_up_to_half(robot):
         (("whole", "body"), None),
     ],
 )
-def test_words_of_a_lean_add_up(words, turn):
+def test_direction_words_of_a_trunk_movement_add_up(words, turn):
     named = trunk_direction(words)
     assert (None if named is None else tuple(map(degrees, turn_angles(named)))) == (
         None if turn is None else pytest.approx(turn)
     )
 
 
-def test_only_more_than_a_twentieth_of_a_degree_beyond_the_range_is_reported(robot):
-    most = room(robot, "torso")[1]
+def test_clipping_below_a_twentieth_of_a_degree_is_not_reported(robot):
+    most = rotation_range(robot, "torso")[1]
     assert (
         limit_trunk(most, robot).clipped == limit_trunk(add_turns(most, Turn(tilt=radians(0.04))), robot).clipped == ""
     )
@@ -168,10 +175,10 @@ def test_only_more_than_a_twentieth_of_a_degree_beyond_the_range_is_reported(rob
     assert (beyond.turn, beyond.clipped[:7]) == (most, "0.1 deg")
 
 
-def test_the_trunk_stays_until_the_hands_relax_and_is_upright_when_they_are_back(perform, calm):
+def test_trunk_accompanying_a_gesture_holds_until_relax_and_returns_with_the_hands(perform, calm):
     frames = perform(("g", Gesture("beat", "left"), calm), style=styled(power=1.0, openness=1.0))
     keys = [(frame.time, frame.torso) for frame in frames.frames if "torso" in frame.given]
-    assert keys[-1] == (calm["end"], UPRIGHT)
+    assert keys[-1] == (calm["end"], UPRIGHT_TURN)
     assert keys[-2][0] == calm["relax"]
-    assert keys[-2][1] == keys[-3][1] != UPRIGHT
-    assert keys[0] == (calm["start"], UPRIGHT)
+    assert keys[-2][1] == keys[-3][1] != UPRIGHT_TURN
+    assert keys[0] == (calm["start"], UPRIGHT_TURN)

@@ -6,22 +6,22 @@ import pytest
 from kinesic.bml.block import Behaviour, Block, Gaze, Gesture, Place
 from kinesic.expressivity.behaviours import gesture_move
 from kinesic.expressivity.context import BlockContext
-from kinesic.expressivity.durations import spans
-from kinesic.expressivity.realise import keyframes
+from kinesic.expressivity.durations import natural_durations
+from kinesic.expressivity.realise import make_keyframes
 from kinesic.expressivity.style.style import Expressivity, Style
 from kinesic.expressivity.variation import (
-    EXACT,
-    MIRROR_OFFSET,
-    OTHER_HAND,
-    PLACE,
-    SPATIAL,
-    TEMPORAL,
+    MIRROR_DEVIATION,
+    NO_VARIATION,
+    OTHER_HAND_PROBABILITY,
+    POSITION_DEVIATION,
+    SPATIAL_DEVIATION,
+    TEMPORAL_DEVIATION,
     Variation,
     deviations,
     needs_place,
 )
 
-PERSON = Variation(1.0, 5)
+HUMAN_VARIATION = Variation(1.0, 5)
 
 
 def block(*actions, id="story"):
@@ -35,12 +35,12 @@ def beats(count, id="story"):
 
 @pytest.fixture
 def varied(context):
-    """Contexts of one beat for forty seeds."""
+    """Return contexts of one beat for forty seeds."""
     return [context(beats(1), variation=Variation(1.0, seed)) for seed in range(40)]
 
 
 def poses_of(context, timed):
-    """(m, 3) [m] where the hand is at the stroke keys, and which hand it is."""
+    """Return the stroke positions (m, 3) [m] of a gesture and its hand."""
     (stroke,) = gesture_move(timed, timed.behaviour.action, context).strokes
     ((side, row),) = stroke.options[0].hands.items()
     return np.array([hand.reach.position for hand in row]), side
@@ -48,73 +48,79 @@ def poses_of(context, timed):
 
 @pytest.fixture
 def beat(timeline, phases):
-    """A beat with times."""
+    """Return a beat with times."""
     return timeline(("g0", Gesture("beat"), phases(0, 1, 1, 1.5, 1.5, 2, 3))).timed[0]
 
 
-def test_none_is_what_was_asked_whatever_the_seed(context, timeline, phases):
+def test_zero_variation_ignores_the_seed(context, timeline, phases):
     built = timeline(*((f"g{k}", Gesture("beat"), phases(0, 1, 1, 1.5, 1.5, 2, 3)) for k in range(2)))
-    usual, other = (keyframes(built, context(built.block, **way)) for way in ({}, {"variation": Variation(0.0, 9)}))
+    usual, other = (
+        make_keyframes(built, context(built.block, **way)) for way in ({}, {"variation": Variation(0.0, 9)})
+    )
     for a, b in zip(usual.frames, other.frames, strict=True):
         assert (a.time, a.torso, a.head) == (b.time, b.torso, b.head)
         for side, hand in a.hands.items():
             assert (hand.reach is None) == (b.hands[side].reach is None)
             assert hand.reach is None or np.array_equal(hand.reach.position, b.hands[side].reach.position)
-    assert deviations(built.block, EXACT) == deviations(built.block, Variation(0.0, 9)) == {}
+    assert deviations(built.block, NO_VARIATION) == deviations(built.block, Variation(0.0, 9)) == {}
 
 
-def test_the_same_seed_block_and_place_give_the_same_and_others_another():
+def test_random_gesture_deviation_depends_only_on_seed_block_and_position():
     def found(block, variation):
         each = deviations(block, variation)["g1"]
         return each.spatial, each.temporal, *each.place, each.other_hand
 
-    usual = found(beats(3), PERSON)
-    assert found(beats(3), PERSON) == usual
-    for other in (found(beats(3), Variation(1.0, 6)), found(beats(3, id="other"), PERSON)):
+    usual = found(beats(3), HUMAN_VARIATION)
+    assert found(beats(3), HUMAN_VARIATION) == usual
+    for other in (found(beats(3), Variation(1.0, 6)), found(beats(3, id="other"), HUMAN_VARIATION)):
         assert not {*other[:-1]} & {*usual[:-1]}
 
 
-def test_no_gesture_is_a_copy_of_the_one_before():
+def test_random_variation_makes_successive_gestures_differ_in_size():
     for seed in range(20):
         each = list(deviations(beats(15), Variation(1.0, seed)).values())
-        assert all(abs(a.spatial - b.spatial) > 0.7 * SPATIAL for a, b in pairwise(each))
+        assert all(abs(a.spatial - b.spatial) > 0.7 * SPATIAL_DEVIATION for a, b in pairwise(each))
         assert len({one.spatial for one in each}) == len({one.temporal for one in each}) == 15
 
 
-def test_a_person_differs_within_a_spread_and_twice_as_far_in_exaggeration():
+def test_deviations_stay_within_bounds_and_scale_with_amount():
     found = [next(iter(deviations(beats(1), Variation(1.0, seed)).values())) for seed in range(300)]
     spatial, temporal = np.array([each.spatial for each in found]), np.array([each.temporal for each in found])
-    for values, most in ((spatial, SPATIAL), (temporal, TEMPORAL), (np.array([each.place for each in found]), PLACE)):
+    for values, most in (
+        (spatial, SPATIAL_DEVIATION),
+        (temporal, TEMPORAL_DEVIATION),
+        (np.array([each.place for each in found]), POSITION_DEVIATION),
+    ):
         assert 0.9 * most < np.abs(values).max() <= most
         assert values.mean() == pytest.approx(0.0, abs=0.12 * most)
-    assert np.mean([each.other_hand for each in found]) == pytest.approx(OTHER_HAND, abs=0.08)
+    assert np.mean([each.other_hand for each in found]) == pytest.approx(OTHER_HAND_PROBABILITY, abs=0.08)
     twice = next(iter(deviations(beats(1), Variation(2.0, 0)).values()))
     assert (twice.spatial, twice.temporal) == pytest.approx((2 * found[0].spatial, 2 * found[0].temporal))
 
 
-def test_what_is_larger_takes_longer_in_most():
+def test_larger_random_gesture_size_mostly_takes_longer():
     found = [each for seed in range(40) for each in deviations(beats(5), Variation(1.0, seed)).values()]
     spatial, temporal = np.array([(each.spatial, each.temporal) for each in found]).T
-    assert np.abs(temporal).max() <= TEMPORAL
+    assert np.abs(temporal).max() <= TEMPORAL_DEVIATION
     assert np.corrcoef(spatial, temporal)[0, 1] < -0.5
 
 
-def test_only_what_hands_do_varies():
-    assert deviations(block(Gaze("left"), Gesture("beat")), PERSON).keys() == {"g1"}
+def test_random_variation_applies_only_to_hand_behaviours():
+    assert deviations(block(Gaze("left"), Gesture("beat")), HUMAN_VARIATION).keys() == {"g1"}
 
 
-def test_amplitude_place_duration_and_hand_differ(varied: list[BlockContext], beat):
+def test_random_variation_changes_amplitude_position_duration_and_hand(varied: list[BlockContext], beat):
     found = [poses_of(each, beat) for each in varied]
     ways = np.array([np.linalg.norm(np.diff(row, axis=0), axis=1).sum() for row, _ in found])
     assert 0.04 < np.log(ways).std() < 0.2
     places = np.array([row.mean(axis=0) for row, side in found if side == "r"])
     assert (places.std(axis=0) > 0.005).all()
     assert {side for _, side in found} == {"l", "r"}
-    times = np.array([sum(spans(each)["g0"].values()) for each in varied])
+    times = np.array([sum(natural_durations(each)["g0"].values()) for each in varied])
     assert 0.03 < np.log(times).std() < 0.2
 
 
-def test_a_mode_an_emblem_and_a_posture_keep_their_hand_or_place(context, timeline, phases):
+def test_random_variation_never_changes_a_given_hand_or_the_hand_of_an_emblem(context, timeline, phases):
     at = phases(0, 1, 1, 1.5, 1.5, 2, 3)
     (left,) = timeline(("g0", Gesture("beat", "left"), at)).timed
     (emblem,) = timeline(("g0", Gesture("thumb_up"), at)).timed
@@ -126,7 +132,7 @@ def test_a_mode_an_emblem_and_a_posture_keep_their_hand_or_place(context, timeli
         assert poses_of(there, emblem)[1] == usual
 
 
-def test_fixed_axes_and_touches_stay(lexicon, robot):
+def test_fixed_axes_and_touching_hands_do_not_vary(lexicon, robot):
     (deviation,) = deviations(beats(1), Variation(2.0, 1)).values()
     moved = 0
     for form in lexicon.forms:
@@ -140,7 +146,7 @@ def test_fixed_axes_and_touches_stay(lexicon, robot):
     assert moved > 200
 
 
-def test_hands_that_meet_stay_mirrored(lexicon, robot):
+def test_random_variation_keeps_meeting_hands_mirrored(lexicon, robot):
     (deviation,) = deviations(beats(1), Variation(1.0, 3)).values()
     key = deviation.form(lexicon.find("applause").form, robot).keys[0]
     usual = lexicon.find("applause").form.keys[0]
@@ -149,7 +155,7 @@ def test_hands_that_meet_stay_mirrored(lexicon, robot):
 
 
 @pytest.mark.parametrize("name", ["rise", "welcome", "fall"])
-def test_hands_apart_are_no_mirror_images(lexicon, robot, name):
+def test_random_variation_breaks_the_mirror_symmetry_of_distant_hands(lexicon, robot, name):
     form, seen = lexicon.find(name).form, []
     for seed in range(8):
         (deviation,) = deviations(beats(1), Variation(1.0, seed)).values()
@@ -157,10 +163,10 @@ def test_hands_apart_are_no_mirror_images(lexicon, robot, name):
         left, right = (key.hands[side].position - usual.hands[side].position for side in ("l", "r"))
         seen.append(float(np.abs(left - right).max()))
     assert np.mean(seen) > 0.005
-    assert max(seen) <= MIRROR_OFFSET + 1e-9
+    assert max(seen) <= MIRROR_DEVIATION + 1e-9
 
 
-def test_extents_stay_in_their_ranges(context):
+def test_random_variation_keeps_parameters_in_their_ranges(context):
     wild = Style.uniform(Expressivity(spatial=1.0, temporal=-1.0))
     for seed in range(20):
         there = context(beats(3), wild, variation=Variation(2.0, seed))
@@ -170,7 +176,7 @@ def test_extents_stay_in_their_ranges(context):
             assert -1.0 <= manner.temporal <= 0.0
 
 
-def test_what_has_a_place_stays_there_in_its_size_and_differs_in_time_alone(context, lexicon):
+def test_gestures_with_fixed_meaning_vary_only_in_time(context, lexicon):
     placed = [form for form in lexicon.forms if needs_place(form)]
     assert {"hush", "me", "watch_time", "arms_crossed"} <= {form.id for form in placed}
     for seed in (1, 2):

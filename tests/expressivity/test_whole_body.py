@@ -1,4 +1,4 @@
-"""The body beside the hands of gestures: when it moves, and to what it gives way."""
+"""Tests of body motion that accompanies gestures."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -11,105 +11,105 @@ from kinesic.expressivity.hands.poses import poses
 from kinesic.expressivity.hands.strokes import Stroke, do_stroke
 from kinesic.expressivity.keyframes import BodyMove, Turn
 from kinesic.expressivity.lexicon.body_form import BodyForm
-from kinesic.expressivity.realise import keyframes
+from kinesic.expressivity.realise import make_keyframes
 from kinesic.expressivity.style.pace import Pace
-from kinesic.expressivity.style.style import NEUTRAL, Style
-from kinesic.expressivity.turns import UPRIGHT, turn_angles, turn_at
-from kinesic.expressivity.whole_body import HASTE, Accompanied, BodyDemands, accompany
+from kinesic.expressivity.style.style import NEUTRAL_EXPRESSIVITY, Style
+from kinesic.expressivity.turns import UPRIGHT_TURN, turn_angles, turn_at
+from kinesic.expressivity.whole_body import MAX_TIME_FRACTION, AccompaniedGesture, BodyDemands, accompany_gestures
 
-NOD, LEAN = radians(4), Turn(tilt=radians(6))
-BODY = BodyForm(head=Turn(roll=radians(5)), nod=NOD, trunk=LEAN)
+NOD_ANGLE, LEAN_TURN = radians(4), Turn(tilt=radians(6))
+BODY_FORM = BodyForm(head=Turn(roll=radians(5)), nod=NOD_ANGLE, trunk=LEAN_TURN)
 
 
 @pytest.fixture
 def gesture(lexicon, robot, pace, phases):
-    """A gesture of some hands with a body, its sync points at some times."""
+    """Return a gesture with a body form and sync points."""
 
-    def of(body: BodyForm = BODY, *times: float, id: str = "g", form: str = "offer") -> Accompanied:
-        posed = poses(replace(lexicon.forms_by_id[form], body=body), robot, NEUTRAL)
+    def of(body: BodyForm = BODY_FORM, *times: float, id: str = "g", form: str = "offer") -> AccompaniedGesture:
+        posed = poses(replace(lexicon.forms_by_id[form], body=body), robot, NEUTRAL_EXPRESSIVITY)
         stroke = Stroke(id, phases(*(times or (0, 1, 1, 1.6, 1.6, 2, 3))), (posed,))
-        return Accompanied(do_stroke(stroke, posed, pace), NEUTRAL, NEUTRAL)
+        return AccompaniedGesture(do_stroke(stroke, posed, pace), NEUTRAL_EXPRESSIVITY, NEUTRAL_EXPRESSIVITY)
 
     return of
 
 
-def test_it_begins_with_the_preparation_is_there_at_the_stroke_and_goes_home_with_the_hands(gesture, pace):
-    found = accompany([gesture()], BodyDemands(), pace)
-    assert [turn_at(found.torso, time) for time in (0, 1.6, 2, 3)] == [UPRIGHT, LEAN, LEAN, UPRIGHT]
-    assert turn_at(found.head, 1.6) == Turn(tilt=NOD, roll=radians(5))
+def test_head_and_trunk_motion_follows_the_gesture_phases_of_the_hands(gesture, pace):
+    found = accompany_gestures([gesture()], BodyDemands(), pace)
+    assert [turn_at(found.torso, time) for time in (0, 1.6, 2, 3)] == [UPRIGHT_TURN, LEAN_TURN, LEAN_TURN, UPRIGHT_TURN]
+    assert turn_at(found.head, 1.6) == Turn(tilt=NOD_ANGLE, roll=radians(5))
     assert turn_at(found.head, 2.0) == Turn(roll=radians(5))
-    assert found.head[0].turn == found.head[-1].turn == UPRIGHT
+    assert found.head[0].turn == found.head[-1].turn == UPRIGHT_TURN
     assert (found.head[0].time, found.head[-1].time) == (0.0, 3.0)
 
 
-def test_between_gestures_that_follow_one_another_it_does_not_go_home(gesture, pace):
-    second = gesture(BODY, 3.2, 4, 4, 4.6, 4.6, 5, 6, id="h")
-    found = accompany([gesture(), second], BodyDemands(), pace)
-    assert all(turn_at(found.torso, 1.6 + 0.1 * k) == pytest.approx(LEAN) for k in range(34))
-    apart = accompany([gesture(), gesture(BODY, 4, 5, 5, 5.6, 5.6, 6, 7, id="h")], BodyDemands(), pace)
-    assert turn_at(apart.torso, 3.5) == UPRIGHT
+def test_trunk_does_not_return_upright_between_close_gestures(gesture, pace):
+    second = gesture(BODY_FORM, 3.2, 4, 4, 4.6, 4.6, 5, 6, id="h")
+    found = accompany_gestures([gesture(), second], BodyDemands(), pace)
+    assert all(turn_at(found.torso, 1.6 + 0.1 * k) == pytest.approx(LEAN_TURN) for k in range(34))
+    apart = accompany_gestures([gesture(), gesture(BODY_FORM, 4, 5, 5, 5.6, 5.6, 6, 7, id="h")], BodyDemands(), pace)
+    assert turn_at(apart.torso, 3.5) == UPRIGHT_TURN
 
 
-def test_the_head_turns_back_while_a_hand_waits_for_the_next_gesture(gesture, pace):
-    aside = replace(BODY, nod=0.0, head=Turn(torsion=radians(20)))
+def test_head_turns_back_while_a_hand_waits(gesture, pace):
+    aside = replace(BODY_FORM, nod=0.0, head=Turn(torsion=radians(20)))
     first, second = gesture(aside), gesture(aside, 3.3, 4.3, 4.3, 4.9, 4.9, 5.3, 6.3, id="h")
-    found = accompany([first, second], BodyDemands(), pace)
+    found = accompany_gestures([first, second], BodyDemands(), pace)
     turned = [turn_at(found.head, time).torsion for time in (1.6, 2.6, 3.2, 4.9)]
     assert turned == pytest.approx([radians(20), radians(6), radians(6), radians(20)])
-    soon = accompany([first, gesture(aside, 2.5, 3.3, 3.3, 3.9, 3.9, 4.3, 5.3, id="h")], BodyDemands(), pace)
+    soon = accompany_gestures([first, gesture(aside, 2.5, 3.3, 3.3, 3.9, 3.9, 4.3, 5.3, id="h")], BodyDemands(), pace)
     assert [turn_at(soon.head, time).torsion for time in (1.6, 2.4, 3.9)] == pytest.approx([radians(20)] * 3)
 
 
-def test_it_does_no_more_than_there_is_time_for(gesture, pace):
-    hurried = gesture(BODY, 0, 0.05, 0.05, 0.1, 0.1, 0.15, 0.2)
-    found = accompany([hurried], BodyDemands(), pace)
+def test_body_motion_is_limited_to_the_available_time(gesture, pace):
+    hurried = gesture(BODY_FORM, 0, 0.05, 0.05, 0.1, 0.1, 0.15, 0.2)
+    found = accompany_gestures([hurried], BodyDemands(), pace)
     for layer, chain in ((found.torso, "torso"), (found.head, "neck")):
         for a, b in pairwise(layer):
             if layer is found.torso:
                 change = Turn(*(y - x for x, y in zip(turn_angles(a.turn), turn_angles(b.turn), strict=True)))
-                assert pace.least_turn_time(chain, change) <= HASTE * (b.time - a.time) + 1e-6
-    assert 0.0 < turn_at(found.torso, 0.1).tilt < LEAN.tilt
+                assert pace.least_turn_time(chain, change) <= MAX_TIME_FRACTION * (b.time - a.time) + 1e-6
+    assert 0.0 < turn_at(found.torso, 0.1).tilt < LEAN_TURN.tilt
 
 
-def test_an_axis_that_something_else_turns_meanwhile_is_left_to_it(gesture, pace):
+def test_accompanying_motion_excludes_rotation_axes_used_by_other_behaviours(gesture, pace):
     asked = BodyDemands(head=((), [(0.5, 1.0)], ()), torso=((), (), [(0.5, 1.0)]), eyes=[(2.5, 4.0)], face=[(5.0, 6.0)])
-    body = replace(BODY, gaze="hands", look=0.5, face=(("smile", 0.5),))
-    move = accompany([gesture(body)], asked, pace).moves["g"]
+    body = replace(BODY_FORM, gaze="hands", look=0.5, face=(("smile", 0.5),))
+    move = accompany_gestures([gesture(body)], asked, pace).moves["g"]
     assert (move.head.tilt, move.nod, move.eyes) == (0.0, 0.0, None)
     assert move.head.roll == pytest.approx(radians(5))
-    assert move.trunk == LEAN
+    assert move.trunk == LEAN_TURN
     assert move.face == body.face
     assert move.gave_way == ("head", "nod", "eyes")
-    later = accompany([gesture(body)], BodyDemands(head=((), [(3.0, 4.0)], ())), pace).moves["g"]
+    later = accompany_gestures([gesture(body)], BodyDemands(head=((), [(3.0, 4.0)], ())), pace).moves["g"]
     assert later.gave_way == ()
 
 
-def test_a_shake_goes_to_both_sides_while_the_stroke_lasts(gesture, pace):
-    found = accompany([gesture(BodyForm(shake=radians(8)))], BodyDemands(), pace)
+def test_head_shakes_to_both_sides_during_the_stroke(gesture, pace):
+    found = accompany_gestures([gesture(BodyForm(shake=radians(8)))], BodyDemands(), pace)
     turned = [key.turn.torsion for key in found.head]
     assert min(turned) < -radians(4)
     assert max(turned) > radians(7)
     assert all(1.0 <= key.time <= 2.0 for key in found.head if key.turn.torsion)
 
 
-def test_eyes_and_head_go_to_what_the_hand_shows(gesture, pace):
+def test_eyes_head_and_trunk_turn_to_the_place_shown_by_a_gesture(gesture, pace):
     aside = gesture(BodyForm(gaze="place", look=0.5, towards=radians(8)), form="that_far")
-    move = accompany([aside], BodyDemands(), pace).moves["g"]
+    move = accompany_gestures([aside], BodyDemands(), pace).moves["g"]
     assert move.eyes is not None
-    assert move.eyes.torsion < 0.0  # the right hand points to the right
+    assert move.eyes.torsion < 0.0  # The right hand points to the right
     assert move.head.torsion == pytest.approx(max(move.eyes.torsion / 2, -radians(35)))
     assert move.trunk.torsion == pytest.approx(max(move.eyes.torsion / 2, -radians(8)))
-    away = accompany([gesture(BodyForm(head=Turn(tilt=-0.1), gaze="away"))], BodyDemands(), pace).moves["g"]
+    away = accompany_gestures([gesture(BodyForm(head=Turn(tilt=-0.1), gaze="away"))], BodyDemands(), pace).moves["g"]
     assert away.eyes == Turn(tilt=-0.2)
 
 
-def test_hands_alone_and_rest_poses_move_nothing_else(gesture, pace):
-    found = accompany([gesture(BodyForm())], BodyDemands(), pace)
+def test_gesture_without_body_motion_in_the_lexicon_moves_only_the_hands(gesture, pace):
+    found = accompany_gestures([gesture(BodyForm())], BodyDemands(), pace)
     assert (found.head, found.torso, found.moves) == ((), (), {})
     assert BodyMove().still
 
 
-def test_what_a_document_asks_of_head_trunk_and_face_wins(perform, phases):
+def test_head_and_gaze_behaviours_override_motion_that_accompanies_gestures(perform, phases):
     times = phases(0, 1, 1, 1.6, 1.6, 2, 3)
     alone = perform(("g", Gesture("offer"), times)).bodies["g"]
     assert alone.nod > 0.0
@@ -130,17 +130,21 @@ def test_what_a_document_asks_of_head_trunk_and_face_wins(perform, phases):
     assert frowning.bodies["g"].face == ()
 
 
-def test_a_robot_does_what_it_has_parts_for(timeline, context, robot, limits, phases):
+def test_robot_without_neck_and_torso_accompanies_gestures_only_with_shoulders(
+    timeline, context, robot, limits, phases
+):
     arms = replace(robot, chains={name: robot.chains[name] for name in ("l_arm", "r_arm")})
     built = timeline(("g", Gesture("doubt_shrug"), phases(0, 1, 1, 1.6, 1.6, 2, 3)))
-    found = keyframes(built, context(built.block, pace=Pace(arms, limits(arms))))
+    found = make_keyframes(built, context(built.block, pace=Pace(arms, limits(arms))))
     move = found.bodies["g"]
-    assert (move.head, move.nod, move.trunk, move.gave_way) == (UPRIGHT, 0.0, UPRIGHT, ())
+    assert (move.head, move.nod, move.trunk, move.gave_way) == (UPRIGHT_TURN, 0.0, UPRIGHT_TURN, ())
     assert move.shoulders > 0.0
-    assert {turn_angles(turn) for frame in found.frames for turn in (frame.head, frame.torso)} == {turn_angles(UPRIGHT)}
+    assert {turn_angles(turn) for frame in found.frames for turn in (frame.head, frame.torso)} == {
+        turn_angles(UPRIGHT_TURN)
+    }
 
 
-def test_pointing_at_something_turns_eyes_head_and_trunk_to_it(perform, phases):
+def test_pointing_turns_eyes_head_and_trunk_to_the_target(perform, phases):
     times = phases(0, 1, 1, 1.6, 1.6, 2, 3)
     left, right = (perform(("g", Pointing(side), times)).bodies["g"] for side in ("left", "right"))
     assert left.eyes is not None
@@ -150,7 +154,7 @@ def test_pointing_at_something_turns_eyes_head_and_trunk_to_it(perform, phases):
     assert left.head.torsion == pytest.approx(-right.head.torsion) != 0.0
 
 
-def test_the_style_says_how_much(perform, phases):
+def test_body_motion_weight_of_the_style_scales_accompanying_motion(perform, phases):
     times = phases(0, 1, 1, 1.6, 1.6, 2, 3)
 
     def nod(style: Style) -> float:
@@ -162,22 +166,27 @@ def test_the_style_says_how_much(perform, phases):
     assert nod(Style().changed(["head.spatial=1"])) == pytest.approx(1.5 * nod(Style()))
 
 
-def test_a_head_that_neither_nods_nor_shakes_turns_once(gesture, pace):
-    found = accompany([gesture(BodyForm(head=Turn(roll=radians(5))))], BodyDemands(), pace)
+def test_head_that_accompanies_a_gesture_without_nodding_turns_once(gesture, pace):
+    found = accompany_gestures([gesture(BodyForm(head=Turn(roll=radians(5))))], BodyDemands(), pace)
     assert [key.time for key in found.head] == pytest.approx([0, 1.6, 2, 3])
     assert [key.turn.roll for key in found.head] == pytest.approx([0, radians(5), radians(5), 0])
     assert not any(key.turn.tilt or key.turn.torsion for key in found.head)
 
 
-def test_a_nod_goes_down_at_each_stroke_and_lifts_before_the_first(gesture, pace):
-    found = accompany([gesture(BodyForm(nod=NOD))], BodyDemands(), pace)
+def test_head_rises_before_the_first_stroke_and_nods_at_each(gesture, pace):
+    found = accompany_gestures([gesture(BodyForm(nod=NOD_ANGLE))], BodyDemands(), pace)
     tilts = {key.time: key.turn.tilt for key in found.head}
     assert tilts[1.0] < 0.0
-    assert tilts[1.6] == pytest.approx(NOD)
+    assert tilts[1.6] == pytest.approx(NOD_ANGLE)
     assert (tilts[0.0], tilts[2.0], tilts[3.0]) == pytest.approx((0.0, 0.0, 0.0))
 
 
-def test_a_body_stays_until_the_hands_relax_though_nothing_else_moves(gesture, pace):
-    found = accompany([gesture(BodyForm(trunk=LEAN))], BodyDemands(), pace)
+def test_trunk_accompanying_a_gesture_holds_until_the_hands_relax(gesture, pace):
+    found = accompany_gestures([gesture(BodyForm(trunk=LEAN_TURN))], BodyDemands(), pace)
     assert found.head == ()
-    assert [(key.time, key.turn) for key in found.torso] == [(0, UPRIGHT), (1.6, LEAN), (2, LEAN), (3, UPRIGHT)]
+    assert [(key.time, key.turn) for key in found.torso] == [
+        (0, UPRIGHT_TURN),
+        (1.6, LEAN_TURN),
+        (2, LEAN_TURN),
+        (3, UPRIGHT_TURN),
+    ]

@@ -1,1 +1,1 @@
-"""Turns faces, eyes and speech into tracks of action units."""
+"""Conversion of face behaviours, gaze and speech to action unit tracks."""

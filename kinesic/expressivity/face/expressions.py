@@ -1,4 +1,4 @@
-"""What a face is asked to show, by lexeme, emotion or number of an action unit, and how it comes and goes in time."""
+"""Facial expressions by lexeme, emotion or action unit, and their time course."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,40 +9,40 @@ import msgspec
 import numpy as np
 
 from kinesic.bml.block import Face
-from kinesic.body.action_units import UNITS, FaceSide, channels, face_keys, unknown_unit
+from kinesic.body.action_units import ACTION_UNITS, FaceSide, describe_unknown_unit, face_keys, unit_channels
 from kinesic.body.arrays import Floats
 from kinesic.body.config import CONFIGS, ConfigError, read_toml
-from kinesic.expressivity.lexicon.movement_words import NEGATIONS, amplitude_factor, movement_words
-from kinesic.expressivity.lexicon.names import NAMES_KEPT, word_set
+from kinesic.expressivity.lexicon.movement_words import NEGATION_WORDS, amplitude_factor, movement_words
+from kinesic.expressivity.lexicon.names import NAME_CACHE_SIZE, word_set
 from kinesic.expressivity.lexicon.senses import Sense, nearest_sense, read_lexeme
-from kinesic.expressivity.style.style import NEUTRAL, Expressivity
+from kinesic.expressivity.style.style import NEUTRAL_EXPRESSIVITY, Expressivity
 from kinesic.motion.easing import ease
 
-EXPRESSIONS = CONFIGS / "faces" / "expressions.toml"
+EXPRESSION_FILE = CONFIGS / "faces" / "expressions.toml"
 
-QUICKEST = 0.06  # [s] in which a muscle of the face can do anything
-EXTENT_GAIN = 0.5  # more intensity of a spatial extent of 1, and less of -1
-OVERSHOOT = 0.25  # of the intensity, by which a power of 1 goes over what it then holds
-SETTLING = 0.35  # [s] from there to what is held
-FADING = 0.4  # of the intensity, that a power of -1 loses while it holds
-LONGEST_FADE = 2.0  # [s] that this takes
-BRIDGED = 1.0  # [s] between two expressions, over which a fluidity of 1 leads from one into the other
+MIN_RISE_TIME = 0.06  # [s] shortest rise of an expression, by the speed of facial muscles
+EXTENT_GAIN = 0.5  # relative change of the intensity at a spatial extent of 1 or -1
+OVERSHOOT_RATIO = 0.25  # overshoot / held intensity at a power of 1
+SETTLING_TIME = 0.35  # [s] time from the overshoot to the held intensity
+FADE_RATIO = 0.4  # loss of intensity during the hold at a power of -1
+MAX_FADE_TIME = 2.0  # [s] duration of the fading during the hold
+MAX_BRIDGED_GAP = 1.0  # [s] longest gap between two expressions that are joined at a fluidity of 1
 
-_VAGUE = word_set(  # words that say what is shown only together with the others
+_VAGUE_WORDS = word_set(  # words that identify an expression only together with others
     "raise lower open close up down high wide part pull press tight stretch blow kind content"
 )
-_FILLERS = word_set("face facial expression emotion look very really and in at with slow slowly fast quick")
+_FILLER_WORDS = word_set("face facial expression emotion look very really and in at with slow slowly fast quick")
 
-_SIDES: Mapping[str, FaceSide] = {"left": "left", "right": "right"}
+_FACE_SIDES: Mapping[str, FaceSide] = {"left": "left", "right": "right"}
 
 
 class ExpressionEntry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """One expression of the file."""
+    """TOML entry of one facial expression."""
 
     words: list[str]
     says: str
-    units: dict[str, float]  # action unit -> intensity at full amount; above 1: full before the amount is
-    flutter: float = 0.0  # [s] period in which it comes and goes; 0: it stays
+    units: dict[str, float]  # action unit -> intensity at full amount; above 1 it saturates earlier
+    flutter: float = 0.0  # [s] period of its modulation; 0: constant
 
 
 class _File(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -51,95 +51,104 @@ class _File(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 @dataclass(frozen=True)
 class Expression:
-    """What one behaviour shows at its peak."""
+    """Facial expression: action units at its peak."""
 
     units: Mapping[str, float]  # key of Command.face -> 0..1
-    flutter: float = 0.0  # [s] period in which it comes and goes; 0: it stays
-    unknown: tuple[str, ...] = ()  # lexemes that mean nothing here
-    left_out: tuple[str, ...] = ()  # words of the others that mean nothing here
+    flutter: float = 0.0  # [s] period of its modulation; 0: constant
+    unknown: tuple[str, ...] = ()  # lexemes without an expression
+    left_out: tuple[str, ...] = ()  # unknown words of the other lexemes
 
 
-def find_expression(face: Face, *, path: Path = EXPRESSIONS) -> Expression:
-    """Finds what a face behaviour shows.
+def find_expression(face: Face, *, path: Path = EXPRESSION_FILE) -> Expression:
+    """Return the action units of a face behaviour.
 
-    A lexeme is taken apart into words; the expression counts that most of them speak of, and what is negated is none.
-    Words such as small and big, left and right change it. Of several lexemes the stronger intensity counts for each
-    action unit.
+    A lexeme is split into words; the expression that matches most of them counts, and a negated lexeme has none. Words
+    such as small and big, left and right modify it. Of several lexemes the stronger intensity counts for each action
+    unit.
 
     Args:
         face: lexemes, or an action unit by number; the amount is the intensity of the unit.
         path: of the file of expressions.
 
     Raises:
-        ConfigError: the file is missing or wrong.
+        ConfigError: the file is missing or invalid.
     """
     if face.action_unit is not None:
-        if face.action_unit not in UNITS:
+        if face.action_unit not in ACTION_UNITS:
             return Expression({}, unknown=(str(face.action_unit),))
-        return Expression(dict.fromkeys(channels(face.action_unit, face.side), _inside(face.amount)))
+        return Expression(dict.fromkeys(unit_channels(face.action_unit, face.side), _clip_unit(face.amount)))
     units: dict[str, float] = {}
     flutter, unknown, left_out = 0.0, list[str](), list[str]()
     for lexeme in face.lexemes:
-        found = _entry(lexeme, path)
-        if found is None:
+        match = _entry(lexeme, path)
+        if match is None:
             unknown.append(lexeme)
             continue
-        side = found.side if face.side == "both" else face.side
-        for unit, full in found.entry.units.items():
-            for channel in face_keys(unit) if side == "both" else channels(int(unit.lstrip("LR")), side):
-                units[channel] = max(units.get(channel, 0.0), _inside(full * face.amount * found.scale))
-        flutter = flutter or found.entry.flutter
-        left_out += found.left_out
+        side = match.side if face.side == "both" else face.side
+        for unit, full_intensity in match.entry.units.items():
+            for channel in face_keys(unit) if side == "both" else unit_channels(int(unit.lstrip("LR")), side):
+                units[channel] = max(units.get(channel, 0.0), _clip_unit(full_intensity * face.amount * match.scale))
+        flutter = flutter or match.entry.flutter
+        left_out += match.left_out
     return Expression(units, flutter, tuple(unknown), tuple(left_out))
 
 
 @cache
-def entries(path: Path = EXPRESSIONS) -> tuple[ExpressionEntry, ...]:
-    """Reads all expressions of a file.
+def entries(path: Path = EXPRESSION_FILE) -> tuple[ExpressionEntry, ...]:
+    """Read all facial expressions of a TOML file.
 
     Raises:
-        ConfigError: the file is missing or wrong, or an action unit in it is unknown.
+        ConfigError: the file is missing or invalid, or contains an unknown action unit.
     """
-    found = read_toml(path, _File).expression
-    for number, entry in enumerate(found):
-        for unit, full in entry.units.items():
+    match = read_toml(path, _File).expression
+    for number, entry in enumerate(match):
+        for unit, full_intensity in entry.units.items():
             if not face_keys(unit):
-                raise ConfigError(f"{path}: $.expression[{number}].units: {unknown_unit(unit)}")
-            if full < 0.0:
-                raise ConfigError(f"{path}: $.expression[{number}].units.{unit} is {full}, must be at least 0")
-    return tuple(found)
+                raise ConfigError(f"{path}: $.expression[{number}].units: {describe_unknown_unit(unit)}")
+            if full_intensity < 0.0:
+                raise ConfigError(
+                    f"{path}: $.expression[{number}].units.{unit} is {full_intensity}, must be at least 0"
+                )
+    return tuple(match)
 
 
 @dataclass(frozen=True, eq=False)
-class _Found:
-    """The expression that a lexeme means."""
+class _LexemeMatch:
+    """Expression that matches a lexeme."""
 
     entry: ExpressionEntry
-    scale: float  # of its intensity
+    scale: float  # factor on the intensity
     side: FaceSide
-    left_out: tuple[str, ...]  # words that it does not show
+    left_out: tuple[str, ...]  # words that the expression does not show
 
 
-@lru_cache(maxsize=NAMES_KEPT)
-def _entry(lexeme: str, path: Path) -> _Found | None:
-    known, reading = entries(path), read_lexeme(lexeme)
-    found = nearest_sense(reading.words, [Sense(tuple(entry.words), "face", entry.says) for entry in known])
-    if found is None or NEGATIONS & {*reading.words}:
+@lru_cache(maxsize=NAME_CACHE_SIZE)
+def _entry(lexeme: str, path: Path) -> _LexemeMatch | None:
+    all_entries, reading = entries(path), read_lexeme(lexeme)
+    match = nearest_sense(reading.words, [Sense(tuple(entry.words), "face", entry.says) for entry in all_entries])
+    if match is None or NEGATION_WORDS & {*reading.words}:
         return None
-    index, meant = found
-    others = [word for word in reading.words if word not in meant]
-    sized = movement_words("_".join(others))
+    index, matched_words = match
+    other_words = [word for word in reading.words if word not in matched_words]
+    standard_words = movement_words("_".join(other_words))
     left_out = tuple(
-        word for word, size in zip(others, sized, strict=True) if word not in _FILLERS and size not in ("big", "small")
+        word
+        for word, size in zip(other_words, standard_words, strict=True)
+        if word not in _FILLER_WORDS and size not in ("big", "small")
     )
-    if left_out and {*meant} <= _VAGUE:
+    if left_out and {*matched_words} <= _VAGUE_WORDS:
         return None
-    return _Found(known[index], amplitude_factor(sized), _SIDES.get(reading.mode, "both"), left_out)
+    return _LexemeMatch(
+        all_entries[index], amplitude_factor(standard_words), _FACE_SIDES.get(reading.mode, "both"), left_out
+    )
 
 
 @dataclass(frozen=True)
 class Envelope:
-    """How an expression comes and goes; one that stays never relaxes."""
+    """Rise and decay times of an expression.
+
+    An expression that stays never relaxes.
+    """
 
     start: float  # [s]
     peak: float  # [s]
@@ -148,52 +157,62 @@ class Envelope:
 
     @classmethod
     def of(cls, times: Mapping[str, float], *, stays: bool = False) -> "Envelope":
-        """Makes the envelope of a face's sync points; ways that they leave no time for take `QUICKEST`.
+        """Create the envelope from the sync points of a face behaviour.
+
+        Phases without time take `MIN_RISE_TIME`.
 
         Args:
-            times: start, attackPeak, relax and end, or of one that stays start and end [s].
-            stays: whether it never goes back.
+            times: start, attackPeak, relax and end, or start and end of an expression that stays [s].
+            stays: whether it never decays.
         """
         start = times["start"]
         if stays:
-            return cls(start, max(times["end"], start + QUICKEST))
-        peak = max(times["attackPeak"], start + QUICKEST)
+            return cls(start, max(times["end"], start + MIN_RISE_TIME))
+        peak = max(times["attackPeak"], start + MIN_RISE_TIME)
         relax = max(times["relax"], peak)
-        return cls(start, peak, relax, max(times["end"], relax + QUICKEST))
+        return cls(start, peak, relax, max(times["end"], relax + MIN_RISE_TIME))
 
-    def at(self, times: Floats, manner: Expressivity = NEUTRAL) -> Floats:
-        """Gives (m,) shares of the intensity at (m,) times, 0..1 in a neutral manner.
+    def at(self, times: Floats, manner: Expressivity = NEUTRAL_EXPRESSIVITY) -> Floats:
+        """Return the intensity at (m,) times as fractions (m,) of the peak.
 
-        Every manner keeps the four times. Power brings the expression on early and lets it overshoot; weakness lets it
-        come late and fade. Of a jerky one the ways begin and end abruptly. A wide one is more than asked, a tight less.
+        Every expressivity keeps the four times, and neutral expressivity stays within 0..1. Power lets the expression
+        rise early and overshoot; weakness lets it rise late and fade. Jerky ones begin and end abruptly. Wide ones
+        exceed the requested intensity, tight ones fall below it.
 
         Args:
             times: [s].
-            manner: of the face; spatial extent, power and fluidity are used. What comes out may exceed 1.
+            manner: expressivity of the face; spatial extent, power and fluidity are used. The result may exceed 1.
         """
-        shares = _way(_early((times - self.start) / (self.peak - self.start), manner.power), manner.fluidity)
+        fractions = _ease_with_fluidity(
+            _warp_rise((times - self.start) / (self.peak - self.start), manner.power), manner.fluidity
+        )
         if not np.isinf(self.end):
-            shares = np.minimum(shares, 1.0 - _way((times - self.relax) / (self.end - self.relax), manner.fluidity))
-        return np.asarray((1.0 + EXTENT_GAIN * manner.spatial) * shares * self._level(times, manner.power))
+            fractions = np.minimum(
+                fractions, 1.0 - _ease_with_fluidity((times - self.relax) / (self.end - self.relax), manner.fluidity)
+            )
+        return np.asarray((1.0 + EXTENT_GAIN * manner.spatial) * fractions * self._level(times, manner.power))
 
     def _level(self, times: Floats, power: float) -> Floats | float:
-        """(m,) what is held, as a share of what was asked."""
+        """Return the held intensity (m,) relative to the requested one."""
         if power > 0:
-            return 1.0 + OVERSHOOT * power * (1.0 - ease("minimum_jerk", (times - self.peak) / SETTLING))
-        holding = min(max(self.relax - self.peak, QUICKEST), LONGEST_FADE)
-        return 1.0 + FADING * power * ease("minimum_jerk", (times - self.peak) / holding) if power else 1.0
+            return 1.0 + OVERSHOOT_RATIO * power * (1.0 - ease("minimum_jerk", (times - self.peak) / SETTLING_TIME))
+        holding = min(max(self.relax - self.peak, MIN_RISE_TIME), MAX_FADE_TIME)
+        return 1.0 + FADE_RATIO * power * ease("minimum_jerk", (times - self.peak) / holding) if power else 1.0
 
 
-def _early(shares: Floats, power: float) -> Floats:
-    """Shares of the time of coming: a forceful expression comes early, a weak one late."""
-    x = np.clip(shares, 0.0, 1.0)
+def _warp_rise(fractions: Floats, power: float) -> Floats:
+    """Let powerful expressions rise early and weak ones late.
+
+    Power makes the expression rise early, weakness late.
+    """
+    x = np.clip(fractions, 0.0, 1.0)
     return 1.0 - (1.0 - x) ** (1.0 + power) if power > 0 else x ** (1.0 - power)
 
 
-def _way(shares: Floats, fluidity: float) -> Floats:
-    smooth = ease("minimum_jerk", shares)
-    return smooth if fluidity >= 0 else smooth - fluidity * (ease("linear", shares) - smooth)
+def _ease_with_fluidity(fractions: Floats, fluidity: float) -> Floats:
+    smooth = ease("minimum_jerk", fractions)
+    return smooth if fluidity >= 0 else smooth - fluidity * (ease("linear", fractions) - smooth)
 
 
-def _inside(value: float) -> float:
+def _clip_unit(value: float) -> float:
     return min(max(value, 0.0), 1.0)

@@ -1,8 +1,8 @@
-"""What eyes do by themselves and for a gaze: they blink, flit about, and look at something before the head does.
+"""Eye motion: blinks, saccades, and gaze shifts ahead of the head.
 
-Blinks come by chance, 4 s apart on average (A. R. Bentivoglio et al., Analysis of blink rate patterns in normal
-subjects, Movement Disorders 1997, has 17 in a minute at rest), with wide turns of the gaze, and when somebody begins to
-speak (W. S. Condon and W. D. Ogston, A segmentation of behavior, J. Psychiatric Research 1967). A saccade takes
+Blinks are random, 4 s apart on average (A. R. Bentivoglio et al., Analysis of blink rate patterns in normal subjects,
+Movement Disorders 1997, has 17 in a minute at rest), and occur with wide gaze shifts, and at the beginning of speech
+(W. S. Condon and W. D. Ogston, A segmentation of behavior, J. Psychiatric Research 1967). A saccade takes
 21 ms + 2.2 ms per degree (A. T. Bahill, M. R. Clark and L. Stark, The main sequence, Mathematical Biosciences 1975).
 """
 
@@ -13,71 +13,81 @@ from math import degrees, radians
 import numpy as np
 
 from kinesic.bml.block import Gaze, HeadDirectionShift, Timeline
-from kinesic.body.action_units import ASIDE, DOWNWARD, INWARD, UPWARD, channels
+from kinesic.body.action_units import (
+    MAX_EYE_CONVERGENCE,
+    MAX_EYE_DEPRESSION,
+    MAX_EYE_ELEVATION,
+    MAX_EYE_YAW,
+    unit_channels,
+)
 from kinesic.body.arrays import Floats
 from kinesic.expressivity.behaviours import stays
 from kinesic.expressivity.context import BlockContext
-from kinesic.expressivity.gaze import STRAIGHT, aim, from_eyes
+from kinesic.expressivity.gaze import STRAIGHT_AIM, aim, from_eyes
 from kinesic.expressivity.keyframes import BodyMove
-from kinesic.expressivity.turns import UPRIGHT, add_turns, departure_time
+from kinesic.expressivity.turns import UPRIGHT_TURN, add_turns, departure_time
 from kinesic.motion.easing import ease
 
-CLOSING, SHUT, OPENING = 0.06, 0.02, 0.10  # [s] of a blink
-LEAST_GAP, MEAN_GAP = 1.2, 4.0  # [s] between blinks
-WIDE_TURN = radians(20)  # of the gaze, that brings a blink with it
-FLITTING = radians(2.5)  # spread of saccades about what is looked at
-EARLY = 0.3  # [s] that eyes leave before a stroke for what it shows, where the head does not turn with them
-HALF_APART = 0.03  # [m] of the eyes from the middle between them
-VERGENCE = 0.16  # [s] that eyes take to meet nearer or farther away
-LEAST_REST, MEAN_REST = 0.5, 1.6  # [s] that eyes rest between them
+CLOSING_TIME = 0.06  # [s] time in which the lids close in a blink
+CLOSED_TIME = 0.02  # [s] time for which the lids stay closed in a blink
+OPENING_TIME = 0.10  # [s] time in which the lids open after a blink
+MIN_BLINK_INTERVAL = 1.2  # [s] shortest time between two blinks
+MEAN_BLINK_INTERVAL = 4.0  # [s] mean time between two blinks
+BLINK_ANGLE = radians(20)  # [rad] angle above which a gaze shift causes a blink
+SACCADE_SPREAD = radians(2.5)  # [rad] standard deviation of saccades around the gaze target
+GAZE_LEAD_TIME = 0.3  # [s] time from a gaze shift to its stroke, where the head does not turn
+HALF_EYE_DISTANCE = 0.03  # [m] distance from an eye to the midpoint of both
+VERGENCE_TIME = 0.16  # [s] duration of a change of vergence
+MIN_SACCADE_INTERVAL = 0.5  # [s] shortest time between two spontaneous saccades
+MEAN_SACCADE_INTERVAL = 1.6  # [s] mean time between two spontaneous saccades
 
 
 @dataclass(frozen=True)
 class GazeDirection:
-    """A direction that the gaze takes for a while, or for good."""
+    """Gaze direction, temporary or permanent."""
 
     start: float  # [s]
     left: float  # [rad] in the world, + left
     up: float  # [rad] + up
-    end: float = np.inf  # [s] when the eyes leave it
-    away: float = np.inf  # [m] how far from the eyes what is looked at is
+    end: float = np.inf  # [s] departure of the eyes
+    away: float = np.inf  # [m] distance of the target from the eyes
 
     @property
     def angle(self) -> float:
-        """[rad] off straight ahead."""
+        """Angle between the gaze and straight ahead [rad]."""
         return float(np.hypot(self.left, self.up))
 
     @property
     def inward(self) -> float:
-        """[rad] that each eye turns towards the other, to meet it at what is looked at."""
-        return float(np.arctan(HALF_APART / self.away))
+        """Vergence angle of each eye at the gaze target [rad]."""
+        return float(np.arctan(HALF_EYE_DISTANCE / self.away))
 
 
-STRAIGHT_AHEAD = GazeDirection(
-    -np.inf, 0.0, 0.0
-)  # where eyes are, whatever the head does, when nothing else is looked at
+STRAIGHT_AHEAD = GazeDirection(-np.inf, 0.0, 0.0)  # gaze without a target, for any head rotation
 
 
 @dataclass(frozen=True)
 class Habits:
-    """What the eyes do when nothing is asked."""
+    """Options of blinks and spontaneous saccades."""
 
-    seed: int = 0  # of what is left to chance; the same seed gives the same motion
+    seed: int = 0  # of the random generator; the same seed gives the same motion
     blinks: bool = True
     saccades: bool = True
 
 
 @dataclass(frozen=True, eq=False)
 class Eyes:
-    """What moves the eyes: habit, the gaze, and the head that carries them."""
+    """Input of the eye motion: habits, gaze directions and head angles."""
 
-    habits: Habits | None = None  # None: they do nothing unasked
-    looks: Sequence[GazeDirection] = ()  # directions of the gaze
-    head: Floats | None = None  # (m, 2) [rad] left and up, where the head points in the world; None: straight ahead
+    habits: Habits | None = None  # None: no spontaneous motion
+    looks: Sequence[GazeDirection] = ()  # gaze directions
+    head: Floats | None = None  # (m, 2) [rad] left and up, direction of the head in the world; None: straight ahead
 
 
-def looks(timeline: Timeline, context: BlockContext) -> tuple[GazeDirection, ...]:
-    """Lists the gazes of a block in order; a direction that stays lasts until the next look.
+def block_gazes(timeline: Timeline, context: BlockContext) -> tuple[GazeDirection, ...]:
+    """Return the gaze directions of a block in order.
+
+    A direction that stays lasts until the next gaze.
 
     Args:
         timeline: behaviours with times.
@@ -85,9 +95,9 @@ def looks(timeline: Timeline, context: BlockContext) -> tuple[GazeDirection, ...
     """
     if not context.robot.joints("neck"):
         return ()
-    found: list[GazeDirection] = []
-    base = STRAIGHT
-    for timed in sorted(timeline.timed, key=lambda each: each.times["start"]):
+    directions: list[GazeDirection] = []
+    base = STRAIGHT_AIM
+    for timed in sorted(timeline.timed, key=lambda timed_behaviour: timed_behaviour.times["start"]):
         action = timed.behaviour.action
         if not isinstance(action, Gaze | HeadDirectionShift):
             continue
@@ -95,32 +105,37 @@ def looks(timeline: Timeline, context: BlockContext) -> tuple[GazeDirection, ...
         if aimed is not None:
             base = aimed if stays(action) else base
             end = np.inf if stays(action) else timed.times["relax"]
-            there = add_turns(aimed.head, aimed.eyes)
+            rotation = add_turns(aimed.head, aimed.eyes)
             place = context.find_target(action.target) if action.target else None
             away = np.inf if place is None else float(np.linalg.norm(from_eyes(place, context.robot)))
-            found.append(GazeDirection(timed.times["start"], there.torsion, -there.tilt, end, away))
-    return tuple(found)
+            directions.append(GazeDirection(timed.times["start"], rotation.torsion, -rotation.tilt, end, away))
+    return tuple(directions)
 
 
-def gesture_looks(timeline: Timeline, bodies: Mapping[str, BodyMove]) -> tuple[GazeDirection, ...]:
-    """Lists where eyes look with gestures: they leave as the head does, else a little before the stroke begins.
+def gesture_gazes(timeline: Timeline, bodies: Mapping[str, BodyMove]) -> tuple[GazeDirection, ...]:
+    """Return the gaze directions that accompany gestures.
+
+    The eyes leave with the head, or a little before the stroke begins.
 
     Args:
         timeline: behaviours with times.
-        bodies: id of a gesture -> what the body does beside it.
+        bodies: id of a gesture -> accompanying body motion.
     """
-    found = []
+    result = []
     for timed in timeline.timed:
         move, times = bodies.get(timed.behaviour.id), timed.times
         if move is not None and move.eyes is not None:
-            late = times["strokeStart"] - (EARLY if move.head == UPRIGHT else np.inf)
-            start = departure_time(max(times["start"], late), times["strokeStart"], EARLY)
-            found.append(GazeDirection(start, move.eyes.torsion, -move.eyes.tilt, times["relax"]))
-    return tuple(found)
+            late = times["strokeStart"] - (GAZE_LEAD_TIME if move.head == UPRIGHT_TURN else np.inf)
+            start = departure_time(max(times["start"], late), times["strokeStart"], GAZE_LEAD_TIME)
+            result.append(GazeDirection(start, move.eyes.torsion, -move.eyes.tilt, times["relax"]))
+    return tuple(result)
 
 
-def headings(directions: Floats) -> Floats:
-    """Converts (m, 3) directions in the world to (m, 2) [rad] left and up."""
+def direction_angles(directions: Floats) -> Floats:
+    """Convert world directions (m, 3) to angles (m, 2) [rad].
+
+    The angles are left and up.
+    """
     x, y, z = directions.T
     return np.stack([np.arctan2(y, x), np.arctan2(z, np.hypot(x, y))], axis=1)
 
@@ -128,109 +143,136 @@ def headings(directions: Floats) -> Floats:
 def blink_times(
     span: tuple[float, float], looks: Sequence[GazeDirection], seed: int, *, also: Sequence[float] = ()
 ) -> tuple[float, ...]:
-    """Chooses when blinks begin [s], in order, at least `LEAST_GAP` apart; wide turns of the gaze come first.
+    """Choose the start times of blinks [s], in order.
+
+    They are at least `MIN_BLINK_INTERVAL` apart; those of wide gaze shifts have precedence.
 
     Args:
-        span: [s] from and to; a longer one has the same blinks and more.
-        looks: of the gaze.
-        seed: of the chance.
-        also: [s] other moments that bring a blink.
+        span: begin and end [s]; a longer one has the same blinks and more.
+        looks: gaze directions.
+        seed: of the random generator.
+        also: other times that cause a blink [s].
     """
-    chance = np.random.default_rng((seed, 1))
-    turns = [moment for look in looks if look.angle > WIDE_TURN for moment in (look.start, look.end)] + [*also]
-    found: list[float] = []
-    for moment in sorted(turns):
-        if span[0] <= moment < span[1] and (not found or moment - found[-1] >= LEAST_GAP):
-            found.append(moment)
-    wanted = np.array(found)
-    now = span[0] + float(chance.exponential(MEAN_GAP - LEAST_GAP))
-    while now < span[1]:
-        if not np.any(np.abs(wanted - now) < LEAST_GAP):
-            found.append(now)
-        now += LEAST_GAP + float(chance.exponential(MEAN_GAP - LEAST_GAP))
-    return tuple(sorted(found))
+    generator = np.random.default_rng((seed, 1))
+    wide_shifts = [time for look in looks if look.angle > BLINK_ANGLE for time in (look.start, look.end)] + [*also]
+    blinks: list[float] = []
+    for time in sorted(wide_shifts):
+        if span[0] <= time < span[1] and (not blinks or time - blinks[-1] >= MIN_BLINK_INTERVAL):
+            blinks.append(time)
+    required = np.array(blinks)
+    time = span[0] + float(generator.exponential(MEAN_BLINK_INTERVAL - MIN_BLINK_INTERVAL))
+    while time < span[1]:
+        if not np.any(np.abs(required - time) < MIN_BLINK_INTERVAL):
+            blinks.append(time)
+        time += MIN_BLINK_INTERVAL + float(generator.exponential(MEAN_BLINK_INTERVAL - MIN_BLINK_INTERVAL))
+    return tuple(sorted(blinks))
 
 
-def blinking(begins: Sequence[float], times: Floats) -> Mapping[str, Floats]:
-    """Shows blinks as action units: key of Command.face -> (m,) 0..1 at (m,) times [s]."""
+def blink_units(begins: Sequence[float], times: Floats) -> Mapping[str, Floats]:
+    """Convert blinks to action units at (m,) times [s].
+
+    Returns:
+        Key of Command.face -> (m,) 0..1.
+    """
     closed = np.zeros(len(times))
     for begin in begins:
-        since = times - begin
-        shut = ease("minimum_jerk", since / CLOSING)
-        open_again = ease("minimum_jerk", (since - CLOSING - SHUT) / OPENING)
+        elapsed = times - begin
+        shut = ease("minimum_jerk", elapsed / CLOSING_TIME)
+        open_again = ease("minimum_jerk", (elapsed - CLOSING_TIME - CLOSED_TIME) / OPENING_TIME)
         np.maximum(closed, shut - open_again, out=closed)
-    return dict.fromkeys(channels(45), closed)
+    return dict.fromkeys(unit_channels(45), closed)
 
 
-def flitting(span: tuple[float, float], times: Floats, seed: int) -> Floats:
-    """Makes small saccades about what eyes look at: (m, 2) [rad] left and up.
+def saccade_offsets(span: tuple[float, float], times: Floats, seed: int) -> Floats:
+    """Return random saccade offsets around the gaze target.
 
     Args:
-        span: [s] in which they do.
+        span: begin and end of the saccades [s].
         times: (m,) [s].
-        seed: of the chance.
+        seed: of the random generator.
+
+    Returns:
+        (m, 2) [rad] left and up.
     """
-    chance = np.random.default_rng((seed, 2))
-    found = np.zeros((len(times), 2))
-    now, place = span[0], np.zeros(2)
-    while now < span[1]:
-        now += LEAST_REST + float(chance.exponential(MEAN_REST - LEAST_REST))
-        away = chance.normal(0.0, FLITTING, 2) * (1.0, 0.5) * (chance.uniform() < 0.6)  # as often as not back again
-        step = np.clip(away, -2 * FLITTING, 2 * FLITTING) - place
-        found += step * _saccade(times, now, float(np.hypot(*step)))[:, None]
+    generator = np.random.default_rng((seed, 2))
+    offsets = np.zeros((len(times), 2))
+    time, place = span[0], np.zeros(2)
+    while time < span[1]:
+        time += MIN_SACCADE_INTERVAL + float(generator.exponential(MEAN_SACCADE_INTERVAL - MIN_SACCADE_INTERVAL))
+        away = (
+            generator.normal(0.0, SACCADE_SPREAD, 2) * (1.0, 0.5) * (generator.uniform() < 0.6)
+        )  # otherwise back to the target
+        step = np.clip(away, -2 * SACCADE_SPREAD, 2 * SACCADE_SPREAD) - place
+        offsets += step * _saccade(times, time, float(np.hypot(*step)))[:, None]
         place = place + step
-    return found
+    return offsets
 
 
-def looking(looks: Sequence[GazeDirection], times: Floats, head: Floats) -> Floats:
-    """Computes eye angles in the head that lead it to a gaze and hold the target: (m, 2) [rad] left and up.
+def eye_angles(looks: Sequence[GazeDirection], times: Floats, head: Floats) -> Floats:
+    """Return eye angles that hold the gaze on its target.
 
-    Args:
-        looks: of the gaze, in order; a later one takes the place of an earlier one.
-        times: (m,) [s].
-        head: (m, 2) [rad] left and up in the world, where the head points at these times.
-    """
-    found = np.zeros((len(times), 2))
-    for look in looks:
-        there = _saccade(times, look.start, look.angle) - _saccade(times, look.end, look.angle)
-        wanted = np.array([look.left, look.up]) - head
-        found += there[:, None] * (wanted - found)
-    return found
-
-
-def meeting(looks: Sequence[GazeDirection], times: Floats) -> Mapping[str, Floats]:
-    """Turns both eyes towards what is near: key of Command.face -> (m,) 0..1 at (m,) times [s].
+    The eyes arrive before the head.
 
     Args:
-        looks: of the gaze, in order; a later one takes the place of an earlier one.
+        looks: gaze directions in order; a later one overrides an earlier one.
         times: (m,) [s].
+        head: (m, 2) head angles left and up in the world at these times [rad].
+
+    Returns:
+        (m, 2) [rad] left and up.
     """
-    found = np.zeros(len(times))
+    angles = np.zeros((len(times), 2))
     for look in looks:
-        begun, left = (
-            np.zeros(len(times)) if moment == np.inf else ease("minimum_jerk", (times - moment) / VERGENCE)
-            for moment in (look.start, look.end)
+        progress = _saccade(times, look.start, look.angle) - _saccade(times, look.end, look.angle)
+        target = np.array([look.left, look.up]) - head
+        angles += progress[:, None] * (target - angles)
+    return angles
+
+
+def vergence_units(looks: Sequence[GazeDirection], times: Floats) -> Mapping[str, Floats]:
+    """Return the vergence of both eyes as an action unit.
+
+    Args:
+        looks: gaze directions in order; a later one overrides an earlier one.
+        times: (m,) [s].
+
+    Returns:
+        Key of Command.face -> (m,) 0..1.
+    """
+    angle = np.zeros(len(times))
+    for look in looks:
+        arrived, departed = (
+            np.zeros(len(times)) if time == np.inf else ease("minimum_jerk", (times - time) / VERGENCE_TIME)
+            for time in (look.start, look.end)
         )
-        found += (begun - left) * (look.inward - found)
-    return {"66": np.clip(found / INWARD, 0.0, 1.0)}
+        angle += (arrived - departed) * (look.inward - angle)
+    return {"66": np.clip(angle / MAX_EYE_CONVERGENCE, 0.0, 1.0)}
 
 
 def gaze_units(angles: Floats) -> Mapping[str, Floats]:
-    """Converts angles of the eyes to action units.
+    """Convert eye angles to the gaze action units 61 to 64.
 
     Args:
-        angles: (m, 2) [rad] left and up in the head; cut to what eyes can.
+        angles: (m, 2) [rad] left and up in the head; clipped to the range of the eyes.
 
     Returns:
         Key of Command.face -> (m,) 0..1.
     """
     left, up = angles.T
-    turns = {"61": left / ASIDE, "62": -left / ASIDE, "63": up / UPWARD, "64": -up / DOWNWARD}
-    return {channel: np.clip(values, 0.0, 1.0) for channel, values in turns.items()}
+    wide_shifts = {
+        "61": left / MAX_EYE_YAW,
+        "62": -left / MAX_EYE_YAW,
+        "63": up / MAX_EYE_ELEVATION,
+        "64": -up / MAX_EYE_DEPRESSION,
+    }
+    return {channel: np.clip(values, 0.0, 1.0) for channel, values in wide_shifts.items()}
 
 
 def _saccade(times: Floats, start: float, angle: float) -> Floats:
-    """(m,) shares of a saccade by some angle [rad]; of one that never starts 0."""
+    """Return the progress (m,) of a saccade, from 0 to 1.
+
+    It is 0 for a saccade that never starts.
+    """
     if start == np.inf:
         return np.zeros(len(times))
     return ease("minimum_jerk", (times - start) / (0.021 + 0.0022 * degrees(angle)))

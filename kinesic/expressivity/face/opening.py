@@ -1,4 +1,4 @@
-"""How far the lips are apart: as fast as lips can, and no further than the sounds between which they move allow."""
+"""Limits on lip opening from lip velocity and neighbouring sounds."""
 
 from collections.abc import Mapping
 
@@ -6,60 +6,66 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 
-OPENING: Mapping[str, float] = {
+LIP_OPENINGS: Mapping[str, float] = {
     "25": 0.0049,
     "26": 0.0195,
     "22": 0.0108,
     "19": 0.008,
-}  # [m] of the lips, by action unit
-FASTEST = 0.2  # [m/s] of one lip from the other
-GATHERING = 0.04  # [s] in which they come to it
-NARROW_REACH = 0.2  # [s] from a narrow mouth, within which that tells how far it opens
-SMOOTH = 0.02  # [s] to either side, over which an open mouth is rounded off
+}  # [m] by action unit, at full intensity
+MAX_LIP_VELOCITY = 0.2  # [m/s] largest velocity of one lip relative to the other
+ACCELERATION_TIME = 0.04  # [s] time in which lips accelerate from rest to their largest velocity
+CONSTRAINT_WINDOW = 0.2  # [s] time around a narrow mouth within which it limits the mouth opening
+SMOOTHING_WINDOW = 0.02  # [s] half width of the moving average of the lip opening
 
 
-def opening(units: Mapping[str, float]) -> float:
-    """Adds up how far action units of the face part the lips [m].
+def lip_opening(units: Mapping[str, float]) -> float:
+    """Return the distance between the lips for given action units [m].
 
     Args:
         units: key of Command.face -> 0..1.
     """
-    return sum(OPENING.get(channel, 0.0) * value for channel, value in units.items())
+    return sum(LIP_OPENINGS.get(channel, 0.0) * value for channel, value in units.items())
 
 
-def limit_opening(shown: dict[str, Floats], most: Floats, step: float) -> None:
-    """Lets a mouth open and close as lips do, in place: all that parts them is lessened by the same share.
+def limit_lip_opening(track: dict[str, Floats], largest: Floats, step: float) -> None:
+    """Limit the lip opening of a face track, in place.
+
+    All action units that part the lips are scaled by the same factor.
 
     Args:
-        shown: key of Command.face -> (n,) 0..1.
-        most: (n,) [m] that the lips may be apart.
-        step: [s] from one of n times to the next.
+        track: key of Command.face -> (n,) 0..1.
+        largest: (n,) largest lip opening [m].
+        step: time step [s].
     """
-    parting = OPENING.keys() & shown.keys()
-    wished = np.zeros(len(most))
-    for channel in sorted(parting):
-        wished += OPENING[channel] * shown[channel]
-    allowed = _reachable(np.minimum(wished, most), step)
+    opening_units = LIP_OPENINGS.keys() & track.keys()
+    requested = np.zeros(len(largest))
+    for channel in sorted(opening_units):
+        requested += LIP_OPENINGS[channel] * track[channel]
+    allowed = _reachable(np.minimum(requested, largest), step)
     allowed = np.minimum(allowed, _rounded(allowed, step))
-    share = np.divide(allowed, wished, out=np.ones(len(most)), where=wished > 0.0)
-    for channel in parting:
-        shown[channel] = shown[channel] * share
+    factor = np.divide(allowed, requested, out=np.ones(len(largest)), where=requested > 0.0)
+    for channel in opening_units:
+        track[channel] = track[channel] * factor
 
 
-def _reachable(most: Floats, step: float) -> Floats:
-    """(n,) [m] that is never more than `most`, nor farther than lips come from one time to another."""
-    found = most.copy()
-    for k in range(1, round(NARROW_REACH / step) + 1):
-        away = k * step
-        way = FASTEST * (away - GATHERING / 2 if away > GATHERING else away * away / (2 * GATHERING))
-        np.minimum(found[k:], most[:-k] + way, out=found[k:])
-        np.minimum(found[:-k], most[k:] + way, out=found[:-k])
-    return found
+def _reachable(largest: Floats, step: float) -> Floats:
+    """Reduce the allowed lip opening (n,) [m] to the reachable one."""
+    reachable = largest.copy()
+    for k in range(1, round(CONSTRAINT_WINDOW / step) + 1):
+        interval = k * step
+        distance = MAX_LIP_VELOCITY * (
+            interval - ACCELERATION_TIME / 2
+            if interval > ACCELERATION_TIME
+            else interval * interval / (2 * ACCELERATION_TIME)
+        )
+        np.minimum(reachable[k:], largest[:-k] + distance, out=reachable[k:])
+        np.minimum(reachable[:-k], largest[k:] + distance, out=reachable[:-k])
+    return reachable
 
 
-def _rounded(opened: Floats, step: float) -> Floats:
-    """(n,) a moving average."""
-    reach = round(SMOOTH / step)
+def _rounded(lip_openings: Floats, step: float) -> Floats:
+    """Smooth a lip opening over time (n,) by a moving average."""
+    reach = round(SMOOTHING_WINDOW / step)
     weights = np.hanning(2 * reach + 3)[1:-1]
-    padded = np.pad(opened, reach, mode="edge")
+    padded = np.pad(lip_openings, reach, mode="edge")
     return np.convolve(padded, weights / weights.sum(), mode="valid")

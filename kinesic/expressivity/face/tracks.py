@@ -1,6 +1,6 @@
-"""The face in time: what is expressed, said and done by habit, as action units; the stronger wins for each.
+"""Action unit tracks of expressions, speech and eyes, merged by the maximum.
 
-A pure function of the times that are asked for, on the clock of the block: the controller asks once for all ticks.
+A pure function of the requested times, on the clock of the block: the controller calls it once for all ticks.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -11,33 +11,33 @@ from types import MappingProxyType
 import numpy as np
 
 from kinesic.bml.block import Face, Speech, Timeline
-from kinesic.body.action_units import unknown_unit
+from kinesic.body.action_units import describe_unknown_unit
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import NO_FACE
 from kinesic.body.utterance import Utterance
-from kinesic.expressivity.face.expressions import BRIDGED, Envelope, Expression, find_expression
+from kinesic.expressivity.face.expressions import MAX_BRIDGED_GAP, Envelope, Expression, find_expression
 from kinesic.expressivity.face.eyes import (
     STRAIGHT_AHEAD,
     Eyes,
     blink_times,
-    blinking,
-    flitting,
+    blink_units,
+    eye_angles,
     gaze_units,
-    looking,
-    meeting,
+    saccade_offsets,
+    vergence_units,
 )
-from kinesic.expressivity.face.visemes import SEAL, visemes
+from kinesic.expressivity.face.visemes import SEAL_UNIT, visemes
 from kinesic.expressivity.keyframes import BodyMove, Outcome
 from kinesic.expressivity.lexicon.names import shorten_name
 from kinesic.expressivity.style.style import Expressivity, Style
 
-LEAST_INTENSITY = 1e-3  # intensity below which an action unit is not told
+MIN_INTENSITY = 1e-3  # weaker action units are omitted
 
-SPEAKING = 0.3  # intensity at which speech has the mouth for itself
-PRESSED = (SEAL, "23", "28")  # action units that would keep it closed
-BEFORE = 0.15  # [s] a speech, when a blink begins
-UNMOVED = Eyes()
-HANDS_ALONE: Mapping[str, BodyMove] = MappingProxyType({})
+SPEAKING_INTENSITY = 0.3  # intensity of speech units at which expressions no longer close the mouth
+CLOSING_UNITS = (SEAL_UNIT, "23", "28")  # action units that close the mouth
+BLINK_LEAD_TIME = 0.15  # [s] from the begin of a blink to the begin of a speech
+STILL_EYES = Eyes()  # eyes that look straight ahead, without spontaneous motion
+NO_BODY_MOVES: Mapping[str, BodyMove] = MappingProxyType({})  # gestures without accompanying body motion
 
 Channels = Mapping[str, Floats]  # key of Command.face -> (m,) 0..1
 
@@ -48,49 +48,51 @@ def face_track(
     times: Floats,
     *,
     styles: Mapping[str, Style],
-    eyes: Eyes = UNMOVED,
-    bodies: Mapping[str, BodyMove] = HANDS_ALONE,
+    eyes: Eyes = STILL_EYES,
+    bodies: Mapping[str, BodyMove] = NO_BODY_MOVES,
 ) -> Channels:
-    """Computes what the face shows during a block.
+    """Compute the action units of a block.
 
-    Expressions follow their sync points; one that stays gives way to the next that stays. Those that go along with a
-    gesture follow its. Speech moves the mouth. Eyes look where the gaze goes, else ahead; they are there before the
-    head, turn against it while it moves, flit about and blink.
+    Expressions follow their sync points; one that stays lasts until the next that stays. Those that accompany a gesture
+    follow its sync points. Speech moves the mouth. Eyes look at the gaze target, otherwise ahead; they arrive before
+    the head, counter-rotate while it moves, make saccades and blink.
 
     Args:
         timeline: behaviours with times.
-        utterances: id of a speech -> how it is said.
+        utterances: id of a speech -> utterance.
         times: (m,) [s] block time, increasing.
-        styles: behaviour id -> style, in whose manner of the face an expression is shown.
-        eyes: what moves them, at the same times.
-        bodies: id of a gesture -> what the body does beside it.
+        styles: behaviour id -> style, whose face expressivity applies to its expressions.
+        eyes: inputs of the eye motion, at the same times.
+        bodies: id of a gesture -> accompanying body motion.
 
     Returns:
-        Action units that are ever shown.
+        Action units that are visible at some time.
     """
     speeches = [
         (timed.times["start"], utterances[timed.behaviour.id])
         for timed in timeline.timed
         if isinstance(timed.behaviour.action, Speech) and timed.behaviour.id in utterances
     ]
-    spoken = strongest(visemes(said.phonemes, times, start=start) for start, said in speeches)
-    expressed = _open_lips(strongest(_expressions(timeline, times, styles, bodies)), spoken)
-    found = strongest((expressed, spoken, strongest(_eyes(times, eyes, [start - BEFORE for start, _ in speeches]))))
-    shares = {channel: sealed(np.clip(values, 0.0, 1.0)) for channel, values in found.items()}
-    return {channel: values for channel, values in shares.items() if values.max(initial=0.0) >= LEAST_INTENSITY}
+    spoken = merge_tracks(visemes(utterance.phonemes, times, start=start) for start, utterance in speeches)
+    expressed = _open_lips(merge_tracks(_expressions(timeline, times, styles, bodies)), spoken)
+    merged = merge_tracks(
+        (expressed, spoken, merge_tracks(_eyes(times, eyes, [start - BLINK_LEAD_TIME for start, _ in speeches])))
+    )
+    clipped = {channel: sealed(np.clip(values, 0.0, 1.0)) for channel, values in merged.items()}
+    return {channel: values for channel, values in clipped.items() if values.max(initial=0.0) >= MIN_INTENSITY}
 
 
-def strongest(parts: Iterable[Channels]) -> Channels:
-    """Joins several parts: of each action unit the greatest intensity counts at each time."""
-    found: dict[str, Floats] = {}
+def merge_tracks(parts: Iterable[Channels]) -> Channels:
+    """Merge tracks by the maximum intensity of each action unit."""
+    merged: dict[str, Floats] = {}
     for part in parts:
         for channel, values in part.items():
-            found[channel] = np.maximum(found[channel], values) if channel in found else values
-    return found
+            merged[channel] = np.maximum(merged[channel], values) if channel in merged else values
+    return merged
 
 
 def face_at_ticks(shown: Channels, ticks: int) -> Iterator[Mapping[str, float]]:
-    """Yields what `Command.face` holds at each tick: the action units shown there.
+    """Yield the visible action unit intensities at each command time.
 
     Args:
         shown: of `face_track`, at as many times.
@@ -98,18 +100,21 @@ def face_at_ticks(shown: Channels, ticks: int) -> Iterator[Mapping[str, float]]:
     """
     rows = {channel: values.tolist() for channel, values in shown.items()}
     for k in range(ticks):
-        yield {channel: row[k] for channel, row in rows.items() if row[k] >= LEAST_INTENSITY} or NO_FACE
+        yield {channel: row[k] for channel, row in rows.items() if row[k] >= MIN_INTENSITY} or NO_FACE
 
 
-def outcome(action: Face) -> Outcome:
-    """Says what becomes of a face behaviour; of several lexemes those that are known are shown."""
+def face_outcome(action: Face) -> Outcome:
+    """Return the outcome of a face behaviour.
+
+    Unknown lexemes are skipped.
+    """
     if action.action_unit is None and not action.lexemes:
         return Outcome("dropped", "it names neither a lexeme nor an action unit")
     shown = find_expression(action)
     if not shown.unknown and not shown.left_out:
         return Outcome("realised")
     if action.action_unit is not None:
-        return Outcome("dropped", unknown_unit(str(action.action_unit)))
+        return Outcome("dropped", describe_unknown_unit(str(action.action_unit)))
     if not shown.unknown:
         return Outcome("substituted", f'"{" ".join(shown.left_out)}" is left out')
     why = f"no expression for {', '.join(map(shorten_name, shown.unknown))}"
@@ -117,55 +122,58 @@ def outcome(action: Face) -> Outcome:
 
 
 def _open_lips(expressed: Channels, spoken: Channels) -> Channels:
-    """Lets pressed lips give way where speech opens the mouth."""
-    opening = [values for channel, values in spoken.items() if channel != SEAL]
+    """Release pressed lips where speech opens the mouth."""
+    opening = [values for channel, values in spoken.items() if channel != SEAL_UNIT]
     if not opening:
         return expressed
-    shut = 1.0 - np.minimum(np.max(opening, axis=0) / SPEAKING, 1.0)
-    return {channel: values * shut if channel in PRESSED else values for channel, values in expressed.items()}
+    shut = 1.0 - np.minimum(np.max(opening, axis=0) / SPEAKING_INTENSITY, 1.0)
+    return {channel: values * shut if channel in CLOSING_UNITS else values for channel, values in expressed.items()}
 
 
 @dataclass(frozen=True)
 class _Showing:
-    """One expression in time."""
+    """Facial expression with its time course and expressivity."""
 
     envelope: Envelope
     shown: Expression
     manner: Expressivity
 
     def at(self, times: Floats) -> Floats:
-        """Shows (m,) shares of it at (m,) times [s]."""
+        """Return the expression's intensity (m,) at (m,) times [s], relative to the peak."""
         return self.envelope.at(times, self.manner)
 
 
 def _expressions(
     timeline: Timeline, times: Floats, styles: Mapping[str, Style], bodies: Mapping[str, BodyMove]
 ) -> Iterator[Channels]:
-    going, staying = (_showings(timeline, styles, shift=shift) for shift in (False, True))
-    for each in (*_bridge(going), *_beside_gestures(timeline, styles, bodies)):
-        course = each.at(times) * _flutter(each.shown, times - each.envelope.start)
-        yield {channel: intensity * course for channel, intensity in each.shown.units.items()}
-    left = np.ones(len(times))
-    for each in reversed(staying):
-        course = each.at(times) * left
-        yield {channel: intensity * course for channel, intensity in each.shown.units.items()}
-        left = left * (1.0 - each.envelope.at(times))
+    temporary, permanent = (_showings(timeline, styles, shift=shift) for shift in (False, True))
+    for showing in (*_bridge_gaps(temporary), *_gesture_expressions(timeline, styles, bodies)):
+        modulation = showing.at(times) * _flutter(showing.shown, times - showing.envelope.start)
+        yield {channel: intensity * modulation for channel, intensity in showing.shown.units.items()}
+    remaining = np.ones(len(times))
+    for showing in reversed(permanent):
+        modulation = showing.at(times) * remaining
+        yield {channel: intensity * modulation for channel, intensity in showing.shown.units.items()}
+        remaining = remaining * (1.0 - showing.envelope.at(times))
 
 
 def _showings(timeline: Timeline, styles: Mapping[str, Style], *, shift: bool) -> list[_Showing]:
-    """Lists the expressions that stay, or those that do not, in order of their starts."""
-    found = [
+    """Return either the permanent or the temporary expressions, sorted by start."""
+    merged = [
         _Showing(Envelope.of(timed.times, stays=shift), find_expression(action), styles[timed.behaviour.id].face)
         for timed in timeline.timed
         if isinstance(action := timed.behaviour.action, Face) and action.shift == shift
     ]
-    return sorted(found, key=lambda each: each.envelope.start)
+    return sorted(merged, key=lambda showing: showing.envelope.start)
 
 
-def _beside_gestures(
+def _gesture_expressions(
     timeline: Timeline, styles: Mapping[str, Style], bodies: Mapping[str, BodyMove]
 ) -> Iterator[_Showing]:
-    """Yields what the face shows with gestures: it comes with the preparation, and goes with the hands."""
+    """Yield the expressions that accompany gestures.
+
+    They rise with the preparation, and decay with the retraction.
+    """
     for timed in timeline.timed:
         id, times = timed.behaviour.id, timed.times
         for lexeme, amount in bodies[id].face if id in bodies else ():
@@ -173,29 +181,32 @@ def _beside_gestures(
             yield _Showing(envelope, find_expression(Face((lexeme,), amount=amount)), styles[id].face)
 
 
-def _bridge(showings: Sequence[_Showing]) -> list[_Showing]:
-    """Lets a flowing expression last until the next has come, where that follows soon."""
-    found = list(showings)
+def _bridge_gaps(showings: Sequence[_Showing]) -> list[_Showing]:
+    """Extend expressions over short gaps at high fluidity.
+
+    They are extended if the next one follows soon.
+    """
+    merged = list(showings)
     for k, (showing, other) in enumerate(pairwise(showings)):
         gap = other.envelope.start - showing.envelope.end
-        if showing.manner.fluidity > 0 and 0.0 <= gap <= BRIDGED * showing.manner.fluidity:
-            found[k] = replace(showing, envelope=replace(showing.envelope, end=other.envelope.peak))
-    return found
+        if showing.manner.fluidity > 0 and 0.0 <= gap <= MAX_BRIDGED_GAP * showing.manner.fluidity:
+            merged[k] = replace(showing, envelope=replace(showing.envelope, end=other.envelope.peak))
+    return merged
 
 
 def _flutter(shown: Expression, since: Floats) -> Floats | float:
-    """(m,) shares of an expression that comes and goes."""
+    """Return the intensity factor (m,) of an expression that pulsates, 0..1."""
     return np.sin(np.pi * since / shown.flutter) ** 2 if shown.flutter else 1.0
 
 
 def _eyes(times: Floats, eyes: Eyes, onsets: Sequence[float]) -> Iterator[Channels]:
     habits, ordered = eyes.habits, [STRAIGHT_AHEAD, *sorted(eyes.looks, key=lambda look: look.start)]
-    angles = looking(ordered, times, np.zeros((len(times), 2)) if eyes.head is None else eyes.head)
+    angles = eye_angles(ordered, times, np.zeros((len(times), 2)) if eyes.head is None else eyes.head)
     if habits is not None and len(times):
         span = (float(times[0]), float(times[-1]))
         if habits.saccades:
-            angles = angles + flitting(span, times, habits.seed)
+            angles = angles + saccade_offsets(span, times, habits.seed)
         if habits.blinks:
-            yield blinking(blink_times(span, ordered, habits.seed, also=onsets), times)
+            yield blink_units(blink_times(span, ordered, habits.seed, also=onsets), times)
     yield gaze_units(angles)
-    yield meeting(ordered, times)
+    yield vergence_units(ordered, times)

@@ -1,9 +1,9 @@
-"""What lips and jaw do in speech: phonemes become action units that run into one another.
+"""Mouth motion in speech: phonemes as overlapping action units.
 
-Each sound has a shape of the mouth that begins before the sound and outlasts it, lips that round longest before; the
-strongest counts for each action unit. How far the lips are apart is settled for the mouth as a whole: sounds that need
-them close hold them so, and on the way from and to them they go no faster than lips do, so that a vowel between two of
-them opens as far as there is time for. Nothing parts the lips while they are pressed.
+Each sound has a mouth shape that begins before the sound and outlasts it, the earliest for rounded lips; the strongest
+counts for each action unit. The lip opening is determined for the mouth as a whole: sounds that need closed lips hold
+them, and between them the lips stay within their velocity, so that a vowel between two such sounds opens as far as
+time allows. The lips do not part while they are pressed.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -14,47 +14,48 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
-from kinesic.body.action_units import face_keys, unknown_unit
+from kinesic.body.action_units import describe_unknown_unit, face_keys
 from kinesic.body.arrays import Floats
 from kinesic.body.config import CONFIGS, ConfigError, read_toml
-from kinesic.body.utterance import STRESSES, VOWELS, Phoneme
+from kinesic.body.utterance import STRESS_MARKS, VOWEL_LETTERS, Phoneme
 from kinesic.expressivity.face.expressions import Envelope
-from kinesic.expressivity.face.opening import OPENING, limit_opening, opening
+from kinesic.expressivity.face.opening import LIP_OPENINGS, limit_lip_opening, lip_opening
 
-MOUTH_STEP = 0.005  # [s] in which the mouth is worked out
-LEAD = 0.07  # [s] before a sound, when its shape begins
-ROUND_LEAD = 0.12  # [s] the same of lips that round
-SEAL_LEAD, SEAL_LAG = 0.025, 0.03  # [s] in which closed lips are pressed together before, and let go after
-SOONER = 0.028  # [s] before they are heard to open, when closed lips let go: soft ones stick together at first
-SHORTEST_PRESS = (
-    0.015  # [s] that they are pressed at least; to be seen closed takes them 0.05, more than a picture of a film
-)
-ATTACK = 0.3  # share of a sound after which its shape is reached
-LAG = 0.06  # [s] after a sound, when its shape is gone
-VISEMES = CONFIGS / "faces" / "visemes.toml"
-SEAL = "24"  # the action unit that closes the lips
-BEHIND = ("19", "32")  # what must not be seen through closed lips
-VISEME_REACH = 0.4  # [s] round a time, within which sounds may decide what is shown
-UNSTRESSED = 0.55  # of the opening of a vowel without stress
-_LEADS = {"18": ROUND_LEAD, "22": ROUND_LEAD}
-NEUTRAL = "\N{LATIN SMALL LETTER SCHWA}"
+MOUTH_STEP = 0.005  # [s] time step of the mouth track
+SHAPE_LEAD_TIME = 0.07  # [s] from the begin of a mouth shape to its sound
+ROUND_LEAD_TIME = 0.12  # [s] from the begin of lip rounding to its sound
+PRESS_TIME = 0.025  # [s] time in which closed lips are pressed together
+RELEASE_TIME = 0.03  # [s] time in which closed lips are released
+RELEASE_ADVANCE = 0.028  # [s] from the release of closed lips to its sound, as soft lips stick together
+# Shortest time of pressed lips [s]; with closing and opening they are visibly closed for 0.05 s, longer than a film
+# frame.
+MIN_PRESS_TIME = 0.015  # [s] shortest press of closed lips
+ATTACK_FRACTION = 0.3  # fraction of a sound after which its mouth shape is reached
+SHAPE_LAG_TIME = 0.06  # [s] from the end of a sound to the end of its mouth shape
+VISEME_FILE = CONFIGS / "faces" / "visemes.toml"
+SEAL_UNIT = "24"  # action unit that presses the lips together
+INNER_UNITS = ("19", "32")  # action units that are invisible behind closed lips
+VISEME_WINDOW = 0.4  # [s] around a time, within which sounds influence the mouth
+UNSTRESSED_OPENING = 0.55  # relative lip opening of an unstressed vowel
+_LEAD_TIMES = {"18": ROUND_LEAD_TIME, "22": ROUND_LEAD_TIME}  # [s] advance before the sound, by action unit
+NEUTRAL_VOWEL = "\N{LATIN SMALL LETTER SCHWA}"  # replaces sounds without a mouth shape
 
 
 class _Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Sounds that look alike."""
+    """TOML entry of sounds with the same mouth shape."""
 
     says: str
-    sounds: str  # one letter each
+    sounds: str  # one letter per sound
     units: dict[str, float]  # action unit -> 0..1
-    firm: bool = False  # whether neighbours open the mouth no further
+    firm: bool = False  # whether it limits the lip opening of neighbouring sounds
 
 
 @dataclass(frozen=True, eq=False)
 class Viseme:
-    """What the mouth does for one sound."""
+    """Mouth shape of one sound."""
 
     units: Mapping[str, float]  # key of Command.face -> 0..1
-    firm: bool  # whether neighbours open the mouth no further while it sounds
+    firm: bool  # whether it limits the lip opening of neighbouring sounds
 
 
 class _File(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -62,38 +63,41 @@ class _File(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 def viseme_of(sound: str) -> Viseme:
-    """Looks up what the mouth does for one sound, by its letter; an unknown one is a neutral vowel."""
-    known = known_visemes()
-    return known.get(sound, known[NEUTRAL])
+    """Return the mouth shape of a phonetic letter.
+
+    An unknown one is a neutral vowel.
+    """
+    table = known_visemes()
+    return table.get(sound, table[NEUTRAL_VOWEL])
 
 
 @cache
-def known_visemes(path: Path = VISEMES) -> Mapping[str, Viseme]:
-    """Reads a file of visemes, by letters of the phonetic alphabet.
+def known_visemes(path: Path = VISEME_FILE) -> Mapping[str, Viseme]:
+    """Read a viseme file and return mouth shapes by phonetic letter.
 
     Raises:
-        ConfigError: the file is missing or wrong, or an action unit in it is unknown.
+        ConfigError: the file is missing or invalid, or contains an unknown action unit.
     """
-    found: dict[str, Viseme] = {}
+    units_by_letter: dict[str, Viseme] = {}
     for number, entry in enumerate(read_toml(path, _File).viseme):
-        place = f"{path}: $.viseme[{number}].units"
+        location = f"{path}: $.viseme[{number}].units"
         for unit, value in entry.units.items():
             if not face_keys(unit):
-                raise ConfigError(f"{place}: {unknown_unit(unit)}")
+                raise ConfigError(f"{location}: {describe_unknown_unit(unit)}")
             if not 0.0 <= value <= 1.0:
-                raise ConfigError(f"{place}.{unit} is {value}, must be from 0 to 1")
+                raise ConfigError(f"{location}.{unit} is {value}, must be from 0 to 1")
         units = {channel: value for unit, value in entry.units.items() for channel in face_keys(unit)}
-        found |= dict.fromkeys(entry.sounds, Viseme(units, entry.firm))
-    return found
+        units_by_letter |= dict.fromkeys(entry.sounds, Viseme(units, entry.firm))
+    return units_by_letter
 
 
 def visemes(phonemes: Sequence[Phoneme], times: Floats, *, start: float = 0.0) -> Mapping[str, Floats]:
-    """Moves the mouth for an utterance.
+    """Compute the action units of the mouth for an utterance.
 
     Args:
         phonemes: of the utterance, in order.
-        times: (m,) [s] at which the mouth is asked for, increasing.
-        start: [s] of the utterance, on the same clock.
+        times: (m,) [s], increasing.
+        start: of the utterance, on the same clock [s].
 
     Returns:
         Key of Command.face -> (m,) 0..1.
@@ -102,79 +106,105 @@ def visemes(phonemes: Sequence[Phoneme], times: Floats, *, start: float = 0.0) -
     if not sounds or not len(times):
         return {}
     grid = _grid(sounds, times - start)
-    shown = _shapes(sounds, grid)
-    most = np.full(len(grid), np.inf)
+    track = _shapes(sounds, grid)
+    largest_opening = np.full(len(grid), np.inf)
     for sound in sounds:
         if sound.viseme.firm:
             first, last = np.searchsorted(grid, sound.held)
-            np.minimum(most[first:last], opening(sound.units), out=most[first:last])
-    limit_opening(shown, most, MOUTH_STEP)
-    if SEAL in shown:
-        for channel in shown.keys() & {*BEHIND}:
-            shown[channel] = shown[channel] * (1.0 - shown[SEAL])
-    return {channel: np.interp(times, start + grid, row, left=0.0, right=0.0) for channel, row in shown.items()}
+            np.minimum(largest_opening[first:last], lip_opening(sound.units), out=largest_opening[first:last])
+    limit_lip_opening(track, largest_opening, MOUTH_STEP)
+    if SEAL_UNIT in track:
+        for channel in track.keys() & {*INNER_UNITS}:
+            track[channel] = track[channel] * (1.0 - track[SEAL_UNIT])
+    return {channel: np.interp(times, start + grid, row, left=0.0, right=0.0) for channel, row in track.items()}
 
 
 @dataclass(frozen=True, eq=False)
 class _Sound:
-    """One letter that is said."""
+    """Spoken sound with its mouth shape and times."""
 
     viseme: Viseme
     begin: float  # [s]
     end: float  # [s]
-    strength: float  # of what opens the mouth
+    strength: float  # factor on the lip opening
 
     @property
     def units(self) -> Mapping[str, float]:
-        """Key of Command.face -> 0..1."""
-        whole = self.viseme.units
-        return {channel: value * self.strength if channel in OPENING else value for channel, value in whole.items()}
+        """Action units of the sound, with the lip opening scaled by stress.
+
+        Key of Command.face -> 0..1.
+        """
+        full_units = self.viseme.units
+        return {
+            channel: value * self.strength if channel in LIP_OPENINGS else value
+            for channel, value in full_units.items()
+        }
 
     @property
     def held(self) -> tuple[float, float]:
-        """[s] when the mouth holds its shape; closed lips so long that a film shows them."""
-        if SEAL not in self.viseme.units:
+        """Time span in which the mouth holds its shape [s].
+
+        Closed lips are held long enough to be visible on film.
+        """
+        if SEAL_UNIT not in self.viseme.units:
             return self.begin, self.end
-        return min(self.begin, self.end - SOONER - SHORTEST_PRESS), self.end - SOONER
+        return min(self.begin, self.end - RELEASE_ADVANCE - MIN_PRESS_TIME), self.end - RELEASE_ADVANCE
 
     def course(self, channel: str) -> Envelope:
-        """How one action unit comes and goes: lips that close have when it begins, others come a little later."""
+        """Return the intensity over time of one action unit of the sound.
+
+        Lips that close are closed when the hold begins; other action units peak a little later.
+        """
         begin, end = self.held
-        if channel == SEAL:
-            return Envelope(begin - SEAL_LEAD, begin, end, end + SEAL_LAG)
-        attack = min(begin + ATTACK * (end - begin), begin + LEAD)
-        return Envelope(begin - _LEADS.get(channel, LEAD), attack, max(end, attack), max(end, attack) + LAG)
+        if channel == SEAL_UNIT:
+            return Envelope(begin - PRESS_TIME, begin, end, end + RELEASE_TIME)
+        attack = min(begin + ATTACK_FRACTION * (end - begin), begin + SHAPE_LEAD_TIME)
+        return Envelope(
+            begin - _LEAD_TIMES.get(channel, SHAPE_LEAD_TIME),
+            attack,
+            max(end, attack),
+            max(end, attack) + SHAPE_LAG_TIME,
+        )
 
 
 def _grid(sounds: Sequence[_Sound], times: Floats) -> Floats:
-    """(n,) [s] steps of the utterance that decide what is shown at some times of it."""
-    first = max(sounds[0].begin, times[0]) - VISEME_REACH
-    last = min(sounds[-1].end, times[-1]) + VISEME_REACH
+    """Return uniform time steps (n,) [s] that cover the mouth motion."""
+    first = max(sounds[0].begin, times[0]) - VISEME_WINDOW
+    last = min(sounds[-1].end, times[-1]) + VISEME_WINDOW
     return MOUTH_STEP * np.arange(np.floor(first / MOUTH_STEP), np.ceil(max(first, last) / MOUTH_STEP) + 1)
 
 
 def _shapes(sounds: Iterable[_Sound], grid: Floats) -> dict[str, Floats]:
-    """Key of Command.face -> (n,) what sounds show; of those that overlap the stronger counts."""
-    found: dict[str, Floats] = {}
+    """Merge all sounds into one intensity course per action unit, by maximum.
+
+    Returns:
+        Key of Command.face -> (n,) 0..1.
+    """
+    units_by_letter: dict[str, Floats] = {}
     for sound in sounds:
         for channel, intensity in sound.units.items():
             course = sound.course(channel)
-            row = found.setdefault(channel, np.zeros(len(grid)))
+            row = units_by_letter.setdefault(channel, np.zeros(len(grid)))
             first, last = np.searchsorted(grid, (course.start, course.end))
             np.maximum(row[first:last], intensity * course.at(grid[first:last]), out=row[first:last])
-    return found
+    return units_by_letter
 
 
 def _sounds(phonemes: Sequence[Phoneme]) -> Iterator[_Sound]:
-    """Yields single letters; those of a diphthong or an affricate share its time."""
-    tells_stress = any(phoneme.symbol.startswith(STRESSES) for phoneme in phonemes)
+    """Split phonemes into their letters and yield each as a sound.
+
+    Letters of a diphthong or affricate divide its time.
+    """
+    has_stress_marks = any(phoneme.symbol.startswith(STRESS_MARKS) for phoneme in phonemes)
     for phoneme in phonemes:
         letters = phoneme.letters
-        begin, end = phoneme.made
-        weak = tells_stress and not phoneme.symbol.startswith(STRESSES) and letters[:1] in VOWELS
+        begin, end = phoneme.articulation
+        is_unstressed = (
+            has_stress_marks and not phoneme.symbol.startswith(STRESS_MARKS) and letters[:1] in VOWEL_LETTERS
+        )
         for k, letter in enumerate(letters):
-            share = (end - begin) / len(letters)
-            strength = UNSTRESSED if weak else 1.0
-            yield _Sound(viseme_of(letter), begin + k * share, begin + (k + 1) * share, strength)
-        if letters and SEAL in viseme_of(letters[-1]).units and end < phoneme.end:  # what bursts opens the lips
-            yield _Sound(viseme_of(NEUTRAL), end, phoneme.end, UNSTRESSED)
+            duration = (end - begin) / len(letters)
+            strength = UNSTRESSED_OPENING if is_unstressed else 1.0
+            yield _Sound(viseme_of(letter), begin + k * duration, begin + (k + 1) * duration, strength)
+        if letters and SEAL_UNIT in viseme_of(letters[-1]).units and end < phoneme.end:  # a plosive opens the lips
+            yield _Sound(viseme_of(NEUTRAL_VOWEL), end, phoneme.end, UNSTRESSED_OPENING)

@@ -1,1 +1,1 @@
-"""Turns gestures into keys of the hands: strokes, holds, and what happens between gestures."""
+"""Hand motion: stroke keys, holds, and transitions between gestures."""

@@ -1,4 +1,4 @@
-"""Tells gestures from one another: two are two where hands go different ways, or are turned or shaped differently."""
+"""Comparison of gestures by hand paths, orientations and shapes."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -8,102 +8,115 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import SIDES, Side
-from kinesic.expressivity.durations import stroke_spans
+from kinesic.expressivity.durations import stroke_durations
 from kinesic.expressivity.hands.keys import hand_at
 from kinesic.expressivity.hands.poses import poses, resting_hands
 from kinesic.expressivity.hands.strokes import Stroke, do_stroke, stroke_keys
 from kinesic.expressivity.lexicon.form import GestureForm
 from kinesic.expressivity.style.effort import Effort
 from kinesic.expressivity.style.pace import Pace
-from kinesic.expressivity.style.style import NEUTRAL
+from kinesic.expressivity.style.style import NEUTRAL_EXPRESSIVITY
 
-LEAST_WAY = 0.05  # [m] RMS over both hands by which ways differ
-LEAST_TURN = radians(30)  # RMS over both hands by which palms, or pointing, differ
+MIN_PATH_DISTANCE = 0.05  # [m] RMS over both hands above which two gestures are different
+MIN_ORIENTATION_ANGLE = radians(30)  # [rad] RMS of palms or pointing above which two gestures are different
 
-_SAMPLES = 50
+_SAMPLE_COUNT = 50  # samples per stroke
 
 
 @dataclass(frozen=True, eq=False)
 class StrokeAppearance:
-    """What is seen of a stroke, in neutral manner and normalised time; a hand that takes no part hangs."""
+    """Sampled hand motion of a stroke, with neutral expressivity and normalised time.
 
-    ways: Floats  # (2, m, 3) [m] of left and right wrist
-    palms: Floats  # (2, m, 3) unit: where they face
-    pointing: Floats  # (2, m, 3) unit: wrist to fingers
-    shapes: tuple[tuple[str, ...], ...]  # of left and right hand, one after another
+    Hands that take no part hang.
+    """
+
+    positions: Floats  # (2, m, 3) [m] of left and right wrist
+    palms: Floats  # (2, m, 3) unit palm normals
+    pointing: Floats  # (2, m, 3) unit, wrist to fingers
+    shapes: tuple[tuple[str, ...], ...]  # successive hand shapes of the left and the right hand
 
 
 def look(form: GestureForm, pace: Pace) -> StrokeAppearance:
-    """Measures what is seen of the stroke of a form.
+    """Sample the hand motion during a gesture's stroke.
 
     Args:
         form: of the gesture.
-        pace: of the robot that plays it.
+        pace: of the robot that performs it.
     """
-    work = poses(form, pace.robot, NEUTRAL)
-    natural = stroke_spans(work, Effort(pace, work.nature))
+    work = poses(form, pace.robot, NEUTRAL_EXPRESSIVITY)
+    natural = stroke_durations(work, Effort(pace, work.traits))
     whole = natural["stroke"] + natural["strokeEnd"]
     times = {"ready": 0.0, "strokeStart": 0.0, "stroke": natural["stroke"], "strokeEnd": whole}
     done, rest = do_stroke(Stroke(form.id, times, (work,)), work, pace), resting_hands(pace.robot)
-    seen = np.empty((3, len(SIDES), _SAMPLES, 3))
+    seen = np.empty((3, len(SIDES), _SAMPLE_COUNT, 3))
     for s, side in enumerate(SIDES):
         keys = stroke_keys(done, side, pace) if side in work.hands else []
-        for k, time in enumerate(np.linspace(0.0, whole, _SAMPLES)):
+        for k, time in enumerate(np.linspace(0.0, whole, _SAMPLE_COUNT)):
             reach = hand_at(keys, float(time), rest[side]).reach or rest[side]
             palm = rest[side].palm if reach.palm is None else reach.palm
             pointing = rest[side].pointing if reach.pointing is None else reach.pointing
             seen[:, s, k] = reach.position, palm, pointing
-    ways, palms, directions = map(sealed, seen)
-    return StrokeAppearance(ways, palms, directions, tuple(_shapes(form, side) for side in SIDES))
+    positions, palms, directions = map(sealed, seen)
+    return StrokeAppearance(positions, palms, directions, tuple(_shapes(form, side) for side in SIDES))
 
 
-def way_between(a: StrokeAppearance, b: StrokeAppearance) -> float:
-    """Measures how far apart the hands of two gestures are [m], RMS over time and both hands."""
-    return float(np.sqrt(((a.ways - b.ways) ** 2).sum(axis=-1).mean()))
+def path_distance(a: StrokeAppearance, b: StrokeAppearance) -> float:
+    """Return the RMS distance between the hand paths of two gestures [m].
+
+    The mean is over time and both hands.
+    """
+    return float(np.sqrt(((a.positions - b.positions) ** 2).sum(axis=-1).mean()))
 
 
-def turn_between(a: StrokeAppearance, b: StrokeAppearance) -> float:
-    """Measures how differently the hands are turned [rad]: palms or pointing, RMS over time and both hands."""
+def orientation_angle(a: StrokeAppearance, b: StrokeAppearance) -> float:
+    """Return the RMS angle between the hand orientations of two gestures [rad].
+
+    It is the larger angle of palms and pointing directions, with the mean over time and both hands.
+    """
     pairs = ((a.palms, b.palms), (a.pointing, b.pointing))
     return max(float(np.sqrt((_angles(one, other) ** 2).mean())) for one, other in pairs)
 
 
 def distinct(a: StrokeAppearance, b: StrokeAppearance) -> bool:
-    """Whether two gestures count as two."""
-    return way_between(a, b) >= LEAST_WAY or turn_between(a, b) >= LEAST_TURN or a.shapes != b.shapes
+    """Return whether two gestures are visibly different."""
+    return (
+        path_distance(a, b) >= MIN_PATH_DISTANCE
+        or orientation_angle(a, b) >= MIN_ORIENTATION_ANGLE
+        or a.shapes != b.shapes
+    )
 
 
 def nearest(seen: StrokeAppearance, others: Mapping[str, StrokeAppearance]) -> tuple[str, float]:
-    """Finds the gesture whose hands go most nearly the same way, and how far apart they are [m].
+    """Return the gesture with the most similar hand paths, and the distance.
 
     Args:
-        seen: of the gesture.
-        others: by name; at least one.
+        seen: appearance of the gesture.
+        others: appearances by name; at least one.
     """
-    ways = {name: way_between(seen, other) for name, other in others.items()}
-    name = min(ways, key=lambda each: ways[each])
-    return name, ways[name]
+    distances = {name: path_distance(seen, other) for name, other in others.items()}
+    name = min(distances, key=lambda other: distances[other])
+    return name, distances[name]
 
 
 def twins(looks: Iterable[tuple[str, StrokeAppearance]]) -> list[tuple[str, str]]:
-    """Lists gestures that look like an earlier one and so do not count, as (gesture, earlier one)."""
+    """List gestures that look like an earlier one, as pairs of names."""
     counted: list[tuple[str, StrokeAppearance]] = []
-    found = []
+    duplicates = []
     for name, seen in looks:
         same = next((earlier for earlier, other in counted if not distinct(seen, other)), None)
         if same is None:
             counted.append((name, seen))
         else:
-            found.append((name, same))
-    return found
+            duplicates.append((name, same))
+    return duplicates
 
 
 def _angles(a: Floats, b: Floats) -> Floats:
-    """(...) [rad] between (..., 3) unit vectors."""
+    """Return the angles between (..., 3) unit vectors, shape (...) [rad]."""
     return np.asarray(np.arccos(np.clip((a * b).sum(axis=-1), -1.0, 1.0)))
 
 
 def _shapes(form: GestureForm, side: Side) -> tuple[str, ...]:
-    """Shapes of one hand in their order, each once while it lasts."""
-    every = [pose.shape or "" for key in form.keys if (pose := key.hands.get(side)) is not None]
-    return tuple(shape for k, shape in enumerate(every) if k == 0 or shape != every[k - 1])
+    """Return the successive shapes of one hand, without repetitions."""
+    shapes = [pose.shape or "" for key in form.keys if (pose := key.hands.get(side)) is not None]
+    return tuple(shape for k, shape in enumerate(shapes) if k == 0 or shape != shapes[k - 1])

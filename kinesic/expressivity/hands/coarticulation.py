@@ -1,7 +1,7 @@
-"""Co-articulation: which hands do which stroke, and how strokes of one hand that overlap make room for one another.
+"""Co-articulation: assignment of strokes to hands, and conflicts between strokes.
 
-Hands that other blocks need are engaged for a block that begins beside those. Of two strokes that one hand cannot do
-the one that counts for less gives way, or else the later one.
+Hands that other blocks need are busy for a block that begins next to those. Of two strokes that one hand cannot
+perform, the less important is dropped, otherwise the later one.
 """
 
 from collections.abc import Mapping, Sequence
@@ -9,7 +9,8 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 from kinesic.body.robot import OTHER_SIDE, SIDES, Side
-from kinesic.expressivity.hands.conflict_words import (
+from kinesic.expressivity.hands.busy_hands import BusyHand, Clashes
+from kinesic.expressivity.hands.conflict_messages import (
     brief_outcome,
     busy_with_block,
     busy_with_stroke,
@@ -19,102 +20,105 @@ from kinesic.expressivity.hands.conflict_words import (
     one_hand_outcome,
     remedy,
 )
-from kinesic.expressivity.hands.engaged import Clashes, Engaged
-from kinesic.expressivity.hands.making_room import Room, Tied
-from kinesic.expressivity.hands.poses import REST, Poses, pose_distance, resting_hands
+from kinesic.expressivity.hands.poses import REST_HAND, Poses, pose_distance, resting_hands
+from kinesic.expressivity.hands.stroke_spacing import FixedSyncs, StrokeSpacing
 from kinesic.expressivity.hands.strokes import HandStroke, Stroke, do_stroke, is_brief, overlaps, shortened, show_once
 from kinesic.expressivity.keyframes import Outcome
 from kinesic.expressivity.style.pace import Pace
 
-NO_CLASHES: Clashes = MappingProxyType({})
+NO_CLASHES: Clashes = MappingProxyType({})  # no pair of strokes is too close for one hand
 
 
 @dataclass(frozen=True, eq=False)
-class Allotted:
-    """The strokes given to each hand, in time order, and the behaviours and sync points that had to change."""
+class HandAllocation:
+    """Time-ordered strokes of each hand, with changed outcomes and sync points."""
 
     works: Mapping[Side, Sequence[HandStroke]]
-    outcomes: Mapping[str, Outcome]  # of behaviours that are not performed as asked
-    remarks: Mapping[str, tuple[str, ...]]  # of behaviours that are, as far as time allows
-    times: Mapping[str, Mapping[str, float]]  # behaviour id -> sync points that moved [s]
+    outcomes: Mapping[str, Outcome]  # of behaviours that are not performed as requested
+    remarks: Mapping[str, tuple[str, ...]]  # of behaviours that are performed with changes for lack of time
+    times: Mapping[str, Mapping[str, float]]  # behaviour id -> moved sync points [s]
 
 
-def allot_hands(
+def allocate_hands(
     strokes: Sequence[Stroke],
     pace: Pace,
-    tied: Tied,
-    engaged: Sequence[Engaged] = (),
+    fixed_syncs: FixedSyncs,
+    busy_hands: Sequence[BusyHand] = (),
     clashes: Clashes = NO_CLASHES,
-) -> Allotted:
-    """Gives every stroke its hands.
+) -> HandAllocation:
+    """Assign hands to every stroke.
 
-    A stroke that would begin before an earlier one of its hand has ended takes the other hand if one of its options
-    has it free; else both make room, the earlier by ending sooner and the later by beginning later, as far as the
-    document lets their `strokeEnd` and `strokeStart` move and servos can follow, never at the cost of `stroke`; else
-    two hands are shared out between a two-handed stroke and another; else those in its way are dropped, if all of them
-    count for less; else it is. A rest pose never stands in the way: it is taken when the hand is free.
+    A stroke that would begin before an earlier one of its hand has ended uses the other hand if one of its options has
+    it free. Otherwise both are moved apart: the earlier ends sooner and the later begins later, as far as the document
+    lets their `strokeEnd` and `strokeStart` move and the servos can follow, but `stroke` never moves. Otherwise a
+    two-handed stroke and another one use one hand each. Otherwise the conflicting strokes are dropped if all of them
+    are less important. Otherwise the stroke itself is dropped. A rest pose never conflicts: it is taken when the hand
+    is free.
 
-    A stroke keeps clear of hands that other blocks need where one of its options lets it, or one of its two hands alone
-    can do it; else they count for nothing, and whoever lays the blocks over one another judges.
+    A stroke avoids hands that other blocks need if one of its options allows it, or if one of its two hands alone can
+    perform it. Otherwise it ignores them, and the realizer resolves the conflict when it merges the blocks.
 
     Args:
         strokes: in the order of the document.
         pace: of the robot.
-        tied: what the document places; all sync points of behaviours that are missing.
-        engaged: hands that other blocks need.
-        clashes: strokes that count as overlapping, as one hand cannot come from one to the other in time.
+        fixed_syncs: sync points fixed by the document; all sync points of behaviours that are missing.
+        busy_hands: hands that other blocks need.
+        clashes: strokes that count as overlapping, as one hand cannot move from one to the other in time.
     """
-    in_turn = sorted(strokes, key=lambda each: each.times["stroke" if each.series else "strokeStart"])
+    in_order = sorted(strokes, key=lambda other: other.times["stroke" if other.series else "strokeStart"])
     displaced: dict[str, Outcome] = {}
     while True:
-        hands = _Hands(pace, Room(pace, tied), engaged, clashes)
-        for stroke in in_turn:
+        hands = _Hands(pace, StrokeSpacing(pace, fixed_syncs), busy_hands, clashes)
+        for stroke in in_order:
             if stroke.id not in displaced:
-                hands.give(stroke)
+                hands.assign(stroke)
         if not hands.displaced:
             break
-        displaced |= hands.displaced  # and all over again, for others have made room for these
+        displaced |= hands.displaced  # allocate again, as other strokes were shortened for the dropped ones
     works = {id(work): work for row in hands.works.values() for work in row}.values()
     remarks = {work.id: work.remarks for work in works if work.remarks}
-    return Allotted(hands.works, hands.outcomes | displaced, remarks, hands.times)
+    return HandAllocation(hands.works, hands.outcomes | displaced, remarks, hands.times)
 
 
 @dataclass
 class _Hands:
-    """The hands while strokes are given to them."""
+    """State of the hands during the assignment of strokes."""
 
     pace: Pace
-    room: Room
-    engaged: Sequence[Engaged]
+    spacing: StrokeSpacing
+    busy_hands: Sequence[BusyHand]
     clashes: Clashes
     works: dict[Side, list[HandStroke]] = field(default_factory=lambda: {side: [] for side in SIDES})
     outcomes: dict[str, Outcome] = field(default_factory=dict)
     times: dict[str, dict[str, float]] = field(default_factory=dict)
-    displaced: dict[str, Outcome] = field(default_factory=dict)  # of strokes that had hands, and had to give way
+    displaced: dict[str, Outcome] = field(default_factory=dict)  # of strokes dropped for more important ones
 
-    def give(self, stroke: Stroke) -> None:
-        """Finds hands for a stroke, or drops it."""
+    def assign(self, stroke: Stroke) -> None:
+        """Assign hands to a stroke, or drop it."""
         if stroke.rest:
             self._take(stroke, stroke.options[0])
             return
-        stroke = self._with_its_series(stroke)
-        wholes, halves = stroke.options, self._halves(stroke)
-        free, alone = (
-            tuple(option for option in options if not self._engagements(stroke, option)) for options in (wholes, halves)
+        stroke = self._keep_series_hands(stroke)
+        whole_options, half_options = stroke.options, self._halves(stroke)
+        free, free_halves = (
+            tuple(option for option in options if not self._busy_conflicts(stroke, option))
+            for options in (whole_options, half_options)
         )
-        ways = (self._finds_free, self._makes_room)
-        given = any(way(stroke, options) for options in (free, alone, wholes) for way in ways)
-        if not given and self._may_be_brief(stroke):
-            brief, why = shortened(stroke), self._why(stroke)
-            given = any(way(brief, brief.options) for way in (*ways, self._shortens_its_series))
-            if given:
+        methods = (self._try_free, self._try_spacing)
+        assigned = any(method(stroke, options) for options in (free, free_halves, whole_options) for method in methods)
+        if not assigned and self._may_be_brief(stroke):
+            brief, why = shortened(stroke), self._conflict_message(stroke)
+            assigned = any(method(brief, brief.options) for method in (*methods, self._try_shortening_series))
+            if assigned:
                 self._note(stroke, brief)
                 self.outcomes[stroke.id] = brief_outcome(why)
-        if not (given or self._shares(stroke) or self._displaces(stroke)):
-            self.outcomes[stroke.id] = Outcome("dropped", f"{self._why(stroke)}; {self._remedy(stroke)}")
+        if not (assigned or self._try_one_hand_each(stroke) or self._try_displacing(stroke)):
+            self.outcomes[stroke.id] = Outcome(
+                "dropped", f"{self._conflict_message(stroke)}; {self._remedy_message(stroke)}"
+            )
 
-    def _with_its_series(self, stroke: Stroke) -> Stroke:
-        """Leaves a stroke of a series only the hands that do what came before in it."""
+    def _keep_series_hands(self, stroke: Stroke) -> Stroke:
+        """Restrict a stroke to the hands of its series."""
         before = [work for row in self.works.values() for work in row if work.stroke.series == stroke.series != ""]
         if not before:
             return stroke
@@ -122,19 +126,19 @@ class _Hands:
         return replace(stroke, options=tuple(o for o in stroke.options if o.hands.keys() == hands) or stroke.options)
 
     def _halves(self, stroke: Stroke) -> tuple[Poses, ...]:
-        """Splits a two-handed stroke into its hands, if it may be halved."""
-        both = [option for option in stroke.options if stroke.halves and len(option.hands) == len(SIDES)]
+        """Return a divisible two-handed stroke as performed by either hand alone."""
+        both = [option for option in stroke.options if stroke.may_split and len(option.hands) == len(SIDES)]
         return tuple(option.only(side) for option in both for side in sorted(option.hands, reverse=True))
 
     def _take(self, stroke: Stroke, option: Poses) -> None:
-        """Gives a stroke its hands, and time to come to it from the strokes before."""
+        """Assign a stroke to hands, and shorten their preceding strokes."""
         for side in sorted(option.hands):
             before = max(self.works[side], key=lambda work: work.at("strokeEnd"), default=None)
             if before and stroke.rest:
-                self._replace(before, self.room.stop_repeating(before, stroke, option, side))
+                self._replace(before, self.spacing.stop_repeating(before, stroke, option, side))
             elif before and not before.stroke.rest:
-                later, sooner = self.room.move_apart(before, stroke, option, side)
-                self._replace(before, self.room.lead_over(sooner, later, option))
+                later, sooner = self.spacing.move_apart(before, stroke, option, side)
+                self._replace(before, self.spacing.merge_transition(sooner, later, option))
                 self._note(stroke, later)
                 stroke = later
         work = do_stroke(stroke, option, self.pace)
@@ -142,45 +146,51 @@ class _Hands:
             self.works[side].append(work)
 
     def _clashes(self, stroke: Stroke, option: Poses) -> dict[Side, list[HandStroke]]:
-        """Finds work whose stroke is not over when the hands are needed."""
-        found = {side: [work for work in self.works[side] if self._meet(work, stroke)] for side in sorted(option.hands)}
-        return {side: works for side, works in found.items() if works}
+        """Return the conflicting strokes of each hand that a stroke needs."""
+        conflicts = {
+            side: [work for work in self.works[side] if self._conflict(work, stroke)] for side in sorted(option.hands)
+        }
+        return {side: works for side, works in conflicts.items() if works}
 
-    def _meet(self, work: HandStroke, stroke: Stroke) -> bool:
-        """Whether one hand cannot do both: their strokes overlap, or it cannot come in time."""
-        return overlaps(work, stroke) or (not work.stroke.rest and self._late_by(work, stroke) > 0.0)
+    def _conflict(self, work: HandStroke, stroke: Stroke) -> bool:
+        """Return whether one hand lacks the time for both strokes."""
+        return overlaps(work, stroke) or (not work.stroke.rest and self._delay(work, stroke) > 0.0)
 
-    def _may_part(self, work: HandStroke, stroke: Stroke, option: Poses) -> bool:
-        """Whether one hand can do both when their strokes make room; twice where they share both hands."""
+    def _can_be_spaced(self, work: HandStroke, stroke: Stroke, option: Poses) -> bool:
+        """Return whether one hand can perform both strokes after moving them apart.
+
+        Two two-handed strokes always pass here, since moving apart is tried for each of their hands.
+        """
         twice = len(work.poses.hands) == len(option.hands) == len(SIDES)
-        return self._late_by(work, stroke) == 0.0 and (twice or self.room.may_part(work, stroke, option))
+        return self._delay(work, stroke) == 0.0 and (twice or self.spacing.can_move_apart(work, stroke, option))
 
-    def _late_by(self, work: HandStroke, stroke: Stroke) -> float:
-        """Returns how late a hand comes from one stroke to another that does not overlap it [s].
+    def _delay(self, work: HandStroke, stroke: Stroke) -> float:
+        """Return the delay from a reported timing conflict of two strokes [s].
 
-        Nothing is known of two that have become brief since they were found to clash: whoever plans them looks again.
+        It is 0 for two strokes that were shortened to one key after their clash was found: the planner checks them
+        again.
         """
         clash = self.clashes.get(frozenset((work.id, stroke.id)))
         if clash is None or (not clash.brief and is_brief(work.stroke) and is_brief(stroke)):
             return 0.0
         return clash.late
 
-    def _engagements(self, stroke: Stroke, option: Poses) -> list[Engaged]:
-        """Lists, in time order, what other blocks need the hands for so that they cannot come in time."""
-        met = [
-            each
-            for each in self.engaged
-            if each.side in option.hands and each.meets(stroke.times, self._way(option, each.side))
+    def _busy_conflicts(self, stroke: Stroke, option: Poses) -> list[BusyHand]:
+        """Return conflicting uses of the hands by other blocks."""
+        conflicting = [
+            other
+            for other in self.busy_hands
+            if other.side in option.hands and other.meets(stroke.times, self._travel_time(option, other.side))
         ]
-        return sorted(met, key=lambda each: each.begin)
+        return sorted(conflicting, key=lambda other: other.begin)
 
-    def _way(self, option: Poses, side: Side) -> float:
-        """The shortest time in which a hand comes to a stroke from rest: from elsewhere it takes about as long [s]."""
+    def _travel_time(self, option: Poses, side: Side) -> float:
+        """Return a typical minimum time of a hand to a stroke [s]."""
         return self.pace.least_hand_time(
-            pose_distance(REST, option.hands[side][0], resting_hands(self.pace.robot)[side])
+            pose_distance(REST_HAND, option.hands[side][0], resting_hands(self.pace.robot)[side])
         )
 
-    def _finds_free(self, stroke: Stroke, options: Sequence[Poses]) -> bool:
+    def _try_free(self, stroke: Stroke, options: Sequence[Poses]) -> bool:
         for option in options:
             if not self._clashes(stroke, option):
                 if option is not stroke.options[0]:
@@ -191,22 +201,22 @@ class _Hands:
 
     def _note_moved(self, stroke: Stroke, option: Poses) -> None:
         hands = frozenset(option.hands)
-        self.outcomes[stroke.id] = moved_outcome(hands, len(stroke.options[0].hands), self._why(stroke))
+        self.outcomes[stroke.id] = moved_outcome(hands, len(stroke.options[0].hands), self._conflict_message(stroke))
 
-    def _makes_room(self, stroke: Stroke, options: Sequence[Poses]) -> bool:
-        """Moves strokes that overlap apart for the first option that allows it; False: none does."""
+    def _try_spacing(self, stroke: Stroke, options: Sequence[Poses]) -> bool:
+        """Move overlapping strokes apart for the first hand option that allows it."""
         for option in options:
             clashes = self._clashes(stroke, option)
-            if not all(self._may_part(work, stroke, option) for works in clashes.values() for work in works):
+            if not all(self._can_be_spaced(work, stroke, option) for works in clashes.values() for work in works):
                 continue
             later, earlier = stroke, dict[int, tuple[HandStroke, HandStroke]]()
             for side, works in clashes.items():
                 for work in works:
                     shorter = earlier.get(id(work), (work, work))[1]
-                    later, shorter = self.room.move_apart(shorter, later, option, side)
+                    later, shorter = self.spacing.move_apart(shorter, later, option, side)
                     earlier[id(work)] = work, shorter
-            if not any(self._meet(shorter, later) for _, shorter in earlier.values()):
-                if option is not stroke.options[0] and self._engagements(stroke, stroke.options[0]):
+            if not any(self._conflict(shorter, later) for _, shorter in earlier.values()):
+                if option is not stroke.options[0] and self._busy_conflicts(stroke, stroke.options[0]):
                     self._note_moved(stroke, option)
                 for work, shorter in earlier.values():
                     self._replace(work, shorter)
@@ -216,15 +226,15 @@ class _Hands:
         return False
 
     def _may_be_brief(self, stroke: Stroke) -> bool:
-        """Whether it may be shown once, without its movement: of a series that is better than not at all."""
-        return bool(stroke.series) and not {"strokeStart", "strokeEnd"} & set(self.room.placed(stroke.id))
+        """Return whether a stroke of counting gestures may become a single pose."""
+        return bool(stroke.series) and not {"strokeStart", "strokeEnd"} & set(self.spacing.fixed_points(stroke.id))
 
-    def _shortens_its_series(self, stroke: Stroke, options: Sequence[Poses]) -> bool:
-        """Shows once, too, what of its series is in the way; False: something else is, or that does not suffice."""
+    def _try_shortening_series(self, stroke: Stroke, options: Sequence[Poses]) -> bool:
+        """Reduce conflicting strokes of a series to one key, if that suffices."""
         for option in options:
             works = {id(work): work for row in self._clashes(stroke, option).values() for work in row}.values()
             brief = [(work, show_once(work, self.pace)) for work in works]
-            if all(self._may_be_brief(work.stroke) and not self._meet(shown, stroke) for work, shown in brief):
+            if all(self._may_be_brief(work.stroke) and not self._conflict(shown, stroke) for work, shown in brief):
                 for work, shown in brief:
                     self.outcomes[work.id] = brief_outcome(needed_elsewhere(min(option.hands), stroke))
                     self._replace(work, shown)
@@ -232,13 +242,13 @@ class _Hands:
                 return True
         return False
 
-    def _shares(self, stroke: Stroke) -> bool:
-        """Leaves one hand of a two-handed stroke to another; False: no option can."""
+    def _try_one_hand_each(self, stroke: Stroke) -> bool:
+        """Divide the hands between a two-handed stroke and another one."""
         for option in stroke.options:
             clashes = self._clashes(stroke, option)
             free = [side for side in option.hands if side not in clashes]
             if free:
-                self.outcomes[stroke.id] = one_hand_outcome(free[0], self._why(stroke))
+                self.outcomes[stroke.id] = one_hand_outcome(free[0], self._conflict_message(stroke))
                 self._take(stroke, option.only(free[0]))
                 return True
             works = [work for found in clashes.values() for work in found]
@@ -254,14 +264,14 @@ class _Hands:
                 return True
         return False
 
-    def _displaces(self, stroke: Stroke) -> bool:
-        """Takes the hands of strokes that count for less, which are dropped; False: no option has only such."""
+    def _try_displacing(self, stroke: Stroke) -> bool:
+        """Drop conflicting strokes that are all less important."""
         for option in stroke.options:
             works = [(side, work) for side, row in self._clashes(stroke, option).items() for work in row]
             if all(work.stroke.importance < stroke.importance for _, work in works):
                 for side, work in works:
-                    lacking = self._lacking(work, stroke, option, side)
-                    self.displaced[work.id] = displaced_outcome(work, side, stroke, lacking)
+                    delay = self._missing_delay(work, stroke, option, side)
+                    self.displaced[work.id] = displaced_outcome(work, side, stroke, delay)
                 self.works = {
                     side: [work for work in row if work.id not in self.displaced] for side, row in self.works.items()
                 }
@@ -279,24 +289,26 @@ class _Hands:
         if moved:
             self.times[new.id] = self.times.get(new.id, {}) | moved
 
-    def _why(self, stroke: Stroke) -> str:
-        """Names what is in the way of the first option."""
-        usual = stroke.options[0]
-        clashes = self._clashes(stroke, usual)
+    def _conflict_message(self, stroke: Stroke) -> str:
+        """Return a message that names the conflict of the first hand option."""
+        first_option = stroke.options[0]
+        clashes = self._clashes(stroke, first_option)
         if clashes:
             side, works = next(iter(clashes.items()))
-            return busy_with_stroke(stroke, side, works[-1], self._late_by(works[-1], stroke))
-        other = self._engagements(stroke, usual)[0]
-        return busy_with_block(stroke, other, self._way(usual, other.side))
+            return busy_with_stroke(stroke, side, works[-1], self._delay(works[-1], stroke))
+        other = self._busy_conflicts(stroke, first_option)[0]
+        return busy_with_block(stroke, other, self._travel_time(first_option, other.side))
 
-    def _remedy(self, stroke: Stroke) -> str:
-        """Says when a stroke would have the hands of its first option."""
-        usual = stroke.options[0]
-        clashes = self._clashes(stroke, usual)
-        later = max(self._lacking(work, stroke, usual, side) for side, row in clashes.items() for work in row)
+    def _remedy_message(self, stroke: Stroke) -> str:
+        """Return a message with a stroke time free of conflicts."""
+        first_option = stroke.options[0]
+        clashes = self._clashes(stroke, first_option)
+        later = max(
+            self._missing_delay(work, stroke, first_option, side) for side, row in clashes.items() for work in row
+        )
         return remedy(stroke.times["stroke"] + later)
 
-    def _lacking(self, work: HandStroke, stroke: Stroke, option: Poses, side: Side) -> float:
-        """Computes how much later a stroke must be for its hand to come from another stroke [s]."""
+    def _missing_delay(self, work: HandStroke, stroke: Stroke, option: Poses, side: Side) -> float:
+        """Return how much too early a stroke starts [s]."""
         between = stroke.times["strokeStart"] - work.at("strokeEnd")
-        return self._late_by(work, stroke) or self.room.way_between(work, stroke, option, side) - between
+        return self._delay(work, stroke) or self.spacing.transition_time(work, stroke, option, side) - between

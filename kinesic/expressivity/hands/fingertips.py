@@ -1,4 +1,4 @@
-"""Closes fingers until their tips meet the thumb's, on whatever hand it is."""
+"""Finger angles at which fingertips meet the tip of the thumb."""
 
 from collections.abc import Sequence
 
@@ -8,50 +8,51 @@ import scipy
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import Robot, Side
 
-PLAY = 0.001  # [m] that is left between two tips
-LOYALTY = 0.002  # [m] of a gap that counts like a turn through the whole range away from where fingers began
-THUMB = "thumb"
+TIP_GAP = 0.001  # [m] gap left between two meeting fingertips
+DEVIATION_COST = 0.002  # [m] fingertip gap that costs as much as rotating a joint through its range
+THUMB_NAME = "thumb"  # name of the finger that the others meet
 
 
-def meeting_angles(begun: Floats, meets: Sequence[str], robot: Robot, side: Side) -> Floats:
-    """Finds the angles of the finger drives (f,) [rad] at which tips are as near to the thumb's as they come.
+def meeting_angles(initial: Floats, meets: Sequence[str], robot: Robot, side: Side) -> Floats:
+    """Find finger angles that bring fingertips closest to the thumb tip.
 
-    Only thumb and named fingers turn, and as little as needed.
+    Only the thumb and the named fingers turn, and as little as needed.
 
     Args:
-        begun: (f,) [rad] where fingers begin.
-        meets: fingers whose tips meet the thumb's; those that the hand lacks are left out.
-        robot: whose hand it is.
+        initial: angles (f,) [rad].
+        meets: fingers whose tips meet the thumb's tip; those that the hand lacks are ignored.
+        robot: that has the hand.
         side: of the hand.
     """
     skeleton, tips = robot.skeleton, robot.finger_tips(side)
-    wanted = [finger for finger in meets if finger in tips]
+    meeting_fingers = [finger for finger in meets if finger in tips]
     fingers = robot.arm(side).fingers
-    free = [k for k, joint in enumerate(fingers) if _finger(skeleton.names[joint]) in (THUMB, *wanted)]
+    free = [k for k, joint in enumerate(fingers) if _finger(skeleton.names[joint]) in (THUMB_NAME, *meeting_fingers)]
     joints = [fingers[k] for k in free]
     lower, upper = skeleton.lower[joints], skeleton.upper[joints]
-    if THUMB not in tips or not wanted or not joints:
-        return begun
-    posture, first = np.array(skeleton.rest), np.clip(begun[free], lower, upper)
-    posture[list(fingers)] = begun
+    if THUMB_NAME not in tips or not meeting_fingers or not joints:
+        return initial
+    posture, start = np.array(skeleton.rest), np.clip(initial[free], lower, upper)
+    posture[list(fingers)] = initial
 
-    def lacks(angles: Floats) -> Floats:
+    def residuals(angles: Floats) -> Floats:
         posture[joints] = angles
         frames = skeleton.frames(posture)
         ends = {
             name: frames.origins[tip.segment] + frames.rotations[tip.segment] @ tip.place for name, tip in tips.items()
         }
         gaps = [
-            np.linalg.norm(ends[name] - ends[THUMB]) - tips[name].radius - tips[THUMB].radius - PLAY for name in wanted
+            np.linalg.norm(ends[name] - ends[THUMB_NAME]) - tips[name].radius - tips[THUMB_NAME].radius - TIP_GAP
+            for name in meeting_fingers
         ]
-        return np.array([*gaps, *(LOYALTY * (angles - first) / (upper - lower))])
+        return np.array([*gaps, *(DEVIATION_COST * (angles - start) / (upper - lower))])
 
-    inner = np.clip(first, lower + 1e-6, upper - 1e-6)
-    found = scipy.optimize.least_squares(lacks, inner, bounds=(lower, upper), x_scale=upper - lower, max_nfev=60)
-    angles = np.array(begun)
-    angles[free] = np.clip(found.x, lower, upper)
+    inner = np.clip(start, lower + 1e-6, upper - 1e-6)
+    solution = scipy.optimize.least_squares(residuals, inner, bounds=(lower, upper), x_scale=upper - lower, max_nfev=60)
+    angles = np.array(initial)
+    angles[free] = np.clip(solution.x, lower, upper)
     return sealed(angles)
 
 
-def _finger(hinge: str) -> str:
-    return hinge.split("_")[1]
+def _finger(joint_name: str) -> str:
+    return joint_name.split("_")[1]

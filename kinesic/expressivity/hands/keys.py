@@ -1,8 +1,9 @@
-"""One hand in time: its keys, where it is and how it turns between them, and what lies on its path.
+"""Keys of one hand, with interpolation of position and rotation.
 
 A hand turns through its keys on Kochanek-Bartels splines of rotations. Between two keys the logarithm of the rotation
-from the first is a cubic (Hermite), whose ends have the turning speeds of the keys; these are weighted as those of
-positions are (sheet of the trajectory, 8.2). Speeds are the same before and after each key, so that nothing jumps.
+from the first is a cubic (Hermite), whose ends have the angular velocities of the keys; these are weighted as those of
+positions are (sheet of the trajectory, 8.2). Velocities are equal before and after each key, so that they are
+continuous.
 """
 
 from bisect import bisect_right
@@ -15,28 +16,29 @@ from msgspec import structs
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.reach import Reach
-from kinesic.expressivity.hands.blending import between
-from kinesic.expressivity.hands.poses import REST
+from kinesic.expressivity.hands.blending import interpolate_hands
+from kinesic.expressivity.hands.poses import REST_HAND
 from kinesic.expressivity.keyframes import Hand
 from kinesic.expressivity.lexicon.paths import HandPath
-from kinesic.expressivity.turns import MERGE
+from kinesic.expressivity.turns import MIN_KEY_SPACING
 from kinesic.motion.keys import PLAIN_PASSAGE, KeyPassage
 from kinesic.motion.piecewise import PiecewisePolynomial
 
-PARALLEL = 0.99  # cosine of pointing and palm from which on they say no rotation
-SAMPLING = 0.01  # [arm lengths] that a path may be off the straight way between two of its samples
-PATH_STEP = (
-    0.2  # [arm lengths] from sample to sample at most: between them hinges turn evenly, and the hand leaves its path
-)
-SURGE = 0.5  # by how much longer full power makes the hand speed up along a path
-BEGUN = 0.5  # of the largest speed, which who is fastest at the end has after its first swing
-BRAKE, BRAKING = 0.12, 0.5  # [s], and of the time of speeding up, in which a path ends at a word
-SMALL = 1e-6  # [rad] turns that are none
+MAX_PALM_COSINE = 0.99  # largest cosine between pointing and palm that defines a rotation
+PATH_TOLERANCE = 0.01  # [arm lengths] largest distance of a path from the chord of two samples
+# Largest distance between two samples of a path [arm lengths]; joints are interpolated between them, so that the hand
+# leaves its path.
+PATH_STEP = 0.2  # [arm lengths] longest distance between two samples of a path
+POWER_RAMP_GAIN = 0.5  # relative increase of the acceleration time along a path at full power
+LATE_PEAK_RATIO = 0.5  # velocity after the first swing / peak velocity, on a path that ends at a word
+WORD_BRAKE_TIME = 0.12  # [s] longest deceleration of a path that ends at a word
+WORD_BRAKE_FRACTION = 0.5  # longest deceleration / acceleration time of a path that ends at a word
+MIN_ROTATION = 1e-6  # [rad] smaller rotations count as zero
 
 
 @dataclass(frozen=True, eq=False)
 class HandKey:
-    """One hand at one time."""
+    """Pose of one hand at one time."""
 
     time: float  # [s] block time
     hand: Hand
@@ -44,146 +46,160 @@ class HandKey:
 
 
 @dataclass(frozen=True, eq=False)
-class Turning:
-    """A rotation as a function of time; constant before its first key and after its last."""
+class RotationSpline:
+    """Rotation spline over time, constant before and after its keys."""
 
     times: Floats  # (k,) [s]
     keys: "scipy.spatial.transform.Rotation"  # k of them
-    turns: PiecewisePolynomial  # (3,) rotation vector from the key before, in that key's frame
+    turns: PiecewisePolynomial  # (3,) rotation vector from the preceding key, in that key's frame
 
     @classmethod
     def through(
         cls, times: Sequence[float], keys: "scipy.spatial.transform.Rotation", passages: Sequence[KeyPassage]
-    ) -> "Turning":
-        """Through at least two keys, the short way from each to the next; at rest at both ends and in holds.
+    ) -> "RotationSpline":
+        """Interpolate at least two rotations on the shortest arcs.
+
+        It is at rest at both ends and in holds.
 
         Args:
             times: of the keys, increasing [s].
-            keys: as many rotations.
-            passages: as many, of which tension, continuity, swing and bias count.
+            keys: rotations, one per key.
+            passages: one per key, of which tension, continuity, swing and bias are used.
         """
         at = np.asarray(times, dtype=float)
         steps = np.diff(at)[:, None]
-        ways = (keys[:-1].inv() * keys[1:]).as_rotvec()
+        rotations = (keys[:-1].inv() * keys[1:]).as_rotvec()
         bias, flow = (
-            np.array([[getattr(each, name)] for each in passages[1:-1]]).reshape(-1, 1) for name in ("bias", "flow")
+            np.array([[getattr(passage, name)] for passage in passages[1:-1]]).reshape(-1, 1)
+            for name in ("bias", "flow")
         )
-        speeds = np.zeros((len(at), 3))
-        earlier, later = ways[:-1] / steps[:-1] * steps[1:], ways[1:] / steps[1:] * steps[:-1]
+        velocities = np.zeros((len(at), 3))
+        earlier, later = rotations[:-1] / steps[:-1] * steps[1:], rotations[1:] / steps[1:] * steps[:-1]
         chords = (1 + bias) * earlier + (1 - bias) * later
-        speeds[1:-1] = flow * chords / (steps[:-1] + steps[1:])
-        still = np.linalg.norm(ways, axis=1) < SMALL
-        speeds[:-1][still] = speeds[1:][still] = 0.0
-        ends = np.einsum("kij,kj->ki", _inverse_jacobians(ways), speeds[1:])
-        square = (3 * ways / steps - 2 * speeds[:-1] - ends) / steps
-        cube = (speeds[:-1] + ends - 2 * ways / steps) / steps**2
-        turns = np.stack([cube, square, speeds[:-1], np.zeros_like(ways)])
+        velocities[1:-1] = flow * chords / (steps[:-1] + steps[1:])
+        is_still = np.linalg.norm(rotations, axis=1) < MIN_ROTATION
+        velocities[:-1][is_still] = velocities[1:][is_still] = 0.0
+        ends = np.einsum("kij,kj->ki", _inverse_jacobians(rotations), velocities[1:])
+        square = (3 * rotations / steps - 2 * velocities[:-1] - ends) / steps
+        cube = (velocities[:-1] + ends - 2 * rotations / steps) / steps**2
+        turns = np.stack([cube, square, velocities[:-1], np.zeros_like(rotations)])
         return cls(at, keys, PiecewisePolynomial(sealed(at), sealed(turns)))
 
     def at(self, times: Floats) -> "scipy.spatial.transform.Rotation":
-        """The rotations at (m,) times [s]."""
+        """Return the rotations at (m,) times [s]."""
         inside = np.clip(times, self.times[0], self.times[-1])
-        way = np.clip(np.searchsorted(self.times, inside, side="right") - 1, 0, len(self.times) - 2)
-        return self.keys[way] * scipy.spatial.transform.Rotation.from_rotvec(self.turns.at(inside))
+        interval = np.clip(np.searchsorted(self.times, inside, side="right") - 1, 0, len(self.times) - 2)
+        return self.keys[interval] * scipy.spatial.transform.Rotation.from_rotvec(self.turns.at(inside))
 
 
 def facing_rotations(pointing: Floats, palm: Floats) -> "scipy.spatial.transform.Rotation":
-    """The rotations of hands from the directions (..., 3) in which they point and in which their palms face."""
-    aside = np.cross(palm, pointing)
-    aside /= np.linalg.norm(aside, axis=-1, keepdims=True)
-    return scipy.spatial.transform.Rotation.from_matrix(np.stack([pointing, aside, np.cross(pointing, aside)], axis=-1))
+    """Return hand rotations from pointing directions and palm normals (..., 3)."""
+    lateral = np.cross(palm, pointing)
+    lateral /= np.linalg.norm(lateral, axis=-1, keepdims=True)
+    return scipy.spatial.transform.Rotation.from_matrix(
+        np.stack([pointing, lateral, np.cross(pointing, lateral)], axis=-1)
+    )
 
 
 def hand_at(keys: Sequence[HandKey], time: float, rest: Reach) -> Hand:
-    """Finds the hand at a time, straight between its keys, constant outside them."""
+    """Return the hand pose at a time, linearly interpolated between keys.
+
+    It is constant before the first and after the last key.
+    """
     k = bisect_right(keys, time, key=lambda key: key.time)
     if k == 0 or k == len(keys):
-        return keys[min(k, len(keys) - 1)].hand if keys else REST
+        return keys[min(k, len(keys) - 1)].hand if keys else REST_HAND
     a, b = keys[k - 1], keys[k]
-    return between(a.hand, b.hand, (time - a.time) / (b.time - a.time), rest)
+    return interpolate_hands(a.hand, b.hand, (time - a.time) / (b.time - a.time), rest)
 
 
 def _face_between(hand: Hand, keys: Sequence[HandKey], k: int, time: float) -> Hand:
-    """Turns a hand between the keys k - 1 and k as a spline through them and their neighbours does.
+    """Interpolate the hand orientation by a spline through nearby keys.
 
-    So its turning speed does not jump at the keys, which matters where what lies between them becomes keys, too. As it
-    is where they do not turn it, or leave its pointing or its palm open.
+    Its angular velocity is then continuous at the keys, as is needed where the poses between them become keys too. The
+    hand stays unchanged if the keys do not rotate it, or leave its pointing direction or its palm open.
     """
-    about = [
+    neighbours = [
         (key, reach.pointing, reach.palm)
         for j, key in enumerate(keys[max(0, k - 2) : k + 2], max(0, k - 2))
         if (reach := key.hand.reach) and reach.pointing is not None and reach.palm is not None
-        if abs(reach.pointing @ reach.palm) < PARALLEL
-        if j in (k - 1, k) or min(abs(key.time - other.time) for other in keys[k - 1 : k + 1]) >= MERGE
+        if abs(reach.pointing @ reach.palm) < MAX_PALM_COSINE
+        if j in (k - 1, k) or min(abs(key.time - other.time) for other in keys[k - 1 : k + 1]) >= MIN_KEY_SPACING
     ]
-    ends = [row for row in about if row[0] in (keys[k - 1], keys[k])]
+    ends = [row for row in neighbours if row[0] in (keys[k - 1], keys[k])]
     if hand.reach is None or len(ends) < 2 or all(np.array_equal(*pair) for pair in list(zip(*ends, strict=True))[1:]):
         return hand
-    near, pointing, palm = zip(*about, strict=True)
-    turning = Turning.through(
+    near, pointing, palm = zip(*neighbours, strict=True)
+    turning = RotationSpline.through(
         [key.time for key in near], facing_rotations(np.array(pointing), np.array(palm)), [key.passage for key in near]
     )
-    along, _, facing_there = turning.at(np.array([time])).as_matrix()[0].T
-    return replace(hand, reach=structs.replace(hand.reach, pointing=sealed(along), palm=sealed(facing_there)))
+    pointing_there, _, palm_there = turning.at(np.array([time])).as_matrix()[0].T
+    return replace(hand, reach=structs.replace(hand.reach, pointing=sealed(pointing_there), palm=sealed(palm_there)))
 
 
-def along(
+def path_keys_between(
     keys: Sequence[HandKey], k: int, path: HandPath | None, *, unit: float, power: float, late: bool = False
 ) -> list[HandKey]:
-    """Makes keys on a path, without those that it joins; none where the hand rests, or goes straight.
+    """Sample a curved hand path as intermediate keys between two stroke keys.
 
-    They are as many as the curve needs, but no nearer to one another in time than keys may be.
+    There are as many as the curve needs, but not closer in time than keys may be; none if the hand rests or moves
+    straight.
 
     Args:
         keys: of the whole stroke.
-        k: the key that the path leads to, from the one before.
+        k: index of the key at the end of the path.
         path: in the world; None: straight.
         unit: the arm length [m].
         power: of the gesture.
-        late: whether the hand is fastest at the end of the path, as a word sounds there.
+        late: whether the peak velocity is at the end of the path, as a word sounds there.
     """
     a, b = keys[k - 1], keys[k]
     start, end = a.hand.reach, b.hand.reach
     if path is None or start is None or end is None:
         return []
-    shares = path.samples(start.position, end.position, SAMPLING * unit, PATH_STEP * unit)
-    brake = BRAKE / (b.time - a.time) if late else None
-    times = a.time + (b.time - a.time) * _when(shares, path.swings(start.position, end.position), power, brake)
-    positions = path.at(start.position, end.position, shares)
-    found: list[HandKey] = []
-    for share, time, position in zip(shares, map(float, times), positions, strict=True):
-        if min(time - (found[-1].time if found else a.time), b.time - time) >= MERGE:
-            hand = _face_between(between(a.hand, b.hand, float(share), start), keys, k, time)
-            found.append(HandKey(time, _moved(hand, position)))
-    return found
+    parameters = path.samples(start.position, end.position, PATH_TOLERANCE * unit, PATH_STEP * unit)
+    brake = WORD_BRAKE_TIME / (b.time - a.time) if late else None
+    times = a.time + (b.time - a.time) * _time_fractions(
+        parameters, path.swings(start.position, end.position), power, brake
+    )
+    positions = path.at(start.position, end.position, parameters)
+    path_keys: list[HandKey] = []
+    for parameter, time, position in zip(parameters, map(float, times), positions, strict=True):
+        if min(time - (path_keys[-1].time if path_keys else a.time), b.time - time) >= MIN_KEY_SPACING:
+            hand = _face_between(interpolate_hands(a.hand, b.hand, float(parameter), start), keys, k, time)
+            path_keys.append(HandKey(time, _move_hand(hand, position)))
+    return path_keys
 
 
-def _inverse_jacobians(ways: Floats) -> Floats:
-    """(k, 3, 3) from turning speeds in the body to the change of (k, 3) rotation vectors (right Jacobian, inverted)."""
-    angles = np.maximum(np.linalg.norm(ways, axis=1), SMALL)[:, None, None]
-    x, y, z = ways.T
+def _inverse_jacobians(rotations: Floats) -> Floats:
+    """Return the inverse right Jacobians of rotation vectors.
+
+    They map angular velocities in the body frame to derivatives of the rotation vectors.
+    """
+    angles = np.maximum(np.linalg.norm(rotations, axis=1), MIN_ROTATION)[:, None, None]
+    x, y, z = rotations.T
     none = np.zeros_like(x)
     cross = np.stack([none, -z, y, z, none, -x, -y, x, none], axis=1).reshape(-1, 3, 3)
-    bend = 1 / angles**2 - (1 + np.cos(angles)) / (2 * angles * np.sin(angles))
-    return np.asarray(np.eye(3) + cross / 2 + bend * cross @ cross)
+    coefficient = 1 / angles**2 - (1 + np.cos(angles)) / (2 * angles * np.sin(angles))
+    return np.asarray(np.eye(3) + cross / 2 + coefficient * cross @ cross)
 
 
-def _when(shares: Floats, swings: int, power: float, brake: float | None) -> Floats:
-    """(m,) shares of the time at which (m,) shares of a path are reached.
+def _time_fractions(parameters: Floats, swings: int, power: float, brake: float | None) -> Floats:
+    """Return the time fractions (m,) at which the hand reaches path parameters (m,).
 
-    The hand speeds up in half a swing and slows down in the last half, later and more suddenly without power.
-    Greta's t^2 is fastest at the very end, where servos would have to stop it at once. Who is late speeds up all the
-    way, and slows down in a share `brake` of the time.
+    The hand accelerates in half a swing and decelerates in the last half, later and more suddenly without power.
+    Greta's t^2 has its peak velocity at the very end, where servos would have to stop at once. With a late peak the
+    hand accelerates all the way, and decelerates in the fraction `brake` of the time.
     """
-    ramp = min(0.5, 0.5 * (1.0 + SURGE * power) / swings)
-    brake, begun = (ramp, 1.0) if brake is None else (min(brake, BRAKING * ramp), BEGUN)
+    ramp = min(0.5, 0.5 * (1.0 + POWER_RAMP_GAIN * power) / swings)
+    brake, start_speed = (ramp, 1.0) if brake is None else (min(brake, WORD_BRAKE_FRACTION * ramp), LATE_PEAK_RATIO)
     time = np.linspace(0.0, 1.0, 501)
-    speed = np.interp(time, [0.0, ramp, 1.0 - brake, 1.0], [0.0, begun, 1.0, 0.0])
-    along = np.concatenate([[0.0], np.cumsum(speed[1:] + speed[:-1])])
-    return np.interp(shares, along / along[-1], time)
+    speed = np.interp(time, [0.0, ramp, 1.0 - brake, 1.0], [0.0, start_speed, 1.0, 0.0])
+    path_keys_between = np.concatenate([[0.0], np.cumsum(speed[1:] + speed[:-1])])
+    return np.interp(parameters, path_keys_between / path_keys_between[-1], time)
 
 
-def _moved(hand: Hand, position: Floats) -> Hand:
+def _move_hand(hand: Hand, position: Floats) -> Hand:
     reach = hand.reach
-    moved = None if reach is None else structs.replace(reach, position=sealed(position))
-    return replace(hand, reach=moved, passing=True)
+    new_reach = None if reach is None else structs.replace(reach, position=sealed(position))
+    return replace(hand, reach=new_reach, passing=True)

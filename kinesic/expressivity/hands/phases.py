@@ -1,4 +1,4 @@
-"""Phases of gestures: the keys of each hand through a whole block, neighbours running into one another."""
+"""Gesture phases: keys of each hand over a block, with transitions."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -8,42 +8,42 @@ from types import MappingProxyType
 
 from kinesic.body.reach import Reach
 from kinesic.body.robot import OTHER_SIDE, SIDES, Side
-from kinesic.expressivity.hands.blending import between
-from kinesic.expressivity.hands.coarticulation import NO_CLASHES, allot_hands
-from kinesic.expressivity.hands.engaged import Clashes, Engaged
+from kinesic.expressivity.hands.blending import interpolate_hands
+from kinesic.expressivity.hands.busy_hands import BusyHand, Clashes
+from kinesic.expressivity.hands.coarticulation import NO_CLASHES, allocate_hands
 from kinesic.expressivity.hands.keys import HandKey
-from kinesic.expressivity.hands.leisure import find_leisure
-from kinesic.expressivity.hands.making_room import Tied
-from kinesic.expressivity.hands.poses import REST, pose_distance, resting_hands
+from kinesic.expressivity.hands.poses import REST_HAND, pose_distance, resting_hands
+from kinesic.expressivity.hands.stroke_spacing import FixedSyncs
 from kinesic.expressivity.hands.strokes import HandStroke, Stroke, stroke_keys
+from kinesic.expressivity.hands.time_ratios import available_time_ratios
 from kinesic.expressivity.keyframes import Hand, Outcome, Touch
 from kinesic.expressivity.style.pace import Pace
-from kinesic.expressivity.turns import MERGE, arrival, departure_time
+from kinesic.expressivity.turns import MIN_KEY_SPACING, arrival_time, departure_time
 from kinesic.motion.keys import PLAIN_PASSAGE
 
-NEIGHBOUR = 0.5  # [s] gestures nearer than this do not pass through rest
-MEETING: frozenset[Touch] = frozenset(("hand", "forearm", "upper_arm"))  # what an arm rests on of the other one
-SUNK = 0.5  # of the way to rest, that a hand sinks which waits for its next gesture
-ASIDE = 0.2  # openness of its elbow, which would else be against the body
-WAITING = 2.5  # [s] that a hand stays where it is, to come to rest together with the other one
-ALL_TIED: Tied = MappingProxyType({})  # every sync point stays where it is
+NEIGHBOUR_INTERVAL = 0.5  # [s] longest gap between gestures in which the hand does not return to rest
+ARM_PARTS: frozenset[Touch] = frozenset(("hand", "forearm", "upper_arm"))  # touched parts of the other arm
+LOWERING_FRACTION = 0.5  # fraction of the way to rest by which a waiting hand is lowered
+WAITING_OPENNESS = 0.2  # elbow openness of a waiting hand, which keeps the elbow off the body
+MAX_WAITING_TIME = 2.5  # [s] longest wait of a hand for a joint retraction with the other one
+ALL_FIXED: FixedSyncs = MappingProxyType({})  # a behaviour that is not listed has all its sync points fixed
 
 
 @dataclass(frozen=True, eq=False)
-class Arranged:
-    """The keys of both hands through a whole block, and what came of each behaviour."""
+class HandArrangement:
+    """Keys of both hands over a block, with the behaviours' outcomes."""
 
     hands: Mapping[Side, tuple[HandKey, ...]]
     outcomes: Mapping[str, Outcome]
-    sides: Mapping[str, frozenset[Side]]  # behaviour id -> hands that it moves
-    remarks: Mapping[str, tuple[str, ...]]  # what time did not allow
-    times: Mapping[str, Mapping[str, float]]  # behaviour id -> points that moved [s]
-    works: tuple[HandStroke, ...]  # what both hands do, in time order
+    sides: Mapping[str, frozenset[Side]]  # behaviour id -> moved hands
+    remarks: Mapping[str, tuple[str, ...]]  # changes for lack of time, by behaviour id
+    times: Mapping[str, Mapping[str, float]]  # behaviour id -> moved sync points [s]
+    works: tuple[HandStroke, ...]  # strokes of both hands, in time order
 
 
 @dataclass(frozen=True)
-class _WayHome:
-    """The times at which a hand leaves for its rest pose, and is there [s]."""
+class _Retraction:
+    """Begin and end of a retraction [s]."""
 
     relax: float
     end: float
@@ -52,41 +52,45 @@ class _WayHome:
 def arrange_hands(
     strokes: Sequence[Stroke],
     pace: Pace,
-    tied: Tied = ALL_TIED,
+    fixed_syncs: FixedSyncs = ALL_FIXED,
     *,
-    engaged: Sequence[Engaged] = (),
+    busy_hands: Sequence[BusyHand] = (),
     clashes: Clashes = NO_CLASHES,
-) -> Arranged:
-    """Gives every stroke its hands (see `allot_hands`) and joins the strokes of each hand.
+) -> HandArrangement:
+    """Assign hands to every stroke and connect the strokes of each hand.
+
+    See `allocate_hands`.
 
     Args:
         strokes: in the order of the document.
         pace: of the robot, whose hands rest at `robot.skeleton.rest`.
-        tied: sync points that the document places; all of behaviours that are missing.
-        engaged: hands that other blocks need.
-        clashes: strokes that one hand cannot both do, though they do not overlap.
+        fixed_syncs: sync points fixed by the document; all of behaviours that are missing.
+        busy_hands: hands that other blocks need.
+        clashes: strokes that one hand cannot both perform, though they do not overlap.
     """
     rest = resting_hands(pace.robot)
-    given = allot_hands(strokes, pace, tied, engaged, clashes)
+    allocation = allocate_hands(strokes, pace, fixed_syncs, busy_hands, clashes)
     sides: dict[str, frozenset[Side]] = {}
     for side in SIDES:
-        for work in given.works[side]:
+        for work in allocation.works[side]:
             sides[work.id] = sides.get(work.id, frozenset()) | {side}
-    leisure = find_leisure(given.works, pace)
+    time_ratio = available_time_ratios(allocation.works, pace)
     hands = {
-        side: _join_strokes(given.works[side], _alone(given.works, side), side, rest[side], pace, clashes, leisure)
+        side: _join_strokes(
+            allocation.works[side], _single_handed(allocation.works, side), side, rest[side], pace, clashes, time_ratio
+        )
         for side in SIDES
     }
-    works = {id(work): work for side in SIDES for work in given.works[side]}
+    works = {id(work): work for side in SIDES for work in allocation.works[side]}
     in_order = tuple(sorted(works.values(), key=lambda work: work.at("strokeStart")))
-    remarks = {**given.remarks}
+    remarks = {**allocation.remarks}
     for side in SIDES:
-        remarks |= _deferred_poses(given.works[side], clashes)
-    return Arranged(hands, given.outcomes, sides, remarks, given.times, in_order)
+        remarks |= _deferral_remarks(allocation.works[side], clashes)
+    return HandArrangement(hands, allocation.outcomes, sides, remarks, allocation.times, in_order)
 
 
-def _alone(works: Mapping[Side, Sequence[HandStroke]], side: Side) -> list[HandStroke]:
-    """Lists the strokes that the other hand does without this one."""
+def _single_handed(works: Mapping[Side, Sequence[HandStroke]], side: Side) -> list[HandStroke]:
+    """Return the strokes that only the opposite hand performs."""
     return [work for work in works[OTHER_SIDE[side]] if work not in works[side]]
 
 
@@ -97,58 +101,69 @@ def _join_strokes(
     rest: Reach,
     pace: Pace,
     clashes: Clashes,
-    leisure: Mapping[int, float],
+    time_ratio: Mapping[int, float],
 ) -> tuple[HandKey, ...]:
-    """Each gesture goes back to the rest pose, unless a neighbour follows."""
+    """Connect successive strokes of one hand by transitions or rest poses.
+
+    The hand passes through the rest pose unless another stroke follows soon.
+    """
     keys: list[HandKey] = []
-    pose = REST  # what the hand rests in
-    holding: HandStroke | None = None  # the gesture that has not gone back yet
+    pose = REST_HAND  # rest pose of the hand
+    holding: HandStroke | None = None  # last gesture, without its retraction yet
     for k, work in enumerate(row):
         hands = work.poses.hands[side]
-        if work.stroke.rest and (_clashing(row, k, clashes) or _lacks_time(work, keys, row[k + 1 :])):
+        if work.stroke.rest and (_clashing_neighbours(row, k, clashes) or _must_defer(work, keys, row[k + 1 :])):
             pose = hands[-1]
             continue
-        own = stroke_keys(work, side, pace, leisure[id(work)])
-        if holding and work.at("start") >= (home := _homeward(holding, pose, others)).end + NEIGHBOUR:
-            back = _go_back(keys, holding, home, pose, rest, work.at("start"), pace)
-            if back[-1].time + MERGE <= own[0].time:  # else there is no time to pass through rest
-                keys, holding = back, None
-        if holding and pose is REST:
-            keys = _sink(keys, holding, work, own[0], rest, pace)
-        keys = _approach(keys, holding, work, own, rest, pace)
+        stroke_row = stroke_keys(work, side, pace, time_ratio[id(work)])
+        if holding and work.at("start") >= (retraction := _retraction(holding, pose, others)).end + NEIGHBOUR_INTERVAL:
+            keys_with_retraction = _add_retraction(keys, holding, retraction, pose, rest, work.at("start"), pace)
+            if (
+                keys_with_retraction[-1].time + MIN_KEY_SPACING <= stroke_row[0].time
+            ):  # otherwise there is no time to pass through rest
+                keys, holding = keys_with_retraction, None
+        if holding and pose is REST_HAND:
+            keys = _lower_waiting_hand(keys, holding, work, stroke_row[0], rest, pace)
+        keys = _add_preparation(keys, holding, work, stroke_row, rest, pace)
         holding = None if work.stroke.rest else work
         pose = hands[-1] if work.stroke.rest else pose
     if holding:
-        keys = _go_back(keys, holding, _homeward(holding, pose, others), pose, rest, inf, pace)
+        keys = _add_retraction(keys, holding, _retraction(holding, pose, others), pose, rest, inf, pace)
     return _stop_at_holds(keys)
 
 
 def _stop_at_holds(keys: Sequence[HandKey]) -> tuple[HandKey, ...]:
-    """Stops where a hand waits, however loose it is: while the trunk turns beneath, its arm hardly stays as it was."""
-    waiting = {k for k, (one, other) in enumerate(pairwise(keys)) if one.hand is other.hand}
+    """Set full spline tension at hold keys, so that the hand stops.
+
+    An arm hardly keeps its posture while the trunk turns below it, so that a loose key would swing.
+    """
+    hold_keys = {k for k, (one, other) in enumerate(pairwise(keys)) if one.hand is other.hand}
     return tuple(
-        replace(key, passage=replace(key.passage, tension=1.0)) if {k - 1, k} & waiting else key
+        replace(key, passage=replace(key.passage, tension=1.0)) if {k - 1, k} & hold_keys else key
         for k, key in enumerate(keys)
     )
 
 
-def _homeward(holding: HandStroke, pose: Hand, others: Sequence[HandStroke]) -> _WayHome:
-    """Finds when a hand goes back to rest: with the other one where they rest in one another and it is soon free."""
-    alone = together = _WayHome(holding.at("relax"), holding.at("end"))
-    for other in others if pose.touch in MEETING else ():
+def _retraction(holding: HandStroke, pose: Hand, others: Sequence[HandStroke]) -> _Retraction:
+    """Return begin and end of a hand's retraction [s].
+
+    It waits for the other hand if their rest pose makes them touch and the other is soon free.
+    """
+    alone = together = _Retraction(holding.at("relax"), holding.at("end"))
+    for other in others if pose.touch in ARM_PARTS else ():
         if not other.stroke.rest and other.at("start") < together.end and other.at("relax") > together.relax:
-            together = _WayHome(other.at("relax"), other.at("end"))
-    return together if together.relax <= alone.relax + WAITING else alone
+            together = _Retraction(other.at("relax"), other.at("end"))
+    return together if together.relax <= alone.relax + MAX_WAITING_TIME else alone
 
 
-def _clashing(row: Sequence[HandStroke], k: int, clashes: Clashes) -> list[str]:
-    """Names the neighbours of a stroke in its row between which and it there is not the time that a hand needs."""
+def _clashing_neighbours(row: Sequence[HandStroke], k: int, clashes: Clashes) -> list[str]:
+    """Return the adjacent strokes that conflict with a stroke."""
     return [other.id for other in row[max(k - 1, 0) : k + 2] if frozenset((row[k].id, other.id)) in clashes]
 
 
-def _deferred_poses(row: Sequence[HandStroke], clashes: Clashes) -> dict[str, tuple[str, ...]]:
-    """Says of rest poses that clash with a gesture what becomes of them."""
-    poses = [(work.id, _clashing(row, k, clashes)) for k, work in enumerate(row) if work.stroke.rest]
+def _deferral_remarks(row: Sequence[HandStroke], clashes: Clashes) -> dict[str, tuple[str, ...]]:
+    """Return remarks for rest poses that clash with gestures."""
+    poses = [(work.id, _clashing_neighbours(row, k, clashes)) for k, work in enumerate(row) if work.stroke.rest]
     lacking = {pair: f"{clash.late:.2f} s lack between both" for pair, clash in clashes.items()}
     return {
         id: tuple(f"is taken as the hands go back from {other}: {lacking[frozenset((id, other))]}" for other in others)
@@ -157,57 +172,81 @@ def _deferred_poses(row: Sequence[HandStroke], clashes: Clashes) -> dict[str, tu
     }
 
 
-def _lacks_time(work: HandStroke, keys: Sequence[HandKey], following: Sequence[HandStroke]) -> bool:
-    """Whether the hand has no time for a rest pose, and takes it when it goes back from its gesture."""
-    late = bool(keys) and work.at("stroke") < keys[-1].time + MERGE
-    return late or any(other.at("strokeStart") < work.at("strokeEnd") + MERGE for other in following[:1])
+def _must_defer(work: HandStroke, keys: Sequence[HandKey], following: Sequence[HandStroke]) -> bool:
+    """Return whether a rest pose must wait for the next retraction.
 
-
-def _approach(
-    keys: list[HandKey], holding: HandStroke | None, work: HandStroke, own: Sequence[HandKey], rest: Reach, pace: Pace
-) -> list[HandKey]:
-    """Adds the departure towards a gesture, and the gesture's own keys.
-
-    From rest the hand leaves at `start`. From the hold of an earlier gesture it leaves when this one relaxes or
-    the later one starts, but early enough for the way, and not before the earlier stroke has ended.
+    The hand has no time to take it now.
     """
-    hand, free = (keys[-1].hand, keys[-1].time) if keys else (REST, -inf)
-    effort, distance = work.effort(pace), pose_distance(hand, own[0].hand, rest)
-    way = effort.joining_time(distance) if holding else effort.preparation_time(distance)
-    if len(own) > 1 and own[1].hand is own[0].hand and own[0].time < free + way:
-        own = own[1:]  # no time to wait at the beginning of the stroke
+    late = bool(keys) and work.at("stroke") < keys[-1].time + MIN_KEY_SPACING
+    return late or any(other.at("strokeStart") < work.at("strokeEnd") + MIN_KEY_SPACING for other in following[:1])
+
+
+def _add_preparation(
+    keys: list[HandKey],
+    holding: HandStroke | None,
+    work: HandStroke,
+    stroke_row: Sequence[HandKey],
+    rest: Reach,
+    pace: Pace,
+) -> list[HandKey]:
+    """Add the departure towards a gesture and the gesture's keys.
+
+    From rest the hand leaves at `start`. From the hold of an earlier gesture it leaves when this one relaxes or the
+    later one starts, but early enough to arrive in time, and not before the earlier stroke has ended.
+    """
+    hand, free = (keys[-1].hand, keys[-1].time) if keys else (REST_HAND, -inf)
+    effort, distance = work.effort(pace), pose_distance(hand, stroke_row[0].hand, rest)
+    travel_time = effort.joining_time(distance) if holding else effort.preparation_time(distance)
+    if len(stroke_row) > 1 and stroke_row[1].hand is stroke_row[0].hand and stroke_row[0].time < free + travel_time:
+        stroke_row = stroke_row[1:]  # no time to wait at the beginning of the stroke
     if holding:
-        leave = min(max(holding.at("relax"), work.at("start")), own[0].time - way)
+        leave = min(max(holding.at("relax"), work.at("start")), stroke_row[0].time - travel_time)
     else:
-        leave = departure_time(work.at("start"), own[0].time, way)
+        leave = departure_time(work.at("start"), stroke_row[0].time, travel_time)
     leave = max(leave, free)
     passage = holding.effort(pace).passage("hold") if holding else PLAIN_PASSAGE
-    hold = [HandKey(leave, hand, passage)] if leave - free >= MERGE else []
-    return [*keys, *hold, *(key for key in own if key.time >= leave + MERGE)]
+    hold = [HandKey(leave, hand, passage)] if leave - free >= MIN_KEY_SPACING else []
+    return [*keys, *hold, *(key for key in stroke_row if key.time >= leave + MIN_KEY_SPACING)]
 
 
-def _sink(
+def _lower_waiting_hand(
     keys: list[HandKey], holding: HandStroke, work: HandStroke, first: HandKey, rest: Reach, pace: Pace
 ) -> list[HandKey]:
-    """Lets a hand that waits for its next gesture sink, if there is time for it: nobody holds an arm up for nothing."""
+    """Lower a hand that waits for its next gesture, if time allows.
+
+    People do not hold up an idle arm.
+    """
     last = keys[-1]
-    low = replace(between(last.hand, REST, SUNK, rest), openness=ASIDE)
-    sinking = holding.effort(pace).return_time(pose_distance(last.hand, low, rest))
-    rising = work.effort(pace).joining_time(pose_distance(low, first.hand, rest))
-    relax, leave = max(holding.at("relax"), last.time), min(work.at("start"), first.time - rising)
-    if leave - relax < sinking:
+    lowered = replace(interpolate_hands(last.hand, REST_HAND, LOWERING_FRACTION, rest), openness=WAITING_OPENNESS)
+    lowering_time = holding.effort(pace).return_time(pose_distance(last.hand, lowered, rest))
+    raising_time = work.effort(pace).joining_time(pose_distance(lowered, first.hand, rest))
+    relax, leave = max(holding.at("relax"), last.time), min(work.at("start"), first.time - raising_time)
+    if leave - relax < lowering_time:
         return keys
-    hold = [HandKey(relax, last.hand, holding.effort(pace).passage("hold"))] if relax - last.time >= MERGE else []
-    return [*keys, *hold, HandKey(relax + sinking, low, holding.effort(pace).passage("retraction"))]
+    hold = (
+        [HandKey(relax, last.hand, holding.effort(pace).passage("hold"))]
+        if relax - last.time >= MIN_KEY_SPACING
+        else []
+    )
+    return [*keys, *hold, HandKey(relax + lowering_time, lowered, holding.effort(pace).passage("retraction"))]
 
 
-def _go_back(
-    keys: list[HandKey], holding: HandStroke, home: _WayHome, pose: Hand, rest: Reach, latest: float, pace: Pace
+def _add_retraction(
+    keys: list[HandKey],
+    holding: HandStroke,
+    retraction: _Retraction,
+    pose: Hand,
+    rest: Reach,
+    latest: float,
+    pace: Pace,
 ) -> list[HandKey]:
-    """Adds the way back to the rest pose, which ends before the latest time [s]."""
+    """Add the retraction to the rest pose.
+
+    It ends before the latest time [s].
+    """
     last = keys[-1]
-    leave = max(home.relax, last.time)
+    leave = max(retraction.relax, last.time)
     effort = holding.effort(pace)
-    hold = [HandKey(leave, last.hand, effort.passage("hold"))] if leave - last.time >= MERGE else []
-    back = arrival(leave, home.end, effort.return_time(pose_distance(last.hand, pose, rest)))
-    return [*keys, *hold, HandKey(min(back, latest), pose, effort.passage("retraction"))]
+    hold = [HandKey(leave, last.hand, effort.passage("hold"))] if leave - last.time >= MIN_KEY_SPACING else []
+    keys_with_retraction = arrival_time(leave, retraction.end, effort.return_time(pose_distance(last.hand, pose, rest)))
+    return [*keys, *hold, HandKey(min(keys_with_retraction, latest), pose, effort.passage("retraction"))]

@@ -1,4 +1,4 @@
-"""Hands in the world: where they rest, where the poses of a form are, and how far it is from one to another."""
+"""Hand poses in the world: rest poses, gesture keys and their distances."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -19,60 +19,60 @@ from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
 from kinesic.expressivity.lexicon.hand_shapes import FingerMotion
 from kinesic.expressivity.lexicon.paths import HandPath
 from kinesic.expressivity.lexicon.space import EASY_REACH, direction_in_world, extend_position, to_world, widen_key
-from kinesic.expressivity.style.effort import PLAIN_NATURE, Nature
+from kinesic.expressivity.style.effort import PLAIN_TRAITS, GestureTraits
 from kinesic.expressivity.style.style import Expressivity
 
-REST = Hand()
-_LEVER = 0.15  # [m/rad] of way that a turn of the hand is worth: forearms turn more slowly than arms swing
-_WITHDRAWN = 0.15  # of the way to rest: where the stroke of a form with one key begins
-_POINTING_REACH = 0.98  # of the arm's length
-_TRAVEL = 0.25  # [arm lengths] of the stroke's way, once, from which on the gesture is dynamic
-_ALIKE = 0.1  # [arm lengths] keys nearer than this are one written twice
-_GROWN = (1.0, 0.75, 0.5, 0.25, 0.0)  # shares of spatial extent that a path may grow by
-_ALONG = np.linspace(0.0, 1.0, 101)
-_TARGET_REACH = 0.8  # of the way to a target that is nearer than that
-_OWN_OPENNESS = 0.4  # share of an elbow's way that a form may ask for; the rest is the manner's
+REST_HAND = Hand()  # hanging hand
+_ROTATION_LEVER = 0.15  # [m/rad] distance equivalent of a hand rotation, as forearms rotate more slowly than arms swing
+_START_WITHDRAWAL = 0.15  # fraction of the distance to rest at which the stroke of a one-key form begins
+_POINTING_REACH = 0.98  # [arm lengths] distance of a pointing wrist from the shoulder
+_DYNAMIC_DISTANCE = 0.25  # [arm lengths] stroke length above which a gesture counts as dynamic
+_SAME_KEY_DISTANCE = 0.1  # [arm lengths] distance below which two keys count as repetitions of one
+_EXTENT_FRACTIONS = (1.0, 0.75, 0.5, 0.25, 0.0)  # fractions of spatial extent, tried until a path is within easy reach
+_PATH_PARAMETERS = np.linspace(0.0, 1.0, 101)  # path parameters at which the reach of a path is checked
+_TARGET_FRACTION = 0.8  # fraction of the distance to a near target at which the pointing wrist stops
+_FORM_OPENNESS = 0.4  # largest openness that a form sets; expressivity adds the rest
 
 
 @dataclass(frozen=True, eq=False)
 class Poses:
-    """The stroke keys of a behaviour, as hands in the world."""
+    """World poses of both hands at the keys of a stroke."""
 
     hands: Mapping[Side, tuple[Hand, ...]]  # as many keys for each side
-    stroke: int  # the key that falls on the sync point `stroke`
+    stroke: int  # index of the key at the sync point `stroke`
     paths: Mapping[Side, tuple[HandPath | None, ...]] = field(default_factory=dict)  # to each key [m], in the world
-    again: tuple[int, ...] = ()  # the keys that fall on `stroke:2`, `stroke:3` and so on
-    nature: Nature = PLAIN_NATURE  # of the gesture
-    body: BodyForm = NO_BODY  # what the rest of the body does
-    fingers: FingerMotion | None = None  # what fingers do while the stroke lasts
+    again: tuple[int, ...] = ()  # indices of the keys at `stroke:2`, `stroke:3` and so on
+    traits: GestureTraits = PLAIN_TRAITS  # of the gesture
+    body: BodyForm = NO_BODY  # accompanying body motion
+    fingers: FingerMotion | None = None  # finger motion during the stroke
 
     @property
     def count(self) -> int:
-        """Number of keys."""
+        """Number of stroke keys."""
         return max((len(row) for row in self.hands.values()), default=0)
 
     @property
-    def times(self) -> int:
-        """How often the stroke is done."""
+    def stroke_count(self) -> int:
+        """Number of strokes, repetitions included."""
         return 1 + len(self.again)
 
     def path(self, side: Side, key: int) -> HandPath | None:
-        """How a hand comes to a key from the one before; None: straight."""
+        """Return the hand path that ends at a key, None if straight."""
         return self.paths[side][key] if side in self.paths else None
 
     def with_effort(self, weight: float) -> "Poses":
-        """Gives the gesture so much of its effort profile, 0 to 1."""
-        return replace(self, nature=replace(self.nature, weight=weight))
+        """Return the poses with another effort weight, 0 to 1."""
+        return replace(self, traits=replace(self.traits, weight=weight))
 
     def only(self, side: Side) -> "Poses":
-        """Keeps the keys and paths of one hand alone."""
+        """Return the keys and paths of one hand only."""
         paths = {side: self.paths[side]} if side in self.paths else {}
         return replace(self, hands={side: self.hands[side]}, paths=paths)
 
     def fewer(self) -> "Poses":
-        """Removes the last repetition of the stroke."""
-        every = (self.stroke, *self.again)
-        count = self.count - (every[-1] - every[-2])
+        """Return the poses without the last repetition of the stroke."""
+        stroke_keys = (self.stroke, *self.again)
+        count = self.count - (stroke_keys[-1] - stroke_keys[-2])
         hands = {side: row[:count] for side, row in self.hands.items()}
         paths = {side: row[:count] for side, row in self.paths.items()}
         return replace(self, hands=hands, paths=paths, again=self.again[:-1])
@@ -80,8 +80,8 @@ class Poses:
 
 @lru_cache(maxsize=8)
 def resting_hands(robot: Robot) -> Mapping[Side, Reach]:
-    """Finds where the hands hang, in the world."""
-    frames = robot.skeleton.resting
+    """Return the poses of the hanging hands in the world."""
+    frames = robot.skeleton.rest_frames
     reaches: dict[Side, Reach] = {}
     for side in SIDES:
         palm = robot.arm(side).palm
@@ -97,36 +97,38 @@ def resting_hands(robot: Robot) -> Mapping[Side, Reach]:
 
 
 def shoulder(robot: Robot, side: Side) -> Floats:
-    """Finds the centre of a shoulder, (3,) [m] in the world, at rest."""
-    return sealed(robot.skeleton.resting.origins[robot.arm(side).shoulder])
+    """Return the centre of a resting shoulder (3,) [m]."""
+    return sealed(robot.skeleton.rest_frames.origins[robot.arm(side).shoulder])
 
 
 def poses(form: GestureForm, robot: Robot, manner: Expressivity) -> Poses:
-    """Puts the stroke keys of a form into the world, under spatial extent, openness and repetition.
+    """Convert a gesture's stroke keys to hand poses in the world.
 
-    A hand that a key leaves out stays as it was in the key before, at first at rest. A form of one key begins a
-    little nearer to rest, so that its stroke shows. Repetition does the stroke up to twice more, below 0 once less
-    where the form has it more than once.
+    A hand that a key omits keeps its pose in the key before, at first the rest pose. A form of one key gets a start key
+    closer to rest, so that its stroke is visible. Repetition adds up to two strokes; below 0 it removes one where the
+    form has more than one.
 
     Args:
         form: with at least one key.
-        robot: whose space the form is put into.
-        manner: of the behaviour.
+        robot: in whose gesture space the form is performed.
+        manner: expressivity of the behaviour.
 
     Returns:
-        For each side that takes part, at least two keys; the middle one of each time is a stroke.
+        For each side that takes part, at least two keys; the middle key of each repetition is the stroke.
     """
-    put = _put_into_world(form.keys, robot, manner)
-    more = round(2 * manner.repetition) if manner.repetition > 0 else -round(-manner.repetition)
-    times = 1 if form.rest or form.stays else max(1, put.written + more)
-    again = tuple(put.count // 2 + k * (put.count - put.back) for k in range(1, times))
-    hands = {side: _lift_shoulder(row, put.count // 2, form.body.shoulders) for side, row in put.hands.items()}
+    in_world = _convert_keys(form.keys, robot, manner)
+    extra = round(2 * manner.repetition) if manner.repetition > 0 else -round(-manner.repetition)
+    stroke_count = 1 if form.rest or form.stays else max(1, in_world.stroke_count + extra)
+    again = tuple(in_world.count // 2 + k * (in_world.count - in_world.back) for k in range(1, stroke_count))
+    hands = {
+        side: _lift_shoulder(row, in_world.count // 2, form.body.shoulders) for side, row in in_world.hands.items()
+    }
     return Poses(
-        {side: row + row[put.back :] * (times - 1) for side, row in hands.items()},
-        put.count // 2,
-        {side: row + row[put.back :] * (times - 1) for side, row in put.paths.items()},
+        {side: row + row[in_world.back :] * (stroke_count - 1) for side, row in hands.items()},
+        in_world.count // 2,
+        {side: row + row[in_world.back :] * (stroke_count - 1) for side, row in in_world.paths.items()},
         again,
-        Nature(form.category, form.tempo, dynamic=put.travels),
+        GestureTraits(form.category, form.tempo, dynamic=in_world.travels),
         form.body,
         form.fingers,
     )
@@ -134,110 +136,117 @@ def poses(form: GestureForm, robot: Robot, manner: Expressivity) -> Poses:
 
 @dataclass(frozen=True, eq=False)
 class _InWorld:
-    """One stroke of a form, in the world."""
+    """Hand poses and paths of one stroke in world coordinates."""
 
     hands: Mapping[Side, tuple[Hand, ...]]
     paths: Mapping[Side, tuple[HandPath | None, ...]]
     count: int  # keys of the stroke, at least two
-    written: int  # times that the form has it
-    back: int  # 1 where it ends where it begins, else 0
-    travels: bool  # whether a hand goes a way of its own
+    stroke_count: int  # strokes in the form
+    back: int  # 1 if it ends at its start position, otherwise 0
+    travels: bool  # whether a hand moves noticeably
 
 
-@lru_cache(maxsize=64)  # a gesture is asked for by its durations and by its hands, which differ only in the body's part
-def _put_into_world(written: tuple[StrokeKey, ...], robot: Robot, manner: Expressivity) -> _InWorld:
-    once, times = _find_repetition(written)
-    keys = [widen_key(key, manner.spatial, robot) for key in written[:once]]
-    sides = frozenset(side for key in written for side in key.hands)
+@lru_cache(maxsize=64)  # looked up for durations and for hands, which differ only in the body motion
+def _convert_keys(form_keys: tuple[StrokeKey, ...], robot: Robot, manner: Expressivity) -> _InWorld:
+    once, stroke_count = _find_repetition(form_keys)
+    keys = [widen_key(key, manner.spatial, robot) for key in form_keys[:once]]
+    sides = frozenset(side for key in form_keys for side in key.hands)
     hands = {side: _hands_of(keys, side, robot, manner) for side in sides}
-    paths = {side: _paths(written[:once], row, side, robot, manner) for side, row in hands.items()}
-    travels = _travels(hands, paths, robot)
+    paths = {side: _paths(form_keys[:once], row, side, robot, manner) for side, row in hands.items()}
+    travels = _is_dynamic(hands, paths, robot)
     if once == 1:
         hands = {side: (withdrawn(hand, robot, side), hand) for side, (hand,) in hands.items()}
         paths = {side: (None, *row) for side, row in paths.items()}
-    back = 1 if all(_same_place(row[0], row[-1]) for row in hands.values()) else 0
-    return _InWorld(hands, paths, max(once, 2), times, back, travels)
+    back = 1 if all(_same_position(row[0], row[-1]) for row in hands.values()) else 0
+    return _InWorld(hands, paths, max(once, 2), stroke_count, back, travels)
 
 
 def pointing_poses(target: Floats, side: Side, robot: Robot, shape: str = "index") -> Poses:
-    """Points at a place: the wrist on the line from the shoulder, the hand along it.
+    """Return the hand poses of pointing at a position.
+
+    The wrist is on the line from the shoulder to the place, the hand along it.
 
     Args:
         target: (3,) [m] in the world.
         side: of the hand that points.
-        robot: whose arm it is.
+        robot: that has the arm.
         shape: of the hand.
     """
     centre = shoulder(robot, side)
     distance = float(np.linalg.norm(target - centre))
     line = (target - centre) / distance if distance > 0 else np.array([1.0, 0.0, 0.0])
-    reach = min(_POINTING_REACH * robot.arm_length, _TARGET_REACH * distance)
+    reach = min(_POINTING_REACH * robot.arm_length, _TARGET_FRACTION * distance)
     hand = Hand(Reach(sealed(centre + reach * line), pointing=sealed(line)), aim=sealed(target), shape=shape)
-    return Poses({side: (withdrawn(hand, robot, side), hand)}, stroke=1, nature=Nature("deictic", dynamic=False))
+    return Poses({side: (withdrawn(hand, robot, side), hand)}, stroke=1, traits=GestureTraits("deictic", dynamic=False))
 
 
 def withdrawn(hand: Hand, robot: Robot, side: Side) -> Hand:
-    """Moves a hand a little nearer to its rest, where it touches nothing."""
+    """Move a hand slightly towards rest and remove its body contact."""
     if hand.reach is None:
         return hand
     rest = resting_hands(robot)[side].position
-    position = hand.reach.position + _WITHDRAWN * (rest - hand.reach.position)
+    position = hand.reach.position + _START_WITHDRAWAL * (rest - hand.reach.position)
     return replace(hand, reach=structs.replace(hand.reach, position=sealed(position)), touch=None, tip=None)
 
 
 def _lift_shoulder(row: tuple[Hand, ...], stroke: int, lift: float) -> tuple[Hand, ...]:
-    """Raises the shoulder [rad] above a hand: half before the stroke, and then whole."""
+    """Raise the shoulder in hand poses, half as far before the stroke."""
     return tuple(replace(hand, lift=lift if k >= stroke else lift / 2) for k, hand in enumerate(row)) if lift else row
 
 
 def pose_distance(a: Hand, b: Hand, rest: Reach) -> float:
-    """Measures the way between two hand poses [m]: the wrist's, or that of a lever turned with the hand if longer.
+    """Return the distance between two hand poses [m].
+
+    It is the distance of the wrists, or that of a lever rotated with the hand if longer.
 
     Args:
-        a: where it begins.
-        b: where it ends.
-        rest: how the hand hangs.
+        a: first pose.
+        b: second pose.
+        rest: pose of the hanging hand.
     """
     start, end = a.reach or rest, b.reach or rest
     turn = max(angle_between(start.palm, end.palm), angle_between(start.pointing, end.pointing))
-    way = start.position - end.position
-    return max(sqrt(way @ way), _LEVER * turn)
+    step = start.position - end.position
+    return max(sqrt(step @ step), _ROTATION_LEVER * turn)
 
 
-def _travels(
+def _is_dynamic(
     hands: Mapping[Side, Sequence[Hand]], paths: Mapping[Side, Sequence[HandPath | None]], robot: Robot
 ) -> bool:
-    """Whether a hand goes a way of its own in the stroke, and does not only come to a pose."""
+    """Return whether a hand moves noticeably during the stroke."""
     for side, row in hands.items():
         places = [(hand.reach or resting_hands(robot)[side]).position for hand in row]
-        ways = [
+        lengths = [
             path.length(a, b) if path else float(np.linalg.norm(b - a))
             for a, b, path in zip(places, places[1:], paths[side][1:], strict=False)
         ]
-        if sum(ways) > _TRAVEL * robot.arm_length:
+        if sum(lengths) > _DYNAMIC_DISTANCE * robot.arm_length:
             return True
     return False
 
 
 def _find_repetition(keys: Sequence[StrokeKey]) -> tuple[int, int]:
-    """Finds how many keys make a form that repeats to its end, and how often it is written."""
+    """Return the length [keys] and count of a repeated key sequence.
+
+    A form that does not repeat to its end has count 1.
+    """
     for once in range(2, len(keys) // 2 + 1):
-        times, left = divmod(len(keys), once)
-        if not left and all(_alike(keys[k], keys[k - once]) for k in range(once, len(keys))):
-            return once, times
+        repetitions, left = divmod(len(keys), once)
+        if not left and all(_are_same_keys(keys[k], keys[k - once]) for k in range(once, len(keys))):
+            return once, repetitions
     return len(keys), 1
 
 
-def _alike(a: StrokeKey, b: StrokeKey) -> bool:
-    """Whether two keys have the same hands in the same places, straight from those before."""
+def _are_same_keys(a: StrokeKey, b: StrokeKey) -> bool:
+    """Return whether two keys have the same hand positions and no paths."""
     return a.hands.keys() == b.hands.keys() and all(
         pose.path is b.hands[side].path is None
-        and float(np.linalg.norm(pose.position - b.hands[side].position)) < _ALIKE
+        and float(np.linalg.norm(pose.position - b.hands[side].position)) < _SAME_KEY_DISTANCE
         for side, pose in a.hands.items()
     )
 
 
-def _same_place(a: Hand, b: Hand) -> bool:
+def _same_position(a: Hand, b: Hand) -> bool:
     if a.reach is None or b.reach is None:
         return a.reach is b.reach
     return bool(np.allclose(a.reach.position, b.reach.position, atol=1e-9))
@@ -246,35 +255,43 @@ def _same_place(a: Hand, b: Hand) -> bool:
 def _paths(
     keys: Sequence[StrokeKey], row: Sequence[Hand], side: Side, robot: Robot, manner: Expressivity
 ) -> tuple[HandPath | None, ...]:
-    """Brings one hand to each of its keys, in the world; amplitude and points follow spatial extent.
+    """Return the paths of one hand to its keys, in the world.
 
-    Where a path that grows would leave the arm's easy reach, it grows less.
+    Amplitudes and points are scaled by spatial extent, less if a path would leave the easy reach of the arm.
     """
-    centre, easy = shoulder(robot, side), EASY_REACH * robot.arm_length
-    found: list[HandPath | None] = []
+    centre, easy_reach = shoulder(robot, side), EASY_REACH * robot.arm_length
+    paths_to_keys: list[HandPath | None] = []
     for k, key in enumerate(keys):
         pose = key.hands.get(side)
         start, end = row[k - 1].reach, row[k].reach
         if pose is None or pose.path is None or start is None or end is None:
-            found.append(None)
+            paths_to_keys.append(None)
             continue
-        grown = [_spread_path(pose, pose.path, side, robot, share * manner.spatial) for share in _GROWN]
-        farthest = [
-            float(np.linalg.norm(p.at(start.position, end.position, _ALONG) - centre, axis=1).max()) for p in grown
+        scaled = [
+            _spread_path(pose, pose.path, side, robot, fraction * manner.spatial) for fraction in _EXTENT_FRACTIONS
         ]
-        found.append(next((p for p, far in zip(grown, farthest, strict=True) if far <= easy), grown[-1]))
-    return tuple(found)
+        reaches_far = [
+            float(np.linalg.norm(p.at(start.position, end.position, _PATH_PARAMETERS) - centre, axis=1).max())
+            for p in scaled
+        ]
+        paths_to_keys.append(
+            next((p for p, far in zip(scaled, reaches_far, strict=True) if far <= easy_reach), scaled[-1])
+        )
+    return tuple(paths_to_keys)
 
 
 def _spread_path(pose: HandPose, path: HandPath, side: Side, robot: Robot, spatial: float) -> HandPath:
-    """Puts a path under spatial extent into the world."""
+    """Scale a path by spatial extent and convert it to the world."""
     amplitude = robot.arm_length * direction_in_world(side, extend_position(path.amplitude, spatial, pose.fixed))
     return path.mapped(amplitude, lambda point: to_world(robot, side, extend_position(point, spatial, pose.fixed)))
 
 
 def _hands_of(keys: list[StrokeKey], side: Side, robot: Robot, manner: Expressivity) -> tuple[Hand, ...]:
-    """A key without the side repeats the hand before."""
-    hands, hand = [], REST
+    """Return the world poses of one hand at all stroke keys.
+
+    A key without the hand repeats its pose.
+    """
+    hands, hand = [], REST_HAND
     for key in keys:
         if side in key.hands:
             hand = _in_world(key.hands[side], side, robot, manner)
@@ -283,7 +300,7 @@ def _hands_of(keys: list[StrokeKey], side: Side, robot: Robot, manner: Expressiv
 
 
 def _in_world(pose: HandPose, side: Side, robot: Robot, manner: Expressivity) -> Hand:
-    openness = _OWN_OPENNESS * pose.openness
+    openness = _FORM_OPENNESS * pose.openness
     return Hand(
         Reach(
             position=to_world(robot, side, pose.position),

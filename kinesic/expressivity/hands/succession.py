@@ -1,8 +1,8 @@
-"""Succession: people's shoulders set out before their elbows and wrists, and one hand of two is a little later.
+"""Delays of elbow and wrist after the shoulder, and between the hands.
 
-How much differs from gesture to gesture as all of them do (`kinesic.expressivity.variation`), and with the manner:
-fluid arms swing along, stiff ones and those of somebody forceful move as one piece. Hands that come together, touch
-something, or have a place to be at, do so at one time.
+People's shoulders set out before their elbows and wrists, and one of two hands is a little later. The delays vary
+from gesture to gesture (`kinesic.expressivity.variation`), and with the expressivity: fluid arms swing along, stiff
+and forceful ones move as one piece. Hands that come together, touch something or have a target are not delayed.
 """
 
 from collections.abc import Iterable, Mapping
@@ -19,20 +19,20 @@ from kinesic.expressivity.keyframes import NO_SUCCESSION, Hand, Succession
 from kinesic.expressivity.style.style import Expressivity
 from kinesic.expressivity.variation import Deviation
 
-NEAR_HANDS = 0.3  # [arm lengths] from wrist to wrist, below which two hands stay together
-FLUID = 0.6  # by which full fluidity makes arms looser, and full stiffness firmer
-FIRM = 0.7  # that full power or tension takes away
+NEAR_DISTANCE = 0.3  # [arm lengths] wrist distance below which both hands move at the same time
+FLUIDITY_GAIN = 0.6  # relative change of the joint delays at full fluidity or stiffness
+FIRMNESS_GAIN = 0.7  # relative reduction of all delays at full power or tension
 
 
 def find_successions(works: Iterable[HandStroke], context: BlockContext) -> Mapping[str, Succession]:
-    """Finds what moves later than what, in everything that hands do.
+    """Return the joint and hand delays of every stroke.
 
     Args:
-        works: what both hands do.
+        works: strokes of both hands.
         context: of their block.
 
     Returns:
-        Behaviour id -> succession; of what does not vary all moves together.
+        Behaviour id -> delays; all joints of behaviours without variation move together.
     """
     behaviours = {behaviour.id: behaviour for behaviour in context.block.behaviours}
     return {work.id: _succession(work, behaviours[work.id], context) for work in works}
@@ -42,24 +42,27 @@ def _succession(work: HandStroke, behaviour: Behaviour, context: BlockContext) -
     deviation = context.deviations.get(work.id)
     if deviation is None:
         return NO_SUCCESSION
-    found = _asked(deviation, context.manner(behaviour))
-    return found if _apart(work.poses, context.robot) else replace(found, behind=0.0)
+    delays = _varied_delays(deviation, context.manner(behaviour))
+    return delays if _are_apart(work.poses, context.robot) else replace(delays, behind=0.0)
 
 
-def _asked(deviation: Deviation, manner: Expressivity) -> Succession:
-    firm = 1.0 - FIRM * max(manner.power, manner.tension, 0.0)
-    ease = firm * (1.0 + FLUID * manner.fluidity)
-    return Succession(deviation.leader, firm * deviation.behind, ease * deviation.loose)
+def _varied_delays(deviation: Deviation, manner: Expressivity) -> Succession:
+    firmness = 1.0 - FIRMNESS_GAIN * max(manner.power, manner.tension, 0.0)
+    looseness = firmness * (1.0 + FLUIDITY_GAIN * manner.fluidity)
+    return Succession(deviation.leader, firmness * deviation.behind, looseness * deviation.loose)
 
 
-def _apart(poses: Poses, robot: Robot) -> bool:
-    """Whether there are two hands, which touch nothing and never come near one another."""
+def _are_apart(poses: Poses, robot: Robot) -> bool:
+    """Return whether both hands move without contact and far apart."""
     rows = [poses.hands.get(side, ()) for side in SIDES]
-    return all(rows) and all(_distance(*pair) > NEAR_HANDS * robot.arm_length for pair in zip(*rows, strict=True))
+    return all(rows) and all(_distance(*pair) > NEAR_DISTANCE * robot.arm_length for pair in zip(*rows, strict=True))
 
 
 def _distance(one: Hand, other: Hand) -> float:
-    """From hand to hand [m]; none where one of them touches something or rests."""
+    """Return the distance between two hands [m].
+
+    It is 0 if one of them touches something or rests.
+    """
     if one.reach is None or other.reach is None or one.touch or other.touch:
         return 0.0
     return float(np.linalg.norm(one.reach.position - other.reach.position))

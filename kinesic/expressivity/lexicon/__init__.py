@@ -1,1 +1,1 @@
-"""Reads gestures from files: form, hand shape, path and meaning of each."""
+"""Gesture lexicon: reading gestures, hand shapes, paths and meanings from files."""

@@ -1,4 +1,4 @@
-"""What head, trunk, collar bones, gaze and face do beside the hands of a gesture, as the lexicon says it."""
+"""Body motion that accompanies a gesture, as defined in the lexicon."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -6,37 +6,43 @@ from math import degrees
 from typing import Literal
 
 from kinesic.expressivity.keyframes import Turn
-from kinesic.expressivity.turns import UPRIGHT, scale_turn, turn_angles
+from kinesic.expressivity.turns import UPRIGHT_TURN, scale_turn, turn_angles
 
-LookAt = Literal["ahead", "hands", "place", "away"]  # the listener; the own hands; where they point; beyond the head
+LookAt = Literal["ahead", "hands", "place", "away"]  # listener, own hands, pointed place, twice the head's rotation
 
 
 @dataclass(frozen=True)
 class BodyForm:
-    """The body's part in a gesture at its stroke, for the hands as the form has them."""
+    """Motion of head, trunk, shoulders, gaze and face at the stroke.
 
-    head: Turn = UPRIGHT  # away from upright, whatever the trunk does
+    It belongs to the hands as the gesture form defines them.
+    """
+
+    head: Turn = UPRIGHT_TURN  # rotation from upright, independent of the trunk
     nod: float = 0.0  # [rad] down with each stroke
-    shake: float = 0.0  # [rad] to either side while the stroke lasts, first to the left, or below 0 to the right
-    trunk: Turn = UPRIGHT
-    towards: float = 0.0  # [rad] that the trunk turns at most to what is looked at
-    shoulders: float = 0.0  # [rad] that the collar bones of its hands rise
+    shake: float = 0.0  # [rad] to both sides during the stroke, first to the left; below 0 first to the right
+    trunk: Turn = UPRIGHT_TURN
+    towards: float = 0.0  # [rad] largest trunk rotation towards the gaze target
+    shoulders: float = 0.0  # [rad] elevation of the collar bones on the sides of the hands
     gaze: LookAt = "ahead"
-    look: float = 0.0  # share of a gaze that the head takes; eyes do the rest
-    face: tuple[tuple[str, float], ...] = ()  # lexemes of expressions, and their amounts 0..1
+    look: float = 0.0  # fraction of a gaze performed by the head; the eyes perform the rest
+    face: tuple[tuple[str, float], ...] = ()  # (lexeme of an expression, amount 0..1)
 
     @property
     def mirrored(self) -> "BodyForm":
-        """The same with left for right."""
+        """The same body motion with left and right exchanged."""
         return replace(self, head=_mirror(self.head), shake=-self.shake, trunk=_mirror(self.trunk))
 
     @property
     def symmetric(self) -> "BodyForm":
-        """Without what goes to one side: for a hand and its mirror image together."""
+        """The same body motion without rotations to the side."""
         return replace(self, head=Turn(tilt=self.head.tilt), trunk=Turn(tilt=self.trunk.tilt))
 
     def weighed(self, *, head: float, trunk: float, shoulders: float, face: float) -> "BodyForm":
-        """Makes each part smaller or larger; nothing is left of the gaze where the head has no weight."""
+        """Scale the motion of head, trunk, shoulders and face by separate weights.
+
+        Without head weight the gaze stays ahead.
+        """
         return BodyForm(
             head=scale_turn(self.head, head),
             nod=self.nod * head,
@@ -50,7 +56,12 @@ class BodyForm:
         )
 
     def __str__(self) -> str:
-        """In words: `nod 4, shoulders 3 deg; eyes on the hands; raise_brows 0.2`; empty when only the hands move."""
+        """Return a short description of the body motion.
+
+        Such as `nod 4, shoulders 3 deg; eyes on the hands; raise_brows 0.2`, empty when only the hands move.
+
+        It is empty when only the hands move.
+        """
         angles = {
             **_named("head", self.head),
             "nod": self.nod,
@@ -61,21 +72,25 @@ class BodyForm:
         }
         moved = ", ".join(f"{name} {round(degrees(angle), 1):g}" for name, angle in angles.items() if angle)
         shown = ", ".join(f"{lexeme} {amount:g}" for lexeme, amount in self.face)
-        return "; ".join(filter(None, (f"{moved} deg" if moved else "", GAZES[self.gaze], shown)))
+        return "; ".join(filter(None, (f"{moved} deg" if moved else "", GAZE_TEXTS[self.gaze], shown)))
 
 
-GAZES: Mapping[LookAt, str] = {
+GAZE_TEXTS: Mapping[LookAt, str] = {
     "ahead": "",
     "hands": "eyes on the hands",
     "place": "eyes on the place",
     "away": "eyes away",
 }
-NO_BODY = BodyForm()  # the hands alone
+NO_BODY = BodyForm()  # body motion of gestures that move only the hands
 
 
 def _named(part: str, turn: Turn) -> dict[str, float]:
-    ways = (("left", "right"), ("down", "up") if part == "head" else ("forward", "back"), ("aside right", "aside left"))
-    angles = zip(turn_angles(turn), ways, strict=True)
+    labels = (
+        ("left", "right"),
+        ("down", "up") if part == "head" else ("forward", "back"),
+        ("aside right", "aside left"),
+    )
+    angles = zip(turn_angles(turn), labels, strict=True)
     return {f"{part} {plus if angle > 0 else minus}": abs(angle) for angle, (plus, minus) in angles}
 
 

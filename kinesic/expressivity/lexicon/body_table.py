@@ -1,4 +1,4 @@
-"""The tables `[bodies.CATEGORY]` and `body` of `configs/gestures/*.toml`, in degrees."""
+"""TOML tables of body motion that accompanies gestures, in degrees."""
 
 from collections.abc import Mapping
 from math import radians
@@ -11,47 +11,50 @@ from kinesic.expressivity.face.expressions import find_expression
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.lexicon.body_form import BodyForm, LookAt
 
-LARGEST_ANGLE = 45.0  # [deg] of any part
-LOWEST = 10.0  # [deg] that shoulders sink at most
+LARGEST_ANGLE = 45.0  # [deg] largest accepted rotation of any body part
+LARGEST_SHOULDER_DROP = 10.0  # [deg] largest accepted lowering of the shoulders
 
 
 class TurnTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """A rotation of head or trunk [deg]."""
+    """TOML table of a head or trunk rotation [deg]."""
 
-    turn: float = 0.0  # + left
-    tilt: float = 0.0  # + forward, down
-    roll: float = 0.0  # + to the right
+    turn: float = 0.0  # [deg] to the left
+    tilt: float = 0.0  # [deg] forward or down
+    roll: float = 0.0  # [deg] to the right
 
 
 class BodyFormTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """What the body does in a gesture, or in all of a category; what is left out is as the category has it."""
+    """TOML table of the body motion of a gesture or category.
 
-    head: TurnTable | None = None
-    nod: float | None = None  # [deg]
-    shake: float | None = None  # [deg]
-    trunk: TurnTable | None = None
-    towards: float | None = None  # [deg]
-    shoulders: float | None = None  # [deg]
-    gaze: LookAt | None = None
-    look: float | None = None  # 0..1
-    face: dict[str, float] | None = None  # lexeme of an expression -> amount 0..1
+    Missing keys are inherited from the category.
+    """
+
+    head: TurnTable | None = None  # rotation of the head from upright
+    nod: float | None = None  # [deg] down with each stroke
+    shake: float | None = None  # [deg] to both sides during the stroke; below 0 first to the right
+    trunk: TurnTable | None = None  # rotation of the trunk from upright
+    towards: float | None = None  # [deg] largest trunk rotation towards the gaze target
+    shoulders: float | None = None  # [deg] elevation of the collar bones
+    gaze: LookAt | None = None  # target of the gaze
+    look: float | None = None  # 0..1: fraction of a gaze performed by the head
+    face: dict[str, float] | None = None  # amount 0..1 of each expression
 
 
 Bodies = Mapping[str, BodyFormTable]  # by category
-PLAIN_TABLE = BodyFormTable()
+PLAIN_TABLE = BodyFormTable()  # body motion of a gesture without a table
 
 
 def overlay_table(table: BodyFormTable, category: BodyFormTable) -> BodyFormTable:
-    """Lays what a gesture says over what its category says."""
-    said = {name: value for name, value in msgspec.structs.asdict(table).items() if value is not None}
-    return msgspec.structs.replace(category, **said)
+    """Return a category's table, overridden by the keys that a gesture sets."""
+    values = {name: value for name, value in msgspec.structs.asdict(table).items() if value is not None}
+    return msgspec.structs.replace(category, **values)
 
 
 def body_form(table: BodyFormTable) -> BodyForm:
-    """Reads a table.
+    """Convert a table to a body form, and check its ranges.
 
     Raises:
-        ValueError: an amount is out of range, or a face has no such expression.
+        ValueError: an amount is out of range, or the face has no such expression.
     """
     return BodyForm(
         head=_turn("head", table.head),
@@ -59,9 +62,9 @@ def body_form(table: BodyFormTable) -> BodyForm:
         shake=_angle("shake", table.shake, 0.0),
         trunk=_turn("trunk", table.trunk),
         towards=_angle("towards", table.towards, 0.0),
-        shoulders=_angle("shoulders", table.shoulders, -LOWEST),
+        shoulders=_angle("shoulders", table.shoulders, -LARGEST_SHOULDER_DROP),
         gaze=table.gaze or "ahead",
-        look=_share("look", table.look or 0.0),
+        look=_fraction("look", table.look or 0.0),
         face=tuple((lexeme, _expressed(lexeme, amount)) for lexeme, amount in (table.face or {}).items()),
     )
 
@@ -72,21 +75,21 @@ def _turn(part: str, table: TurnTable | None) -> Turn:
     return Turn(*(_angle(f"{part}.{name}", getattr(table, name), -LARGEST_ANGLE) for name in ("turn", "tilt", "roll")))
 
 
-def _angle(name: str, written: float | None, least: float) -> float:
-    """An angle [rad] that is written in degrees."""
-    angle = written or 0.0
+def _angle(name: str, value: float | None, least: float) -> float:
+    """Convert an angle from degrees to radians, and check its range."""
+    angle = value or 0.0
     if not least <= angle <= LARGEST_ANGLE:
         raise ValueError(f"body: {name} is {angle:g} deg, outside [{least:g}, {LARGEST_ANGLE:g}]")
     return radians(angle)
 
 
-def _share(name: str, written: float) -> float:
-    if not 0.0 <= written <= 1.0:
-        raise ValueError(f"body: {name} is {written:g}, outside [0, 1]")
-    return written
+def _fraction(name: str, value: float) -> float:
+    if not 0.0 <= value <= 1.0:
+        raise ValueError(f"body: {name} is {value:g}, outside [0, 1]")
+    return value
 
 
 def _expressed(lexeme: str, amount: float) -> float:
     if find_expression(Face((lexeme,))).unknown:
         raise ValueError(f"body: no expression for {lexeme}{suggestion(lexeme, ['smile', 'raise_brows', 'sad'])}")
-    return _share(f"face.{lexeme}", amount)
+    return _fraction(f"face.{lexeme}", amount)

@@ -1,6 +1,7 @@
-"""The entries of a lexicon: each is known by its name at once, and read when it is first asked for.
+"""Lexicon entries that are parsed at their first use.
 
-Most documents ask for a few gestures, and reading all that come with kinesic takes longer than to plan one.
+Their names are available at once. Most documents need a few gestures, and reading all that come with kinesic takes
+longer than planning one.
 """
 
 import re
@@ -16,37 +17,38 @@ from kinesic.expressivity.lexicon.form import GestureForm
 from kinesic.expressivity.lexicon.senses import Sense
 from kinesic.expressivity.lexicon.toml_file import GestureFile, LexiconPart, make_part
 
-FOLDER = CONFIGS / "gestures"
-BODIES, NAMES = "bodies.toml", "synonyms.toml"  # the files that hold no gestures
-_HEADING = re.compile(r"^(?=\[\[gesture\]\]$)", re.MULTILINE)
-_ID = re.compile(r'^id = "(\w+)"$', re.MULTILINE)
+GESTURE_FOLDER = CONFIGS / "gestures"  # folder of the built-in gestures
+BODIES_FILE = "bodies.toml"  # name of the file with body motion by category, without gestures
+NAMES_FILE = "synonyms.toml"  # name of the file with synonyms and classes, without gestures
+_TABLE_HEADING = re.compile(r"^(?=\[\[gesture\]\]$)", re.MULTILINE)  # start of each gesture in a TOML file
+_GESTURE_ID = re.compile(r'^id = "(\w+)"$', re.MULTILINE)  # line with the name of a gesture
 
 
 @dataclass(frozen=True, eq=False)
-class ReadEntry:
-    """A gesture that is read already."""
+class ParsedEntry:
+    """Gesture whose form is already parsed."""
 
     form: GestureForm
     sense: Sense
 
     @property
     def id(self) -> str:
-        """Its name."""
+        """Name of the gesture."""
         return self.form.id
 
     @property
     def category(self) -> str:
-        """Of its form."""
+        """Category of the gesture."""
         return self.form.category
 
 
 @dataclass(frozen=True, eq=False)
-class WrittenEntry:
-    """A gesture of kinesic's own as it is written, which is trusted to be one."""
+class TomlEntry:
+    """Gesture of kinesic as TOML text, parsed at its first use."""
 
     id: str
     category: str
-    text: str  # its table, behind the category
+    text: str  # TOML of the gesture, preceded by the category
     path: Path  # of its file
     bodies: Bodies
 
@@ -57,51 +59,54 @@ class WrittenEntry:
 
     @property
     def form(self) -> GestureForm:
-        """What it looks like."""
+        """Form of the gesture."""
         return self._entry[0]
 
     @property
     def sense(self) -> Sense:
-        """The words that speak of it."""
+        """Words that describe the gesture."""
         return self._entry[1]
 
 
 @dataclass(frozen=True, eq=False)
 class ChangedEntry:
-    """A gesture of another form."""
+    """Lexicon entry whose gesture form is changed by a function on access."""
 
     entry: "LexiconEntry"
-    change: Callable[[GestureForm], GestureForm]  # leaves its name and category
+    change: Callable[[GestureForm], GestureForm]  # must keep name and category
 
     @property
     def id(self) -> str:
-        """Its name."""
+        """Name of the gesture."""
         return self.entry.id
 
     @property
     def category(self) -> str:
-        """Of its form."""
+        """Category of the gesture."""
         return self.entry.category
 
     @cached_property
     def form(self) -> GestureForm:
-        """What it looks like."""
+        """Changed form of the gesture."""
         return self.change(self.entry.form)
 
     @property
     def sense(self) -> Sense:
-        """The words that speak of it."""
+        """Words that describe the gesture."""
         return self.entry.sense
 
 
-LexiconEntry = ReadEntry | WrittenEntry | ChangedEntry
+LexiconEntry = ParsedEntry | TomlEntry | ChangedEntry
 
 
 class FormsById(Mapping[str, GestureForm]):
-    """Gesture forms by their names; of two with one name, the first."""
+    """Mapping from gesture names to forms that are parsed on access.
+
+    The first of equal names counts.
+    """
 
     def __init__(self, entries: Sequence[LexiconEntry]) -> None:
-        """Reads none yet."""
+        """Index the entries by name, without parsing their forms."""
         self._entries = {entry.id: entry for entry in reversed(entries)}
 
     def __getitem__(self, id: str) -> GestureForm:
@@ -118,29 +123,29 @@ class FormsById(Mapping[str, GestureForm]):
 
 
 @dataclass(frozen=True, eq=False)
-class OwnGestures:
-    """What `configs/gestures/` holds."""
+class BuiltinGestures:
+    """Gestures, names and classes in `configs/gestures/`."""
 
-    entries: tuple[WrittenEntry, ...]
+    entries: tuple[TomlEntry, ...]
     bodies: Bodies
 
     @cached_property
     def names(self) -> LexiconPart:
-        """Names and classes of gestures."""
-        return make_part(FOLDER / NAMES, read_toml(FOLDER / NAMES, GestureFile), self.bodies)
+        """Synonyms and classes of gestures."""
+        return make_part(GESTURE_FOLDER / NAMES_FILE, read_toml(GESTURE_FOLDER / NAMES_FILE, GestureFile), self.bodies)
 
 
 @cache
-def own_gestures() -> OwnGestures:
-    """Finds the gestures that come with kinesic, which are many and do not change while a program runs."""
-    bodies = {str(name): table for name, table in read_toml(FOLDER / BODIES, GestureFile).bodies.items()}
-    paths = sorted(path for path in FOLDER.glob("*.toml") if path.name not in (BODIES, NAMES))
-    return OwnGestures(tuple(entry for path in paths for entry in _written(path, bodies)), bodies)
+def builtin_gestures() -> BuiltinGestures:
+    """Find the gestures that come with kinesic, once per process."""
+    bodies = {str(name): table for name, table in read_toml(GESTURE_FOLDER / BODIES_FILE, GestureFile).bodies.items()}
+    paths = sorted(path for path in GESTURE_FOLDER.glob("*.toml") if path.name not in (BODIES_FILE, NAMES_FILE))
+    return BuiltinGestures(tuple(entry for path in paths for entry in _entries_of_file(path, bodies)), bodies)
 
 
-def _written(path: Path, bodies: Bodies) -> Iterator[WrittenEntry]:
-    """The gestures of a file, whose tables stand below its category."""
-    head, *tables = _HEADING.split(path.read_text("utf-8"))
+def _entries_of_file(path: Path, bodies: Bodies) -> Iterator[TomlEntry]:
+    """Yield the gestures of a file with their category."""
+    head, *tables = _TABLE_HEADING.split(path.read_text("utf-8"))
     category = str(tomllib.loads(head)["category"])
     for table in tables:
-        yield WrittenEntry(_ID.findall(table)[0], category, head + table, path, bodies)
+        yield TomlEntry(_GESTURE_ID.findall(table)[0], category, head + table, path, bodies)

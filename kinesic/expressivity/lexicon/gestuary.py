@@ -1,4 +1,4 @@
-"""Reads Greta's gestuaries: gestures as XML (thesis 8.7)."""
+"""Reader of Greta's gestuaries: gestures in XML (thesis 8.7)."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -8,8 +8,8 @@ from typing import NoReturn, TypeVar
 import numpy as np
 import scipy
 
-from kinesic.bml.block import BmlError, Bounds
-from kinesic.bml.reading.manner import openness_of
+from kinesic.bml.block import BmlError, DocumentBounds
+from kinesic.bml.reading.manner import scale_openness
 from kinesic.bml.reading.tree import Element, read_tree
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import ConfigError, suggestion
@@ -18,14 +18,14 @@ from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
 from kinesic.expressivity.lexicon.paths import HandPath, PathKind, SizeTrend, Three, shape_path
 from kinesic.expressivity.lexicon.space import position
 
-_SIDES: Mapping[str, Side] = {"left": "l", "right": "r"}
-LARGEST_GESTUARY = Bounds(size=40_000_000, elements=1_000_000)  # of a lexicon
+_SIDE_NAMES: Mapping[str, Side] = {"left": "l", "right": "r"}
+GESTUARY_BOUNDS = DocumentBounds(size=40_000_000, elements=1_000_000)  # largest file: [bytes] and elements
 
-_INHERITED = "empty"  # the hand shape that means: as before
-_TRUTHS: Mapping[str, bool] = {"true": True, "1": True, "false": False, "0": False}
+_INHERITED_SHAPE = "empty"  # value of a hand shape that keeps the previous shape
+_TRUTH_VALUES: Mapping[str, bool] = {"true": True, "1": True, "false": False, "0": False}
 
-# Greta's touch points as wrists that hover before them [arm lengths], in the order of `space.position`.
-_TOUCHES: Mapping[str, tuple[float, float, float]] = {
+# Wrist positions in front of Greta's touch points [arm lengths], in the order of `space.position`.
+_TOUCH_POINTS: Mapping[str, tuple[float, float, float]] = {
     "belly": (0.16, 0.08, 0.40),
     "chest": (0.16, 0.32, 0.38),
     "chin": (0.14, 0.70, 0.36),
@@ -34,13 +34,13 @@ _TOUCHES: Mapping[str, tuple[float, float, float]] = {
     "hipwide": (0.46, -0.10, 0.12),
 }
 
-_KINDS: Mapping[str, PathKind] = {name: name for name in ("line", "arc", "circle", "wave", "spiral")}
-_VARIATIONS: Mapping[str, SizeTrend] = {"none": "none", "greater": "grows", "smaller": "shrinks"}
+_PATH_KINDS: Mapping[str, PathKind] = {name: name for name in ("line", "arc", "circle", "wave", "spiral")}
+_SIZE_TRENDS: Mapping[str, SizeTrend] = {"none": "none", "greater": "grows", "smaller": "shrinks"}
 
-# A body of which only proportions matter, to guess how the forearm of a posture lies [arm lengths].
-_SHOULDER = sealed([0.0, 0.37, 0.52])  # forward, outward, up
-_BONE = 0.5  # upper arm and forearm alike
-_ALONG_FOREARM = 0.94  # cosine of 20 deg: a hand nearer to the forearm's line than this need not be asked to point
+# Proportions of an average body [arm lengths], from which the orientation of the forearm is estimated.
+_SHOULDER_POSITION = sealed([0.0, 0.37, 0.52])  # [arm lengths] shoulder in gesture space: forward, outward, up
+_BONE_LENGTH = 0.5  # [arm lengths] length of upper arm and of forearm
+_STRAIGHT_WRIST_COSINE = 0.94  # cosine of 20 deg; a hand closer to the forearm's line needs no pointing direction
 
 
 Listed = TypeVar("Listed")
@@ -48,12 +48,12 @@ Listed = TypeVar("Listed")
 
 @dataclass(frozen=True)
 class _Reader:
-    """Reads elements of one file; its errors name the file and the line."""
+    """Reader of XML elements that reports file and line in errors."""
 
     path: Path
 
-    def fail(self, element: Element, what: str) -> NoReturn:
-        raise ConfigError(f"{self.path}:{element.place.line}: <{element.name}> {what}")
+    def fail(self, element: Element, problem: str) -> NoReturn:
+        raise ConfigError(f"{self.path}:{element.place.line}: <{element.name}> {problem}")
 
     def attribute(self, element: Element, name: str) -> str:
         if name not in element.attributes:
@@ -83,17 +83,19 @@ class _Reader:
         return values[text.lower()]
 
     def truth(self, element: Element, name: str) -> bool:
-        return self.listed(element, name, _TRUTHS, "false")
+        return self.listed(element, name, _TRUTH_VALUES, "false")
 
 
 def read_gestuary(path: Path) -> tuple[GestureForm, ...]:
-    """Reads all gestures of a gestuary, switched-off and empty ones included (see `is_enabled`).
+    """Read all gestures of a gestuary, including disabled and empty ones.
+
+    See `is_enabled`.
 
     Raises:
-        ConfigError: the file is missing, is no gestuary, or a gesture in it is wrong.
+        ConfigError: the file is missing, is no gestuary, or contains an invalid gesture.
     """
     try:
-        root = read_tree(path.read_bytes(), source=str(path), bounds=LARGEST_GESTUARY)
+        root = read_tree(path.read_bytes(), source=str(path), bounds=GESTUARY_BOUNDS)
     except OSError as error:
         raise ConfigError(f"{path}: {error.strerror}") from None
     except BmlError as error:
@@ -105,7 +107,10 @@ def read_gestuary(path: Path) -> tuple[GestureForm, ...]:
 
 
 def is_enabled(form: GestureForm) -> bool:
-    """Whether a gesture is meant to be used: it moves a hand, and no `zz` before its category switches it off."""
+    """Return whether a gesture moves a hand and is not disabled.
+
+    The prefix `zz` of its category disables a gesture.
+    """
     return bool(form.sides) and not form.category.lower().startswith("zz")
 
 
@@ -118,50 +123,62 @@ def _first(element: Element, *names: str) -> Element | None:
 
 
 def _form(reader: _Reader, gesture: Element) -> GestureForm:
-    """Reads the form of a gesture; what a phase leaves open is as in the phase before."""
+    """Read one gesture element.
+
+    Each phase inherits unspecified values from the previous one.
+    """
     hands: dict[Side, HandPose] = {}
     keys = []
     for phase in _all(gesture, "phase"):
         posed = {}
         for hand in _all(phase, "hand"):
             name = reader.attribute(hand, "side").lower()
-            if name not in _SIDES:
+            if name not in _SIDE_NAMES:
                 reader.fail(hand, f"side is {name!r}, must be LEFT or RIGHT")
-            side = _SIDES[name]
+            side = _SIDE_NAMES[name]
             pose = _pose(reader, hand, side, hands.get(side))
             if pose is not None:
                 posed[side] = hands[side] = pose
         if posed:
             keys.append(StrokeKey(posed))
     category = gesture.attributes.get("category", "")
-    moved = _with_somewhere_to_come_from(keys)
-    return GestureForm(reader.attribute(gesture, "id"), category, moved, rest=category.lower() == "rest")
+    keys_with_paths = _defer_first_paths(keys)
+    return GestureForm(reader.attribute(gesture, "id"), category, keys_with_paths, rest=category.lower() == "rest")
 
 
-def _with_somewhere_to_come_from(keys: Sequence[StrokeKey]) -> tuple[StrokeKey, ...]:
-    """A trajectory in the first phase of a hand, which comes from nowhere, leads to the second."""
+def _defer_first_paths(keys: Sequence[StrokeKey]) -> tuple[StrokeKey, ...]:
+    """Move each hand's path from its first key to its second.
+
+    A path needs a start position, which the first key does not have.
+    """
     waiting: dict[Side, HandPath] = {}
-    met: set[Side] = set()
-    moved = []
+    seen_sides: set[Side] = set()
+    keys_with_paths = []
     for key in keys:
         hands = {}
         for side, pose in key.hands.items():
-            if side not in met and pose.path is not None:
+            if side not in seen_sides and pose.path is not None:
                 waiting[side] = pose.path
                 hands[side] = replace(pose, path=None)
             else:
                 hands[side] = replace(pose, path=pose.path or waiting.pop(side, None))
-            met.add(side)
-        moved.append(StrokeKey(hands))
-    return tuple(moved)
+            seen_sides.add(side)
+        keys_with_paths.append(StrokeKey(hands))
+    return tuple(keys_with_paths)
 
 
 def _pose(reader: _Reader, hand: Element, side: Side, before: HandPose | None) -> HandPose | None:
-    """One hand in one phase; None when nothing has said yet where it is."""
+    """Read the pose of one hand in one phase.
+
+    Returns:
+        None before the hand's first position.
+    """
     place = _place(reader, hand, side)
     if place is not None:
-        where, fixed = place
-        pose = HandPose(where, fixed) if before is None else replace(before, position=where, fixed=fixed)
+        place_position, fixed = place
+        pose = (
+            HandPose(place_position, fixed) if before is None else replace(before, position=place_position, fixed=fixed)
+        )
     elif before is not None:
         pose = before
     else:
@@ -171,15 +188,18 @@ def _pose(reader: _Reader, hand: Element, side: Side, before: HandPose | None) -
     shape = _first(hand, "handShape")
     if shape is not None:
         name = reader.attribute(shape, "value").lower()
-        pose = pose if name == _INHERITED else replace(pose, shape=name)
+        pose = pose if name == _INHERITED_SHAPE else replace(pose, shape=name)
     turn = _first(hand, "wristOrientation")
     if turn is not None:
-        pose = _turned(reader, turn, side, pose)
-    return replace(pose, openness=openness_of(reader.number(hand, "openness", "0")))
+        pose = _orient(reader, turn, side, pose)
+    return replace(pose, openness=scale_openness(reader.number(hand, "openness", "0")))
 
 
 def _place(reader: _Reader, hand: Element, side: Side) -> tuple[Floats, tuple[bool, bool, bool]] | None:
-    """Where a hand is, (3,) forward, outward, up [arm lengths], and the axes that are fixed."""
+    """Read a hand position with the axes not scaled by spatial extent.
+
+    The position is (3,) forward, outward, up [arm lengths].
+    """
     touch = _first(hand, "touchPosition")
     if touch is not None:
         return _touch(reader, touch, side), (True, True, True)
@@ -199,12 +219,12 @@ def _place(reader: _Reader, hand: Element, side: Side) -> tuple[Floats, tuple[bo
 
 
 def _path(reader: _Reader, trajectory: Element) -> HandPath:
-    """A trajectory: its type, and for each axis an element x, y or z with amplitude, frequency, shift and variations.
+    """Read a hand trajectory with amplitude, frequency and shift of each axis.
 
-    What an axis leaves out is 0; a trajectory without axes is as usual for its type. The variations are those of the
-    first axis that moves.
+    Its elements x, y and z give amplitude, frequency, shift and variations. Missing values of an axis are 0; a
+    trajectory without axes has the defaults of its type. The variations are those of the first axis that moves.
     """
-    kind = reader.listed(trajectory, "type", _KINDS, "wave")
+    kind = reader.listed(trajectory, "type", _PATH_KINDS, "wave")
     axes = {axis: element for axis in "xyz" for element in [_first(trajectory, axis, axis.upper())] if element}
     if not axes or kind == "line":
         return shape_path(kind)
@@ -222,8 +242,8 @@ def _path(reader: _Reader, trajectory: Element) -> HandPath:
             frequency=three("frequency"),
             shift=three("shift"),
             variations=(
-                reader.listed(moving, "spatialVariation", _VARIATIONS, "none"),
-                reader.listed(moving, "temporalVariation", _VARIATIONS, "none"),
+                reader.listed(moving, "spatialVariation", _SIZE_TRENDS, "none"),
+                reader.listed(moving, "temporalVariation", _SIZE_TRENDS, "none"),
             ),
         )
     except ValueError as error:
@@ -231,20 +251,23 @@ def _path(reader: _Reader, trajectory: Element) -> HandPath:
 
 
 def _touch(reader: _Reader, touch: Element, side: Side) -> Floats:
-    """(3,) forward, outward, up [arm lengths] of a touch point such as `chin_L`; the letter is the body's side."""
+    """Return the position of a touch point such as `chin_L`.
+
+    The letter is the side of the body. The position is (3,) forward, outward, up [arm lengths].
+    """
     text = reader.attribute(touch, "value")
     name, _, letter = text.lower().partition("_")
-    if name not in _TOUCHES or letter not in ("", "l", "r"):
-        reader.fail(touch, f"value is {text!r}, no touch point{suggestion(name, list(_TOUCHES))}")
-    x, y, z = _TOUCHES[name]
+    if name not in _TOUCH_POINTS or letter not in ("", "l", "r"):
+        reader.fail(touch, f"value is {text!r}, no touch point{suggestion(name, list(_TOUCH_POINTS))}")
+    x, y, z = _TOUCH_POINTS[name]
     return position(x if letter in ("", side) else -x, y, z)
 
 
-def _turned(reader: _Reader, turn: Element, side: Side, pose: HandPose) -> HandPose:
-    """A pose with the directions of a wristOrientation.
+def _orient(reader: _Reader, turn: Element, side: Side, pose: HandPose) -> HandPose:
+    """Set palm and pointing directions from a wristOrientation.
 
-    At the unit quaternion a hanging hand points down and its palm faces the body. The quaternion turns it in
-    Greta's axes (x left, y up, z forward): those of the world when it is global, else those of the forearm.
+    At the unit quaternion a hanging hand points down and its palm faces the body. The quaternion rotates it in
+    Greta's axes (x left, y up, z forward): those of the world when it is global, otherwise those of the forearm.
     """
     quaternion = np.array([reader.number(turn, name, "0") for name in "xyzw"])
     if not quaternion.any():
@@ -254,29 +277,32 @@ def _turned(reader: _Reader, turn: Element, side: Side, pose: HandPose) -> HandP
     rotation = frame @ scipy.spatial.transform.Rotation.from_quat(quaternion).as_matrix()
     inward = -1.0 if side == "l" else 1.0
     pointing, palm = -rotation[:, 1], inward * rotation[:, 0]
-    straight = not world and float(pointing @ -frame[:, 1]) > _ALONG_FOREARM
-    return replace(pose, pointing=None if straight else _own(pointing, side), palm=_own(palm, side))
+    straight = not world and float(pointing @ -frame[:, 1]) > _STRAIGHT_WRIST_COSINE
+    return replace(pose, pointing=None if straight else _to_side_axes(pointing, side), palm=_to_side_axes(palm, side))
 
 
-def _own(direction: Floats, side: Side) -> Floats:
-    """(3,) x left, y up, z forward as forward, outward, up of a side."""
+def _to_side_axes(direction: Floats, side: Side) -> Floats:
+    """Convert (3,) x left, y up, z forward to forward, outward, up."""
     left, up, forward = direction
     return sealed([forward, left if side == "l" else -left, up])
 
 
 def _forearm(position: Floats, side: Side) -> Floats:
-    """(3, 3) axes of the forearm in x left, y up, z forward, the elbow hanging: x its hinge, y from wrist to elbow.
+    """Return the forearm axes for a wrist position with a hanging elbow.
 
     Args:
         position: (3,) forward, outward, up [arm lengths] of the wrist.
         side: of the hand.
+
+    Returns:
+        (3, 3) columns in x left, y up, z forward: x the elbow's axis, y from wrist to elbow.
     """
-    shoulder, wrist = (_body(point, side) for point in (_SHOULDER, position))
+    shoulder, wrist = (_to_greta_axes(point, side) for point in (_SHOULDER_POSITION, position))
     distance = float(np.linalg.norm(wrist - shoulder))
     along = (wrist - shoulder) / distance if distance > 1e-6 else np.array([0.0, 0.0, 1.0])
     hanging = _unit(np.array([0.0, -1.0, -1e-6]) + along[1] * along)  # downward, at right angles to the reach
-    half = min(distance / 2, 0.999 * _BONE)
-    lift = np.sqrt(_BONE**2 - half**2) * hanging
+    half = min(distance / 2, 0.999 * _BONE_LENGTH)
+    lift = np.sqrt(_BONE_LENGTH**2 - half**2) * hanging
     upper, y = -half * along - lift, _unit(lift - half * along)
     x = _unit(np.cross(upper, along))
     return np.column_stack([x, y, np.cross(x, y)])
@@ -286,7 +312,7 @@ def _unit(vector: Floats) -> Floats:
     return vector / np.linalg.norm(vector)
 
 
-def _body(point: Floats, side: Side) -> Floats:
-    """(3,) forward, outward, up of a side as x left, y up, z forward."""
+def _to_greta_axes(point: Floats, side: Side) -> Floats:
+    """Convert (forward, outward, up) to Greta's left, up and forward axes."""
     forward, outward, up = point
     return np.array([outward if side == "l" else -outward, up, forward])

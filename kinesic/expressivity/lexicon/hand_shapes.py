@@ -1,4 +1,4 @@
-"""Hand shapes and motions of fingers, as `configs/hands.toml` has them: for any hand, in shares of what it can do."""
+"""Hand shapes and finger motions of `configs/hands.toml`, relative to finger ranges."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,34 +10,34 @@ import msgspec
 from kinesic.body.config import CONFIGS, ConfigError, read_toml
 
 Finger = Literal["thumb", "index", "middle", "ring", "pinky"]
-FINGERS: tuple[Finger, ...] = get_args(Finger)
+FINGER_NAMES: tuple[Finger, ...] = get_args(Finger)
 Five = tuple[float, float, float, float, float]  # thumb .. little finger
-NO_FINGERS: Five = (0.0, 0.0, 0.0, 0.0, 0.0)
+NO_FINGERS: Five = (0.0, 0.0, 0.0, 0.0, 0.0)  # finger values of zero
 
 
 @dataclass(frozen=True)
 class HandShape:
-    """How the fingers are held."""
+    """Finger positions of a named hand shape."""
 
     name: str
-    says: str  # in words
-    straight: Five  # 0 closed .. 1 straight
-    apart: float = 0.0  # fingers, -1 crossed .. 0 side by side .. 1 as far as they go
-    across: float = 0.0  # the thumb, 0 beside the palm .. 1 opposite to the fingers
-    plain: bool = False  # whether a hand without fingers comes near to it
-    meets: tuple[Finger, ...] = ()  # fingers whose tips meet the thumb's
+    says: str  # description
+    straight: Five  # extension of each finger, 0 closed .. 1 straight
+    apart: float = 0.0  # spread of the fingers, -1 crossed .. 0 parallel .. 1 widest
+    across: float = 0.0  # opposition of the thumb, 0 next to the palm .. 1 opposite to the fingers
+    plain: bool = False  # whether a hand without fingers resembles it
+    meets: tuple[Finger, ...] = ()  # fingers whose tips meet the thumb's tip
 
 
 @dataclass(frozen=True)
 class FingerMotion:
-    """What fingers do while a stroke lasts: they leave the hand's shape and come back, again and again."""
+    """Periodic finger motion around the hand shape during a stroke."""
 
     name: str
-    says: str  # in words
+    says: str  # description
     rate: float  # [Hz]
-    bend: Five = NO_FINGERS  # by how much of its way each finger closes; below 0 it opens
-    later: Five = NO_FINGERS  # [quarters of a turn] when each does so
-    apart: float = 0.0  # by how much the fingers go apart; below 0 together
+    bend: Five = NO_FINGERS  # closing of each finger as a fraction of its range; below 0 it opens
+    later: Five = NO_FINGERS  # [quarter periods] delay of each finger
+    apart: float = 0.0  # change of the finger spread; below 0 the fingers close up
 
 
 class _ShapeTable(msgspec.Struct, forbid_unknown_fields=True):
@@ -70,10 +70,10 @@ def _file() -> _HandsFile:
 
 @lru_cache(maxsize=1)
 def hand_shapes() -> Mapping[str, HandShape]:
-    """Reads all shapes by their names.
+    """Return all hand shapes by name.
 
     Raises:
-        ConfigError: the file of shapes is wrong.
+        ConfigError: the file of hand shapes is invalid.
     """
     return {
         name: HandShape(name, table.says, table.straight, table.apart, table.across, table.plain, table.meets)
@@ -83,26 +83,32 @@ def hand_shapes() -> Mapping[str, HandShape]:
 
 @lru_cache(maxsize=1)
 def finger_motions() -> Mapping[str, FingerMotion]:
-    """Reads all motions of fingers by their names.
+    """Return all finger motions by name.
 
     Raises:
-        ConfigError: the file of shapes is wrong.
+        ConfigError: the file of hand shapes is invalid.
     """
     return {name: FingerMotion(name, **msgspec.structs.asdict(table)) for name, table in _file().motions.items()}
 
 
 @lru_cache(maxsize=1)
 def _names() -> Mapping[str, str]:
-    found: dict[str, str] = {}
+    shape_names: dict[str, str] = {}
     for name, table in _file().shapes.items():
         for alias in (name, *table.aliases):
-            if alias in found:
-                raise ConfigError(f"{CONFIGS / 'hands.toml'}: {alias} names {found[alias]} and {name}, must name one")
-            found[alias] = name
-    return found
+            if alias in shape_names:
+                raise ConfigError(
+                    f"{CONFIGS / 'hands.toml'}: {alias} names {shape_names[alias]} and {name}, must name one"
+                )
+            shape_names[alias] = name
+    return shape_names
 
 
 def find_shape(name: str) -> HandShape | None:
-    """Finds a shape by its name here or in another system, in any case; None when nobody knows it."""
-    known = _names().get(name.strip().lower().replace("-", "_").replace(" ", "_"))
-    return None if known is None else hand_shapes()[known]
+    """Find a hand shape by name or alias, ignoring case.
+
+    Returns:
+        None for an unknown name.
+    """
+    shape_name = _names().get(name.strip().lower().replace("-", "_").replace(" ", "_"))
+    return None if shape_name is None else hand_shapes()[shape_name]

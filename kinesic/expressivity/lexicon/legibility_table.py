@@ -1,4 +1,4 @@
-"""What gestures must show to be understood: `configs/legibility.toml`."""
+"""Requirements for recognisable gestures, from `configs/legibility.toml`."""
 
 from collections.abc import Mapping
 from functools import cache
@@ -26,13 +26,13 @@ BodyPlace = Literal[
     "other forearm",
     "other wrist",
     "other palm",
-    "ahead",  # almost an arm's length before the chest, on the midline
+    "ahead",  # almost an arm's length in front of the chest, on the midline
     "between chin and other palm",
 ]
 
 
 class PlaceTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Where a hand is seen."""
+    """TOML table of a body part near which a hand must be."""
 
     part: Literal["palm", "tips"]  # of the hand
     at: BodyPlace
@@ -41,29 +41,29 @@ class PlaceTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class AlikeTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Gestures that may look alike."""
+    """TOML table of gestures that may look alike, with the reason."""
 
     gestures: tuple[str, ...]
     why: str
 
 
 class LegibilityTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """All that is asked of gestures."""
+    """TOML table of requirements on hand positions and distinct gestures."""
 
     places: Mapping[str, PlaceTable]  # by gesture
-    shoulders: Mapping[str, float]  # [deg] that they rise at least, by gesture
+    shoulders: Mapping[str, float]  # [deg] smallest elevation, by gesture
     alike: tuple[AlikeTable, ...]
 
     def may_be_alike(self, a: str, b: str) -> bool:
-        """Whether nothing is lost where two gestures look alike."""
+        """Return whether two gestures may look alike."""
         return any(a in group.gestures and b in group.gestures for group in self.alike)
 
 
 @cache
 def legibility_table() -> LegibilityTable:
-    """Reads the table that comes with kinesic.
+    """Read the built-in legibility requirements.
 
     Raises:
-        ConfigError: it is missing or wrong.
+        ConfigError: it is missing or invalid.
     """
     return read_toml(CONFIGS / "legibility.toml", LegibilityTable)

@@ -1,4 +1,4 @@
-"""The lexicon: from a lexeme and a mode to the form of a gesture that means it."""
+"""Gesture lexicon: look-up of gesture forms by lexeme and hand mode."""
 
 import difflib
 from collections.abc import Callable, Mapping, Sequence
@@ -11,7 +11,7 @@ from kinesic.body.config import ConfigError
 from kinesic.body.robot import OTHER_SIDE, Side
 from kinesic.expressivity.lexicon.body_form import NO_BODY, BodyForm
 from kinesic.expressivity.lexicon.body_table import body_form
-from kinesic.expressivity.lexicon.entries import ChangedEntry, FormsById, LexiconEntry, ReadEntry, own_gestures
+from kinesic.expressivity.lexicon.entries import ChangedEntry, FormsById, LexiconEntry, ParsedEntry, builtin_gestures
 from kinesic.expressivity.lexicon.form import GestureForm, Match, StrokeKey
 from kinesic.expressivity.lexicon.gestuary import is_enabled, read_gestuary
 from kinesic.expressivity.lexicon.names import read_name, split_words
@@ -20,95 +20,114 @@ from kinesic.expressivity.lexicon.space import spread_hands
 from kinesic.expressivity.lexicon.synonyms import GestureClass, NamedGesture, NameTable, check_names
 from kinesic.expressivity.lexicon.toml_file import LexiconPart, join_parts, read_gestures
 
-UNKNOWN = "unknown"  # means no gesture
-NAMELESS = "beat"  # what a gesture without a lexeme most likely is
-MOST_NEAR = 3  # gestures that are named when a lexeme is unknown
-LONGEST_NAME = 120  # characters of a name that are read; a longer one is none
-COMPARED = 40  # characters of a name that are compared with others
-FORMS_KEPT = 512  # forms that are turned to other hands
+UNKNOWN_LEXEME = "unknown"  # a lexeme that matches no gesture
+DEFAULT_GESTURE = "beat"  # gesture performed by behaviours without a lexeme
+MAX_SUGGESTIONS = 3  # gestures suggested for an unknown lexeme
+MAX_NAME_LENGTH = 120  # [characters] longer names are not interpreted
+COMPARED_LENGTH = 40  # [characters] beginning of a name that is compared with gesture names
+FORM_CACHE_SIZE = 128  # cached pairs of form and hand mode
 
 
 @dataclass(frozen=True, eq=False)
 class Lexicon:
-    """Gestures, and the names that mean them; of two gestures with one name, the first counts."""
+    """Lexicon of gestures and their names.
 
-    entries: tuple[LexiconEntry, ...]  # those of the user first
-    users_names: tuple[tuple[str, str], ...] = ()  # (name, gesture) that the user's files say
+    The first of equal names counts.
+    """
+
+    entries: tuple[LexiconEntry, ...]  # the user's entries first
+    users_names: tuple[tuple[str, str], ...] = ()  # (name, gesture) from the user's files
     users_classes: tuple[GestureClass, ...] = ()
-    bodies: Mapping[str, BodyForm] = field(default_factory=dict)  # what the body does, by category
+    bodies: Mapping[str, BodyForm] = field(default_factory=dict)  # accompanying body motion by category
 
     @classmethod
-    def load(cls, *users_own: str | Path | LexiconPart | None) -> "Lexicon":
-        """Reads the gestures and names of `configs/gestures/`, behind those of files or folders of the user's.
+    def load(cls, *user_sources: str | Path | LexiconPart | None) -> "Lexicon":
+        """Read the user's gestures and those of `configs/gestures/`.
 
         Args:
-            users_own: gestuaries (.xml) of Greta, TOML files, folders of TOML files, or what `read_part` has read of
-                them, the most important first; None: none.
+            *user_sources: gestuaries (.xml) of Greta, TOML files, folders of TOML files, or parts returned by
+                    `read_part`, in order of precedence; None is ignored. All of them precede the gestures of kinesic.
 
         Raises:
-            ConfigError: a file is missing or wrong.
+            ConfigError: a file is missing or invalid.
         """
-        own = own_gestures()
-        given = [each for each in users_own if each is not None]
-        parts = [each if isinstance(each, LexiconPart) else read_part(each) for each in given]
-        users = join_parts(parts, {name: table for part in reversed(parts) for name, table in part.bodies.items()})
-        bodies = {name: body_form(table) for name, table in {**own.bodies, **users.bodies}.items()}
-        entries: tuple[LexiconEntry, ...] = (*(ReadEntry(*entry) for entry in users.entries), *own.entries)
-        lexicon = cls(entries, (*users.synonyms, *users.meanings), users.classes, bodies)
-        problems = check_names(users.synonyms, users.classes, lexicon.forms_by_id) if given else ()
+        builtin = builtin_gestures()
+        sources = [source for source in user_sources if source is not None]
+        parts = [source if isinstance(source, LexiconPart) else read_part(source) for source in sources]
+        user_part = join_parts(parts, {name: table for part in reversed(parts) for name, table in part.bodies.items()})
+        bodies = {name: body_form(table) for name, table in {**builtin.bodies, **user_part.bodies}.items()}
+        entries: tuple[LexiconEntry, ...] = (*(ParsedEntry(*entry) for entry in user_part.entries), *builtin.entries)
+        lexicon = cls(entries, (*user_part.synonyms, *user_part.meanings), user_part.classes, bodies)
+        problems = check_names(user_part.synonyms, user_part.classes, lexicon.forms_by_id) if sources else ()
         for problem in problems:
-            files = [str(each) for each in given if not isinstance(each, LexiconPart)]
+            files = [str(source) for source in sources if not isinstance(source, LexiconPart)]
             raise ConfigError(f"{', '.join(files) or 'gestures'}: {problem}")
         return lexicon
 
+    def __repr__(self) -> str:
+        categories = {entry.category for entry in self.entries}
+        return f"<lexicon of {len(self.entries)} gestures in {len(categories)} categories>"
+
     @cached_property
     def forms(self) -> tuple[GestureForm, ...]:
-        """All gesture forms, which are read for it."""
+        """All gesture forms.
+
+        Reading it parses every entry.
+        """
         return tuple(entry.form for entry in self.entries)
 
     @cached_property
     def senses(self) -> tuple[Sense, ...]:
-        """Of the forms, in the same order."""
+        """Descriptive words of all entries, in the order of the forms."""
         return tuple(entry.sense for entry in self.entries)
 
     @property
     def synonyms(self) -> tuple[tuple[str, str], ...]:
-        """(name, gesture); of two with one name, the first counts."""
+        """Pairs of synonym and gesture name.
+
+        The first of equal names counts.
+        """
         return (
             *self.users_names,
-            *own_gestures().names.synonyms,
-        )  # our meanings are too loose: many gestures share them
+            *builtin_gestures().names.synonyms,
+        )  # meanings of kinesic's gestures are excluded: several gestures have the same ones
 
     @property
     def classes(self) -> tuple[GestureClass, ...]:
-        """Of gestures, in the order in which they are tried."""
-        return (*self.users_classes, *own_gestures().names.classes)
+        """Gesture classes in order of precedence."""
+        return (*self.users_classes, *builtin_gestures().names.classes)
 
     def read_all(self) -> None:
-        """Reads all gestures and names now, and nothing any more when they are asked for."""
-        self.near(UNKNOWN)
-        self.find(UNKNOWN)
+        """Parse all gestures and names now, so that later look-ups are fast."""
+        self.near(UNKNOWN_LEXEME)
+        self.find(UNKNOWN_LEXEME)
 
     @cached_property
     def forms_by_id(self) -> Mapping[str, GestureForm]:
-        """Gesture forms by their names; of two with one name, the first."""
+        """Gesture forms by name.
+
+        The first of equal names counts.
+        """
         return FormsById(self.entries)
 
     @cached_property
     def _entries_by_name(self) -> Mapping[str, Sequence[LexiconEntry]]:
-        """All entries of each name in small letters, in their order."""
-        found: dict[str, list[LexiconEntry]] = {}
+        """Lexicon entries of each lower-case gesture name, in lexicon order."""
+        entries_by_name: dict[str, list[LexiconEntry]] = {}
         for entry in self.entries:
-            found.setdefault(entry.id.lower(), []).append(entry)
-        return found
+            entries_by_name.setdefault(entry.id.lower(), []).append(entry)
+        return entries_by_name
 
     def changed(self, change: Callable[[GestureForm], GestureForm]) -> "Lexicon":
-        """Changes the form of every gesture, but neither its name nor its category."""
+        """Return a lexicon with every form changed by a function.
+
+        Names and categories stay the same.
+        """
         return replace(self, entries=tuple(ChangedEntry(entry, change) for entry in self.entries))
 
     @cached_property
     def as_written(self) -> "Lexicon":
-        """The same gestures without others for hands that cannot make their shapes: each is itself on every robot."""
+        """The same lexicon without fallback gestures for hands that lack fingers."""
         return self.changed(_without_fallback)
 
     @cached_property
@@ -116,67 +135,81 @@ class Lexicon:
         return NameTable({entry.id: entry.category for entry in self.entries}, self.synonyms, self.classes)
 
     def find(self, lexeme: str, mode: HandMode = "unspecified", category: str | None = None) -> Match | None:
-        """Finds the gesture of a lexeme, with the hands that the mode asks for.
+        """Find the gesture of a lexeme, performed by the requested hands.
 
         Args:
             lexeme: a name in any spelling, or `category=name`; empty: a beat.
-            mode: which hands; unspecified: those that the name says, else those of the entry.
-            category: preferred among entries of one name; may name the class of a gesture of which no more is known.
+            mode: requested hands; unspecified: those in the name, otherwise those of the entry.
+            category: preferred among entries of the same name; may name the class of an otherwise unknown gesture.
 
         Returns:
-            The match, which says how it was found; None when the lexeme means nothing here.
+            The match with the kind of the match; None when the lexeme is unknown.
         """
         if "=" in lexeme:
             category, _, lexeme = (part.strip() for part in lexeme.partition("="))
         form = self._entry(lexeme, category)
         if form is not None:
             return Match(in_mode(form, mode))
-        found = self._names.find(lexeme, category) if len(lexeme) <= LONGEST_NAME else None
-        if found is not None:
-            return self._match(found, mode)
-        if lexeme.strip() or NAMELESS not in self.forms_by_id:
+        named_gesture = self._names.find(lexeme, category) if len(lexeme) <= MAX_NAME_LENGTH else None
+        if named_gesture is not None:
+            return self._match(named_gesture, mode)
+        if lexeme.strip() or DEFAULT_GESTURE not in self.forms_by_id:
             return None
-        return Match(in_mode(self.forms_by_id[NAMELESS], mode), "class", f"substituted by {NAMELESS}: no lexeme")
+        return Match(
+            in_mode(self.forms_by_id[DEFAULT_GESTURE], mode), "class", f"substituted by {DEFAULT_GESTURE}: no lexeme"
+        )
 
     def near(self, lexeme: str) -> tuple[str, ...]:
-        """Names gestures that an unknown lexeme may have meant: by their letters, or by words that speak of them."""
-        lexeme = lexeme[:LONGEST_NAME]
+        """Suggest gestures with similar names or meanings for an unknown lexeme."""
+        lexeme = lexeme[:MAX_NAME_LENGTH]
         words = set(split_words(lexeme))
         scores = [len(words.intersection((*sense.words, sense.category))) for sense in self.senses]
         likely = sorted((k for k, score in enumerate(scores) if score), key=lambda k: (-scores[k], k))
-        alike = difflib.get_close_matches("_".join(read_name(lexeme).words)[:COMPARED], self.forms_by_id, n=MOST_NEAR)
-        return tuple(dict.fromkeys([*alike, *(self.entries[k].id for k in likely)]))[:MOST_NEAR]
+        alike = difflib.get_close_matches(
+            "_".join(read_name(lexeme).words)[:COMPARED_LENGTH], self.forms_by_id, n=MAX_SUGGESTIONS
+        )
+        return tuple(dict.fromkeys([*alike, *(self.entries[k].id for k in likely)]))[:MAX_SUGGESTIONS]
 
     def names_of(self, gesture: str) -> tuple[str, ...]:
-        """Lists the names that mean a gesture, beside its own."""
+        """Return the synonyms of a gesture."""
         return tuple(name for name, meant in self.synonyms if meant == gesture)
 
+    def named_hands(self, form: GestureForm) -> HandMode:
+        """Return the hands that a gesture name requests, if the gesture has other usual hands."""
+        usual_form = self.forms_by_id.get(form.id)
+        if usual_form is None or form.sides == usual_form.sides:
+            return "unspecified"
+        return "both" if len(form.sides) > 1 else "left" if "l" in form.sides else "right"
+
     def sense(self, form: GestureForm) -> Sense:
-        """Returns the words that describe a gesture form, whichever hands perform it."""
+        """Return the words that describe a gesture form, for any hands."""
         return next(e.sense for e in self.entries if (e.id, e.category) == (form.id, form.category))
 
     def _entry(self, lexeme: str, category: str | None) -> GestureForm | None:
         named = self._entries_by_name.get(lexeme.lower(), ())
-        wanted = (category or "").lower()
-        found = next((entry for entry in named if entry.category.lower() == wanted), named[0] if named else None)
-        return None if found is None else found.form
+        preferred = (category or "").lower()
+        match = next((entry for entry in named if entry.category.lower() == preferred), named[0] if named else None)
+        return None if match is None else match.form
 
-    def _match(self, found: NamedGesture, mode: HandMode) -> Match:
-        """Gives what a name means the hands that are asked for, and says what of the name it does not show."""
-        form = self.forms_by_id[found.gesture]
-        left_out = f'"{" ".join(found.name.left_out)}" is left out' if found.name.left_out else ""
-        stands = f"it stands for its class, {found.of}" if found.of else ""
+    def _match(self, named_gesture: NamedGesture, mode: HandMode) -> Match:
+        """Convert a named gesture to a match with the requested hands.
+
+        The match lists the words of the name that the gesture does not show.
+        """
+        form = self.forms_by_id[named_gesture.gesture]
+        left_out = f'"{" ".join(named_gesture.name.left_out)}" is left out' if named_gesture.name.left_out else ""
+        stands = f"it stands for its class, {named_gesture.of}" if named_gesture.of else ""
         why = "; ".join(filter(None, (stands, left_out)))
-        posed = in_mode(form, found.name.hand if mode == "unspecified" else mode)
-        return Match(posed, found.kind, f"substituted by {form.id}: {why}" if why else "")
+        posed = in_mode(form, named_gesture.name.hand if mode == "unspecified" else mode)
+        return Match(posed, named_gesture.kind, f"substituted by {form.id}: {why}" if why else "")
 
 
-@lru_cache(maxsize=FORMS_KEPT)  # so that one gesture is one form, of which others remember what it takes
+@lru_cache(maxsize=FORM_CACHE_SIZE)  # keeps one object per gesture, by which other caches are keyed
 def in_mode(form: GestureForm, mode: HandMode) -> GestureForm:
-    """Gives a form the hands that a mode asks for.
+    """Return a gesture form performed by the requested hands.
 
-    One side: what this hand does in the form, else the mirror image of what the other does. Both: the form as it
-    is when both hands take part, else its one hand and its mirror image, far enough apart.
+    One hand: its own motion in the form, otherwise the mirror image of the other hand's. Both: the form itself when
+    both hands take part, otherwise its single hand and the mirror image, far enough apart.
     """
     if mode == "unspecified" or (mode == "both" and len(form.sides) != 1):
         return form
@@ -188,15 +221,14 @@ def in_mode(form: GestureForm, mode: HandMode) -> GestureForm:
     return replace(source, keys=keys)
 
 
-@lru_cache(maxsize=FORMS_KEPT)
 def mirror_form(form: GestureForm) -> GestureForm:
-    """Mirrors a form: each hand does what the other did, and the body goes to the other side."""
+    """Exchange left and right in a gesture form, body motion included."""
     keys = tuple(StrokeKey({OTHER_SIDE[side]: pose for side, pose in key.hands.items()}) for key in form.keys)
     return replace(form, keys=keys, body=form.body.mirrored)
 
 
 def _doubled(key: StrokeKey) -> StrokeKey:
-    """Adds its mirror image to a one-handed key."""
+    """Add the mirror image of the hand to a one-handed key."""
     pose = next(iter(key.hands.values()))
     return spread_hands(StrokeKey({"l": pose, "r": pose}))
 
@@ -206,12 +238,14 @@ def _without_fallback(form: GestureForm) -> GestureForm:
 
 
 def read_part(path: str | Path) -> LexiconPart:
-    """Reads a file or folder of the user's, whose bodies do what is usual where it does not say it.
+    """Read a user's gestures and names from a file or folder.
+
+    Body motion that it does not specify is that of the category.
 
     Raises:
-        ConfigError: a file is missing or wrong.
+        ConfigError: a file is missing or invalid.
     """
-    path, bodies = Path(path), own_gestures().bodies
+    path, bodies = Path(path), builtin_gestures().bodies
     if path.suffix.lower() != ".xml":
         return read_gestures(path, bodies)
     usual = {name: body_form(table) for name, table in bodies.items()}

@@ -1,16 +1,16 @@
-"""The words in which names speak of movements of head and trunk, and what a head does by them."""
+"""Words for head and trunk movements in behaviour names."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Literal
 
-from kinesic.expressivity.lexicon.names import NAMES_KEPT, split_words, word_set
+from kinesic.expressivity.lexicon.names import NAME_CACHE_SIZE, split_words, word_set
 
 HeadKind = Literal["nod", "shake", "direction"]
-LONGEST_NAME = 120  # characters of a name that are read; a longer one is none
+MAX_NAME_LENGTH = 120  # [characters] longer names are not interpreted
 
-_FORMS: Mapping[str, str] = {  # a word -> others that say the same
+_WORD_VARIANTS: Mapping[str, str] = {  # standard word -> its inflections and synonyms
     "nod": "nods nodding nodded headnod nodhead",
     "shake": "shakes shaking shook headshake shakehead",
     "tilt": "tilts tilting tilted headtilt tilthead cock cocks cocked",
@@ -37,35 +37,35 @@ _FORMS: Mapping[str, str] = {  # a word -> others that say the same
     "big": "large strong strongly deep deeply",
     "small": "subtle tiny slight slightly little soft softly gentle gently",
 }
-_CANON = {other: word for word, others in _FORMS.items() for other in others.split()}
-_SCALES = {"big": 1.5, "small": 0.5}
+_STANDARD_WORDS = {other: word for word, others in _WORD_VARIANTS.items() for other in others.split()}
+_AMPLITUDE_FACTORS = {"big": 1.5, "small": 0.5}  # factor on the amplitude by size word
 
-_NODS = word_set(
+_NOD_WORDS = word_set(
     "yes yep yeah agree agrees agreeing agreed agreement affirm affirms affirmation affirmative approve approval "
     "assent acknowledge acknowledges acknowledgement confirm confirms confirmation accept acceptance backchannel"
 )
-_SHAKES = word_set(
+_SHAKE_WORDS = word_set(
     "no nope deny denies denial disagree disagrees disagreement disapprove disapproval negate negation negative "
     "negatory refuse refusal reject rejection"
 )
-_LIKE_SHAKES = word_set("spin swing wiggle waggle sway lateral")
-_DIRECTIONS = word_set(
+_SHAKE_LIKE_WORDS = word_set("spin swing wiggle waggle sway lateral")
+_DIRECTION_WORDS = word_set(
     "up down left right forward back aside tilt toss roll lean incline bow neutral turn"
-)  # of a head
-_CORE = frozenset({"nod", "shake", "tilt"})  # a word more changes nothing of what is done
-NEGATIONS = word_set("no not dont don never none without cannot cant isnt doesnt lost less")  # of what is named
-_OTHER_PARTS = word_set(
+)  # of head movements
+_MAIN_MOVEMENTS = frozenset({"nod", "shake", "tilt"})  # movements performed even if the name has unknown words
+NEGATION_WORDS = word_set("no not dont don never none without cannot cant isnt doesnt lost less")
+_OTHER_PART_WORDS = word_set(
     "hand hands arm arms fist fists finger fingers thumb shoulder shoulders body hip hips leg legs foot feet eye eyes "
     "brow brows eyebrow eyebrows mouth"
 )
-_FILLERS = word_set(
+_FILLER_WORDS = word_set(
     "head neck chin gesture movement move motion rotation direction and to the a an of with in at very really "
     "big small middle mid medium slow slowly fast quick quickly short long hard once twice double single multiple "
     "repeated repeat again simple loop anim animation motex l r b h lh rh"
 )
 
 
-_TRUNK = word_set(
+_TRUNK_WORDS = word_set(
     "forward front down up back left right recline lean incline bow tilt turn neutral nothing upright body trunk torso "
     "spine waist whole position posture pose aside side"
 )
@@ -73,60 +73,83 @@ _TRUNK = word_set(
 
 @dataclass(frozen=True)
 class HeadName:
-    """What a head does by a name."""
+    """Head movement described by a behaviour name."""
 
     kind: HeadKind
-    words: tuple[str, ...]  # as `movement_words` has them
-    stands_for: str = ""  # why it is not the name itself
+    words: tuple[str, ...]  # from `movement_words`
+    stands_for: str = ""  # reason why the movement only approximates the name
 
 
-@lru_cache(maxsize=NAMES_KEPT)
+@lru_cache(maxsize=NAME_CACHE_SIZE)
 def movement_words(name: str) -> tuple[str, ...]:
-    """Splits a name into its words, one for all that say the same: `LEANING_Backwards` is lean, back."""
-    if len(name) > LONGEST_NAME:
+    """Split a name into words, with synonyms replaced by one standard word.
+
+    `LEANING_Backwards` gives lean, back.
+    """
+    if len(name) > MAX_NAME_LENGTH:
         return ()
-    return tuple(_CANON.get(word, word) for word in split_words(name) if not word.isdigit())
+    return tuple(_STANDARD_WORDS.get(word, word) for word in split_words(name) if not word.isdigit())
 
 
 def amplitude_factor(words: tuple[str, ...]) -> float:
-    """Reads the factor on amplitude of words such as big and small."""
-    return next((_SCALES[word] for word in words if word in _SCALES), 1.0)
+    """Return the amplitude factor of words such as big and small."""
+    return next((_AMPLITUDE_FACTORS[word] for word in words if word in _AMPLITUDE_FACTORS), 1.0)
 
 
 def read_trunk_name(name: str) -> tuple[str, ...]:
-    """Finds the words of a name that speak of the trunk; none when a word of it speaks of anything else."""
+    """Return the words of a name that describe a trunk movement.
+
+    Returns:
+        Empty if the name has other words.
+    """
     words = movement_words(name)
-    return words if all(word in _TRUNK or word in _FILLERS for word in words) else ()
+    return words if all(word in _TRUNK_WORDS or word in _FILLER_WORDS for word in words) else ()
 
 
 def read_head_name(name: str) -> HeadName | None:
-    """Finds what a head does by a name: a nod, a shake, a direction, a synonym of one, or one of its class.
+    """Return the head movement described by a behaviour name.
 
-    A name that says nothing is a nod, most likely. With a word that is not understood, a nod, a shake or a tilt stands
-    for the whole; a direction or a synonym would say something else.
+    It is a nod, a shake, a direction, a synonym of one, or a member of one of these classes. A name without a movement
+    word is most likely a nod. If the name has unknown words, a nod, a shake or a tilt stands for the whole name; a
+    direction or a synonym would mean something different.
 
     Returns:
-        None when no word, or more than one, names a movement, or when it is negated.
+        None when no word, or more than one, names a movement, or when the movement is negated.
     """
     words = movement_words(name)
-    said = [word for word in words if word not in _FILLERS]
-    if not said and len(name) <= LONGEST_NAME:
+    meaningful = [word for word in words if word not in _FILLER_WORDS]
+    if not meaningful and len(name) <= MAX_NAME_LENGTH:
         return HeadName("nod", (), f"a nod stands for {name or 'a head movement without lexeme'}")
-    kind, known = _kind(said), _NODS | _SHAKES | _LIKE_SHAKES | _DIRECTIONS | {"nod", "shake", "side"}
-    others = [word for word in said if word not in known]
-    if kind is None or (NEGATIONS - {"no"}) & {*said} or _OTHER_PARTS & {*said} or (others and not _CORE & {*said}):
+    kind, movement_names = (
+        _kind(meaningful),
+        _NOD_WORDS | _SHAKE_WORDS | _SHAKE_LIKE_WORDS | _DIRECTION_WORDS | {"nod", "shake", "side"},
+    )
+    others = [word for word in meaningful if word not in movement_names]
+    if (
+        kind is None
+        or (NEGATION_WORDS - {"no"}) & {*meaningful}
+        or _OTHER_PART_WORDS & {*meaningful}
+        or (others and not _MAIN_MOVEMENTS & {*meaningful})
+    ):
         return None
-    like = next((word for word in said if word in _LIKE_SHAKES), None) if "shake" not in said else None
+    like = next((word for word in meaningful if word in _SHAKE_LIKE_WORDS), None) if "shake" not in meaningful else None
     stands = f"a {kind if kind != 'direction' else 'tilt'} stands for {name}"
     left_out = "".join(f': "{" ".join(others)}" is left out' if others else "")
     return HeadName(kind, words, stands + left_out if others or like else "")
 
 
 def _kind(words: Sequence[str]) -> HeadKind | None:
-    """What some words name; up and down is a nod, left and right, or side to side, a shake."""
-    said = frozenset(words)
-    nods = bool(said & (_NODS | {"nod"}) or {"up", "down"} <= said)
-    shakes = bool(said & (_SHAKES | _LIKE_SHAKES | {"shake"}) or said == {"left", "right"} or [*words] == ["side"] * 2)
+    """Return the kind of head movement described by some words.
+
+    Up and down is a nod; left and right, or side to side, is a shake.
+    """
+    meaningful = frozenset(words)
+    nods = bool(meaningful & (_NOD_WORDS | {"nod"}) or {"up", "down"} <= meaningful)
+    shakes = bool(
+        meaningful & (_SHAKE_WORDS | _SHAKE_LIKE_WORDS | {"shake"})
+        or meaningful == {"left", "right"}
+        or [*words] == ["side"] * 2
+    )
     if nods or shakes:
         return None if nods and shakes else "nod" if nods else "shake"
-    return "direction" if said & (_DIRECTIONS - {"turn"}) else None
+    return "direction" if meaningful & (_DIRECTION_WORDS - {"turn"}) else None

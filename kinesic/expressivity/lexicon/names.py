@@ -1,4 +1,4 @@
-"""Takes the name of a gesture apart, word by word: what may carry its meaning, and the hand that it names."""
+"""Splitting of gesture names into words and the hand they mention."""
 
 import re
 from collections.abc import Iterator
@@ -9,27 +9,28 @@ from itertools import pairwise
 from kinesic.bml.block import HandMode
 
 SIDE_WORDS: dict[str, HandMode] = {"left": "left", "right": "right", "both": "both"}
-NAMES_KEPT = 4096  # names that are remembered taken apart; documents of strangers may hold any number
-CHARACTERS_SHOWN = 60  # characters of a name in a message
-CATEGORIES = frozenset(
+NAME_CACHE_SIZE = 4096  # largest number of cached names, because documents may hold any number of names
+MESSAGE_NAME_LENGTH = 60  # [characters] longer names are cut in messages
+CATEGORY_WORDS = frozenset(
     {"metaphoric", "iconic", "emblem", "emblematic", "adaptor", "performative", "adjectival", "lexicalized"}
 )
 
-_WORD = re.compile(r"\d+[hH](?![^\W\d_])|\d+|[A-Z]?[^\W\d_A-Z]+|[A-Z]+(?![^\W\d_A-Z])")
-_APOSTROPHES = re.compile(r"['\u2019`]")
-_FOLDERS = re.compile(r"^(animations/)?(stand|sit|sitonpod)/(\w+/)+", re.IGNORECASE)  # of NAO's animations
-_HANDS: dict[str, HandMode] = {
+_WORD_PATTERN = re.compile(r"\d+[hH](?![^\W\d_])|\d+|[A-Z]?[^\W\d_A-Z]+|[A-Z]+(?![^\W\d_A-Z])")
+_APOSTROPHE_PATTERN = re.compile(r"['\u2019`]")
+_NAO_FOLDERS = re.compile(r"^(animations/)?(stand|sit|sitonpod)/(\w+/)+", re.IGNORECASE)  # folders of NAO names
+_HAND_ABBREVIATIONS: dict[str, HandMode] = {
     **dict.fromkeys(("l", "lf", "lh", "lhand", "larm"), "left"),
     **dict.fromkeys(("r", "rt", "rh", "rhand", "rarm"), "right"),
     **dict.fromkeys(("b", "bt", "bh", "2h"), "both"),
 }
-_LIMBS = frozenset({"arm", "arms", "hand", "hands"})
-_NOISE = frozenset(  # says nothing of the meaning
+_LIMB_WORDS = frozenset({"arm", "arms", "hand", "hands"})  # limb words that may follow the abbreviation of a hand
+_EMPTY_WORDS = frozenset(  # words without meaning for the gesture
     {"a", "an", "the", "x", "zz", "1h", "ges", "gesture", "pos", "pose", "posture", "lexeme", "signal", "loop"}
     | {"anim", "animation", "motion", "motex", "greta"}
 )
-_BEFORE = frozenset({"very", "really", "slow", "fast", "quick", "strong", "soft"})  # how something is done
-_BEHIND = _BEFORE | {  # likewise, behind what is done
+# Words that qualify a movement without changing its meaning.
+_LEADING_QUALIFIERS = frozenset({"very", "really", "slow", "fast", "quick", "strong", "soft"})
+_TRAILING_QUALIFIERS = _LEADING_QUALIFIERS | {
     *("low", "mid", "middle", "medium", "high", "center", "centre", "small", "big", "large"),
     *("strongly", "softly", "slowly", "quickly", "hold", "social", "new", "old"),
 }
@@ -37,23 +38,23 @@ _BEHIND = _BEFORE | {  # likewise, behind what is done
 
 @dataclass(frozen=True)
 class GestureName:
-    """A name taken apart, or what is left of it after some words were put aside."""
+    """Words and hand of a gesture name, possibly with words left out."""
 
     words: tuple[str, ...]  # lower-case, in order, numbers included
-    hand: HandMode = "unspecified"  # that a suffix names, such as R, Lf, 2H, or a word that was put aside
-    left_out: tuple[str, ...] = ()  # words put aside that say more than a hand
-    limbs: frozenset[str] = frozenset()  # words that follow the letter of a hand: `RArm_Offer`
+    hand: HandMode = "unspecified"  # from a suffix such as R, Lf, 2H, or from a removed word
+    left_out: tuple[str, ...] = ()  # removed words with a meaning beyond the hand
+    limbs: frozenset[str] = frozenset()  # words after the letter of a hand, as in `RArm_Offer`
 
     def shortened(self) -> Iterator["GestureName"]:
-        """Yields the name whole, then with less and less of what says how, and not what, is done.
+        """Yield the whole name, then variants with fewer qualifying words.
 
-        Numbers and categories tell variants apart; left, right and both name the hand, where no suffix does; low, big
-        or slowly say how; arm and hand behind the letter of a hand say no more than it does.
+        Numbers and categories distinguish variants. Left, right and both name the hand, unless a suffix does. Low, big
+        or slowly qualify the movement. Arm and hand after the letter of a hand add nothing to it.
         """
         yield self
         numberless = self._without(frozenset(word for word in self.words if word.isdigit()))
         yield numberless
-        named = numberless._without(CATEGORIES)
+        named = numberless._without(CATEGORY_WORDS)
         yield named
         yield named._trimmed()
         bare = named.sideless()
@@ -63,7 +64,10 @@ class GestureName:
             yield bare._without(self.limbs)._trimmed()
 
     def sideless(self) -> "GestureName":
-        """Takes left, right and both as the hand, or leaves them out where another hand is named."""
+        """Interpret the words left, right and both as the performing hand.
+
+        They are left out where another hand is named.
+        """
         sides = {SIDE_WORDS[word] for word in self.words if word in SIDE_WORDS}
         if not sides or sides == set(self.words):
             return self
@@ -73,47 +77,53 @@ class GestureName:
         return replace(rest, left_out=(*self.left_out, *(word for word in self.words if word in SIDE_WORDS)))
 
     def without(self, words: frozenset[str]) -> "GestureName":
-        """Puts words aside that the gesture does not show."""
-        kept, cut = ([word for word in self.words if (word in words) == put] for put in (False, True))
+        """Remove the given words from the name and list them in `left_out`."""
+        kept, cut = ([word for word in self.words if (word in words) == is_removed] for is_removed in (False, True))
         return replace(self, words=tuple(kept), left_out=(*self.left_out, *cut))
 
     def _without(self, words: frozenset[str]) -> "GestureName":
-        """Puts words aside without a remark, unless nothing would be left."""
+        """Remove the given words, but keep the name if no word remains."""
         return replace(self, words=tuple(word for word in self.words if word not in words) or self.words)
 
     def _trimmed(self) -> "GestureName":
-        """Puts aside what says how, before and behind."""
+        """Move qualifiers from both ends of the name to `left_out`."""
         first, last = 0, len(self.words)
-        while last - first > 1 and self.words[last - 1] in _BEHIND:
+        while last - first > 1 and self.words[last - 1] in _TRAILING_QUALIFIERS:
             last -= 1
-        while last - first > 1 and self.words[first] in _BEFORE:
+        while last - first > 1 and self.words[first] in _LEADING_QUALIFIERS:
             first += 1
         left_out = (*self.left_out, *self.words[:first], *self.words[last:])
         return replace(self, words=self.words[first:last], left_out=left_out)
 
 
 def word_set(text: str) -> frozenset[str]:
-    """Makes a set of words from a text."""
+    """Return the set of words in a text."""
     return frozenset(text.split())
 
 
 def shorten_name(name: str) -> str:
-    """Cuts a name of a stranger to what a message can show."""
-    return name if len(name) <= CHARACTERS_SHOWN else f"{name[:CHARACTERS_SHOWN]}..."
+    """Shorten a name for use in a message."""
+    return name if len(name) <= MESSAGE_NAME_LENGTH else f"{name[:MESSAGE_NAME_LENGTH]}..."
 
 
-@lru_cache(maxsize=NAMES_KEPT)
+@lru_cache(maxsize=NAME_CACHE_SIZE)
 def split_words(name: str) -> tuple[str, ...]:
-    """Splits a name at everything but letters, at capitals and at numbers: `GreetWave-RH2` is greet, wave, rh, 2."""
-    return tuple(word.lower() for word in _WORD.findall(_APOSTROPHES.sub("", name)))
+    """Split a name into words at non-letters, capitals and numbers.
+
+    `GreetWave-RH2` gives greet, wave, rh, 2.
+    """
+    return tuple(word.lower() for word in _WORD_PATTERN.findall(_APOSTROPHE_PATTERN.sub("", name)))
 
 
-@lru_cache(maxsize=NAMES_KEPT)
+@lru_cache(maxsize=NAME_CACHE_SIZE)
 def read_name(name: str) -> GestureName:
-    """Takes a name apart: `Rise_Arm_R2` is ("rise", "arm", "2"), right hand; articles say nothing."""
-    words = split_words(_FOLDERS.sub("", name.strip()))
-    hands = [_HANDS[word] for word in words if word in _HANDS]
-    told = tuple(word.lstrip("0") or "0" if word.isdigit() else word for word in words)
-    kept = tuple(word for word in told if word not in _HANDS and word not in _NOISE)
-    limbs = frozenset(after for word, after in pairwise(words) if word in _HANDS and after in _LIMBS)
+    """Split a gesture name into words and the hand it mentions.
+
+    `Rise_Arm_R2` gives ("rise", "arm", "2") and the right hand; articles are removed.
+    """
+    words = split_words(_NAO_FOLDERS.sub("", name.strip()))
+    hands = [_HAND_ABBREVIATIONS[word] for word in words if word in _HAND_ABBREVIATIONS]
+    numbered = tuple(word.lstrip("0") or "0" if word.isdigit() else word for word in words)
+    kept = tuple(word for word in numbered if word not in _HAND_ABBREVIATIONS and word not in _EMPTY_WORDS)
+    limbs = frozenset(after for word, after in pairwise(words) if word in _HAND_ABBREVIATIONS and after in _LIMB_WORDS)
     return GestureName(kept, hands[-1] if hands else "unspecified", limbs=limbs)

@@ -1,7 +1,8 @@
-"""Paths of the hand from one stroke key to the next: lines, arcs, circles, waves, spirals and free points (thesis 8.4).
+"""Hand paths between stroke keys: lines, arcs, circles, waves, spirals, points.
 
-Along each axis a path adds f(t) = A s(t) sin(2 pi (F t' + shift)) to the straight way, less what f is at both ends, so
-that the hand leaves and arrives exactly where its keys are. The thesis writes R sin(T pi t + Shift): R is A, T is 2 F.
+See thesis 8.4. Along each axis a path adds f(t) = A s(t) sin(2 pi (F t' + shift)) to the straight line, minus the
+values of f at both ends, so that the hand leaves and arrives exactly at its keys. The thesis writes
+R sin(T pi t + Shift): R is A, T is 2 F.
 """
 
 from collections.abc import Callable, Mapping
@@ -17,19 +18,19 @@ from kinesic.body.arrays import Floats, sealed
 PathKind = Literal["line", "arc", "circle", "wave", "spiral", "points"]
 SizeTrend = Literal["none", "grows", "shrinks"]
 
-MOST_TURNS = 12.0  # of one stroke
+MAX_PERIODS = 12.0  # largest number of periods of one path
 
-_QUARTERS = 4  # of a turn: where the fastest axis is at rest or farthest out, and so must be sampled
-_DEPTH = 6  # times that a piece is halved at most
-_FINE = 400  # steps along free points, to go along them evenly
-_STILL = 1e-9
-_VARIED: Mapping[SizeTrend, Callable[[Floats], Floats]] = {
+_SAMPLES_PER_PERIOD = 4  # zero crossings and extrema of the fastest axis, which must be sampled
+_MAX_BISECTIONS = 6  # largest depth of bisection of one path interval
+_ARC_LENGTH_STEPS = 400  # samples along a path of free points, for a constant hand velocity
+_ZERO_LENGTH = 1e-9  # [arm lengths] length below which an amplitude or step counts as zero
+_AMPLITUDE_TRENDS: Mapping[SizeTrend, Callable[[Floats], Floats]] = {
     "none": np.ones_like,
     "grows": lambda t: t,
     "shrinks": lambda t: 1.0 - t,
 }
-# Greta's 1 - sqrt(1 - t) and sqrt(t) are infinitely fast at one end, which no servo follows: these stay below 2 F.
-_TURNED: Mapping[SizeTrend, Callable[[Floats], Floats]] = {
+# Greta's 1 - sqrt(1 - t) and sqrt(t) have infinite velocity at one end; these functions stay below 2 F.
+_PHASE_TRENDS: Mapping[SizeTrend, Callable[[Floats], Floats]] = {
     "none": lambda t: t,
     "grows": lambda t: t**2,
     "shrinks": lambda t: t * (2.0 - t),
@@ -38,62 +39,82 @@ _TURNED: Mapping[SizeTrend, Callable[[Floats], Floats]] = {
 
 @dataclass(frozen=True, eq=False)
 class HandPath:
-    """How a hand comes to a key; axes and unit are those of the positions that it joins."""
+    """Path of a hand to a stroke key.
+
+    Axes and unit are those of the positions.
+    """
 
     kind: PathKind
     amplitude: Floats  # (3,)
-    frequency: Floats  # (3,) turns on the whole way
-    shift: Floats  # (3,) turns
+    frequency: Floats  # (3,) periods over the whole path
+    shift: Floats  # (3,) phase in periods
     amplitude_variation: SizeTrend = "none"
     frequency_variation: SizeTrend = "none"
-    points: Floats = field(default_factory=lambda: sealed(np.empty((0, 3))))  # (p, 3) positions on the way
+    points: Floats = field(default_factory=lambda: np.empty((0, 3)))  # (p, 3) via points
+
+    def __post_init__(self) -> None:
+        """Make the arrays read-only."""
+        for values in (self.amplitude, self.frequency, self.shift, self.points):
+            values.setflags(write=False)
 
     @property
     def turns(self) -> float:
-        """Turns of the fastest axis that moves."""
-        return float(np.max(self.frequency * (np.abs(self.amplitude) > _STILL)))
+        """Number of periods of the fastest moving axis."""
+        return float(np.max(self.frequency * (np.abs(self.amplitude) > _ZERO_LENGTH)))
 
-    def at(self, start: Floats, end: Floats, shares: Floats) -> Floats:
-        """Finds (m, 3) positions at (m,) shares 0..1 of the way from a (3,) start to a (3,) end."""
-        t = np.asarray(shares)[:, None]
+    def at(self, start: Floats, end: Floats, parameters: Floats) -> Floats:
+        """Return positions (m, 3) at (m,) path parameters.
+
+        Args:
+            start: (3,) position at parameter 0.
+            end: (3,) position at parameter 1.
+            parameters: (m,) path parameters, 0..1.
+        """
+        t = np.asarray(parameters)[:, None]
         base = self._through(start, end, t[:, 0]) if len(self.points) else start + t * (end - start)
         first, last = self._swing(np.array([[0.0], [1.0]]))
         return np.asarray(base + self._swing(t) - (1 - t) * first - t * last)
 
     def length(self, start: Floats, end: Floats) -> float:
-        """Measures the way of the hand along the path, from a (3,) start to a (3,) end."""
+        """Return the arc length of the path from start to end."""
         return float(np.linalg.norm(self._steps(start, end), axis=1).sum())
 
     def swings(self, start: Floats, end: Floats) -> int:
-        """Counts how often the hand goes one way before it turns round: half turns, at least one."""
+        """Return the number of swings between reversals, at least one.
+
+        A swing is half a period.
+        """
         if not len(self.points):
-            return max(1, ceil(2 * self.turns - _STILL))
+            return max(1, ceil(2 * self.turns - _ZERO_LENGTH))
         steps = self._steps(start, end)
-        moving = steps[np.linalg.norm(steps, axis=1) > _STILL]
+        moving = steps[np.linalg.norm(steps, axis=1) > _ZERO_LENGTH]
         along = moving / np.linalg.norm(moving, axis=1)[:, None]
         turned = np.arccos(np.clip(np.sum(along[:-1] * along[1:], axis=1), -1.0, 1.0)).sum()
         return max(1, round(float(turned / np.pi)))
 
     def slowed(self, turns: float) -> "HandPath":
-        """Slows the path down to fewer turns on the way."""
+        """Return the path with fewer periods and the same amplitude."""
         return self if self.turns <= turns else replace(self, frequency=sealed(self.frequency * turns / self.turns))
 
     def mapped(self, amplitude: Floats, moved: Callable[[Floats], Floats]) -> "HandPath":
-        """Gives the path another (3,) amplitude, and moves its points by a function from (3,) to (3,)."""
-        points = sealed(np.array([moved(point) for point in self.points]).reshape(-1, 3))
-        return replace(self, amplitude=sealed(amplitude), points=points)
+        """Return the path with a new amplitude and transformed via points."""
+        points = np.array([moved(point) for point in self.points]).reshape(-1, 3)
+        return replace(self, amplitude=amplitude, points=points)
 
     def samples(self, start: Floats, end: Floats, tolerance: float, longest: float = inf) -> Floats:
-        """Finds (m,) shares, without 0 and 1, between which the path is short, and straight to within a tolerance.
+        """Return path parameters between which the path is nearly straight.
 
         Args:
-            start: (3,).
-            end: (3,).
-            tolerance: greatest distance of the path from where the hand would be if it went straight.
-            longest: distance between two samples.
+            start: (3,) position at parameter 0.
+            end: (3,) position at parameter 1.
+            tolerance: largest distance between the path and the chord of an interval.
+            longest: largest distance between two samples.
+
+        Returns:
+            (m,) parameters without 0 and 1.
         """
         knots = self._quarters()
-        for _ in range(_DEPTH):
+        for _ in range(_MAX_BISECTIONS):
             inner = knots[:-1, None] + np.diff(knots)[:, None] * np.array([0.25, 0.5, 0.75])
             curve = self.at(start, end, inner.ravel()).reshape(-1, 3, 3)
             ends = self.at(start, end, knots)
@@ -106,52 +127,62 @@ class HandPath:
         return sealed(knots[1:-1])
 
     def _steps(self, start: Floats, end: Floats) -> Floats:
-        """(m, 3) small steps from start to end."""
+        """Return displacements (m, 3) between finely sampled points of the path."""
         count = 64 * ceil(1 + 2 * self.turns + len(self.points))
         return np.diff(self.at(start, end, np.linspace(0.0, 1.0, count + 1)), axis=0)
 
     def _quarters(self) -> Floats:
-        """Shares at which the fastest axis passes a quarter of a turn, with both ends."""
-        moving = self.frequency * (np.abs(self.amplitude) > _STILL)
+        """Return the path parameters at quarter periods of the fastest axis.
+
+        Both ends are included.
+        """
+        moving = self.frequency * (np.abs(self.amplitude) > _ZERO_LENGTH)
         axis = int(np.argmax(moving))
         if moving[axis] <= 0:
             return np.array([0.0, 1.0])
         fine = np.linspace(0.0, 1.0, 2001)
-        phase = _QUARTERS * (self.frequency[axis] * _TURNED[self.frequency_variation](fine) + self.shift[axis])
+        phase = _SAMPLES_PER_PERIOD * (
+            self.frequency[axis] * _PHASE_TRENDS[self.frequency_variation](fine) + self.shift[axis]
+        )
         whole = np.arange(np.ceil(phase[0] + 1e-3), phase[-1] - 1e-3)
         return np.concatenate([[0.0], np.interp(whole, phase, fine), [1.0]])
 
     def _swing(self, t: Floats) -> Floats:
-        """(m, 3) of f at (m, 1) shares."""
-        phase = self.frequency * _TURNED[self.frequency_variation](t) + self.shift
-        return np.asarray(self.amplitude * _VARIED[self.amplitude_variation](t) * np.sin(2 * np.pi * phase))
+        """Return the sinusoidal offsets (m, 3) at (m, 1) path parameters."""
+        phase = self.frequency * _PHASE_TRENDS[self.frequency_variation](t) + self.shift
+        return np.asarray(self.amplitude * _AMPLITUDE_TRENDS[self.amplitude_variation](t) * np.sin(2 * np.pi * phase))
 
-    def _through(self, start: Floats, end: Floats, shares: Floats) -> Floats:
-        """(m, 3) along a smooth curve through the points, at even speed."""
-        every = np.vstack([start, self.points, end])
-        every = every[np.concatenate([[True], np.linalg.norm(np.diff(every, axis=0), axis=1) > _STILL])]
-        if len(every) < 2:
-            return np.repeat(every, len(shares), axis=0)
-        knots = np.concatenate([[0.0], np.cumsum(np.sqrt(np.linalg.norm(np.diff(every, axis=0), axis=1)))])
+    def _through(self, start: Floats, end: Floats, parameters: Floats) -> Floats:
+        """Return positions (m, 3) on a spline through the path's via points.
+
+        The speed is constant.
+        """
+        via_points = np.vstack([start, self.points, end])
+        via_points = via_points[
+            np.concatenate([[True], np.linalg.norm(np.diff(via_points, axis=0), axis=1) > _ZERO_LENGTH])
+        ]
+        if len(via_points) < 2:
+            return np.repeat(via_points, len(parameters), axis=0)
+        knots = np.concatenate([[0.0], np.cumsum(np.sqrt(np.linalg.norm(np.diff(via_points, axis=0), axis=1)))])
         curve, fine = (
-            scipy.interpolate.CubicSpline(knots, every, bc_type="natural"),
-            np.linspace(0.0, knots[-1], _FINE + 1),
+            scipy.interpolate.CubicSpline(knots, via_points, bc_type="natural"),
+            np.linspace(0.0, knots[-1], _ARC_LENGTH_STEPS + 1),
         )
-        ways = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(curve(fine), axis=0), axis=1))])
-        return np.asarray(curve(np.interp(shares * ways[-1], ways, fine)))
+        arc_lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(curve(fine), axis=0), axis=1))])
+        return np.asarray(curve(np.interp(parameters * arc_lengths[-1], arc_lengths, fine)))
 
 
 @dataclass(frozen=True)
 class _Shape:
-    """What a kind of path is when nothing else is said."""
+    """Default parameters of a kind of path."""
 
     amplitude: tuple[float, float, float]  # outward, up, forward [arm lengths]
-    frequency: float  # turns
-    crossed: bool = False  # the second axis that moves is a quarter of a turn ahead
+    frequency: float  # periods
+    crossed: bool = False  # whether the second moving axis is a quarter period ahead
     variation: SizeTrend = "none"
 
 
-_SHAPES: Mapping[PathKind, _Shape] = {
+_DEFAULT_SHAPES: Mapping[PathKind, _Shape] = {
     "line": _Shape((0.0, 0.0, 0.0), 0.0),
     "arc": _Shape((0.0, 0.12, 0.0), 0.5),
     "circle": _Shape((0.12, 0.12, 0.0), 1.0, crossed=True),
@@ -172,20 +203,20 @@ def shape_path(
     variations: tuple[SizeTrend | None, SizeTrend] = (None, "none"),
     points: tuple[Floats, ...] = (),
 ) -> HandPath:
-    """Makes a path in gesture space; what is left out is as usual for its kind.
+    """Create a path of a kind such as circle or wave.
 
     Args:
-        kind: its shape.
-        amplitude: outward, up, forward [arm lengths], or one number for the axes that are usual.
-        frequency: turns on the whole way, of each axis or of all.
-        shift: turns, of each axis or of all.
-        variations: of amplitude and of frequency along the way.
+        kind: shape of the path.
+        amplitude: outward, up, forward [arm lengths], or one number for the default axes.
+        frequency: periods over the whole path, of each axis or of all.
+        shift: phase in periods, of each axis or of all.
+        variations: of amplitude and of frequency along the path.
         points: each (3,) forward, outward, up [arm lengths].
 
     Raises:
-        ValueError: a number out of range, or one that the kind has no use for.
+        ValueError: a number is out of range, or the kind does not use it.
     """
-    shape = _SHAPES[kind]
+    shape = _DEFAULT_SHAPES[kind]
     if kind in ("line", "points") and not amplitude is frequency is shift is None:
         raise ValueError(f"a {kind} path has no amplitude, frequency or shift; arc, circle, wave and spiral have")
     if (kind == "points") != bool(points):
@@ -198,31 +229,31 @@ def shape_path(
     ahead = np.zeros(3) if shift is None else np.full(3, shift)
     if shift is None and shape.crossed:
         ahead[np.flatnonzero(size)[1:2]] = 0.25
-    _check(kind, size, turns)
+    _check_ranges(kind, size, turns)
     return HandPath(
         kind,
-        _own(size),
-        _own(turns),
-        _own(ahead),
+        _to_side_axes(size),
+        _to_side_axes(turns),
+        _to_side_axes(ahead),
         variations[0] or shape.variation,
         variations[1],
         sealed(np.array(points).reshape(-1, 3)),
     )
 
 
-def _check(kind: PathKind, amplitude: Floats, frequency: Floats) -> None:
+def _check_ranges(kind: PathKind, amplitude: Floats, frequency: Floats) -> None:
     if not np.isfinite(amplitude).all() or np.abs(amplitude).max() > 1.0:
-        raise ValueError(f"amplitude is {_listed(amplitude)}, outside [-1, 1] arm lengths")
-    if not np.isfinite(frequency).all() or frequency.min() < 0 or frequency.max() > MOST_TURNS:
-        raise ValueError(f"frequency is {_listed(frequency)}, outside [0, {MOST_TURNS:g}] turns on the way")
+        raise ValueError(f"amplitude is {_format_vector(amplitude)}, outside [-1, 1] arm lengths")
+    if not np.isfinite(frequency).all() or frequency.min() < 0 or frequency.max() > MAX_PERIODS:
+        raise ValueError(f"frequency is {_format_vector(frequency)}, outside [0, {MAX_PERIODS:g}] turns on the way")
     if kind in ("arc", "circle", "wave", "spiral") and not np.any(amplitude * frequency):
         raise ValueError(f"a {kind} path without amplitude or frequency is a line; write kind = 'line'")
 
 
-def _listed(values: Floats) -> str:
+def _format_vector(values: Floats) -> str:
     return "[" + ", ".join(f"{value:g}" for value in values) + "]"
 
 
-def _own(greta: Floats) -> Floats:
-    """(3,) outward, up, forward as forward, outward, up."""
-    return sealed(np.array([greta[2], greta[0], greta[1]]))
+def _to_side_axes(vector: Floats) -> Floats:
+    """Reorder (3,) outward, up, forward to forward, outward, up."""
+    return sealed(np.array([vector[2], vector[0], vector[1]]))

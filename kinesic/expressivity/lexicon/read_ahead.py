@@ -1,5 +1,5 @@
-"""Reads all gestures that come with kinesic when it is imported: once, for all processes that are forks of this one."""
+"""Parse all gestures of kinesic at import, once for all forked processes."""
 
-from kinesic.expressivity.lexicon.entries import own_gestures
+from kinesic.expressivity.lexicon.entries import builtin_gestures
 
-READ = tuple(entry.sense for entry in own_gestures().entries)
+SENSES_READ = tuple(entry.sense for entry in builtin_gestures().entries)

@@ -1,6 +1,6 @@
-"""Finds the gesture that a name means, by words and never by letters: itself, a synonym, or a gesture of its class.
+"""Look-up of gestures by the words of a name, synonyms and classes.
 
-The names come from the `[synonyms]` and `[classes]` of lexicon files.
+It compares words, never single letters. The names come from `[synonyms]` and `[classes]` of lexicon files.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -9,47 +9,51 @@ from functools import cached_property
 
 from kinesic.body.config import suggestion
 from kinesic.expressivity.lexicon.form import MatchKind
-from kinesic.expressivity.lexicon.names import CATEGORIES, SIDE_WORDS, GestureName, read_name, split_words
+from kinesic.expressivity.lexicon.names import CATEGORY_WORDS, SIDE_WORDS, GestureName, read_name, split_words
 
-POINTING = "deictic"  # the category
+POINTING_CATEGORY = "deictic"  # category of gestures that point
 
-_FILLERS = frozenset(  # of a class: words between it and what is meant, and what does it
+_CLASS_FILLERS = frozenset(  # prepositions and body parts that do not change the meaning of a class
     {"at", "to", "of", "on", "in", "with", "by", "for", "toward", "towards"}
     | {"hand", "hands", "arm", "arms", "finger", "fingers", "index", "forefinger"}
 )
-_PLACES = frozenset(
+_BEAT_DIRECTIONS = frozenset(
     {"forward", "forwards", "front", "back", "up", "upward", "down", "downward"}
-)  # where a beat is done
-_NEGATIONS = frozenset({"no", "not", "dont", "never", "none", "without"})
+)  # directions of beats, which are not shown
+_NEGATION_WORDS = frozenset({"no", "not", "dont", "never", "none", "without"})
 
 
 @dataclass(frozen=True)
 class GestureClass:
-    """A kind of gesture that one gesture may stand for, when no more is known."""
+    """Class of names that one gesture represents."""
 
     name: str
-    gesture: str  # its id
-    words: tuple[tuple[str, ...], ...]  # words, or several in a row, that name the class
-    not_in: tuple[tuple[str, ...], ...] = ()  # words in a row that name something else, such as beat, it
+    gesture: str  # id of the representative
+    words: tuple[tuple[str, ...], ...]  # phrases that name the class
+    not_in: tuple[tuple[str, ...], ...] = ()  # excluded phrases with another meaning, such as beat, it
 
     def others(self, words: Sequence[str]) -> tuple[str, ...] | None:
-        """Returns what some words say beside the class; None when they do not name it."""
+        """Return the words of a name that are not class words.
+
+        Returns:
+            None if no word names the class.
+        """
         named = self._named(words)
         return tuple(word for k, word in enumerate(words) if k not in named) if named else None
 
     def before(self, words: Sequence[str]) -> frozenset[str]:
-        """Returns the words that stand before the first of the class."""
+        """Return the words of a name before its first word that names a gesture class."""
         return frozenset(words[: min(self._named(words), default=0)])
 
     def _named(self, words: Sequence[str]) -> set[int]:
-        """Where words of the class stand; nowhere, when they are in a phrase that says something else."""
+        """Return the positions of class words in a name, if not excluded."""
         if any(_places(phrase, words) for phrase in self.not_in):
             return set()
         return set().union(*(_places(phrase, words) for phrase in self.words))
 
 
 def _places(phrase: Sequence[str], words: Sequence[str]) -> set[int]:
-    """Where words in a row stand among others."""
+    """Return the start indices of all occurrences of a phrase."""
     length = len(phrase)
     starts = (k for k in range(len(words) - length + 1) if tuple(words[k : k + length]) == tuple(phrase))
     return {k for start in starts for k in range(start, start + length)}
@@ -57,69 +61,80 @@ def _places(phrase: Sequence[str], words: Sequence[str]) -> set[int]:
 
 @dataclass(frozen=True)
 class NamedGesture:
-    """The gesture that a name means."""
+    """Gesture found by its name, with the kind of match."""
 
-    gesture: str  # its id
+    gesture: str  # id
     kind: MatchKind
-    name: GestureName  # what was left of the name, with the hand and what is not shown
-    of: str = ""  # the class that it stands for
+    name: GestureName  # matched part of the name, with the hand and the words not shown
+    of: str = ""  # name of the class that the gesture represents
 
 
 @dataclass(frozen=True, eq=False)
 class NameTable:
-    """All names of all gestures."""
+    """Look-up table of gesture names, synonyms and classes."""
 
     categories: Mapping[str, str]  # of each gesture by id
-    synonyms: Sequence[tuple[str, str]]  # (name as written, id); of two with one name, the first counts
-    classes: tuple[GestureClass, ...]  # in the order in which they are tried
+    synonyms: Sequence[tuple[str, str]]  # (name as written, id); the first of equal names counts
+    classes: tuple[GestureClass, ...]  # in order of precedence
 
     @cached_property
-    def _spelled(self) -> Mapping[tuple[str, ...], tuple[str, MatchKind]]:
-        """Words of a name -> gesture; a gesture's own name goes before synonyms."""
-        own: dict[tuple[str, ...], tuple[str, MatchKind]] = {}
+    def _by_words(self) -> Mapping[tuple[str, ...], tuple[str, MatchKind]]:
+        """Gesture by the words of its name.
+
+        Names of gestures precede synonyms.
+        """
+        names_by_words: dict[tuple[str, ...], tuple[str, MatchKind]] = {}
         for gesture in self.categories:
-            own.setdefault(read_name(gesture).words, (gesture, "exact"))
-        known: dict[tuple[str, ...], tuple[str, MatchKind]] = {}
+            names_by_words.setdefault(read_name(gesture).words, (gesture, "exact"))
+        synonyms_by_words: dict[tuple[str, ...], tuple[str, MatchKind]] = {}
         for name, gesture in self.synonyms:
-            known.setdefault(read_name(name).words, (gesture, "synonym"))
-        return {**known, **own}
+            synonyms_by_words.setdefault(read_name(name).words, (gesture, "synonym"))
+        return {**synonyms_by_words, **names_by_words}
 
     @cached_property
-    def _run_together(self) -> Mapping[str, tuple[str, MatchKind]]:
-        """Names without gaps between their words; `now here` and `nowhere` are then one, and neither counts."""
-        found: dict[str, tuple[str, MatchKind]] = {}
-        several: set[str] = set()
-        for words, entry in self._spelled.items():
+    def _by_joined_words(self) -> Mapping[str, tuple[str, MatchKind]]:
+        """Gesture by its name without spaces.
+
+        `now here` and `nowhere` are then the same name.
+        """
+        unique_names: dict[str, tuple[str, MatchKind]] = {}
+        ambiguous: set[str] = set()
+        for words, entry in self._by_words.items():
             key = "".join(words)
-            if found.setdefault(key, entry)[0] != entry[0]:
-                several.add(key)
-        return {key: entry for key, entry in found.items() if key not in several}
+            if unique_names.setdefault(key, entry)[0] != entry[0]:
+                ambiguous.add(key)
+        return {key: entry for key, entry in unique_names.items() if key not in ambiguous}
 
     def find(self, name: str, category: str | None = None) -> NamedGesture | None:
-        """Finds the gesture that a name means.
+        """Find the gesture for a name.
 
-        First comes a gesture of this name, however it is spelled, then a synonym, then the gesture that stands for a
-        class that one of its words names.
+        A gesture of this name comes first, in any spelling, then a synonym, then the representative of a class that one
+        of the words names.
 
         Args:
-            name: as a document writes it.
-            category: of the gesture, as far as the document says; it may name a class, or begin a name.
+            name: as written in the document.
+            category: of the gesture, if the document gives it; it may name a class, or be the beginning of a name.
         """
-        read, within = read_name(name), split_words(category or "")
+        read, category_words = read_name(name), split_words(category or "")
         for shorter in read.shortened():
-            entry = self._look_up(shorter.words) or (self._spelled.get((*within, *shorter.words)) if within else None)
+            entry = self._look_up(shorter.words) or (
+                self._by_words.get((*category_words, *shorter.words)) if category_words else None
+            )
             if entry is not None:
                 return NamedGesture(*entry, self._with_sides(entry[0], shorter, read))
         numberless = GestureName(tuple(word for word in read.words if not word.isdigit()), read.hand)
         classified = replace(numberless, words=(*read_name(category or "").words, *numberless.words))
-        for each in self.classes:
-            if each.others(classified.words) is not None:
-                return self._of_class(each, classified)
+        for gesture_class in self.classes:
+            if gesture_class.others(classified.words) is not None:
+                return self._of_class(gesture_class, classified)
         return None
 
     def _with_sides(self, gesture: str, shorter: GestureName, whole: GestureName) -> GestureName:
-        """Leaves a side out of what a pointing gesture shows: it may be where to point, and not the hand alone."""
-        if self.categories[gesture] != POINTING:
+        """Report unused side words such as left in names of pointing gestures.
+
+        The side may be the direction to point, and not only the hand.
+        """
+        if self.categories[gesture] != POINTING_CATEGORY:
             return shorter
         shown = {*shorter.words, *shorter.left_out, "both"}
         return replace(
@@ -127,71 +142,80 @@ class NameTable:
         )
 
     def _look_up(self, words: tuple[str, ...]) -> tuple[str, MatchKind] | None:
-        return self._spelled.get(words) or self._run_together.get("".join(words)) if words else None
+        return self._by_words.get(words) or self._by_joined_words.get("".join(words)) if words else None
 
-    def _of_class(self, each: GestureClass, name: GestureName) -> NamedGesture | None:
-        """Finds the gesture of a class that the other words ask for, else the one that stands for the class.
+    def _of_class(self, gesture_class: GestureClass, name: GestureName) -> NamedGesture | None:
+        """Find the gesture of a class by the remaining words.
 
-        Nothing is found when they ask for a gesture of another category, for two of this one, or for none at all: the
-        class alone would say something else.
+        The representative of the class is used if the other words name no gesture. The result is None when they name a
+        gesture of another category, two gestures of this one, or a negation, since the class would change the meaning.
         """
-        beside = self.categories[each.gesture] != POINTING  # words of a side and place are beside the point
-        if beside:
+        is_other_category = (
+            self.categories[gesture_class.gesture] != POINTING_CATEGORY
+        )  # sides and directions do not matter
+        if is_other_category:
             name = name.sideless()
-        others = each.others(name.words) or ()
-        asked = replace(name, words=tuple(word for word in others if word not in _FILLERS | CATEGORIES))
-        if beside:
-            asked = asked.without(_PLACES)
-        if not asked.words:
-            return NamedGesture(each.gesture, "class", asked, each.name)
-        for shorter in asked.shortened() if beside else (asked,):
-            entry = self._look_up((*split_words(each.name), *shorter.words)) or self._look_up(shorter.words)
-            if entry is not None and self._alike(entry[0], each.gesture):
+        others = gesture_class.others(name.words) or ()
+        remaining = replace(name, words=tuple(word for word in others if word not in _CLASS_FILLERS | CATEGORY_WORDS))
+        if is_other_category:
+            remaining = remaining.without(_BEAT_DIRECTIONS)
+        if not remaining.words:
+            return NamedGesture(gesture_class.gesture, "class", remaining, gesture_class.name)
+        for shorter in remaining.shortened() if is_other_category else (remaining,):
+            entry = self._look_up((*split_words(gesture_class.name), *shorter.words)) or self._look_up(shorter.words)
+            if entry is not None and self._same_category(entry[0], gesture_class.gesture):
                 return NamedGesture(entry[0], "synonym", shorter)
-            if entry is not None and (beside or self.categories[entry[0]] != "iconic"):  # any thing may be pointed at
+            if entry is not None and (
+                is_other_category or self.categories[entry[0]] != "iconic"
+            ):  # any object may be pointed at
                 return None
-        if _NEGATIONS & set(asked.words):
+        if _NEGATION_WORDS & set(remaining.words):
             return None
-        named = {word: entry[0] for word in asked.words if (entry := self._look_up((word,))) is not None}
-        alike = {gesture for gesture in named.values() if self._alike(gesture, each.gesture)}
-        if len(alike) > 1:
+        named = {word: entry[0] for word in remaining.words if (entry := self._look_up((word,))) is not None}
+        same_category = {gesture for gesture in named.values() if self._same_category(gesture, gesture_class.gesture)}
+        if len(same_category) > 1:
             return None
-        if not alike:
-            if not beside and each.before(name.words) & set(asked.words):  # a noun: match point
+        if not same_category:
+            if not is_other_category and gesture_class.before(name.words) & set(
+                remaining.words
+            ):  # a noun such as match point
                 return None
-            return NamedGesture(each.gesture, "class", asked.without(frozenset(asked.words)), each.name)
-        gesture = alike.pop()
+            return NamedGesture(
+                gesture_class.gesture, "class", remaining.without(frozenset(remaining.words)), gesture_class.name
+            )
+        gesture = same_category.pop()
         return NamedGesture(
-            gesture, "synonym", asked.without(frozenset(w for w in asked.words if named.get(w) != gesture))
+            gesture, "synonym", remaining.without(frozenset(w for w in remaining.words if named.get(w) != gesture))
         )
 
-    def _alike(self, one: str, other: str) -> bool:
+    def _same_category(self, one: str, other: str) -> bool:
         return self.categories[one] == self.categories[other]
 
 
 def check_names(
     synonyms: Iterable[tuple[str, str]], classes: Iterable[GestureClass], gestures: Iterable[str]
 ) -> Iterator[str]:
-    """Yields what is wrong with names: an unknown gesture, a name of two gestures, or one that a gesture has itself.
+    """Yield problems of names: unknown gestures, duplicates and conflicts.
 
     Args:
         synonyms: (name, gesture).
         classes: of gestures.
         gestures: ids of all gestures.
     """
-    known = sorted(gestures)
-    own = {read_name(gesture).words for gesture in known}
+    gesture_ids = sorted(gestures)
+    names = {read_name(gesture).words for gesture in gesture_ids}
     seen: dict[tuple[str, ...], str] = {}
-    for each in classes:
-        if each.gesture not in known:
-            yield f"class {each.name}: no gesture {each.gesture}{suggestion(each.gesture, known)}"
+    for gesture_class in classes:
+        if gesture_class.gesture not in gesture_ids:
+            hint = suggestion(gesture_class.gesture, gesture_ids)
+            yield f"class {gesture_class.name}: no gesture {gesture_class.gesture}{hint}"
     for name, gesture in synonyms:
         words = read_name(name).words
-        if gesture not in known:
-            yield f"synonym {name}: no gesture {gesture}{suggestion(gesture, known)}"
+        if gesture not in gesture_ids:
+            yield f"synonym {name}: no gesture {gesture}{suggestion(gesture, gesture_ids)}"
         elif not words:
-            yield f"synonym {name!r} of {gesture} has no word that says what is done"
-        elif words in own:
+            yield f"synonym {name!r} of {gesture} has no word that describes a movement"
+        elif words in names:
             yield f"synonym {name} of {gesture} is a gesture itself"
         elif words in seen:
             yield f"synonym {name} of {gesture} is one of {seen[words]} already"
@@ -199,6 +223,6 @@ def check_names(
 
 
 def class_of(name: str, gesture: str, words: Iterable[str], not_in: Iterable[str] = ()) -> GestureClass:
-    """Makes a class of gestures from the words that name it, and phrases in which they say something else."""
+    """Create a gesture class from its phrases and excluded phrases."""
     named, otherwise = (tuple(read_name(phrase).words for phrase in phrases) for phrases in (words, not_in))
     return GestureClass(name, gesture, named, otherwise)

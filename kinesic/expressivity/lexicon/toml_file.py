@@ -1,4 +1,4 @@
-"""The tables of `configs/gestures/*.toml`, and how they become parts of the lexicon."""
+"""Reading of `configs/gestures/*.toml` into gestures, names and body motion."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -25,9 +25,9 @@ from kinesic.expressivity.style.effort import Tempo
 Category = Literal["beat", "deictic", "iconic", "metaphoric", "emblem", "adaptor", "emotion", "rest"]
 AxisName = Literal["forward", "outward", "up"]
 
-NO_BODIES: Bodies = MappingProxyType({})
-_AXES: tuple[AxisName, ...] = ("forward", "outward", "up")
-_DIRECTIONS: Mapping[str, tuple[int, int, int]] = {
+NO_BODIES: Bodies = MappingProxyType({})  # no default body motion for any gesture category
+_AXIS_NAMES: tuple[AxisName, ...] = ("forward", "outward", "up")
+_DIRECTION_VECTORS: Mapping[str, tuple[int, int, int]] = {  # unit vectors forward, outward, up by direction word
     "forward": (1, 0, 0),
     "back": (-1, 0, 0),
     "out": (0, 1, 0),
@@ -38,79 +38,82 @@ _DIRECTIONS: Mapping[str, tuple[int, int, int]] = {
 
 
 class StrictTable(msgspec.Struct, forbid_unknown_fields=True):
-    """A table whose unknown keys are errors."""
+    """TOML table that rejects unknown keys."""
 
 
 class PathTable(StrictTable):
-    """How a hand comes to its key from the one before; axes in the order of `at`."""
+    """TOML table of a hand path from the previous key.
 
-    kind: PathKind
+    Axes are in the order of `at`.
+    """
+
+    kind: PathKind  # shape of the path
     amplitude: float | tuple[float, float, float] | None = None  # [arm lengths]
-    frequency: float | tuple[float, float, float] | None = None  # turns on the whole way
-    shift: float | tuple[float, float, float] | None = None  # turns
-    amplitude_variation: SizeTrend | None = None
-    frequency_variation: SizeTrend = "none"
-    points: list[tuple[str | float, str | float, str | float]] = []  # as in `at`
+    frequency: float | tuple[float, float, float] | None = None  # periods over the whole path
+    shift: float | tuple[float, float, float] | None = None  # phase in periods
+    amplitude_variation: SizeTrend | None = None  # change of the amplitude along the path
+    frequency_variation: SizeTrend = "none"  # change of the frequency along the path
+    points: list[tuple[str | float, str | float, str | float]] = []  # each as in `at`; for `points` only
 
 
 class HandTable(StrictTable):
-    """One hand in one key."""
+    """TOML table of one hand's pose in a stroke key."""
 
     at: tuple[str | float, str | float, str | float]  # outward, up, forward: sectors or [arm lengths]
-    palm: str | None = None  # direction words such as "up" or "forward in"
-    pointing: str | None = None  # direction words
-    shape: str | None = None  # of `configs/hands.toml`, or another name of it
-    openness: float = 0.0  # 0..1
-    fixed: list[AxisName] = []  # axes that spatial extent leaves alone
-    touch: Touch | None = None  # what the hand is laid on
-    tip: Finger | None = None  # the finger whose tip touches it
-    path: PathTable | None = None  # goes over that of the key
+    palm: str | None = None  # direction of the palm in words, such as "up" or "forward in"
+    pointing: str | None = None  # direction of the fingers in words
+    shape: str | None = None  # name or alias in `configs/hands.toml`
+    openness: float = 0.0  # 0..1: elbow away from the body
+    fixed: list[AxisName] = []  # axes that spatial extent does not scale
+    touch: Touch | None = None  # touched body part
+    tip: Finger | None = None  # finger whose tip touches it
+    path: PathTable | None = None  # overrides the path of the key
 
 
 class KeyTable(StrictTable):
-    """One stroke key: either `both`, or a hand for itself."""
+    """TOML table of a stroke key for one or both hands."""
 
-    path: PathTable | None = None  # of each hand that has none of its own
+    path: PathTable | None = None  # path of each hand without one of its own
 
-    left: HandTable | None = None
-    right: HandTable | None = None
-    both: HandTable | None = None
+    left: HandTable | None = None  # left hand
+    right: HandTable | None = None  # right hand
+    both: HandTable | None = None  # both hands, mirrored
 
 
 class GestureTable(StrictTable):
-    """One gesture."""
+    """TOML table of one gesture."""
 
-    id: str
-    keys: list[KeyTable]
-    meanings: list[str] = []  # words that speak of it, the most characteristic first
-    says: str = ""  # what is done and what it means, in one line
-    tempo: str = "neutral"  # one of `Tempo`
-    body: BodyFormTable = PLAIN_TABLE  # goes over that of the category
-    fingers: str = ""  # what fingers do while the stroke lasts: a motion of `configs/hands.toml`
-    fallback: str = ""  # id of the gesture for a hand that cannot make its shapes
+    id: str  # name for BML's `lexeme`
+    keys: list[KeyTable]  # poses of the stroke; the last one is held
+    meanings: list[str] = []  # words that describe it, the most characteristic first
+    says: str = ""  # movement and meaning in one line
+    tempo: str = "neutral"  # `neutral`, `sudden` or `sustained`
+    body: BodyFormTable = PLAIN_TABLE  # overrides the table of the category
+    fingers: str = ""  # finger motion during the stroke, from `configs/hands.toml`
+    fallback: str = ""  # id of the gesture for hands that cannot make its shapes
 
 
 class ClassTable(StrictTable):
-    """A class of gestures, and the gesture that stands for it."""
+    """TOML table of a gesture class with its representative gesture."""
 
-    gesture: str
-    words: list[str]  # that name the class; several in one mean: in a row
-    not_in: list[str] = []  # phrases in which these words say something else
+    gesture: str  # id of the typical gesture
+    words: list[str]  # phrases that name the class, of one or more words
+    not_in: list[str] = []  # excluded phrases, in which these words have another meaning
 
 
 class GestureFile(StrictTable):
-    """One file: the gestures of a category, and names that find gestures."""
+    """TOML file of gestures of one category, synonyms, classes and body motion."""
 
-    category: Category | None = None
-    gesture: list[GestureTable] = []
-    synonyms: dict[str, list[str]] = {}  # by gesture, of this file or another
-    classes: dict[str, ClassTable] = {}
-    bodies: dict[Category, BodyFormTable] = {}  # what the body does in all gestures of a category
+    category: Category | None = None  # category of all gestures of the file
+    gesture: list[GestureTable] = []  # one `[[gesture]]` each
+    synonyms: dict[str, list[str]] = {}  # further names of a gesture
+    classes: dict[str, ClassTable] = {}  # words that name a class of gestures
+    bodies: dict[Category, BodyFormTable] = {}  # body motion of all gestures of a category
 
 
 @dataclass(frozen=True, eq=False)
 class LexiconPart:
-    """What files say."""
+    """Gestures, names, classes and body motion from one or more files."""
 
     entries: tuple[tuple[GestureForm, Sense], ...] = ()
     synonyms: tuple[tuple[str, str], ...] = ()  # (name, gesture)
@@ -120,31 +123,33 @@ class LexiconPart:
 
 
 def read_gestures(path: Path, bodies: Bodies = NO_BODIES) -> LexiconPart:
-    """Reads the gestures and names of a TOML file, or of all TOML files in a folder in the order of their names.
+    """Read gestures and names from a TOML file or folder.
+
+    The files of a folder are read in the order of their names.
 
     Args:
         path: of the file or folder.
-        bodies: what the body does in gestures of a category of which the files do not say it.
+        bodies: default body motion by category.
 
     Raises:
-        ConfigError: a file is missing or wrong, or a folder holds none.
+        ConfigError: a file is missing or invalid, or a folder has no TOML file.
     """
     paths = sorted(path.glob("*.toml")) if path.is_dir() else [path]
     if not paths:
         raise ConfigError(f"{path}: a folder without .toml files")
     if path.is_dir():
-        for each in paths:
-            check_inside(path, each)
-    files = [(each, read_toml(each, GestureFile)) for each in paths]
-    known: dict[str, BodyFormTable] = {**bodies}
-    for each, file in files:
-        _check_bodies(each, file)
-        known |= {str(category): table for category, table in file.bodies.items()}
-    return join_parts([make_part(each, file, known) for each, file in files], known)
+        for file_path in paths:
+            check_inside(path, file_path)
+    files = [(file_path, read_toml(file_path, GestureFile)) for file_path in paths]
+    all_bodies: dict[str, BodyFormTable] = {**bodies}
+    for file_path, file in files:
+        _check_bodies(file_path, file)
+        all_bodies |= {str(category): table for category, table in file.bodies.items()}
+    return join_parts([make_part(file_path, file, all_bodies) for file_path, file in files], all_bodies)
 
 
 def _check_bodies(path: Path, file: GestureFile) -> None:
-    """Refuse out-of-range amounts, which gestures of other files would inherit."""
+    """Check the angle ranges of the body motion of each gesture category."""
     for category, table in file.bodies.items():
         try:
             body_form(table)
@@ -153,26 +158,29 @@ def _check_bodies(path: Path, file: GestureFile) -> None:
 
 
 def join_parts(parts: Sequence[LexiconPart], bodies: Bodies) -> LexiconPart:
-    """Puts parts one behind the other; of two entries with one name, the first counts."""
+    """Concatenate lexicon parts.
+
+    The first of equal names counts.
+    """
     return LexiconPart(
         tuple(entry for part in parts for entry in part.entries),
         tuple(pair for part in parts for pair in part.synonyms),
         tuple(pair for part in parts for pair in part.meanings),
-        tuple(each for part in parts for each in part.classes),
+        tuple(gesture_class for part in parts for gesture_class in part.classes),
         bodies,
     )
 
 
 def make_part(path: Path, file: GestureFile, bodies: Bodies) -> LexiconPart:
-    """Makes what one file says of its tables.
+    """Convert the tables of one file to a lexicon part.
 
     Args:
         path: of the file, for messages.
         file: its tables.
-        bodies: what the body does in the gestures of each category.
+        bodies: body motion by category.
 
     Raises:
-        ConfigError: a gesture is wrong; says which, and what would have worked.
+        ConfigError: a gesture is invalid; the message names it and valid values.
     """
     if file.gesture and file.category is None:
         raise ConfigError(f"{path}: has gestures and no category; {', '.join(get_args(Category))} are known")
@@ -194,26 +202,26 @@ def _entry(table: GestureTable, category: str, path: Path, bodies: Bodies) -> tu
         body = body_form(overlay_table(table.body, bodies.get(category, PLAIN_TABLE)))
     except ValueError as error:
         raise ConfigError(f"{path}: gesture {table.id}: {error}") from None
-    own_words = [word for word in table.id.split("_") if word not in table.meanings]
+    id_words = [word for word in table.id.split("_") if word not in table.meanings]
     form = GestureForm(
         table.id, category, keys, category == "rest", tempo, body=body, fingers=fingers, fallback=table.fallback
     )
-    return form, Sense((*table.meanings, *own_words), category, table.says)
+    return form, Sense((*table.meanings, *id_words), category, table.says)
 
 
-def _fingers(written: str) -> FingerMotion | None:
-    known = finger_motions()
-    if written and written not in known:
-        raise ValueError(f"fingers is {written!r}{suggestion(written, list(known))}")
-    return known.get(written)
+def _fingers(name: str) -> FingerMotion | None:
+    motions = finger_motions()
+    if name and name not in motions:
+        raise ValueError(f"fingers is {name!r}{suggestion(name, list(motions))}")
+    return motions.get(name)
 
 
-def _tempo(written: str) -> Tempo:
+def _tempo(name: str) -> Tempo:
     for tempo in get_args(Tempo):
-        if tempo == written:
-            found: Tempo = tempo
-            return found
-    raise ValueError(f"tempo is {written!r}; {', '.join(get_args(Tempo))} are known")
+        if tempo == name:
+            valid_tempo: Tempo = tempo
+            return valid_tempo
+    raise ValueError(f"tempo is {name!r}; {', '.join(get_args(Tempo))} are known")
 
 
 def _key(table: KeyTable) -> StrokeKey:
@@ -232,14 +240,14 @@ def _key(table: KeyTable) -> StrokeKey:
 
 
 def _check_paths(keys: tuple[StrokeKey, ...]) -> None:
-    """A path needs a key that it comes from."""
-    known: set[Side] = set()
+    """Check that each path has a preceding key of the same hand."""
+    sides_with_key: set[Side] = set()
     for key in keys:
         for side, pose in key.hands.items():
-            if pose.path is not None and side not in known:
+            if pose.path is not None and side not in sides_with_key:
                 kind = pose.path.kind
                 raise ValueError(f"a hand's first key has a path ({kind}), from nowhere; write the key where it begins")
-        known |= key.hands.keys()
+        sides_with_key |= key.hands.keys()
 
 
 def _path(table: PathTable | None) -> HandPath | None:
@@ -256,14 +264,17 @@ def _path(table: PathTable | None) -> HandPath | None:
 
 
 def _pose(table: HandTable, path: PathTable | None) -> HandPose:
-    """The hand comes by its own path or that of its key."""
+    """Convert the TOML table of a hand pose.
+
+    Its own path overrides that of the key.
+    """
     if not 0.0 <= table.openness <= 1.0:
         raise ValueError(f"openness is {table.openness:g}, outside [0, 1]")
     if table.shape is not None and find_shape(table.shape) is None:
         raise ValueError(f"there is no hand shape {table.shape!r}{suggestion(table.shape, list(hand_shapes()))}")
     if table.tip is not None and table.touch is None:
         raise ValueError(f"tip is {table.tip!r} and touch is missing; write what it touches, such as touch = 'head'")
-    forward, outward, up = (axis in table.fixed for axis in _AXES)
+    forward, outward, up = (axis in table.fixed for axis in _AXIS_NAMES)
     return HandPose(
         position(*table.at),
         (forward, outward, up),
@@ -278,14 +289,14 @@ def _pose(table: HandTable, path: PathTable | None) -> HandPose:
 
 
 def _direction(words: str | None) -> Floats | None:
-    """(3,) unit, forward, outward, up: the mean of direction words."""
+    """Return the unit mean of direction words, (3,) forward, outward, up."""
     if words is None:
         return None
     total = np.zeros(3)
     for word in words.split():
-        if word not in _DIRECTIONS:
-            raise ValueError(f"{word} is no direction{suggestion(word, list(_DIRECTIONS))}")
-        total += _DIRECTIONS[word]
+        if word not in _DIRECTION_VECTORS:
+            raise ValueError(f"{word} is no direction{suggestion(word, list(_DIRECTION_VECTORS))}")
+        total += _DIRECTION_VECTORS[word]
     length = float(np.linalg.norm(total))
     if length == 0:
         raise ValueError(f"{words!r} points nowhere; such as 'up' or 'forward in'")

@@ -1,1 +1,1 @@
-"""Says in which manner each behaviour is performed, by eight numbers for each modality."""
+"""Styles and expressivity parameters of each behaviour, per modality."""

@@ -1,8 +1,9 @@
-"""Effort: how much time and force each phase of a gesture gets, by what the gesture is and in which manner it is done.
+"""Durations and spline parameters of gesture phases, by category and expressivity.
 
-People take nearly the same time for short and long ways, so that speed follows distance; they put their force into the
-stroke, pass through its keys and go home unhurried (Kendon; Laban's effort of time). Measured on 241 captured gestures,
-the duration of a way grows with its length to the power of 0.1 to 0.3. No time is shorter than what the servos need.
+People take nearly the same time for short and long hand movements, so that velocity grows with distance. They put
+their force into the stroke, pass through its keys and retract slowly (Kendon; Laban's effort of time). In 241 captured
+gestures, the duration grows with the travelled distance to the power of 0.1 to 0.3. No duration is shorter than the
+servos need.
 """
 
 from collections.abc import Mapping
@@ -11,197 +12,260 @@ from functools import cached_property
 from math import log2
 from typing import Literal
 
-from kinesic.expressivity.style.pace import HASTE, Pace, hurry_time, natural_time
-from kinesic.expressivity.style.style import LEAST_LATE, NEUTRAL, Expressivity, Phase, passage_of
-from kinesic.motion.keys import EVEN, STEEPEST, KeyPassage
+from kinesic.expressivity.style.pace import TEMPORAL_FACTOR, Pace, natural_time, scale_time
+from kinesic.expressivity.style.style import MIN_LATE_ACCENT, NEUTRAL_EXPRESSIVITY, Expressivity, Phase, passage_of
+from kinesic.motion.keys import LINEAR_STEEPNESS, MAX_STEEPNESS, KeyPassage
 
 Tempo = Literal["sudden", "neutral", "sustained"]
 
-PACES: Mapping[Tempo, float] = {"sudden": 0.48, "neutral": 1.0, "sustained": 2.1}  # factors on time
-POSE_TIME = 1.3  # factor on the time of a gesture that is a pose
-CALM = 0.5  # exponent of slowness on the way home; who acts quickly goes home no faster
-SPREAD = 0.5  # exponent of a tempo in the stroke, which has its length in time from its meaning
+TEMPO_FACTORS: Mapping[Tempo, float] = {"sudden": 0.48, "neutral": 1.0, "sustained": 2.1}  # factor on durations
+POSE_TIME_FACTOR = 1.3  # factor on the durations of a gesture that only takes a pose
+RETRACTION_EXPONENT = 0.5  # exponent of slowness in the retraction; fast gestures retract no faster
+STROKE_SLOWNESS_EXPONENT = 0.5  # exponent of slowness in the stroke, whose duration mostly follows from its meaning
 
-PREPARATION, RETURN, STROKE = 0.56, 0.96, 0.47  # [s] of a way of usual length
-WAY, SWING_WAY = 0.9, 0.35  # [arm lengths] of such a way from rest, and in a stroke
-SHORTEST_WAY = 0.02  # [arm lengths] below which no way takes less time
-FLAT, FLATTER, STEEP = 0.10, 0.25, 0.4  # exponents of the length: of the way there, back, and in a stroke
-PLAIN_BEGIN, PLAIN_BIT, PLAIN_WIDTH = 0.1, 0.15, 0.05  # [s], [s] and [m] of a target in Fitts' law
-PLAIN_FORCEFUL, PLAIN_HOLD = 2.4, 0.5  # times the least time of a stroke without any effort, and shares of it as hold
-READY, EASY, FORCEFUL = 1.05, 1.3, 1.6  # times what the servos need at least; an accent needs half as much again
-ROOM_FOR_ACCENT = (
-    1.5  # times the same that power leaves a stroke: with less the servos round its accent off, and it is no faster
-)
-CARRIED = 0.6  # of weakness: what the ways there and back have of it (Greta's share)
+PREPARATION_TIME = 0.56  # [s] natural preparation over the reference distance
+RETRACTION_TIME = 0.96  # [s] natural retraction over the reference distance
+STROKE_TIME = 0.47  # [s] natural stroke over the reference stroke distance
+REFERENCE_DISTANCE = 0.9  # [arm lengths] usual distance between rest and stroke
+REFERENCE_STROKE_DISTANCE = 0.35  # [arm lengths] usual distance of one swing of a stroke
+MIN_DISTANCE = 0.02  # [arm lengths] shorter movements take as long as one of this distance
+PREPARATION_DISTANCE_EXPONENT = 0.10  # exponent of the relative distance in the preparation time
+RETRACTION_DISTANCE_EXPONENT = 0.25  # exponent of the relative distance in the retraction time
+STROKE_DISTANCE_EXPONENT = 0.4  # exponent of the relative distance in the duration of a swing
+FITTS_INTERCEPT = 0.1  # [s] constant term of Fitts' law
+FITTS_SLOPE = 0.15  # [s] per bit of difficulty in Fitts' law
+FITTS_WIDTH = 0.05  # [m] target width in Fitts' law
+PLAIN_STROKE_MARGIN = 2.4  # stroke duration in neutral style / minimum duration of the servos
+PLAIN_HOLD_RATIO = 0.5  # hold time / stroke duration in neutral style
+PREPARATION_MARGIN = 1.05  # duration / minimum duration of the servos, in a preparation from rest
+EASY_MARGIN = 1.3  # duration / minimum duration of the servos, in retractions and between gestures
+STROKE_MARGIN = 1.6  # duration / minimum duration of the servos, in strokes
+ACCENT_MARGIN = 1.5  # duration / minimum duration to which power shortens strokes; servos round off shorter accents
+WEAKNESS_FRACTION = 0.6  # fraction of a negative power that slows preparation and retraction (from Greta)
 
-BEAT_TIME = 0.6  # [s] of a stroke after which the hand is held as long as its category says
-DWELL, DYNAMIC_DWELL = 1.8, 0.4  # factors on the hold of a pose, and of a stroke of `BEAT_TIME`
+REFERENCE_STROKE_TIME = 0.6  # [s] stroke duration to which the hold times of categories refer
+POSE_HOLD_FACTOR = 1.8  # factor on the category's hold time after a pose
+STROKE_HOLD_FACTOR = 0.4  # factor on the category's hold time after a stroke of the reference duration
 
-ACCENT = 1.9  # steepness that a dynamic stroke adds to the softest
-SPOKEN_ACCENT = 6.4  # likewise where a word sounds at its end: people's hands are fastest at the accented syllable
-ONWARD, THROUGH = 0.9, 0.8  # swing at the key where a stroke begins, and at its other keys
-SPOKEN_ONWARD = 0.4  # at the key where one begins that meets a word: the rest of the speed is kept for the word
-SPOKEN_LOOSE = -0.15  # tension there at least, however loose the hand
-ALONG = 0.4  # swing at both ends of a path, from which the hand must not stray
-CROWDED = 0.7  # share of its natural time from which on a way has neither swing nor accent
-UNHURRIED = 7.5  # steepness of the linear easing of the way home: a third faster than its mean
-SOFTENED = 1.6  # exponent with which fluidity makes the way home begin and end softly
-FIRM = 0.5  # power, tension or stiffness that takes the whole swing away
-LOOSE = 0.3  # of the swing, which a tension of -1 has by itself
+STROKE_ACCENT = 1.9  # easing steepness, beyond the softest, of dynamic strokes without a word
+SPOKEN_ACCENT = 6.4  # easing steepness, beyond the softest, of strokes that are fastest at an accented word
+STROKE_START_SWING = 0.9  # overshoot parameter at the key where a stroke begins
+STROKE_KEY_SWING = 0.8  # overshoot parameter at the other keys of a stroke
+SPOKEN_START_SWING = 0.4  # overshoot parameter at the start of a stroke on a word, low for a late velocity peak
+MIN_SPOKEN_TENSION = -0.15  # smallest spline tension in the preparation of a stroke on a word
+PATH_END_SWING = 0.4  # overshoot parameter at both ends of a path, low so that the hand stays on it
+MIN_LEISURE = 0.7  # available / natural time below which keys have neither swing nor accent
+RETRACTION_STEEPNESS = 7.5  # steepness of the linear easing in the retraction: peak / mean velocity 4/3
+FLUIDITY_EXPONENT = 1.6  # exponent of (1 - fluidity) in the steepness of the retraction
+FULL_FIRMNESS = 0.5  # power, tension or stiffness that removes all swing
+LOOSENESS_REDUCTION = 0.3  # fraction of the swing removed at tension -1, where the spline itself swings
 
 
 @dataclass(frozen=True)
-class Character:
-    """How gestures of one category are done."""
+class CategoryProfile:
+    """Duration factor and hold time of one gesture category."""
 
-    time: float  # factor on the time of all ways
-    hold: float  # [s] after a stroke of usual length
+    time: float  # factor on the durations of all movements
+    hold: float  # [s] after a stroke of the reference duration
 
 
-USUAL = Character(1.0, 0.30)
-CHARACTERS: Mapping[str, Character] = {
-    "beat": Character(0.85, 0.17),
-    "deictic": Character(0.9, 0.45),
-    "emblem": Character(0.95, 0.35),
-    "iconic": Character(1.0, 0.25),
-    "emotion": Character(1.0, 0.45),
-    "metaphoric": Character(1.1, 0.30),
-    "adaptor": Character(1.3, 0.30),
-    "rest": Character(1.6, 0.30),
+DEFAULT_PROFILE = CategoryProfile(
+    1.0, 0.30
+)  # factor on durations, and hold time [s], for gesture categories without a profile
+CATEGORY_PROFILES: Mapping[str, CategoryProfile] = {
+    "beat": CategoryProfile(0.85, 0.17),
+    "deictic": CategoryProfile(0.9, 0.45),
+    "emblem": CategoryProfile(0.95, 0.35),
+    "iconic": CategoryProfile(1.0, 0.25),
+    "emotion": CategoryProfile(1.0, 0.45),
+    "metaphoric": CategoryProfile(1.1, 0.30),
+    "adaptor": CategoryProfile(1.3, 0.30),
+    "rest": CategoryProfile(1.6, 0.30),
 }
 
 
 @dataclass(frozen=True)
-class Nature:
-    """What a gesture is, as far as its effort depends on it."""
+class GestureTraits:
+    """Properties of a gesture that determine its durations and accents."""
 
-    category: str = ""  # of the lexicon, or anybody's own
+    category: str = ""  # of the lexicon, or defined by the user
     tempo: Tempo = "neutral"
-    dynamic: bool = True  # the hand goes a way of its own in the stroke; else it comes to a pose and stays
-    weight: float = 1.0  # of all that: 0 hands are as fast as servos are at ease, and stop at every key .. 1
+    dynamic: bool = True  # whether the hand moves during the stroke; otherwise it takes a pose and holds it
+    weight: float = 1.0  # of the effort profile: 0 Fitts' law, with a stop at every key .. 1 full profile
 
 
-PLAIN_NATURE = Nature()
+PLAIN_TRAITS = GestureTraits()  # traits of a dynamic gesture without category or tempo
 
 
 @dataclass(frozen=True, eq=False)
 class Effort:
-    """Times and passages of one gesture on one robot; documents that give times keep theirs."""
+    """Calculator of durations and spline parameters of one gesture on one robot.
 
-    pace: Pace  # what the robot can
-    nature: Nature = PLAIN_NATURE
-    manner: Expressivity = NEUTRAL
-    spoken: bool = False  # a word sounds at the stroke: the hand is fastest near it, and not when it sets out
+    Documents that give times keep theirs.
+    """
+
+    pace: Pace  # minimum durations of the robot
+    traits: GestureTraits = PLAIN_TRAITS
+    manner: Expressivity = NEUTRAL_EXPRESSIVITY
+    spoken: bool = False  # whether a word sounds at the stroke; the peak velocity then comes near the word
 
     @cached_property
     def slowness(self) -> float:
-        """Factor on time by what the gesture is."""
-        return self._character.time * PACES[self.nature.tempo] * (1.0 if self.nature.dynamic else POSE_TIME)
-
-    def preparation_time(self, distance: float) -> float:
-        """Finds the natural time of the way from rest to a stroke [s].
-
-        Args:
-            distance: [m]; the shortest times that servos need grow with it.
-        """
-        return self._way_time(distance, self.slowness, READY)
-
-    def joining_time(self, distance: float) -> float:
-        """Finds the natural time of the way from another gesture to the stroke [s]; it is never slow."""
-        return self._way_time(distance, min(self.slowness, 1.0), EASY)
-
-    def return_time(self, distance: float) -> float:
-        """Finds the natural time of the way from a hold to rest [s], which nothing hurries."""
-        ease = RETURN * max(self.slowness, 1.0) ** CALM * self._length(distance, WAY) ** FLATTER
-        least = self.pace.least_hand_time(distance)
-        ease = self._blend(max(ease, EASY * least), max(_fitts(distance), EASY * least))
-        return natural_time(ease, least, self.manner.temporal, CARRIED * min(self.manner.power, 0.0))
-
-    def stroke_time(self, distance: float) -> float:
-        """Finds the natural time of one swing of a stroke [s]; power moves its force here."""
-        ease = STROKE * self.slowness**SPREAD * self._length(distance, SWING_WAY) ** STEEP
-        least = self.pace.least_hand_time(distance)
-        ease = self._blend(max(ease, FORCEFUL * least), max(_fitts(distance), PLAIN_FORCEFUL * least))
-        return natural_time(ease, least, self.manner.temporal, self.manner.power, room=ROOM_FOR_ACCENT)
-
-    def hold_time(self, stroke: float) -> float:
-        """Finds how long the hand stays after a stroke, which took so many seconds in plain manner [s]."""
-        dwell = DYNAMIC_DWELL * stroke / BEAT_TIME if self.nature.dynamic else DWELL
-        return hurry_time(
-            self._blend(self._character.hold * dwell, PLAIN_HOLD * stroke), 0.0, self.manner.temporal, HASTE
+        """Duration factor from the gesture's category, tempo and kind."""
+        return (
+            self._profile.time * TEMPO_FACTORS[self.traits.tempo] * (1.0 if self.traits.dynamic else POSE_TIME_FACTOR)
         )
 
-    def passage(self, phase: Phase, *, led: bool = False, leisure: float = 1.0, stroke: bool = True) -> KeyPassage:
-        """Derives how the hand passes a key.
+    def preparation_time(self, distance: float) -> float:
+        """Return the natural duration from rest to a stroke [s].
 
         Args:
-            phase: that the way to the key belongs to.
-            led: whether a path begins or ends at the key, along which the hand speeds up and slows down by itself.
-            leisure: the share of its natural time that the gesture has, its neighbours considered.
-            stroke: whether the key is a stroke, which a word may meet.
+            distance: travelled by the hand [m]; the minimum duration of the servos grows with it.
+        """
+        return self._approach_time(distance, self.slowness, PREPARATION_MARGIN)
+
+    def joining_time(self, distance: float) -> float:
+        """Return the natural duration of the transition from another gesture [s].
+
+        A slow category or tempo does not lengthen it.
+        """
+        return self._approach_time(distance, min(self.slowness, 1.0), EASY_MARGIN)
+
+    def return_time(self, distance: float) -> float:
+        """Return the natural duration of the retraction [s].
+
+        A fast gesture does not shorten it.
+        """
+        natural = (
+            RETRACTION_TIME
+            * max(self.slowness, 1.0) ** RETRACTION_EXPONENT
+            * self._relative_distance(distance, REFERENCE_DISTANCE) ** RETRACTION_DISTANCE_EXPONENT
+        )
+        minimum = self.pace.least_hand_time(distance)
+        natural = self._blend(max(natural, EASY_MARGIN * minimum), max(_fitts(distance), EASY_MARGIN * minimum))
+        return natural_time(natural, minimum, self.manner.temporal, WEAKNESS_FRACTION * min(self.manner.power, 0.0))
+
+    def stroke_time(self, distance: float) -> float:
+        """Return the natural duration of one swing of a stroke [s].
+
+        Positive power shortens it.
+        """
+        natural = (
+            STROKE_TIME
+            * self.slowness**STROKE_SLOWNESS_EXPONENT
+            * self._relative_distance(distance, REFERENCE_STROKE_DISTANCE) ** STROKE_DISTANCE_EXPONENT
+        )
+        minimum = self.pace.least_hand_time(distance)
+        natural = self._blend(
+            max(natural, STROKE_MARGIN * minimum), max(_fitts(distance), PLAIN_STROKE_MARGIN * minimum)
+        )
+        return natural_time(natural, minimum, self.manner.temporal, self.manner.power, margin=ACCENT_MARGIN)
+
+    def hold_time(self, stroke: float) -> float:
+        """Return the duration of the hold after a stroke [s].
+
+        Args:
+            stroke: duration of the stroke in neutral expressivity [s].
+        """
+        dwell = STROKE_HOLD_FACTOR * stroke / REFERENCE_STROKE_TIME if self.traits.dynamic else POSE_HOLD_FACTOR
+        return scale_time(
+            self._blend(self._profile.hold * dwell, PLAIN_HOLD_RATIO * stroke),
+            0.0,
+            self.manner.temporal,
+            TEMPORAL_FACTOR,
+        )
+
+    def passage(self, phase: Phase, *, led: bool = False, time_ratio: float = 1.0, stroke: bool = True) -> KeyPassage:
+        """Return the spline parameters (easing, tension, overshoot) of a stroke key.
+
+        Args:
+            phase: gesture phase of the movement that ends at the key.
+            led: whether a path begins or ends at the key, along which the hand accelerates and decelerates by itself.
+            time_ratio: available time divided by the natural time of the gesture, its neighbours included.
+            stroke: whether the key is a stroke, at which a word may sound.
         """
         manner = self.manner
         if phase == "retraction":
             soft, stiff = max(manner.fluidity, 0.0), max(-manner.fluidity, 0.0)
-            even = EVEN + (UNHURRIED - EVEN) * (1.0 - soft) ** SOFTENED + (STEEPEST - UNHURRIED) * stiff
-            home = replace(passage_of(manner, phase), easing="linear", steepness=self._blend(even, EVEN))
-            return home if self.nature.weight > 0.0 else passage_of(manner, phase)
+            even = (
+                LINEAR_STEEPNESS
+                + (RETRACTION_STEEPNESS - LINEAR_STEEPNESS) * (1.0 - soft) ** FLUIDITY_EXPONENT
+                + (MAX_STEEPNESS - RETRACTION_STEEPNESS) * stiff
+            )
+            home = replace(passage_of(manner, phase), easing="linear", steepness=self._blend(even, LINEAR_STEEPNESS))
+            return home if self.traits.weight > 0.0 else passage_of(manner, phase)
         if phase == "hold":
             return passage_of(manner, phase)
         if phase == "preparation":
             manner = replace(manner, power=min(manner.power, 0.0))
-            if self.spoken:  # who comes with a rush is fastest there, and not at the word
-                manner = replace(manner, fluidity=min(manner.fluidity, 0.0), tension=max(manner.tension, SPOKEN_LOOSE))
-        free = self.nature.weight * min(max((leisure - CROWDED) / (1.0 - CROWDED), 0.0), 1.0)
-        onward = SPOKEN_ONWARD if self.spoken else ONWARD
-        swing = self._suppleness * (ALONG if led else onward if phase == "preparation" else THROUGH)
-        accent = self._accent(met=self.spoken and stroke) if phase == "stroke" and not led else 0.0
-        swing = free * swing if self.nature.dynamic else 0.0
+            if self.spoken:  # a fast preparation would put the peak velocity before the word
+                manner = replace(
+                    manner, fluidity=min(manner.fluidity, 0.0), tension=max(manner.tension, MIN_SPOKEN_TENSION)
+                )
+        free = self.traits.weight * min(max((time_ratio - MIN_LEISURE) / (1.0 - MIN_LEISURE), 0.0), 1.0)
+        onward = SPOKEN_START_SWING if self.spoken else STROKE_START_SWING
+        swing = self._swing_factor * (PATH_END_SWING if led else onward if phase == "preparation" else STROKE_KEY_SWING)
+        accent = self._accent(is_spoken_key=self.spoken and stroke) if phase == "stroke" and not led else 0.0
+        swing = free * swing if self.traits.dynamic else 0.0
         return passage_of(manner, phase, accent=free * accent, late=self.spoken, swing=swing)
 
     @property
     def plain(self) -> "Effort":
-        """The same gesture in no manner."""
-        return replace(self, manner=NEUTRAL)
+        """The same calculator with neutral expressivity."""
+        return replace(self, manner=NEUTRAL_EXPRESSIVITY)
 
     @property
-    def _suppleness(self) -> float:
-        """Factor on all swings: who is forceful, tense or stiff goes straight from key to key."""
+    def _swing_factor(self) -> float:
+        """Factor on overshoot at keys, reduced by power, tension and stiffness."""
         firmness = max(self.manner.power, self.manner.tension, -self.manner.fluidity, 0.0)
-        return max(1.0 - firmness / FIRM, 0.0) * (1.0 + LOOSE * min(self.manner.tension, 0.0))
+        return max(1.0 - firmness / FULL_FIRMNESS, 0.0) * (1.0 + LOOSENESS_REDUCTION * min(self.manner.tension, 0.0))
 
     @property
-    def _abruptness(self) -> float:
-        """Factor on all accents: jerky hands begin their strokes at once, fluid and loose ones softly."""
+    def _accent_factor(self) -> float:
+        """Factor on stroke accents, high for jerky and low for fluid motion."""
         return (1.0 - self.manner.fluidity) * (1.0 + min(self.manner.tension, 0.0))
 
-    def _accent(self, *, met: bool) -> float:
-        """Steepness that a way of a stroke adds to the softest; where a word meets one, that way alone has any."""
-        if met:
-            return max(self._abruptness, LEAST_LATE / SPOKEN_ACCENT) * SPOKEN_ACCENT
-        return self._abruptness * ACCENT if self.nature.dynamic and not self.spoken else 0.0
+    def _accent(self, *, is_spoken_key: bool) -> float:
+        """Return the increase of easing steepness that accents the stroke.
+
+        Args:
+            is_spoken_key: whether a word sounds at this key; only that key then has an accent.
+        """
+        if is_spoken_key:
+            return max(self._accent_factor, MIN_LATE_ACCENT / SPOKEN_ACCENT) * SPOKEN_ACCENT
+        return self._accent_factor * STROKE_ACCENT if self.traits.dynamic and not self.spoken else 0.0
 
     @property
-    def _character(self) -> Character:
-        return CHARACTERS.get(self.nature.category.lower(), USUAL)
+    def _profile(self) -> CategoryProfile:
+        return CATEGORY_PROFILES.get(self.traits.category.lower(), DEFAULT_PROFILE)
 
-    def _way_time(self, distance: float, slowness: float, easy: float) -> float:
-        """Time of the way to a stroke [s]: weakness slows it, power is kept for the stroke."""
-        least = self.pace.least_hand_time(distance)
-        ease = PREPARATION * slowness * self._length(distance, WAY) ** FLAT
-        weakness = CARRIED * min(self.manner.power, 0.0)
-        ease = self._blend(max(ease, easy * least), max(_fitts(distance), EASY * least))
-        return natural_time(ease, least, self.manner.temporal, weakness)
+    def _approach_time(self, distance: float, slowness: float, easy: float) -> float:
+        """Return the duration of the movement to a stroke [s].
 
-    def _blend(self, ours: float, plain: float) -> float:
-        """What this gesture has of an amount, and of the one that it would have without any effort."""
-        return plain + self.nature.weight * (ours - plain)
+        Weakness lengthens it, power acts on the stroke alone.
+        """
+        minimum = self.pace.least_hand_time(distance)
+        natural = (
+            PREPARATION_TIME
+            * slowness
+            * self._relative_distance(distance, REFERENCE_DISTANCE) ** PREPARATION_DISTANCE_EXPONENT
+        )
+        weakness = WEAKNESS_FRACTION * min(self.manner.power, 0.0)
+        natural = self._blend(max(natural, easy * minimum), max(_fitts(distance), EASY_MARGIN * minimum))
+        return natural_time(natural, minimum, self.manner.temporal, weakness)
 
-    def _length(self, distance: float, usual: float) -> float:
-        """Length of a way [m] in usual ones [arm lengths]."""
-        return max(distance / self.pace.robot.arm_length, SHORTEST_WAY) / usual
+    def _blend(self, effort_value: float, plain: float) -> float:
+        """Interpolate between the neutral and the expressive value by the style weight."""
+        return plain + self.traits.weight * (effort_value - plain)
+
+    def _relative_distance(self, distance: float, usual: float) -> float:
+        """Return a distance [m] relative to a reference distance [arm lengths]."""
+        return max(distance / self.pace.robot.arm_length, MIN_DISTANCE) / usual
 
 
 def _fitts(distance: float) -> float:
-    """Time of a way of the hand by Fitts' law [s], which knows neither phase nor gesture."""
-    return PLAIN_BEGIN + PLAIN_BIT * log2(distance / PLAIN_WIDTH + 1.0)
+    """Return the duration of a hand movement by Fitts' law [s].
+
+    It depends on neither phase nor gesture.
+    """
+    return FITTS_INTERCEPT + FITTS_SLOPE * log2(distance / FITTS_WIDTH + 1.0)

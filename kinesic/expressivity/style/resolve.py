@@ -1,6 +1,6 @@
-"""Resolves how a behaviour is moved: by the style, the block, the behaviour itself, and settings over them all.
+"""Resolve expressivity parameters from style, block, behaviour and settings.
 
-Overall activation, how much movement there is, changes the parameters that make movement.
+Overall activation scales the parameters that produce movement.
 """
 
 from collections.abc import Mapping
@@ -8,56 +8,67 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from kinesic.bml.block import Behaviour, Block, Manner, Modality
-from kinesic.expressivity.style.style import MODALITIES, RANGES, WEIGHTS, Expressivity, Style, style_preset
+from kinesic.expressivity.style.style import (
+    EXPRESSIVITY_RANGES,
+    MODALITIES,
+    WEIGHT_RANGES,
+    Expressivity,
+    Style,
+    style_preset,
+)
 
-# How far full activation goes from a parameter's value to the end of its range. An animated speaker moves wider,
-# faster, with more force and away from the body; how a movement flows and how often it is repeated stay his own.
-SHARES: Mapping[str, float] = {"spatial": 0.7, "temporal": 0.9, "power": 0.9, "openness": 0.3}
-StyleSource = Literal["style", "block", "behaviour", "setting"]  # a later one wins, number by number
+# Fraction of the distance to the end of a parameter's range that full activation covers. An animated speaker moves
+# wider, faster, with more force and away from the body; fluidity and repetition do not change.
+ACTIVATION_FRACTIONS: Mapping[str, float] = {"spatial": 0.7, "temporal": 0.9, "power": 0.9, "openness": 0.3}
+StyleSource = Literal["style", "block", "behaviour", "setting"]  # later sources override earlier ones per parameter
 
 
 def fold_activation(manner: Expressivity) -> Expressivity:
-    """Folds activation into the parameters that it raises or lowers, and leaves it 0.
+    """Apply the activation to other parameters, then set it to zero.
 
-    Each goes its share of the way to its upper end for an activation of 1, to its lower end for -1, in proportion
-    between. It is monotone, stays inside the ranges, and is the identity at 0.
+    At activation 1 each parameter moves its fraction of the distance to its upper limit, at -1 to its lower limit, in
+    proportion between. The map is monotone, stays inside the ranges, and is the identity at 0.
 
     Args:
-        manner: as resolved.
+        manner: resolved parameters.
     """
     changes = {
-        name: _go_towards(getattr(manner, name), name, manner.activation * share) for name, share in SHARES.items()
+        name: _move_towards(getattr(manner, name), name, manner.activation * fraction)
+        for name, fraction in ACTIVATION_FRACTIONS.items()
     }
     return replace(manner, activation=0.0, **changes)
 
 
-def _go_towards(value: float, name: str, share: float) -> float:
-    """A share of the way to the upper end of a parameter's range; below 0 to the lower end."""
-    least, most = RANGES[name]
-    return value + share * (most - value) if share > 0 else value - share * (least - value)
+def _move_towards(value: float, name: str, fraction: float) -> float:
+    """Move a value a fraction of the distance to its range limit.
+
+    A positive fraction moves it to the upper limit, a negative one to the lower.
+    """
+    least, most = EXPRESSIVITY_RANGES[name]
+    return value + fraction * (most - value) if fraction > 0 else value - fraction * (least - value)
 
 
 @dataclass(frozen=True)
 class ResolvedNumbers:
-    """The numbers of one modality, and who said each."""
+    """Resolved parameters of one modality, with the origin of each value."""
 
     expressivity: Expressivity
-    sources: Mapping[str, StyleSource]  # parameter -> who said it
+    sources: Mapping[str, StyleSource]  # parameter -> source of its value
 
 
 def resolve_numbers(style: Style, modality: Modality, block: Block, behaviour: Behaviour) -> ResolvedNumbers:
-    """Resolves the numbers of a behaviour, each from the last source that says it.
+    """Resolve each parameter to the last source that sets it.
 
-    A preset that a document names is complete: it takes the place of everything before it.
+    A preset that a document names is complete: it replaces all earlier sources.
 
     Args:
         style: of the performance.
         modality: that moves.
         block: of the behaviour.
-        behaviour: whose own manner goes over that of its block.
+        behaviour: its own parameters override those of its block.
 
     Raises:
-        ConfigError: a manner names a preset that does not exist.
+        ConfigError: a behaviour or block names a preset that does not exist.
     """
     numbers = dict(vars(style.of(modality)))
     sources: dict[str, StyleSource] = dict.fromkeys(numbers, "style")
@@ -66,10 +77,10 @@ def resolve_numbers(style: Style, modality: Modality, block: Block, behaviour: B
         ("behaviour", behaviour.manner),
     )
     for source, manner in layers:
-        said = {} if manner.style is None else dict(vars(style_preset(manner.style).of(modality)))
-        said |= {name: value for name in RANGES if (value := getattr(manner, name)) is not None}
-        numbers |= said
-        sources |= dict.fromkeys(said, source)
+        values = {} if manner.style is None else dict(vars(style_preset(manner.style).of(modality)))
+        values |= {name: value for name in EXPRESSIVITY_RANGES if (value := getattr(manner, name)) is not None}
+        numbers |= values
+        sources |= dict.fromkeys(values, source)
     for setting in style.settings:
         if setting.concerns(modality):
             numbers[setting.parameter] = setting.value
@@ -78,23 +89,23 @@ def resolve_numbers(style: Style, modality: Modality, block: Block, behaviour: B
 
 
 def resolve_styles(style: Style, block: Block) -> Mapping[str, Style]:
-    """Resolves the style of each behaviour of a block, with activation folded into the other numbers.
+    """Resolve the style of each behaviour of a block, with activation applied.
 
     Args:
-        style: of the performance; the documents go over it, and its settings over them.
-        block: whose behaviours are moved.
+        style: of the performance; documents override it, and its settings override documents.
+        block: with the behaviours.
 
     Returns:
-        Behaviour id -> style, whose settings are in force already.
+        Behaviour id -> style, with the settings already applied.
 
     Raises:
-        ConfigError: a manner names a preset that does not exist.
+        ConfigError: a behaviour or block names a preset that does not exist.
     """
-    found: dict[Manner, Style] = {}  # behaviours that say nothing of their manner share one
+    styles: dict[Manner, Style] = {}  # behaviours with equal parameters use the same style
     for behaviour in block.behaviours:
-        if behaviour.manner not in found:
-            found[behaviour.manner] = _resolve_style(style, block, behaviour)
-    return {behaviour.id: found[behaviour.manner] for behaviour in block.behaviours}
+        if behaviour.manner not in styles:
+            styles[behaviour.manner] = _resolve_style(style, block, behaviour)
+    return {behaviour.id: styles[behaviour.manner] for behaviour in block.behaviours}
 
 
 def _resolve_style(style: Style, block: Block, behaviour: Behaviour) -> Style:
@@ -102,12 +113,17 @@ def _resolve_style(style: Style, block: Block, behaviour: Behaviour) -> Style:
         modality: fold_activation(resolve_numbers(style, modality, block, behaviour).expressivity)
         for modality in MODALITIES
     }
-    whole_body, effort = (_weight(name, style, block, behaviour) for name in WEIGHTS)
+    whole_body, effort = (_weight(name, style, block, behaviour) for name in WEIGHT_RANGES)
     return Style(style.name, settings=(), whole_body=whole_body, effort=effort, **manners)
 
 
 def _weight(name: str, style: Style, block: Block, behaviour: Behaviour) -> float:
-    """A weight of the style as a whole: a setting's, else that of the preset which a document names last."""
+    """Resolve a style weight from settings, document and style.
+
+    A setting has precedence over the innermost preset of the document, and that over the performance's style.
+
+    Without either, the performance's style gives it.
+    """
     named = (behaviour.manner.style, block.manners.get("gesture", Manner()).style)
     presets = [] if any(setting.parameter == name for setting in style.settings) else [*filter(None, named)]
     weight: float = getattr(style_preset(presets[0]) if presets else style, name)

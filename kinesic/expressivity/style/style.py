@@ -1,4 +1,4 @@
-"""Style: the manner in which a performance is moved, modality by modality, and how it passes the keys of a motion."""
+"""Style of a performance: expressivity per modality, and resulting spline parameters."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
@@ -8,15 +8,23 @@ from typing import Literal, get_args
 
 import msgspec
 
-from kinesic.bml.block import RANGES, Modality
-from kinesic.body.config import ConfigError, locate, names_of, read_toml, suggestion
+from kinesic.bml.block import EXPRESSIVITY_RANGES, Modality
+from kinesic.body.config import ConfigError, locate_config, names_of, read_toml, suggestion
+from kinesic.body.html_view import NotebookView
 from kinesic.motion.easing import Easing
-from kinesic.motion.keys import ACCENT, EVEN, LATE_ACCENT, SOFTEST, STEEPEST, KeyPassage
+from kinesic.motion.keys import (
+    ACCENT_EASING,
+    LATE_ACCENT_EASING,
+    LINEAR_STEEPNESS,
+    MAX_STEEPNESS,
+    MIN_STEEPNESS,
+    KeyPassage,
+)
 
 __all__ = [
+    "EXPRESSIVITY_RANGES",
     "MODALITIES",
-    "NEUTRAL",
-    "RANGES",
+    "NEUTRAL_EXPRESSIVITY",
     "Expressivity",
     "Modality",
     "Phase",
@@ -29,25 +37,27 @@ __all__ = [
 MODALITIES: tuple[Modality, ...] = get_args(Modality)
 Phase = Literal["preparation", "stroke", "hold", "retraction"]
 
-WEIGHTS: Mapping[str, tuple[float, float]] = {  # of a style as a whole, whatever moves
-    "whole_body": (0.0, 2.0),  # of what the body does beside the hands
-    "effort": (0.0, 1.0),  # of what each phase of a gesture gets by what the gesture is
+WEIGHT_RANGES: Mapping[str, tuple[float, float]] = {  # smallest and largest style weights for all modalities
+    "whole_body": (0.0, 2.0),  # of body motion that accompanies the hands
+    "effort": (0.0, 1.0),  # of the effort profile that sets durations and accents by gesture category
 }
 
-FORCE = 1.5  # steepness that a power of 1 adds: what servos can still follow on the short ways of strokes
-GATHERED = 3.0  # exponent of power and tension: half of them forces much less than half
-BIG = 0.5  # power from which on a hand overshoots its accent, and power and tension from which on it bounces
-QUICK = 0.68  # of an accent: so much of its steepness makes OutBack as fast as the accent alone
-LEAST_LATE = 2.5  # steepness of an accent at the end of a way that neither weakness nor looseness takes away
-BIAS = 0.25  # of a power of 1: the hand goes on a little the way it came
+POWER_STEEPNESS = 1.5  # extra steepness of a movement's easing curve at a power of 1, which short strokes can follow
+FORCE_EXPONENT = 3.0  # exponent of power and tension in the easing steepness, so that medium values add little
+OVERSHOOT_THRESHOLD = 0.5  # power above which a hand overshoots; with as much tension it bounces
+OVERSHOOT_ACCENT_FRACTION = 0.68  # fraction of an accent's steepness with which OutBack is as fast as the accent
+MIN_LATE_ACCENT = 2.5  # smallest easing steepness of an accent at a word, for any weakness or looseness
+POWER_BIAS = 0.25  # spline bias at a power of 1: the hand continues a little in its direction of approach
 
 
 @dataclass(frozen=True)
 class Expressivity:
-    """The numbers of one modality (thesis 8.7; Hartmann's spatial, temporal, fluidity, power, repetition, activation).
+    """Expressivity parameters of one modality.
+
+    They follow thesis 8.7 and Hartmann's spatial, temporal, fluidity, power, repetition and activation.
 
     Raises:
-        ValueError: a number outside its range, which is named.
+        ValueError: a named parameter is outside its range.
     """
 
     spatial: float = 0.0  # -1 tight .. 1 wide
@@ -60,18 +70,18 @@ class Expressivity:
     openness: float = 0.0  # 0 elbows at the body .. 1 elbows away from it
 
     def __post_init__(self) -> None:
-        for name, (least, most) in RANGES.items():
+        for name, (least, most) in EXPRESSIVITY_RANGES.items():
             value = getattr(self, name)
             if not least <= value <= most:
                 raise ValueError(f"{name} is {value:g}, outside [{least:g}, {most:g}]")
 
 
-NEUTRAL = Expressivity()  # as the lexicon has it
+NEUTRAL_EXPRESSIVITY = Expressivity()  # expressivity that performs gestures exactly as the lexicon defines them
 
 
 @dataclass(frozen=True)
 class Setting:
-    """One number that wins over every document, of one modality or of all."""
+    """A parameter value that overrides every document, for one modality or all."""
 
     parameter: str
     value: float
@@ -83,105 +93,119 @@ class Setting:
         )
 
     def concerns(self, modality: Modality) -> bool:
-        """Whether it is about a modality."""
-        return self.parameter not in WEIGHTS and self.modality in (None, modality)
+        """Return whether the setting applies to a modality."""
+        return self.parameter not in WEIGHT_RANGES and self.modality in (None, modality)
 
 
 class PartTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """What a modality of a style does differently."""
+    """TOML table of the parameters that one modality overrides."""
 
-    spatial: float | None = None
-    temporal: float | None = None
-    fluidity: float | None = None
-    power: float | None = None
-    tension: float | None = None
-    repetition: float | None = None
-    activation: float | None = None
-    openness: float | None = None
+    spatial: float | None = None  # -1 tight .. 1 wide
+    temporal: float | None = None  # -1 slow .. 1 fast
+    fluidity: float | None = None  # -1 jerky .. 1 flowing
+    power: float | None = None  # -1 weak .. 1 forceful
+    tension: float | None = None  # -1 loose .. 1 tense
+    repetition: float | None = None  # -1 single .. 1 repeated strokes
+    activation: float | None = None  # -1 passive .. 1 animated
+    openness: float | None = None  # 0 elbows at the body .. 1 elbows away from it
 
 
 class StyleTable(msgspec.Struct, forbid_unknown_fields=True):
-    """A file in `configs/styles/`: every parameter of all modalities, and what single ones do differently."""
+    """TOML file of a style: common parameters and those of single modalities."""
 
-    spatial: float
-    temporal: float
-    fluidity: float
-    power: float
-    tension: float
-    repetition: float
-    activation: float
-    openness: float
-    gesture: PartTable = PartTable()
-    head: PartTable = PartTable()
-    torso: PartTable = PartTable()
-    face: PartTable = PartTable()
-    whole_body: float = 1.0  # what head, trunk, shoulders and face do beside the hands, 0 nothing .. 2 twice as much
-    effort: float = 1.0  # of the profile that gives each phase its time and force, 0 nothing .. 1 all of it
+    spatial: float  # -1 tight .. 1 wide
+    temporal: float  # -1 slow .. 1 fast
+    fluidity: float  # -1 jerky .. 1 flowing
+    power: float  # -1 weak .. 1 forceful
+    tension: float  # -1 loose .. 1 tense
+    repetition: float  # -1 single .. 1 repeated strokes
+    activation: float  # -1 passive .. 1 animated
+    openness: float  # 0 elbows at the body .. 1 elbows away from it
+    gesture: PartTable = PartTable()  # parameters in which gestures differ
+    head: PartTable = PartTable()  # parameters in which the head differs
+    torso: PartTable = PartTable()  # parameters in which the torso differs
+    face: PartTable = PartTable()  # parameters in which the face differs
+    whole_body: float = 1.0  # factor on accompanying motion of head, trunk, shoulders and face, 0 .. 2
+    effort: float = 1.0  # weight of the profile that gives each phase its duration and force, 0 .. 1
 
     def expressivity(self, modality: Modality) -> Expressivity:
-        """Joins the numbers of one modality."""
-        own = msgspec.structs.asdict(getattr(self, modality))
-        return Expressivity(**{name: getattr(self, name) if own[name] is None else own[name] for name in RANGES})
+        """Return the expressivity of one modality."""
+        changes = msgspec.structs.asdict(getattr(self, modality))
+        values = {name: getattr(self, name) if changes[name] is None else changes[name] for name in EXPRESSIVITY_RANGES}
+        return Expressivity(**values)
 
 
 @dataclass(frozen=True)
-class Style:
-    """A manner for each modality, and what of it no document may change."""
+class Style(NotebookView):
+    """Expressivity of each modality, and settings that override documents."""
 
     name: str = "neutral"
-    gesture: Expressivity = NEUTRAL
-    head: Expressivity = NEUTRAL
-    torso: Expressivity = NEUTRAL
-    face: Expressivity = NEUTRAL
-    settings: tuple[Setting, ...] = ()  # in force already; told again after the documents
-    whole_body: float = 1.0  # 0 gestures are the hands' alone .. 2 the body does twice its part
-    effort: float = 1.0  # 0 every phase has what the servos do at ease .. 1 what people give it
+    gesture: Expressivity = NEUTRAL_EXPRESSIVITY
+    head: Expressivity = NEUTRAL_EXPRESSIVITY
+    torso: Expressivity = NEUTRAL_EXPRESSIVITY
+    face: Expressivity = NEUTRAL_EXPRESSIVITY
+    settings: tuple[Setting, ...] = ()  # already applied; applied again after the documents
+    whole_body: float = 1.0  # factor on accompanying body motion: 0 hands only .. 2 twice the usual amount
+    effort: float = 1.0  # weight of the effort profile: 0 durations by Fitts' law .. 1 durations of people
 
     @classmethod
     def load(cls, name: str | Path = "neutral") -> "Style":
-        """Reads a style by its name in `configs/styles/`, or from a TOML file.
+        """Read a style by its name, or from a TOML file.
+
+        Names are those of `configs/styles/`.
 
         Raises:
-            ConfigError: there is no such style, or its file is wrong.
+            ConfigError: no such style exists, or its file is invalid.
         """
-        path = locate("style", name)
+        path = locate_config("style", name)
         table = read_toml(path, StyleTable)
-        found: dict[Modality, Expressivity] = {}
+        parameters: dict[Modality, Expressivity] = {}
         for modality in MODALITIES:
             try:
-                found[modality] = table.expressivity(modality)
+                parameters[modality] = table.expressivity(modality)
             except ValueError as error:
                 raise ConfigError(f"{path}: {error}") from None
-        for name, (least, most) in WEIGHTS.items():
+        for name, (least, most) in WEIGHT_RANGES.items():
             if not least <= (weight := getattr(table, name)) <= most:
                 raise ConfigError(f"{path}: {name} is {weight:g}, outside [{least:g}, {most:g}]")
-        return cls(path.stem, settings=(), whole_body=table.whole_body, effort=table.effort, **found)
+        return cls(path.stem, settings=(), whole_body=table.whole_body, effort=table.effort, **parameters)
 
     @classmethod
     def uniform(cls, manner: Expressivity, name: str = "own") -> "Style":
-        """Makes a style of which all modalities have the same numbers."""
+        """Return a style with the same expressivity for all modalities."""
         return cls(name, manner, manner, manner, manner)
 
+    def __str__(self) -> str:
+        """Return a one-line summary: name, parameters of gestures, settings."""
+        values = [f"{name} {value:+g}" for name, value in asdict(self.gesture).items() if value]
+        values += [f"set {setting}" for setting in self.settings]
+        return f"style {self.name}: {', '.join(values) or 'all parameters of gestures 0'}"
+
+    def __repr__(self) -> str:
+        return f"<{self}>"
+
     def of(self, modality: Modality) -> Expressivity:
-        """Looks up the numbers of one modality."""
-        found: Expressivity = getattr(self, modality)
-        return found
+        """Return the expressivity of one modality."""
+        expressivity: Expressivity = getattr(self, modality)
+        return expressivity
 
     def changed(self, settings: Iterable[str]) -> "Style":
-        """Sets single numbers by texts such as `power=0.8` or `head.power=0.8`, the last one winning.
+        """Apply settings such as `power=0.8` or `head.power=0.8` in order.
 
         Raises:
             ConfigError: a text is not of this form, names no parameter, or its value is out of range.
         """
         style = self
-        for setting in map(_setting, settings):
+        for setting in map(_parse_setting, settings):
             concerned = [part for part in MODALITIES if setting.concerns(part)]
             parts = {part: replace(style.of(part), **{setting.parameter: setting.value}) for part in concerned}
             whole_body, effort = (
-                setting.value if setting.parameter == name else getattr(style, name) for name in WEIGHTS
+                setting.value if setting.parameter == name else getattr(style, name) for name in WEIGHT_RANGES
             )
-            said = (*style.settings, setting)
-            style = Style(style.name, settings=said, whole_body=whole_body, effort=effort, **(style._parts | parts))
+            all_settings = (*style.settings, setting)
+            style = Style(
+                style.name, settings=all_settings, whole_body=whole_body, effort=effort, **(style._parts | parts)
+            )
         return style
 
     @property
@@ -189,74 +213,93 @@ class Style:
         return {part: self.of(part) for part in MODALITIES}
 
     def numbers(self) -> Mapping[Modality, Mapping[str, float]]:
-        """Lists all numbers by modality and name."""
+        """Return all parameter values by modality and name."""
         return {modality: asdict(self.of(modality)) for modality in MODALITIES}
 
 
 @cache
 def style_preset(name: str) -> Style:
-    """Reads a style of `configs/styles/` once, and no other file, whoever names it.
+    """Read a built-in style by name, cached.
+
+    No other file can be read by this name.
 
     Raises:
-        ConfigError: there is no such style.
+        ConfigError: no such style exists.
     """
-    if name not in (known := names_of("style")):
-        raise ConfigError(f"no style {name}{suggestion(name, known)}")
+    if name not in (names := names_of("style")):
+        raise ConfigError(f"no style {name}{suggestion(name, names)}")
     return Style.load(name)
 
 
 def passage_of(
     manner: Expressivity, phase: Phase, *, accent: float = 0.0, late: bool = False, swing: float = 0.0
 ) -> KeyPassage:
-    """Derives how the keys of a phase are passed (tension, continuity, bias, easing) from an expressivity.
+    """Derive the spline parameters of a gesture phase from expressivity.
 
-    Tension is the spline's tension, fluidity f its continuity c = (f - 1) / 2. On the way to a stroke and in it power
-    and tension force the hand beyond its accent: it begins steeply, overshoots a little and comes back to its key in
-    time; where both are big it bounces (thesis 8.7). Weakness takes the accent away, then keeps an even speed. No
-    time changes. A late accent keeps what a word needs, whatever takes accents away, and gives way to a bounce alone.
+    Tension is the spline's tension; fluidity f gives its continuity c = (f - 1) / 2. In preparation and stroke, power
+    and tension make the hand begin steeply, overshoot a little and return to its key in time; where both are high, it
+    bounces (thesis 8.7). Weakness first removes the accent, then keeps an even velocity. No duration changes. A late
+    accent keeps the steepness that a word needs, and only a bounce replaces it.
 
     Args:
-        manner: of the behaviour.
-        phase: that the way to the key belongs to.
-        accent: steepness that a stroke has by itself, beyond the softest.
-        late: whether an accent lies at the end of the way, not at its beginning.
+        manner: expressivity of the behaviour.
+        phase: gesture phase of the movement that ends at the key.
+        accent: steepness of the stroke itself, beyond the softest easing.
+        late: whether the accent lies at the end of the movement instead of its beginning.
         swing: of the key.
     """
     passed = KeyPassage(manner.tension, (manner.fluidity - 1.0) / 2.0, swing=swing)
     if phase not in ("preparation", "stroke"):
         return passed
     power, tension, weakness = (max(0.0, value) for value in (manner.power, manner.tension, -manner.power))
-    force, left = FORCE * power**GATHERED + tension**GATHERED, accent * (1.0 - weakness) - weakness
-    if late and min(power, tension) < BIG and accent > 0.0:
-        left = max(left, LEAST_LATE * min(accent, 1.0)) + force
-        return replace(passed, bias=BIAS * power, easing=LATE_ACCENT, steepness=min(SOFTEST + left, STEEPEST))
+    force, left = (
+        POWER_STEEPNESS * power**FORCE_EXPONENT + tension**FORCE_EXPONENT,
+        accent * (1.0 - weakness) - weakness,
+    )
+    if late and min(power, tension) < OVERSHOOT_THRESHOLD and accent > 0.0:
+        left = max(left, MIN_LATE_ACCENT * min(accent, 1.0)) + force
+        return replace(
+            passed,
+            bias=POWER_BIAS * power,
+            easing=LATE_ACCENT_EASING,
+            steepness=min(MIN_STEEPNESS + left, MAX_STEEPNESS),
+        )
     if force > 0.0:
         easing, kept = _forced(power, tension, accent)
-        steepness = SOFTEST + kept * max(left, 0.0) + force
-        return replace(passed, bias=BIAS * power, easing=easing, steepness=min(steepness, STEEPEST))
+        steepness = MIN_STEEPNESS + kept * max(left, 0.0) + force
+        return replace(passed, bias=POWER_BIAS * power, easing=easing, steepness=min(steepness, MAX_STEEPNESS))
     if left < 0.0:
-        return replace(passed, easing="linear", steepness=EVEN - (STEEPEST - EVEN) * left)
-    return replace(passed, easing=ACCENT, steepness=min(SOFTEST + left, STEEPEST)) if left > 0.0 else passed
+        return replace(passed, easing="linear", steepness=LINEAR_STEEPNESS - (MAX_STEEPNESS - LINEAR_STEEPNESS) * left)
+    return (
+        replace(passed, easing=ACCENT_EASING, steepness=min(MIN_STEEPNESS + left, MAX_STEEPNESS))
+        if left > 0.0
+        else passed
+    )
 
 
 def _forced(power: float, tension: float, accent: float) -> tuple[Easing, float]:
-    """Finds the easing of a forced way, and the share of an accent that it keeps: more power never peaks lower."""
-    if min(power, tension) >= BIG:
+    """Return the easing and accent fraction of a powerful or tense movement.
+
+    More power never lowers the peak velocity.
+    """
+    if min(power, tension) >= OVERSHOOT_THRESHOLD:
         return "out_bounce", 1.0
-    if accent > 0.0 and tension <= 0.0 and power < BIG:
-        return ACCENT, 1.0
-    return "out_back", QUICK + (1.0 - QUICK) * min(max(power - BIG, tension) / BIG, 1.0)
+    if accent > 0.0 and tension <= 0.0 and power < OVERSHOOT_THRESHOLD:
+        return ACCENT_EASING, 1.0
+    return "out_back", OVERSHOOT_ACCENT_FRACTION + (1.0 - OVERSHOOT_ACCENT_FRACTION) * min(
+        max(power - OVERSHOOT_THRESHOLD, tension) / OVERSHOOT_THRESHOLD, 1.0
+    )
 
 
-def _setting(text: str) -> Setting:
+def _parse_setting(text: str) -> Setting:
     place, equals, written = (part.strip() for part in text.partition("="))
     if not equals:
-        raise ConfigError(f"{text!r} is no setting of a style; write it as NAME=VALUE, such as power=0.8")
+        raise ConfigError(f"{text!r} is not a style setting; write it as NAME=VALUE, such as power=0.8")
     part, point, name = place.rpartition(".")
-    modality = next((known for known in MODALITIES if known == part), None)
+    modality = next((modality for modality in MODALITIES if modality == part), None)
     if point and modality is None:
         raise ConfigError(f"a style has no modality {part!r}{suggestion(part, MODALITIES)}")
-    ranges = RANGES if point else {**RANGES, **WEIGHTS}
+    ranges = EXPRESSIVITY_RANGES if point else {**EXPRESSIVITY_RANGES, **WEIGHT_RANGES}
     if name not in ranges:
         raise ConfigError(f"a style has no {name}{suggestion(name, list(ranges))}")
     try:

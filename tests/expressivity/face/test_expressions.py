@@ -4,41 +4,41 @@ import numpy as np
 import pytest
 
 from kinesic.bml.block import Face
-from kinesic.body.action_units import CHANNELS, UNITS, channels
+from kinesic.body.action_units import ACTION_UNITS, FACE_CHANNELS, unit_channels
 from kinesic.body.config import ConfigError
 from kinesic.expressivity.face.expressions import (
     EXTENT_GAIN,
-    FADING,
-    OVERSHOOT,
-    QUICKEST,
+    FADE_RATIO,
+    MIN_RISE_TIME,
+    OVERSHOOT_RATIO,
     Envelope,
     entries,
     find_expression,
 )
-from kinesic.expressivity.face.tracks import outcome
+from kinesic.expressivity.face.tracks import face_outcome
 from kinesic.expressivity.keyframes import Outcome
 from kinesic.expressivity.style.style import Expressivity
 
-CORE = {  # BML 1.0's lexemes, and the units that must be among those they move
-    "OBLIQUE_BROWS": (*channels(1), *channels(4)),
-    "RAISE_BROWS": (*channels(1), *channels(2)),
+CORE_LEXEMES = {  # BML 1.0 lexemes and the units that each must include
+    "OBLIQUE_BROWS": (*unit_channels(1), *unit_channels(4)),
+    "RAISE_BROWS": (*unit_channels(1), *unit_channels(2)),
     "RAISE_LEFT_BROW": ("L1", "L2"),
     "RAISE_RIGHT_BROW": ("R1", "R2"),
-    "LOWER_BROWS": channels(4),
+    "LOWER_BROWS": unit_channels(4),
     "LOWER_LEFT_BROW": ("L4",),
     "LOWER_RIGHT_BROW": ("R4",),
-    "LOWER_MOUTH_CORNERS": channels(15),
+    "LOWER_MOUTH_CORNERS": unit_channels(15),
     "LOWER_LEFT_MOUTH_CORNER": ("L15",),
     "LOWER_RIGHT_MOUTH_CORNER": ("R15",),
-    "RAISE_MOUTH_CORNERS": channels(12),
+    "RAISE_MOUTH_CORNERS": unit_channels(12),
     "RAISE_LEFT_MOUTH_CORNER": ("L12",),
     "RAISE_RIGHT_MOUTH_CORNER": ("R12",),
     "OPEN_MOUTH": ("25", "26"),
     "OPEN_LIPS": ("25",),
-    "WIDEN_EYES": channels(5),
-    "CLOSE_EYES": channels(43),
+    "WIDEN_EYES": unit_channels(5),
+    "CLOSE_EYES": unit_channels(43),
 }
-EMOTIONS = {
+EMOTION_UNITS = {
     "joy": (6, 12),
     "sadness": (1, 4, 15),
     "anger": (4, 5, 7, 23),
@@ -46,28 +46,28 @@ EMOTIONS = {
     "surprise": (1, 2, 5, 26),
     "disgust": (9,),
 }
-TIMES = {"start": 1.0, "attackPeak": 1.5, "relax": 2.0, "end": 3.0}
+SYNC_TIMES = {"start": 1.0, "attackPeak": 1.5, "relax": 2.0, "end": 3.0}
 
 
 def shown(lexeme: str, amount: float = 1.0) -> dict[str, float]:
     return dict(find_expression(Face((lexeme,), amount=amount)).units)
 
 
-@pytest.mark.parametrize("lexeme", CORE)
-def test_core_lexemes_move_what_they_name(lexeme: str):
+@pytest.mark.parametrize("lexeme", CORE_LEXEMES)
+def test_core_face_lexemes_activate_their_action_units(lexeme: str):
     found = shown(lexeme)
-    assert set(CORE[lexeme]) <= found.keys()
+    assert set(CORE_LEXEMES[lexeme]) <= found.keys()
     for side, other in (("LEFT", "R"), ("RIGHT", "L")):
         if side in lexeme:
             assert not [channel for channel in found if channel.startswith(other)]
     assert "26" not in shown("OPEN_LIPS")
 
 
-@pytest.mark.parametrize("emotion", EMOTIONS)
-def test_basic_emotions_have_their_units_on_both_sides(emotion: str):
+@pytest.mark.parametrize("emotion", EMOTION_UNITS)
+def test_basic_emotions_activate_action_units_on_both_sides(emotion: str):
     found = shown(emotion)
-    for number in EMOTIONS[emotion]:
-        assert set(channels(number)) <= found.keys()
+    for number in EMOTION_UNITS[emotion]:
+        assert set(unit_channels(number)) <= found.keys()
     for channel, value in found.items():
         if channel[0] == "L":
             assert found["R" + channel[1:]] == value
@@ -83,48 +83,48 @@ def test_basic_emotions_have_their_units_on_both_sides(emotion: str):
         ("shut_eyes", "CLOSE_EYES"),
     ],
 )
-def test_a_lexeme_is_understood_by_its_words(lexeme: str, like: str):
+def test_face_lexeme_is_matched_by_its_words(lexeme: str, like: str):
     assert shown(lexeme) == shown(like)
 
 
-def test_words_change_size_and_side():
+def test_words_of_a_face_lexeme_change_intensity_and_side():
     assert shown("small_smile")["L12"] == pytest.approx(shown("smile")["L12"] / 2)
     assert shown("wink").keys() == {"L46", "L12"}
     assert shown("wink_right").keys() == {"R46", "R12"}
 
 
-def test_the_amount_is_the_intensity_and_eyes_close_at_half_of_it():
+def test_amount_scales_facial_intensity_up_to_one():
     assert shown("RAISE_BROWS", 0.3)["L1"] == pytest.approx(0.3)
     assert shown("CLOSE_EYES", 0.5)["L43"] == 1.0
     assert shown("RAISE_BROWS", 7.0)["L1"] == 1.0
     assert shown("RAISE_BROWS", -1.0)["L1"] == 0.0
 
 
-def test_units_are_shown_by_number():
+def test_action_units_are_shown_by_number():
     assert find_expression(Face(action_unit=12, side="left", amount=0.4)).units == {"L12": 0.4}
     assert find_expression(Face(action_unit=12, amount=0.4)).units == {"L12": 0.4, "R12": 0.4}
     assert find_expression(Face(action_unit=26, side="left", amount=0.4)).units == {"26": 0.4}
     assert find_expression(Face(action_unit=99)).unknown == ("99",)
 
 
-def test_of_several_lexemes_the_stronger_counts_and_unknown_ones_are_named():
+def test_strongest_face_lexeme_is_used_and_unknown_lexemes_are_named_in_a_warning():
     found = find_expression(Face(("smile", "joy", "Qwrtz"), amount=1.0))
     assert found.units["L12"] == max(shown("smile")["L12"], shown("joy")["L12"])
     assert found.unknown == ("Qwrtz",)
 
 
-def test_every_entry_is_found_by_its_own_words():
+def test_every_facial_expression_is_found_by_each_of_its_words():
     for entry in entries():
         assert shown("_".join(entry.words)) is not None
         assert all(find_expression(Face((word,))).unknown == () for word in entry.words)
-        assert set(shown(entry.words[0])) <= set(CHANNELS)
+        assert set(shown(entry.words[0])) <= set(FACE_CHANNELS)
 
 
-def test_a_file_of_ones_own_is_checked(tmp_path: Path):
+def test_invalid_action_unit_in_user_expressions_is_refused(tmp_path: Path):
     path = tmp_path / "mine.toml"
     path.write_text('[[expression]]\nwords = ["zap"]\nsays = "zap"\nunits = { 12 = 0.5 }\n', encoding="utf-8")
     assert find_expression(Face(("zap",), amount=1.0), path=path).units == {"L12": 0.5, "R12": 0.5}
-    assert 3 not in UNITS
+    assert 3 not in ACTION_UNITS
     for wrong, why in (("3 = 1.0", "no action unit 3; known"), ("12 = -0.5", "must be at least 0")):
         other = tmp_path / f"{wrong[0]}.toml"
         other.write_text(f'[[expression]]\nwords = ["zap"]\nsays = "zap"\nunits = {{ {wrong} }}\n', encoding="utf-8")
@@ -132,8 +132,8 @@ def test_a_file_of_ones_own_is_checked(tmp_path: Path):
             find_expression(Face(("zap",)), path=other)
 
 
-def test_it_is_at_its_peak_from_attack_peak_to_relax_and_nothing_outside():
-    course = Envelope.of(TIMES)
+def test_expression_envelope_is_one_from_attack_peak_to_relax_and_zero_outside():
+    course = Envelope.of(SYNC_TIMES)
     np.testing.assert_array_equal(course.at(np.array([0.0, 1.0, 3.0, 9.0])), 0.0)
     np.testing.assert_array_equal(course.at(np.array([1.5, 1.7, 2.0])), 1.0)
     np.testing.assert_allclose(course.at(np.array([1.25, 2.5])), 0.5)
@@ -141,68 +141,75 @@ def test_it_is_at_its_peak_from_attack_peak_to_relax_and_nothing_outside():
     assert np.all(np.diff(rising) > 0.0)
 
 
-def test_what_stays_never_goes_back():
+def test_permanent_expression_never_decays():
     course = Envelope.of({"start": 1.0, "end": 2.0}, stays=True)
     np.testing.assert_allclose(course.at(np.array([1.0, 1.5, 2.0, 1e6])), [0.0, 0.5, 1.0, 1.0])
 
 
 @pytest.mark.parametrize("stays", [False, True])
-def test_points_that_coincide_leave_the_quickest_way(stays: bool):
-    times = dict.fromkeys(TIMES, 1.0)
+def test_facial_expression_with_coinciding_sync_points_has_the_minimum_rise_time(stays: bool):
+    times = dict.fromkeys(SYNC_TIMES, 1.0)
     found = Envelope.of(times, stays=stays).at(np.linspace(0.9, 1.2, 301))
-    assert np.abs(np.diff(found)).max() < 1e-3 / QUICKEST * 2
+    assert np.abs(np.diff(found)).max() < 1e-3 / MIN_RISE_TIME * 2
     assert found.max() == pytest.approx(1.0, abs=1e-2)
 
 
-FINE = np.linspace(0.9, 3.1, 2201)
+FINE_TIMES = np.linspace(0.9, 3.1, 2201)
 
 
 @pytest.mark.parametrize("manner", [Expressivity(power=p, fluidity=f, spatial=w) for p, f, w in np.eye(3)])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_every_manner_keeps_the_four_times(manner: Expressivity, sign: float):
+def test_expressivity_does_not_move_start_peak_and_end_of_a_facial_expression(manner: Expressivity, sign: float):
     manner = Expressivity(**{name: sign * value for name, value in vars(manner).items() if value})
-    found = Envelope.of(TIMES).at(FINE, manner)
-    assert np.all(found[(FINE <= 1.0) | (FINE >= 3.0)] == 0.0)
-    assert np.all(found[(FINE > 1.01) & (FINE < 2.99)] > 0.0)
-    peak = found[np.searchsorted(FINE, 1.5)]
-    assert np.all(np.diff(found[FINE <= 1.5]) >= -1e-12)
-    assert np.all(found[FINE > 1.5] <= peak + 1e-12)
+    found = Envelope.of(SYNC_TIMES).at(FINE_TIMES, manner)
+    assert np.all(found[(FINE_TIMES <= 1.0) | (FINE_TIMES >= 3.0)] == 0.0)
+    assert np.all(found[(FINE_TIMES > 1.01) & (FINE_TIMES < 2.99)] > 0.0)
+    peak = found[np.searchsorted(FINE_TIMES, 1.5)]
+    assert np.all(np.diff(found[FINE_TIMES <= 1.5]) >= -1e-12)
+    assert np.all(found[FINE_TIMES > 1.5] <= peak + 1e-12)
 
 
-def test_a_wide_face_shows_more_and_a_tight_one_less():
-    peaks = [Envelope.of(TIMES).at(FINE, Expressivity(spatial=value)).max() for value in (-1.0, -0.4, 0.0, 1.0)]
+def test_spatial_extent_scales_facial_intensity():
+    peaks = [
+        Envelope.of(SYNC_TIMES).at(FINE_TIMES, Expressivity(spatial=value)).max() for value in (-1.0, -0.4, 0.0, 1.0)
+    ]
     np.testing.assert_allclose(peaks, [1.0 - EXTENT_GAIN, 1.0 - 0.4 * EXTENT_GAIN, 1.0, 1.0 + EXTENT_GAIN])
 
 
-def test_power_comes_early_and_overshoots_and_weakness_comes_late_and_fades():
-    strong, plain, weak = (Envelope.of(TIMES).at(FINE, Expressivity(power=value)) for value in (1.0, 0.0, -1.0))
-    half = [float(FINE[np.argmax(course >= 0.5)]) for course in (strong, plain, weak)]
+def test_strong_facial_expression_overshoots_and_weak_one_rises_late_and_fades():
+    strong, plain, weak = (
+        Envelope.of(SYNC_TIMES).at(FINE_TIMES, Expressivity(power=value)) for value in (1.0, 0.0, -1.0)
+    )
+    half = [float(FINE_TIMES[np.argmax(course >= 0.5)]) for course in (strong, plain, weak)]
     assert half == sorted(half)
     assert half[0] < half[1] - 0.03 < half[2] - 0.06
-    assert strong.max() == pytest.approx(1.0 + OVERSHOOT, abs=0.01)
-    before_relax = np.searchsorted(FINE, 2.0)
+    assert strong.max() == pytest.approx(1.0 + OVERSHOOT_RATIO, abs=0.01)
+    before_relax = np.searchsorted(FINE_TIMES, 2.0)
     assert strong[before_relax] == pytest.approx(1.0, abs=0.01)
-    assert weak[before_relax] == pytest.approx(1.0 - FADING, abs=0.01)
+    assert weak[before_relax] == pytest.approx(1.0 - FADE_RATIO, abs=0.01)
 
 
-def test_a_jerky_face_begins_abruptly():
-    jerk = [np.abs(np.diff(Envelope.of(TIMES).at(FINE, Expressivity(fluidity=f)), 2)).max() for f in (0.0, -0.5, -1.0)]
+def test_facial_expression_with_low_fluidity_begins_abruptly():
+    jerk = [
+        np.abs(np.diff(Envelope.of(SYNC_TIMES).at(FINE_TIMES, Expressivity(fluidity=f)), 2)).max()
+        for f in (0.0, -0.5, -1.0)
+    ]
     assert jerk == sorted(jerk)
     assert jerk[2] > 10 * jerk[0]
 
 
 @pytest.mark.parametrize("lexeme", ["not_happy", "no_smile", "never_angry", "open_door", "happ", "smile " * 100])
-def test_what_is_negated_or_only_looks_like_an_expression_is_none(lexeme: str):
+def test_negated_or_similar_words_match_no_facial_expression(lexeme: str):
     assert find_expression(Face((lexeme,))).unknown == (lexeme,)
 
 
-def test_a_word_that_no_expression_shows_is_said():
+def test_ignored_word_of_a_face_lexeme_is_reported():
     assert find_expression(Face(("nice_smile",))).left_out == ("nice",)
-    assert outcome(Face(("nice_smile",))) == Outcome("substituted", '"nice" is left out')
-    assert outcome(Face(("very_big_smile",))) == Outcome("realised")
+    assert face_outcome(Face(("nice_smile",))) == Outcome("substituted", '"nice" is left out')
+    assert face_outcome(Face(("very_big_smile",))) == Outcome("realised")
 
 
-def test_a_weak_expression_is_as_strong_as_asked_at_its_peak_and_fades_while_it_is_held():
+def test_facial_expression_with_low_power_fades_during_its_hold():
     course = Envelope.of({"start": 0.0, "attackPeak": 1.0, "relax": 3.0, "end": 4.0})
     held = course.at(np.linspace(1.0, 3.0, 21), Expressivity(power=-0.5))
     assert held[0] == pytest.approx(1.0)
@@ -211,7 +218,7 @@ def test_a_weak_expression_is_as_strong_as_asked_at_its_peak_and_fades_while_it_
     assert strong[0] > strong[-1] == pytest.approx(1.0)
 
 
-def test_twice_the_power_overshoots_twice_as_far():
+def test_overshoot_is_proportional_to_power():
     course = Envelope.of({"start": 0.0, "attackPeak": 1.0, "relax": 3.0, "end": 4.0})
     half, full = (course.at(np.array([1.0]), Expressivity(power=power))[0] - 1.0 for power in (0.5, 1.0))
     assert full == pytest.approx(2 * half)

@@ -4,110 +4,112 @@ import pytest
 from kinesic.bml.block import Gesture
 from kinesic.bml.parse import parse
 from kinesic.bml.schedule import schedule
-from kinesic.body.action_units import ASIDE, DOWNWARD, INWARD, UPWARD
+from kinesic.body.action_units import MAX_EYE_CONVERGENCE, MAX_EYE_DEPRESSION, MAX_EYE_ELEVATION, MAX_EYE_YAW
 from kinesic.expressivity.face.eyes import (
-    CLOSING,
-    EARLY,
-    FLITTING,
-    LEAST_GAP,
-    OPENING,
-    SHUT,
+    CLOSED_TIME,
+    CLOSING_TIME,
+    GAZE_LEAD_TIME,
+    MIN_BLINK_INTERVAL,
+    OPENING_TIME,
+    SACCADE_SPREAD,
     GazeDirection,
     Habits,
     blink_times,
-    blinking,
-    flitting,
+    blink_units,
+    block_gazes,
+    direction_angles,
+    eye_angles,
     gaze_units,
-    gesture_looks,
-    headings,
-    looking,
-    looks,
-    meeting,
+    gesture_gazes,
+    saccade_offsets,
+    vergence_units,
 )
 from kinesic.expressivity.keyframes import BodyMove, Turn
 
-TIMES = np.arange(0.0, 10.0, 0.005)
-AHEAD = np.zeros((len(TIMES), 2))
-BML = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+SAMPLE_TIMES = np.arange(0.0, 10.0, 0.005)
+HEAD_AHEAD = np.zeros((len(SAMPLE_TIMES), 2))
+BML_TEMPLATE = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 
 
-def test_blinks_come_by_chance_about_every_four_seconds():
+def test_random_blinks_have_a_mean_interval_of_four_seconds():
     begins = np.array(blink_times((0.0, 4000.0), (), 3))
     gaps = np.diff(begins)
-    assert gaps.min() >= LEAST_GAP - 1e-9
+    assert gaps.min() >= MIN_BLINK_INTERVAL - 1e-9
     assert 3.0 < gaps.mean() < 5.0
     assert blink_times((0.0, 4000.0), (), 3) == tuple(begins)
     assert blink_times((0.0, 4000.0), (), 4) != tuple(begins)
 
 
-def test_a_longer_performance_has_the_same_blinks_and_more():
+def test_random_blinks_of_a_longer_block_begin_like_those_of_a_shorter_block():
     short, long = (blink_times((0.0, end), (), 5) for end in (30.0, 60.0))
     assert long[: len(short)] == short
 
 
-def test_wide_turns_of_the_gaze_bring_a_blink_small_ones_do_not():
+def test_wide_gaze_shifts_cause_a_blink_and_small_ones_do_not():
     wide, narrow = GazeDirection(3.0, 0.6, 0.0, 6.0), GazeDirection(3.0, 0.1, 0.0, 6.0)
     assert {3.0, 6.0} <= set(blink_times((0.0, 10.0), [wide], 1))
     assert not {3.0, 6.0} & set(blink_times((0.0, 10.0), [narrow], 1))
 
 
-def test_a_blink_comes_when_it_is_asked_for_unless_one_has_just_been():
+def test_requested_blink_occurs_unless_another_blink_is_too_close():
     assert {2.0, 4.0} <= set(blink_times((0.0, 10.0), (), 1, also=[2.0, 2.5, 4.0]))
     assert 2.5 not in blink_times((0.0, 10.0), (), 1, also=[2.0, 2.5, 4.0])
 
 
-def test_a_blink_closes_both_eyes_fully_and_is_soon_over():
-    found = blinking([2.0], TIMES)
+def test_blink_closes_both_eyes_fully_and_briefly():
+    found = blink_units([2.0], SAMPLE_TIMES)
     assert found.keys() == {"L45", "R45"}
     closed = found["L45"]
     assert closed.max() == 1.0
-    whole = CLOSING + SHUT + OPENING
-    np.testing.assert_array_equal(closed[np.abs(TIMES - 2.0 - whole / 2) > whole / 2 + 1e-9], 0.0)
+    whole = CLOSING_TIME + CLOSED_TIME + OPENING_TIME
+    np.testing.assert_array_equal(closed[np.abs(SAMPLE_TIMES - 2.0 - whole / 2) > whole / 2 + 1e-9], 0.0)
     assert 0.14 < whole < 0.22
 
 
-def test_eyes_look_before_the_head_and_stay_on_it_while_the_head_follows():
+def test_eyes_reach_the_gaze_target_before_the_head_and_stay_on_it():
     look = GazeDirection(2.0, 0.5, 0.1, 6.0)
-    head = np.stack([np.interp(TIMES, [2.1, 2.8, 6.0, 6.7], [0.0, 0.5, 0.5, 0.0]), 0.0 * TIMES], axis=1)
-    eyes = looking([look], TIMES, head)
+    head = np.stack([np.interp(SAMPLE_TIMES, [2.1, 2.8, 6.0, 6.7], [0.0, 0.5, 0.5, 0.0]), 0.0 * SAMPLE_TIMES], axis=1)
+    eyes = eye_angles([look], SAMPLE_TIMES, head)
     gaze = eyes + head
-    fixed = (TIMES > 2.15) & (TIMES < 5.99)
+    fixed = (SAMPLE_TIMES > 2.15) & (SAMPLE_TIMES < 5.99)
     np.testing.assert_allclose(gaze[fixed], np.tile([0.5, 0.1], (fixed.sum(), 1)), atol=1e-12)
-    np.testing.assert_array_equal(eyes[TIMES <= 2.0], 0.0)
-    np.testing.assert_array_equal(eyes[TIMES > 6.2], 0.0)
+    np.testing.assert_array_equal(eyes[SAMPLE_TIMES <= 2.0], 0.0)
+    np.testing.assert_array_equal(eyes[SAMPLE_TIMES > 6.2], 0.0)
 
 
-def test_a_later_look_takes_over_and_what_stays_is_returned_to():
-    eyes = looking([GazeDirection(1.0, 0.2, 0.0), GazeDirection(3.0, -0.3, 0.0, 5.0)], TIMES, AHEAD)
+def test_eyes_return_from_a_later_gaze_to_the_permanent_gaze():
+    eyes = eye_angles([GazeDirection(1.0, 0.2, 0.0), GazeDirection(3.0, -0.3, 0.0, 5.0)], SAMPLE_TIMES, HEAD_AHEAD)
     for time, left in ((2.0, 0.2), (4.0, -0.3), (8.0, 0.2)):
-        assert eyes[np.searchsorted(TIMES, time), 0] == pytest.approx(left)
+        assert eyes[np.searchsorted(SAMPLE_TIMES, time), 0] == pytest.approx(left)
 
 
-def test_eyes_flit_a_little_and_the_same_way_with_the_same_seed():
-    strayed = flitting((0.0, 10.0), TIMES, 4)
-    assert 0.0 < np.abs(strayed).max() <= 2 * FLITTING + 1e-12
-    np.testing.assert_array_equal(strayed, flitting((0.0, 10.0), TIMES, 4))
-    assert np.any(strayed != flitting((0.0, 10.0), TIMES, 5))
-    assert np.mean(np.abs(np.diff(strayed[:, 0])) > 0.0) < 0.2  # most of the time they rest
+def test_saccades_are_small_and_reproducible_by_seed():
+    strayed = saccade_offsets((0.0, 10.0), SAMPLE_TIMES, 4)
+    assert 0.0 < np.abs(strayed).max() <= 2 * SACCADE_SPREAD + 1e-12
+    np.testing.assert_array_equal(strayed, saccade_offsets((0.0, 10.0), SAMPLE_TIMES, 4))
+    assert np.any(strayed != saccade_offsets((0.0, 10.0), SAMPLE_TIMES, 5))
+    assert np.mean(np.abs(np.diff(strayed[:, 0])) > 0.0) < 0.2  # Eyes rest for most of the time
 
 
-def test_angles_become_units_one_of_each_pair_and_are_cut_at_the_range():
-    found = gaze_units(np.array([[ASIDE, UPWARD / 2], [-ASIDE / 2, -DOWNWARD], [9.0, -9.0]]))
+def test_eye_angles_become_clipped_action_units():
+    found = gaze_units(
+        np.array([[MAX_EYE_YAW, MAX_EYE_ELEVATION / 2], [-MAX_EYE_YAW / 2, -MAX_EYE_DEPRESSION], [9.0, -9.0]])
+    )
     np.testing.assert_allclose(found["61"], [1.0, 0.0, 1.0])
     np.testing.assert_allclose(found["62"], [0.0, 0.5, 0.0])
     np.testing.assert_allclose(found["63"], [0.5, 0.0, 0.0])
     np.testing.assert_allclose(found["64"], [0.0, 1.0, 1.0])
 
 
-def test_gazes_are_directions_in_time_and_shifts_stay(context):
+def test_eyes_return_after_a_gaze_but_not_after_a_gaze_shift(context):
     inside = (
         '<gaze id="g" target="thing" start="1" ready="1.4" relax="3" end="3.5"/>'
         '<gazeShift id="h" target="other" start="4" end="4.5"/><gaze id="i" target="nowhere" start="6"/>'
     )
-    timeline = schedule(parse(BML.format(inside)), {}, {})
+    timeline = schedule(parse(BML_TEMPLATE.format(inside)), {}, {})
     targets = {"thing": np.array([1.0, 1.0, 1.2]), "other": np.array([2.0, -1.0, 0.6])}
     here = context(timeline.block, targets=targets)
-    found = [look for look in looks(timeline, here) if look.start < 5.0]
+    found = [look for look in block_gazes(timeline, here) if look.start < 5.0]
     assert [look.start for look in found] == [1.0, 4.0]
     assert found[0].left > 0.3
     assert found[0].end == 3.0
@@ -116,67 +118,72 @@ def test_gazes_are_directions_in_time_and_shifts_stay(context):
     assert found[1].end == np.inf
 
 
-def test_headings_are_left_and_up():
-    found = headings(np.array([[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 1.0]]))
+def test_gaze_angles_are_positive_to_the_left_and_upward():
+    found = direction_angles(np.array([[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 1.0]]))
     np.testing.assert_allclose(found, [[0.0, 0.0], [np.pi / 4, 0.0], [0.0, np.pi / 4]])
     assert found.shape == (3, 2)
     assert found[1, 0] == pytest.approx(np.pi / 4)
 
 
-def test_eyes_meet_at_what_is_near_and_part_again():
+def test_eyes_converge_on_near_targets_and_diverge_again():
     near, far = GazeDirection(1.0, 0.0, 0.0, 3.0, 0.25), GazeDirection(5.0, 0.2, 0.0, away=2.0)
-    inward = meeting([near, far], TIMES)["66"] * INWARD
-    assert inward[TIMES < 1.0].max() == 0.0
-    np.testing.assert_allclose(inward[(TIMES > 1.2) & (TIMES < 3.0)], np.arctan(0.03 / 0.25))
-    np.testing.assert_allclose(inward[TIMES > 5.3], np.arctan(0.03 / 2.0))
-    assert np.abs(inward[(TIMES > 3.3) & (TIMES < 5.0)]).max() < 1e-12
+    inward = vergence_units([near, far], SAMPLE_TIMES)["66"] * MAX_EYE_CONVERGENCE
+    assert inward[SAMPLE_TIMES < 1.0].max() == 0.0
+    np.testing.assert_allclose(inward[(SAMPLE_TIMES > 1.2) & (SAMPLE_TIMES < 3.0)], np.arctan(0.03 / 0.25))
+    np.testing.assert_allclose(inward[SAMPLE_TIMES > 5.3], np.arctan(0.03 / 2.0))
+    assert np.abs(inward[(SAMPLE_TIMES > 3.3) & (SAMPLE_TIMES < 5.0)]).max() < 1e-12
     assert GazeDirection(0.0, 0.0, 0.0).inward == 0.0
 
 
-def test_eyes_leave_for_what_a_gesture_shows_no_later_than_the_head(timeline, phases):
+def test_eyes_turn_no_later_than_the_head_during_a_gesture(timeline, phases):
     asked = timeline(("g", Gesture("large"), phases(1.0, 2.0, 2.0, 2.5, 3.0, 3.5, 4.5)))
     seen = Turn(torsion=0.3, tilt=0.2)
     (with_head,), (alone,) = (
-        gesture_looks(asked, {"g": BodyMove(head=head, eyes=seen)}) for head in (Turn(torsion=0.1), Turn())
+        gesture_gazes(asked, {"g": BodyMove(head=head, eyes=seen)}) for head in (Turn(torsion=0.1), Turn())
     )
     assert (with_head.start, with_head.left, with_head.end) == (1.0, 0.3, 3.5)
-    assert alone.start == pytest.approx(2.0 - EARLY)
+    assert alone.start == pytest.approx(2.0 - GAZE_LEAD_TIME)
 
 
-def test_small_saccades_go_to_all_sides_and_half_as_far_up_and_down():
-    rests = flitting((0.0, 400.0), np.arange(0.0, 400.0, 0.2), 4)
+def test_saccades_go_in_all_directions_and_half_as_far_vertically():
+    rests = saccade_offsets((0.0, 400.0), np.arange(0.0, 400.0, 0.2), 4)
     left, up = rests.std(axis=0)
-    assert np.abs(rests.mean(axis=0)).max() < 0.25 * FLITTING
+    assert np.abs(rests.mean(axis=0)).max() < 0.25 * SACCADE_SPREAD
     assert 0.3 < up / left < 0.7
-    assert 0.4 * FLITTING < left < FLITTING
+    assert 0.4 * SACCADE_SPREAD < left < SACCADE_SPREAD
     assert len(np.unique(rests.round(9), axis=0)) > 50
 
 
-def test_blinks_that_turns_or_words_bring_are_as_far_apart_as_any():
+def test_blinks_caused_by_gaze_shifts_keep_the_minimum_interval():
     begins = np.array(blink_times((0.0, 60.0), (), 3, also=np.arange(0.1, 60.0, 0.3).tolist()))
     assert begins[0] == pytest.approx(0.1)
-    assert np.diff(begins).min() >= LEAST_GAP - 1e-9
-    assert np.diff(begins).max() < LEAST_GAP + 0.6
+    assert np.diff(begins).min() >= MIN_BLINK_INTERVAL - 1e-9
+    assert np.diff(begins).max() < MIN_BLINK_INTERVAL + 0.6
     assert blink_times((5.0, 6.0), (), 3, also=[4.9, 6.0, 6.1]) == blink_times((5.0, 6.0), (), 3)
 
 
-def test_eyes_rest_between_small_saccades_as_long_as_people_do():
+@pytest.mark.soak
+def test_saccade_intervals_match_those_of_people():
     times = np.arange(0.0, 800.0, 0.02)
-    moving = np.abs(np.diff(flitting((0.0, 800.0), times, 4), axis=0)).max(axis=1) > 1e-12
+    moving = np.abs(np.diff(saccade_offsets((0.0, 800.0), times, 4), axis=0)).max(axis=1) > 1e-12
     begins = times[:-1][moving & ~np.append(False, moving[:-1])]
     assert np.diff(begins).min() > 0.4
-    assert 1.4 < np.diff(begins).mean() < 2.6  # two of five saccades go nowhere from where none was
+    assert (
+        1.4 < np.diff(begins).mean() < 2.6
+    )  # Two of five saccades return to the centre; from the centre they do not move
 
 
-def test_eyes_that_are_told_nothing_blink_and_flit():
+def test_idle_eye_motion_includes_blinks_and_saccades_by_default():
     habits = Habits(seed=3)
     assert habits.blinks
     assert habits.saccades
 
 
-def test_eyes_look_down_with_a_gesture_that_looks_down(context):
+def test_downward_gesture_gaze_moves_the_eyes_down(context):
     block = parse(
-        BML.format('<gesture id="g" lexeme="beat" start="1" strokeStart="2" stroke="2.5" relax="3.5" end="4"/>')
+        BML_TEMPLATE.format(
+            '<gesture id="g" lexeme="beat" start="1" strokeStart="2" stroke="2.5" relax="3.5" end="4"/>'
+        )
     )
-    (look,) = gesture_looks(schedule(block, {}, {}), {"g": BodyMove(eyes=Turn(torsion=0.3, tilt=0.2))})
+    (look,) = gesture_gazes(schedule(block, {}, {}), {"g": BodyMove(eyes=Turn(torsion=0.3, tilt=0.2))})
     assert (look.left, look.up) == (0.3, -0.2)

@@ -4,17 +4,17 @@ import pytest
 from kinesic.bml.block import Face, Speech, Timeline
 from kinesic.bml.parse import parse
 from kinesic.bml.schedule import schedule
-from kinesic.body.action_units import CHANNELS, UPWARD
+from kinesic.body.action_units import FACE_CHANNELS, MAX_EYE_ELEVATION
 from kinesic.body.command import NO_FACE
 from kinesic.body.utterance import Utterance
-from kinesic.expressivity.face.eyes import Eyes, GazeDirection, Habits, flitting, gaze_units
-from kinesic.expressivity.face.tracks import Channels, face_at_ticks, face_track, outcome
+from kinesic.expressivity.face.eyes import Eyes, GazeDirection, Habits, gaze_units, saccade_offsets
+from kinesic.expressivity.face.tracks import Channels, face_at_ticks, face_outcome, face_track
 from kinesic.expressivity.keyframes import BodyMove
 from kinesic.expressivity.style.resolve import resolve_styles
 from kinesic.expressivity.style.style import Expressivity, Style
 from kinesic.speech.durations import DurationModel
 
-TIMES = np.arange(-0.5, 8.0, 0.01)
+SAMPLE_TIMES = np.arange(-0.5, 8.0, 0.01)
 
 
 def scheduled(inside: str) -> tuple[Timeline, dict[str, Utterance]]:
@@ -27,41 +27,41 @@ def scheduled(inside: str) -> tuple[Timeline, dict[str, Utterance]]:
     return schedule(block, said, {}), said
 
 
-def show(timeline: Timeline, said: dict[str, Utterance], times=TIMES, style=None, **eyes) -> Channels:
+def show(timeline: Timeline, said: dict[str, Utterance], times=SAMPLE_TIMES, style=None, **eyes) -> Channels:
     styles = resolve_styles(style or Style(), timeline.block)
     return face_track(timeline, said, times, styles=styles, eyes=Eyes(**eyes))
 
 
 def at(values: np.ndarray, time: float) -> float:
-    return float(np.interp(time, TIMES, values))
+    return float(np.interp(time, SAMPLE_TIMES, values))
 
 
-def test_a_lexeme_follows_its_sync_points():
+def test_intensity_of_a_facial_expression_follows_its_sync_points():
     timeline, said = scheduled(
         '<faceLexeme id="f" lexeme="RAISE_BROWS" amount="0.6" start="1" attackPeak="1.5" relax="3" end="4"/>'
     )
-    found = show(timeline, said, TIMES)
+    found = show(timeline, said, SAMPLE_TIMES)
     assert found.keys() == {"L1", "R1", "L2", "R2"}
     for time, share in ((0.9, 0.0), (1.25, 0.5), (1.5, 1.0), (3.0, 1.0), (3.5, 0.5), (4.01, 0.0)):
         assert at(found["L1"], time) == pytest.approx(0.6 * share, abs=1e-3)
 
 
-def test_the_stronger_wins():
+def test_stronger_of_two_overlapping_facial_expressions_is_shown():
     weak = '<faceLexeme id="f" lexeme="RAISE_BROWS" amount="0.3" start="0" attackPeak="0.5" relax="5" end="6"/>'
     strong = '<faceLexeme id="g" lexeme="RAISE_LEFT_BROW" amount="0.8" start="2" attackPeak="2.5" relax="3" end="4"/>'
-    found = show(*scheduled(weak + strong), TIMES)
+    found = show(*scheduled(weak + strong), SAMPLE_TIMES)
     assert at(found["L1"], 2.7) == pytest.approx(0.8)
     assert at(found["R1"], 2.7) == pytest.approx(0.3)
     assert at(found["L1"], 4.5) == pytest.approx(0.3)
 
 
-def test_an_expression_that_stays_gives_way_to_the_next():
+def test_permanent_expression_is_replaced_by_the_next():
     found = show(
         *scheduled(
             '<faceShift id="f" lexeme="joy" amount="1" start="0" end="1"/>'
             '<faceShift id="g" lexeme="sadness" amount="1" start="3" end="4"/>'
         ),
-        TIMES,
+        SAMPLE_TIMES,
     )
     assert at(found["L12"], 2.0) == pytest.approx(1.0)
     assert at(found["L12"], 5.0) == pytest.approx(0.0, abs=1e-9)
@@ -69,34 +69,34 @@ def test_an_expression_that_stays_gives_way_to_the_next():
     assert at(found["L15"], 7.0) == pytest.approx(0.9)
 
 
-def test_the_style_of_the_face_and_no_other_is_used():
+def test_expression_uses_face_expressivity_only():
     asked = scheduled('<faceLexeme id="f" lexeme="smile" start="1" attackPeak="1.5" relax="3" end="4"/>')
     wide = Expressivity(spatial=0.5)
     plain, own, other = (
-        show(*asked, TIMES, style=style)["L12"] for style in (Style(), Style(face=wide), Style(head=wide))
+        show(*asked, SAMPLE_TIMES, style=style)["L12"] for style in (Style(), Style(face=wide), Style(head=wide))
     )
     np.testing.assert_array_equal(other, plain)
     assert own.max() == pytest.approx(1.25 * plain.max())
 
 
-def test_a_flowing_face_goes_from_one_expression_into_the_next():
+def test_high_fluidity_joins_successive_facial_expressions():
     asked = scheduled(
         '<faceLexeme id="f" lexeme="smile" start="1" attackPeak="1.3" relax="2" end="2.4"/>'
         '<faceLexeme id="g" lexeme="RAISE_BROWS" start="2.7" attackPeak="3" relax="4" end="4.4"/>'
     )
-    plain, flowing = (show(*asked, TIMES, style=Style(face=Expressivity(fluidity=f)))["L12"] for f in (0.0, 0.5))
+    plain, flowing = (show(*asked, SAMPLE_TIMES, style=Style(face=Expressivity(fluidity=f)))["L12"] for f in (0.0, 0.5))
     assert at(plain, 2.6) == 0.0
     assert at(flowing, 2.6) > 0.05
     assert at(flowing, 3.01) == 0.0
     assert at(flowing, 2.0) == at(plain, 2.0)
-    far = show(*asked, TIMES, style=Style(face=Expressivity(fluidity=0.2)))["L12"]
+    far = show(*asked, SAMPLE_TIMES, style=Style(face=Expressivity(fluidity=0.2)))["L12"]
     np.testing.assert_array_equal(far, plain)
 
 
-def test_repeated_blinks_are_several():
+def test_repeated_blink_lexeme_blinks_several_times():
     found = show(
         *scheduled('<faceLexeme id="f" lexeme="REPEATED_BLINK" start="1" attackPeak="1.1" relax="2.4" end="2.5"/>'),
-        TIMES,
+        SAMPLE_TIMES,
     )
     closed = found["L45"] > 0.8
     assert np.sum(np.diff(closed.astype(int)) == 1) == 5
@@ -106,7 +106,7 @@ def test_speech_moves_the_mouth_and_opens_pressed_lips():
     speech = '<speech id="s" start="1"><text>Mama, papa, hello everybody</text></speech>'
     angry = '<faceLexeme id="f" lexeme="anger" amount="1" start="0" attackPeak="0.5" relax="6" end="7"/>'
     timeline, said = scheduled(speech + angry)
-    found = show(timeline, said, TIMES)
+    found = show(timeline, said, SAMPLE_TIMES)
     for sound in said["s"].phonemes:
         middle = 1.0 + sound.start + sound.duration / 2
         if sound.symbol in "pbm":
@@ -118,48 +118,50 @@ def test_speech_moves_the_mouth_and_opens_pressed_lips():
     assert at(found["L4"], 2.0) == pytest.approx(1.0)
 
 
-def test_eyes_blink_and_flit_only_by_habit():
+def test_face_blinks_and_makes_saccades_only_if_requested():
     timeline, said = scheduled('<wait id="w" duration="1"/>')
-    assert show(timeline, said, TIMES) == {}
-    lively = show(timeline, said, TIMES, habits=Habits(seed=3))
-    assert {"L45", "R45"} <= lively.keys() <= set(CHANNELS)
-    still = show(timeline, said, TIMES, habits=Habits(seed=3, saccades=False))
+    assert show(timeline, said, SAMPLE_TIMES) == {}
+    lively = show(timeline, said, SAMPLE_TIMES, habits=Habits(seed=3))
+    assert {"L45", "R45"} <= lively.keys() <= set(FACE_CHANNELS)
+    still = show(timeline, said, SAMPLE_TIMES, habits=Habits(seed=3, saccades=False))
     assert still.keys() == {"L45", "R45"}
 
 
 def test_eyes_blink_before_a_speech():
-    found = show(*scheduled('<speech id="s" start="2"><text>Hello</text></speech>'), TIMES, habits=Habits(seed=0))
+    found = show(
+        *scheduled('<speech id="s" start="2"><text>Hello</text></speech>'), SAMPLE_TIMES, habits=Habits(seed=0)
+    )
     assert at(found["L45"], 1.92) == pytest.approx(1.0)
 
 
-def test_the_gaze_turns_the_eyes():
+def test_gaze_turns_the_eyes():
     timeline, said = scheduled('<wait id="w" duration="1"/>')
-    found = show(timeline, said, TIMES, looks=[GazeDirection(1.0, -0.4, 0.0, 3.0)])
+    found = show(timeline, said, SAMPLE_TIMES, looks=[GazeDirection(1.0, -0.4, 0.0, 3.0)])
     assert found.keys() == {"62"}
     assert at(found["62"], 2.0) > 0.5
 
 
 def test_eyes_stay_ahead_while_the_head_nods():
     timeline, said = scheduled('<wait id="w" duration="1"/>')
-    nod = np.zeros((len(TIMES), 2))
-    nod[:, 1] = -0.3 * np.exp(-((TIMES - 2.0) ** 2) / 0.02)
-    found = show(timeline, said, TIMES, head=nod)
+    nod = np.zeros((len(SAMPLE_TIMES), 2))
+    nod[:, 1] = -0.3 * np.exp(-((SAMPLE_TIMES - 2.0) ** 2) / 0.02)
+    found = show(timeline, said, SAMPLE_TIMES, head=nod)
     assert found.keys() == {"63"}
-    np.testing.assert_allclose(found["63"] * UPWARD, -nod[:, 1], atol=1e-12)
+    np.testing.assert_allclose(found["63"] * MAX_EYE_ELEVATION, -nod[:, 1], atol=1e-12)
 
 
-def test_commands_hold_what_is_shown_at_their_tick():
+def test_each_servo_command_contains_the_action_units_of_its_time():
     timeline, said = scheduled('<faceLexeme id="f" lexeme="smile" start="1" attackPeak="1.5" relax="3" end="4"/>')
-    found = show(timeline, said, TIMES)
-    rows = list(face_at_ticks(found, len(TIMES)))
-    assert len(rows) == len(TIMES)
+    found = show(timeline, said, SAMPLE_TIMES)
+    rows = list(face_at_ticks(found, len(SAMPLE_TIMES)))
+    assert len(rows) == len(SAMPLE_TIMES)
     assert rows[0] is NO_FACE
-    k = int(np.searchsorted(TIMES, 2.0))
+    k = int(np.searchsorted(SAMPLE_TIMES, 2.0))
     assert rows[k] == {channel: values[k] for channel, values in found.items()}
     assert list(face_at_ticks({}, 2)) == [NO_FACE, NO_FACE]
 
 
-def test_asking_for_no_time_is_nothing():
+def test_face_sampled_at_no_time_has_no_action_units():
     timeline, said = scheduled('<faceLexeme id="f" lexeme="smile"/>')
     assert show(timeline, said, np.zeros(0), habits=Habits()) == {}
 
@@ -174,28 +176,28 @@ def test_asking_for_no_time_is_nothing():
         (Face(action_unit=99), "dropped", "no action unit 99; known"),
     ],
 )
-def test_what_becomes_of_a_face(action: Face, kind: str, why: str):
-    found = outcome(action)
+def test_face_behaviour_outcome_depends_on_the_number_of_known_lexemes(action: Face, kind: str, why: str):
+    found = face_outcome(action)
     assert found.kind == kind
     assert found.why.startswith(why)
 
 
-def test_eyes_show_a_gaze_and_the_small_saccades_about_it():
+def test_action_units_of_the_eyes_contain_saccades():
     timeline, said = scheduled('<wait id="w" start="0" end="8"/>')
     shown = show(timeline, said, habits=Habits(blinks=False, saccades=True, seed=3))
-    strayed = flitting((float(TIMES[0]), float(TIMES[-1])), TIMES, 3)
+    strayed = saccade_offsets((float(SAMPLE_TIMES[0]), float(SAMPLE_TIMES[-1])), SAMPLE_TIMES, 3)
     for channel, values in gaze_units(strayed).items():
-        np.testing.assert_allclose(shown.get(channel, 0.0) * np.ones(len(TIMES)), values, atol=1e-12)
+        np.testing.assert_allclose(shown.get(channel, 0.0) * np.ones(len(SAMPLE_TIMES)), values, atol=1e-12)
 
 
-def test_the_face_of_a_gesture_comes_with_its_stroke_and_goes_with_the_hands():
+def test_gesture_expression_peaks_at_stroke_and_decays_with_retraction():
     timeline, said = scheduled(
         '<gesture id="g" lexeme="beat" start="1" ready="1.8" strokeStart="1.8" stroke="2" strokeEnd="2.2" relax="3" '
         'end="4"/>'
     )
     styles = resolve_styles(Style(), timeline.block)
     bodies = {"g": BodyMove(face=(("smile", 0.5),))}
-    shown = face_track(timeline, said, TIMES, styles=styles, bodies=bodies)
+    shown = face_track(timeline, said, SAMPLE_TIMES, styles=styles, bodies=bodies)
     assert shown
     for values in shown.values():
         assert at(values, 0.9) == at(values, 4.1) == 0.0
@@ -203,6 +205,6 @@ def test_the_face_of_a_gesture_comes_with_its_stroke_and_goes_with_the_hands():
         assert 0.0 < at(values, 1.6) < values.max()
 
 
-def test_an_expression_that_is_only_partly_known_is_substituted_with_the_reason():
-    found = outcome(Face(("smile", "xyzzy")))
+def test_face_behaviour_with_one_unknown_lexeme_is_substituted_with_a_reason():
+    found = face_outcome(Face(("smile", "xyzzy")))
     assert (found.kind, "xyzzy" in found.why) == ("substituted", True)

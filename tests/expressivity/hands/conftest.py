@@ -1,4 +1,4 @@
-"""Gestures that need one hand at the same time."""
+"""Fixture: gestures that need one hand at the same time."""
 
 import pytest
 
@@ -9,7 +9,7 @@ from .reached_hands import A, B, C, right
 
 @pytest.fixture
 def overlapping(phases):
-    """Two gestures of one hand, the later's stroke beginning before the earlier's has ended."""
+    """Return two gestures of one hand with overlapping strokes."""
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.9, 2.0, 2.6), (right(A, B, C),))
     second = Stroke("g2", phases(1.0, 1.6, 1.6, 2.6, 2.6, 2.8, 3.4), (right(C, A),))
     return [first, second]

@@ -1,11 +1,11 @@
-"""Hands at some places, from which the tests make strokes."""
+"""Hand poses and strokes for tests."""
 
 from kinesic.body.arrays import sealed
 from kinesic.body.reach import Reach
 from kinesic.expressivity.hands.poses import Poses
 from kinesic.expressivity.keyframes import Hand
 
-FREE = {"g1": frozenset({"stroke"}), "g2": frozenset({"stroke"})}
+FREE_STROKES = {"g1": frozenset({"stroke"}), "g2": frozenset({"stroke"})}
 
 
 def reach(x, y, z):

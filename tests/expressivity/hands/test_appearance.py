@@ -1,4 +1,4 @@
-"""What is seen of a stroke, by which gestures are told from one another."""
+"""Tests of the visible difference between gestures."""
 
 from dataclasses import replace
 
@@ -7,12 +7,20 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.robot import SIDES
-from kinesic.expressivity.hands.appearance import LEAST_WAY, distinct, look, nearest, turn_between, twins, way_between
+from kinesic.expressivity.hands.appearance import (
+    MIN_PATH_DISTANCE,
+    distinct,
+    look,
+    nearest,
+    orientation_angle,
+    path_distance,
+    twins,
+)
 from kinesic.expressivity.hands.poses import resting_hands
 from kinesic.expressivity.lexicon.form import StrokeKey
 from kinesic.expressivity.lexicon.lexicon import in_mode
 
-UP = np.array([0.0, 0.0, 1.0])
+UP_AXIS = np.array([0.0, 0.0, 1.0])
 
 
 @pytest.fixture(scope="module")
@@ -21,7 +29,7 @@ def form(lexicon):
 
 
 def changed(form, **fields):
-    """The form with something else in every pose."""
+    """Return the form with fields of every pose replaced."""
     keys = [
         StrokeKey(
             {side: replace(pose, **{name: of(pose) for name, of in fields.items()}) for side, pose in key.hands.items()}
@@ -32,44 +40,44 @@ def changed(form, **fields):
 
 
 def raised(form, robot, height):
-    """The form, higher by [m]."""
-    return changed(form, position=lambda pose: sealed(pose.position + UP * height / robot.arm_length))
+    """Return the form raised by a height [m]."""
+    return changed(form, position=lambda pose: sealed(pose.position + UP_AXIS * height / robot.arm_length))
 
 
-def test_a_gesture_is_no_other_than_itself(form, pace):
+def test_visual_distance_of_a_gesture_from_itself_is_zero(form, pace):
     seen = look(form, pace)
-    assert way_between(seen, seen) == 0.0
-    assert turn_between(seen, seen) == pytest.approx(0.0, abs=1e-7)
+    assert path_distance(seen, seen) == 0.0
+    assert orientation_angle(seen, seen) == pytest.approx(0.0, abs=1e-7)
     assert not distinct(seen, look(form, pace))
 
 
-def test_the_way_is_the_mean_over_both_hands(form, robot, pace):
+def test_path_distance_is_the_mean_over_both_hands(form, robot, pace):
     seen = look(form, pace)
-    assert way_between(seen, look(raised(form, robot, 0.06), pace)) == pytest.approx(0.06 / np.sqrt(2), rel=1e-6)
+    assert path_distance(seen, look(raised(form, robot, 0.06), pace)) == pytest.approx(0.06 / np.sqrt(2), rel=1e-6)
     both = in_mode(form, "both")
-    assert way_between(look(both, pace), look(raised(both, robot, 0.06), pace)) == pytest.approx(0.06, rel=1e-6)
+    assert path_distance(look(both, pace), look(raised(both, robot, 0.06), pace)) == pytest.approx(0.06, rel=1e-6)
 
 
-def test_two_gestures_are_two_from_5_cm_on(form, robot, pace):
+def test_gestures_with_hand_paths_5_cm_apart_are_distinct(form, robot, pace):
     both = in_mode(form, "both")
     seen = look(both, pace)
-    assert not distinct(seen, look(raised(both, robot, LEAST_WAY - 0.002), pace))
-    assert distinct(seen, look(raised(both, robot, LEAST_WAY + 0.002), pace))
+    assert not distinct(seen, look(raised(both, robot, MIN_PATH_DISTANCE - 0.002), pace))
+    assert distinct(seen, look(raised(both, robot, MIN_PATH_DISTANCE + 0.002), pace))
 
 
-def test_another_shape_or_another_palm_makes_another_gesture(form, pace):
+def test_hand_shape_or_palm_makes_gestures_distinct(form, pace):
     seen = look(form, pace)
     assert distinct(seen, look(changed(form, shape=lambda _: "fist"), pace))
     assert distinct(seen, look(changed(form, palm=lambda pose: sealed(-pose.palm)), pace))
 
 
-def test_a_path_makes_another_gesture(lexicon, pace):
+def test_different_hand_paths_make_gestures_distinct(lexicon, pace):
     waving = lexicon.find("wave_far").form
     still = changed(waving, path=lambda _: None)
-    assert way_between(look(waving, pace), look(still, pace)) > 0.02
+    assert path_distance(look(waving, pace), look(still, pace)) > 0.02
 
 
-def test_what_is_like_an_earlier_one_does_not_count(form, robot, pace):
+def test_duplicate_of_an_earlier_gesture_is_listed(form, robot, pace):
     looks = [
         ("a", look(form, pace)),
         ("b", look(raised(form, robot, 0.01), pace)),
@@ -78,19 +86,19 @@ def test_what_is_like_an_earlier_one_does_not_count(form, robot, pace):
     assert twins(looks) == [("b", "a")]
 
 
-def test_no_two_gestures_of_the_lexicon_are_alike(lexicon, pace):
+def test_lexicon_has_no_duplicate_gestures(lexicon, pace):
     assert len(lexicon.forms) >= 150
     assert twins((form.id, look(form, pace)) for form in lexicon.forms) == []
 
 
-def test_the_nearest_is_the_one_whose_hands_go_the_same_way(form, robot, pace):
+def test_nearest_gesture_has_the_smallest_path_distance(form, robot, pace):
     others = {"far": look(raised(form, robot, 0.3), pace), "near": look(raised(form, robot, 0.06), pace)}
-    name, way = nearest(look(form, pace), others)
+    name, distance = nearest(look(form, pace), others)
     assert name == "near"
-    assert way == pytest.approx(0.06 / np.sqrt(2), rel=1e-6)
+    assert distance == pytest.approx(0.06 / np.sqrt(2), rel=1e-6)
 
 
-def test_a_hand_that_is_turned_nowhere_counts_as_it_hangs(form, pace, robot):
+def test_hand_without_given_orientation_is_compared_like_a_hanging_hand(form, pace, robot):
     open_ = look(changed(form, palm=lambda _: None, pointing=lambda _: None), pace)
     rest = resting_hands(robot)
     for s, side in enumerate(SIDES):

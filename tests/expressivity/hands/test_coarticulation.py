@@ -4,17 +4,17 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from kinesic.expressivity.hands.engaged import Clash
+from kinesic.expressivity.hands.busy_hands import Clash
 from kinesic.expressivity.hands.keys import hand_at
 from kinesic.expressivity.hands.phases import arrange_hands
-from kinesic.expressivity.hands.poses import REST, Poses, resting_hands
+from kinesic.expressivity.hands.poses import REST_HAND, Poses, resting_hands
 from kinesic.expressivity.hands.strokes import Stroke, least_stroke_times
 
-from .reached_hands import FREE, A, B, C, L, M, both, reach, right
+from .reached_hands import FREE_STROKES, A, B, C, L, M, both, reach, right
 
 
-def test_strokes_that_overlap_make_room_when_the_document_lets_them(pace, overlapping):
-    found = arrange_hands(overlapping, pace, FREE)
+def test_overlapping_gesture_strokes_with_free_times_are_moved_apart(pace, overlapping):
+    found = arrange_hands(overlapping, pace, FREE_STROKES)
     assert found.outcomes == {}
     moved = found.times
     assert 1.0 < moved["g1"]["strokeEnd"] <= moved["g2"]["strokeStart"] < 2.6
@@ -28,8 +28,8 @@ def test_strokes_that_overlap_make_room_when_the_document_lets_them(pace, overla
     assert at[moved["g2"]["strokeStart"]] is C
 
 
-def test_what_makes_room_keeps_what_servos_need(pace, overlapping):
-    moved = arrange_hands(overlapping, pace, FREE).times
+def test_shortened_gesture_strokes_take_at_least_the_minimum_servo_time(pace, overlapping):
+    moved = arrange_hands(overlapping, pace, FREE_STROKES).times
     after = least_stroke_times(right(A, B, C), pace)[1]
     before = least_stroke_times(right(C, A), pace)[0]
     assert moved["g1"]["strokeEnd"] - 1.0 >= after - 1e-9
@@ -37,51 +37,53 @@ def test_what_makes_room_keeps_what_servos_need(pace, overlapping):
 
 
 @pytest.mark.parametrize(
-    ("tied", "moving"),
+    ("fixed_syncs", "moving"),
     [({"g1": {"stroke", "strokeEnd"}}, {"g2"}), ({"g2": {"stroke", "strokeStart"}}, {"g1"})],
 )
-def test_only_what_the_document_leaves_open_moves(pace, overlapping, tied, moving):
-    found = arrange_hands(overlapping, pace, FREE | tied)
+def test_overlapping_strokes_are_resolved_by_moving_only_free_sync_points(pace, overlapping, fixed_syncs, moving):
+    found = arrange_hands(overlapping, pace, FREE_STROKES | fixed_syncs)
     assert found.outcomes == {}
     assert {id for id, times in found.times.items() if times.keys() - {"relax", "end"}} == moving
 
 
-def test_what_is_placed_where_it_overlaps_is_dropped_and_named(pace, overlapping):
-    tied = {"g1": {"stroke", "strokeEnd"}, "g2": {"stroke", "strokeStart"}}
-    found = arrange_hands(overlapping, pace, tied)
+def test_overlapping_stroke_with_fixed_times_is_dropped_with_a_reason(pace, overlapping):
+    fixed_syncs = {"g1": {"stroke", "strokeEnd"}, "g2": {"stroke", "strokeStart"}}
+    found = arrange_hands(overlapping, pace, fixed_syncs)
     assert found.outcomes["g2"].kind == "dropped"
     assert "busy with the stroke of g1 until 1.90 s" in found.outcomes["g2"].why
 
 
-def test_strokes_that_are_nearer_than_servos_can_do_are_dropped(pace, phases):
+def test_stroke_too_close_for_the_servos_is_dropped(pace, phases):
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.9, 2.0, 2.6), (right(A, B, C),))
     second = Stroke("g2", phases(0.2, 0.8, 0.8, 1.02, 1.2, 1.4, 2), (right(C, A),))
-    assert arrange_hands([first, second], pace, FREE).outcomes["g2"].kind == "dropped"
+    assert arrange_hands([first, second], pace, FREE_STROKES).outcomes["g2"].kind == "dropped"
 
 
-def test_a_stroke_is_not_repeated_over_the_word_of_a_rest_pose(pace, phases):
+def test_stroke_repetition_ends_before_a_rest_pose(pace, phases):
     twice = Poses({"r": (A, B, A, B)}, stroke=1, again=(3,))
     beating = Stroke("g", phases(0, 1, 1, 1.5, 4.0, 4.2, 5.0), (twice,))
     folded = Stroke("p", phases(2.0, 2.8, 2.8, 3.0, 3.0, 3.0, 3.5), (right(C),), rest=True)
-    found = arrange_hands([beating, folded], pace, tied := {id: frozenset({"stroke"}) for id in "gp"})
+    found = arrange_hands([beating, folded], pace, fixed_syncs := {id: frozenset({"stroke"}) for id in "gp"})
     assert next(work for work in found.works if work.id == "g").at("strokeEnd") < 2.8
     assert hand_at(found.hands["r"], 3.0, resting_hands(pace.robot)["r"]).reach is C.reach
-    asked = arrange_hands([beating, folded], pace, {**tied, "g": frozenset({"stroke", "strokeEnd"})}).works
-    assert next(work for work in asked if work.id == "g").poses.times == 2, "where the document says when it ends"
+    asked = arrange_hands([beating, folded], pace, {**fixed_syncs, "g": frozenset({"stroke", "strokeEnd"})}).works
+    assert next(work for work in asked if work.id == "g").poses.stroke_count == 2, (
+        "where the document says when it ends"
+    )
 
 
-def test_a_retraction_becomes_the_preparation_of_the_next(pace, phases):
+def test_retraction_becomes_preparation_of_the_next_stroke(pace, phases):
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.0, 1.2, 2.0), (right(A, B),))
     second = Stroke("g2", phases(1.5, 2.1, 2.1, 2.5, 2.5, 2.7, 3.3), (right(C, A),))
     keys = arrange_hands([first, second], pace).hands["r"]
     inner = [key.hand for key in keys[1:-1]]
-    assert REST not in inner
+    assert REST_HAND not in inner
     hold = max(key.time for key in keys if key.hand is B)
     assert 1.2 <= hold < 2.1
 
 
-def test_no_time_to_wait_means_going_straight_to_the_stroke(pace, phases):
-    """A `ready` that the hand cannot reach from the stroke before is passed over, not jumped to."""
+def test_ready_sync_point_that_the_hand_cannot_reach_in_time_is_skipped(pace, phases):
+    """Skip a `ready` that the hand cannot reach after the preceding stroke."""
     far = reach(0.3, -0.5, 1.0)
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.0, 1.2, 2.0), (right(A, B),))
     second = Stroke("g2", phases(0.5, 1.05, 1.6, 2.0, 2.0, 2.2, 2.8), (right(far, A),))
@@ -89,8 +91,8 @@ def test_no_time_to_wait_means_going_straight_to_the_stroke(pace, phases):
     assert [key.time for key in keys if key.hand is far] == [1.6]
 
 
-def test_hands_never_jump_and_every_stroke_is_met(pace, phases):
-    """However gestures fall, a hand has one place at a time and is at each stroke that is not dropped."""
+def test_hand_keys_of_random_overlapping_gestures_reach_every_kept_stroke(pace, phases):
+    """Hold for random overlapping gestures."""
     rng, rest = np.random.default_rng(7), resting_hands(pace.robot)
     for _ in range(40):
         strokes = []
@@ -115,34 +117,34 @@ def test_hands_never_jump_and_every_stroke_is_met(pace, phases):
 
 @pytest.fixture
 def crossing(phases):
-    """Two gestures of the same hand whose strokes the document places upon one another."""
+    """Return two gestures of one hand with fixed overlapping strokes."""
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 2.2), (right(A, B),))
     second = Stroke("g2", phases(0.4, 1.0, 1.0, 1.2, 1.2, 1.4, 2.0), (right(C, A),))
     return [first, second]
 
 
 @pytest.mark.parametrize(("ranks", "left"), [((1, 1), "g1"), ((0, 1), "g2"), ((1, 0), "g1"), ((1, 2), "g2")])
-def test_what_counts_for_less_gives_way_or_else_the_later(pace, crossing, ranks, left):
+def test_less_important_or_later_stroke_is_dropped(pace, crossing, ranks, left):
     found = arrange_hands([replace(s, importance=rank) for s, rank in zip(crossing, ranks, strict=True)], pace)
     assert found.sides.keys() == {left}
     (dropped,) = found.outcomes
     assert found.outcomes[dropped].kind == "dropped"
     assert left in found.outcomes[dropped].why
-    assert ("counts for more" in found.outcomes[dropped].why) == (left == "g2")
+    assert ("is more important" in found.outcomes[dropped].why) == (left == "g2")
 
 
-def test_what_made_room_for_a_stroke_that_gave_way_has_its_times_back(pace, overlapping, phases):
+def test_moved_stroke_times_are_restored_after_the_conflicting_stroke_is_dropped(pace, overlapping, phases):
     first, second = overlapping
     third = Stroke("g3", phases(2.2, 2.5, 2.5, 2.8, 2.8, 3.0, 3.4), (right(B, A),))
-    assert "g1" in arrange_hands(overlapping, pace, FREE).times
-    found = arrange_hands([first, replace(second, importance=0), third], pace, FREE)
-    alone = arrange_hands([first, third], pace, FREE)
+    assert "g1" in arrange_hands(overlapping, pace, FREE_STROKES).times
+    found = arrange_hands([first, replace(second, importance=0), third], pace, FREE_STROKES)
+    alone = arrange_hands([first, third], pace, FREE_STROKES)
     assert found.outcomes.keys() == {"g2"}
     assert found.times == alone.times
     assert [key.time for key in found.hands["r"]] == [key.time for key in alone.hands["r"]]
 
 
-def test_a_dropped_stroke_says_when_there_would_be_time(pace, crossing):
+def test_dropped_stroke_message_gives_a_feasible_time(pace, crossing):
     first, second = crossing
     for clashes, apart in (({}, 0.0), ({frozenset(("g1", "g2")): Clash(0.5)}, 1.0)):
         late = replace(second, times={sync: time + apart for sync, time in second.times.items()})
@@ -153,7 +155,7 @@ def test_a_dropped_stroke_says_when_there_would_be_time(pace, crossing):
         assert arrange_hands([first, replace(late, times=good)], pace).outcomes == {}
 
 
-def test_strokes_that_clash_count_as_overlapping(pace, phases):
+def test_gesture_strokes_with_a_reported_timing_conflict_count_as_overlapping(pace, phases):
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.0, 1.2, 2.0), (right(A, B),))
     second = Stroke("g2", phases(1.2, 1.5, 1.5, 1.8, 1.8, 2.0, 2.6), (right(C, A),))
     clashes = {frozenset(("g1", "g2")): Clash(0.31)}
@@ -168,22 +170,22 @@ def test_strokes_that_clash_count_as_overlapping(pace, phases):
 
 @pytest.fixture
 def counting(phases):
-    """Two numbers of a series whose strokes overlap, each either on the right or on the left hand."""
+    """Return two overlapping strokes of a counting series."""
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.6, 1.7, 2.4), (right(A, B, C),), series="count")
     second = Stroke("g2", phases(0.8, 1.2, 1.2, 1.3, 1.9, 2.0, 2.6), (right(C, A, B),), series="count")
     return [first, second]
 
 
-def test_numbers_that_overlap_are_shown_once_at_their_words(pace, counting):
-    found = arrange_hands(counting, pace, FREE)
+def test_overlapping_finger_counting_strokes_are_reduced_to_one_pose(pace, counting):
+    found = arrange_hands(counting, pace, FREE_STROKES)
     assert not any(outcome.kind == "dropped" for outcome in found.outcomes.values())
     for stroke in counting:
         (work,) = [work for work in found.works if work.id == stroke.id]
         assert work.at("stroke") == pytest.approx(stroke.times["stroke"])
 
 
-def test_numbers_whose_strokes_the_document_places_are_not_shortened(pace, counting):
-    tied = {id: frozenset({"strokeStart", "stroke", "strokeEnd"}) for id in ("g1", "g2")}
-    found = arrange_hands(counting, pace, tied)
+def test_fixed_counting_strokes_are_not_shortened(pace, counting):
+    fixed_syncs = {id: frozenset({"strokeStart", "stroke", "strokeEnd"}) for id in ("g1", "g2")}
+    found = arrange_hands(counting, pace, fixed_syncs)
     assert found.outcomes["g2"].kind == "dropped"
     assert found.outcomes.keys() == {"g2"}

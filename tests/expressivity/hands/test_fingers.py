@@ -1,4 +1,4 @@
-"""Shapes of the hand in time and as angles of drives."""
+"""Tests of hand shapes over time, and as drive angles."""
 
 from itertools import pairwise
 
@@ -8,7 +8,7 @@ import pytest
 from kinesic.body.limits import Limits
 from kinesic.body.robot import SIDES, Robot
 from kinesic.expressivity.hands.fingers import (
-    LAG,
+    FINGER_DELAY,
     finger_joints,
     finger_keys,
     lacking_shapes,
@@ -20,15 +20,15 @@ from kinesic.expressivity.hands.strokes import Stroke
 from kinesic.expressivity.lexicon.hand_shapes import hand_shapes
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.pace import Pace
-from kinesic.expressivity.style.style import NEUTRAL
+from kinesic.expressivity.style.style import NEUTRAL_EXPRESSIVITY
 
-ROBOT, PLAIN = Robot.load("upper36"), Robot.load("upper22")
-LEXICON = Lexicon.load()
-SYNCS = {"start": 1.0, "ready": 1.7, "strokeStart": 1.7, "stroke": 2.2, "strokeEnd": 2.7, "relax": 3.2, "end": 4.2}
+FINGER_ROBOT, PLAIN_ROBOT = Robot.load("upper36"), Robot.load("upper22")
+BUILTIN_LEXICON = Lexicon.load()
+SYNC_TIMES = {"start": 1.0, "ready": 1.7, "strokeStart": 1.7, "stroke": 2.2, "strokeEnd": 2.7, "relax": 3.2, "end": 4.2}
 
 
 def pace(robot):
-    """Of servos that are all alike."""
+    """Return the pace of a robot with equal servos."""
     count = np.ones(len(robot.skeleton.hinges))
     limits = Limits.box(
         lower=robot.skeleton.lower,
@@ -40,34 +40,37 @@ def pace(robot):
     return Pace(robot, limits)
 
 
-PACE = pace(ROBOT)
+FINGER_PACE = pace(FINGER_ROBOT)
 
 
-def keys_of(work, times=SYNCS, own=PACE):
+def keys_of(work, times=SYNC_TIMES, own=FINGER_PACE):
     hands = arrange_hands([Stroke("g", times, (work,))], own)
     return finger_keys(hands.hands, hands.works, own)
 
 
-def keys_of_gesture(id, times=SYNCS):
-    return keys_of(poses(LEXICON.forms_by_id[id], ROBOT, NEUTRAL), times)
+def keys_of_gesture(id, times=SYNC_TIMES):
+    return keys_of(poses(BUILTIN_LEXICON.forms_by_id[id], FINGER_ROBOT, NEUTRAL_EXPRESSIVITY), times)
 
 
 def drives(side):
-    return [ROBOT.skeleton.names[joint][2:] for joint in finger_joints(ROBOT, side)]
+    return [FINGER_ROBOT.skeleton.names[joint][2:] for joint in finger_joints(FINGER_ROBOT, side)]
 
 
 @pytest.mark.parametrize("name", list(hand_shapes()))
-def test_a_shape_is_within_the_ranges_and_both_hands_make_it_alike(name):
-    left, right = (shape_angles(hand_shapes()[name], ROBOT, side) for side in SIDES)
-    joints = list(finger_joints(ROBOT, "l"))
-    assert np.all(left >= ROBOT.skeleton.lower[joints])
-    assert np.all(left <= ROBOT.skeleton.upper[joints])
+def test_hand_shapes_are_within_ranges_and_equal_on_both_hands(name):
+    left, right = (shape_angles(hand_shapes()[name], FINGER_ROBOT, side) for side in SIDES)
+    joints = list(finger_joints(FINGER_ROBOT, "l"))
+    assert np.all(left >= FINGER_ROBOT.skeleton.lower[joints])
+    assert np.all(left <= FINGER_ROBOT.skeleton.upper[joints])
     np.testing.assert_array_equal(left, right)
     assert drives("l") == drives("r")
 
 
-def test_no_two_shapes_are_alike_and_each_finger_goes_its_own_way():
-    rows = {name: dict(zip(drives("l"), shape_angles(s, ROBOT, "l"), strict=True)) for name, s in hand_shapes().items()}
+def test_hand_shapes_are_distinct_and_fingers_independent():
+    rows = {
+        name: dict(zip(drives("l"), shape_angles(s, FINGER_ROBOT, "l"), strict=True))
+        for name, s in hand_shapes().items()
+    }
     values = [tuple(row.values()) for row in rows.values()]
     assert len(set(values)) == len(values)
     horns, two, phone = (rows[name] for name in ("horns", "two", "phone"))
@@ -77,42 +80,42 @@ def test_no_two_shapes_are_alike_and_each_finger_goes_its_own_way():
     assert rows["crossed"]["index_abduct"] < 0.0
 
 
-def test_a_relaxed_hand_rests_and_is_never_flat():
-    rest = shape_angles(hand_shapes()["relaxed"], ROBOT, "l")
-    np.testing.assert_array_equal(rest, ROBOT.skeleton.rest[list(finger_joints(ROBOT, "l"))])
+def test_relaxed_hand_rests_with_bent_fingers():
+    rest = shape_angles(hand_shapes()["relaxed"], FINGER_ROBOT, "l")
+    np.testing.assert_array_equal(rest, FINGER_ROBOT.skeleton.rest[list(finger_joints(FINGER_ROBOT, "l"))])
     bent = [angle for name, angle in zip(drives("l"), rest, strict=True) if "flexion" in name and "thumb" not in name]
     assert np.all(np.degrees(bent) >= 20.0)
     assert np.all(np.degrees(bent) <= 35.0)
 
 
-def test_a_shape_begins_after_the_wrist_and_is_complete_when_the_stroke_begins():
-    fist = shape_angles(hand_shapes()["fist"], ROBOT, "r")
+def test_hand_shape_changes_after_the_wrist_starts_and_is_complete_at_stroke_start():
+    fist = shape_angles(hand_shapes()["fist"], FINGER_ROBOT, "r")
     (side, keys) = next(iter(keys_of_gesture("count_one").items()))
     assert side == "r"
-    np.testing.assert_array_equal(keys[0].angles, ROBOT.skeleton.rest[list(finger_joints(ROBOT, "r"))])
-    assert SYNCS["start"] + LAG <= keys[0].time < keys[1].time <= SYNCS["strokeStart"]
+    np.testing.assert_array_equal(keys[0].angles, FINGER_ROBOT.skeleton.rest[list(finger_joints(FINGER_ROBOT, "r"))])
+    assert SYNC_TIMES["start"] + FINGER_DELAY <= keys[0].time < keys[1].time <= SYNC_TIMES["strokeStart"]
     np.testing.assert_array_equal(keys[1].angles, fist)
-    assert keys[-1].time > keys[-2].time >= SYNCS["relax"] + LAG - 1e-9
+    assert keys[-1].time > keys[-2].time >= SYNC_TIMES["relax"] + FINGER_DELAY - 1e-9
     np.testing.assert_array_equal(keys[-1].angles, keys[0].angles)
 
 
-def test_in_a_hurry_fingers_leave_before_the_wrist():
-    hurried = SYNCS | {"start": 1.6}
+def test_finger_motion_starts_before_the_wrist_if_time_is_short():
+    hurried = SYNC_TIMES | {"start": 1.6}
     (keys,) = keys_of_gesture("count_one", hurried).values()
     assert keys[1].time <= hurried["strokeStart"]
     assert keys[1].time - keys[0].time > 0.1
 
 
-def test_who_points_stretches_the_forefinger():
-    (keys,) = keys_of(pointing_poses(np.array([2.0, -0.5, 1.0]), "r", ROBOT)).values()
-    np.testing.assert_array_equal(keys[1].angles, shape_angles(hand_shapes()["index"], ROBOT, "r"))
+def test_pointing_extends_the_index_finger():
+    (keys,) = keys_of(pointing_poses(np.array([2.0, -0.5, 1.0]), "r", FINGER_ROBOT)).values()
+    np.testing.assert_array_equal(keys[1].angles, shape_angles(hand_shapes()["index"], FINGER_ROBOT, "r"))
 
 
 @pytest.mark.parametrize(
     ("gesture", "moves"), [("air_quotes", "index"), ("typing", "ring"), ("walk_fingers", "middle")]
 )
-def test_fingers_move_while_the_stroke_lasts(gesture, moves):
-    times = SYNCS | {"strokeEnd": 3.4, "relax": 3.5, "end": 4.5}
+def test_finger_motion_lasts_during_the_stroke(gesture, moves):
+    times = SYNC_TIMES | {"strokeEnd": 3.4, "relax": 3.5, "end": 4.5}
     for side, keys in keys_of_gesture(gesture, times).items():
         column = drives(side).index(f"{moves}_flexion1")
         during = [key.angles[column] for key in keys if times["strokeStart"] < key.time < times["strokeEnd"]]
@@ -121,9 +124,9 @@ def test_fingers_move_while_the_stroke_lasts(gesture, moves):
         assert all(b.time - a.time > 0.015 for a, b in pairwise(keys))
 
 
-def test_a_hand_without_fingers_has_no_keys_and_lacks_all_shapes_that_need_them():
-    work = poses(LEXICON.forms_by_id["count_two"], PLAIN, NEUTRAL)
-    assert keys_of(work, own=pace(PLAIN)) == {}
-    assert lacking_shapes(("flat", "fist", "FORM_OPEN", "tentacle"), PLAIN) == ("fist", "tentacle")
-    assert lacking_shapes(hand_shapes(), ROBOT) == ()
-    assert lacking_shapes(("tentacle",), ROBOT) == ("tentacle",)
+def test_hand_without_fingers_has_no_finger_keys_and_reports_missing_shapes():
+    work = poses(BUILTIN_LEXICON.forms_by_id["count_two"], PLAIN_ROBOT, NEUTRAL_EXPRESSIVITY)
+    assert keys_of(work, own=pace(PLAIN_ROBOT)) == {}
+    assert lacking_shapes(("flat", "fist", "FORM_OPEN", "tentacle"), PLAIN_ROBOT) == ("fist", "tentacle")
+    assert lacking_shapes(hand_shapes(), FINGER_ROBOT) == ()
+    assert lacking_shapes(("tentacle",), FINGER_ROBOT) == ("tentacle",)

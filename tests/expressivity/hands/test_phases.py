@@ -6,10 +6,10 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.reach import Reach
-from kinesic.expressivity.hands.engaged import Clash
+from kinesic.expressivity.hands.busy_hands import Clash
 from kinesic.expressivity.hands.keys import HandKey, hand_at
 from kinesic.expressivity.hands.phases import arrange_hands
-from kinesic.expressivity.hands.poses import REST, Poses, pointing_poses, poses, resting_hands, shoulder
+from kinesic.expressivity.hands.poses import REST_HAND, Poses, pointing_poses, poses, resting_hands, shoulder
 from kinesic.expressivity.hands.strokes import Stroke, stroke_key_times
 from kinesic.expressivity.keyframes import Hand
 from kinesic.expressivity.lexicon.form import StrokeKey
@@ -31,15 +31,15 @@ def times_of(keys):
     return [round(key.time, 6) for key in keys]
 
 
-def test_a_gesture_goes_from_rest_through_its_strokes_and_back(pace, phases):
+def test_gesture_passes_from_rest_through_its_strokes_and_back(pace, phases):
     stroke = Stroke("g", phases(0, 0.6, 0.7, 1.0, 1.3, 1.5, 2.0), (work(A, B, C),))
     keys = arrange_hands([stroke], pace).hands["r"]
     assert times_of(keys) == [0, 0.6, 0.7, 1.0, 1.3, 1.5, 2.0]
-    assert [key.hand for key in keys] == [REST, A, A, B, C, C, REST]
+    assert [key.hand for key in keys] == [REST_HAND, A, A, B, C, C, REST_HAND]
     assert arrange_hands([stroke], pace).hands["l"] == ()
 
 
-def test_one_key_is_exactly_at_the_stroke(robot, pace, lexicon, phases):
+def test_stroke_key_of_every_gesture_is_exactly_at_the_stroke_sync_point(robot, pace, lexicon, phases):
     for form in lexicon.forms:
         if form.keys:
             keys = poses(form, robot, Expressivity())
@@ -49,33 +49,33 @@ def test_one_key_is_exactly_at_the_stroke(robot, pace, lexicon, phases):
             assert all(a < b for a, b in pairwise(found))
 
 
-def test_without_room_after_the_stroke_its_last_key_is_the_stroke(pace, phases):
+def test_last_hand_key_is_at_the_stroke_if_the_stroke_phase_has_ended(pace, phases):
     found = stroke_key_times(work(A, B, C, A), phases(0, 0.5, 0.6, 1.0, 1.0, 1.8, 2.5), pace)
     assert found[-1] == 1.0
 
 
-def test_strokes_without_any_room_keep_the_stroke_key(pace, phases):
+def test_stroke_of_zero_duration_keeps_only_the_stroke_key(pace, phases):
     stroke = Stroke("g", phases(0, 0.5, 1.0, 1.0, 1.0, 1.4, 2.0), (work(A, B, C),))
     keys = arrange_hands([stroke], pace).hands["r"]
     assert times_of(keys) == [0, 0.5, 1.0, 1.4, 2.0]
     assert keys[2].hand is C
 
 
-def test_a_form_of_one_key_strokes_into_it(robot, lexicon):
+def test_one_pose_gesture_of_the_lexicon_starts_15_percent_nearer_to_rest(robot, lexicon):
     rest = resting_hands(robot)["r"].position
     form = lexicon.find("arms_crossed", "right").form
     near, there = (hand.reach.position for hand in poses(form, robot, Expressivity()).hands["r"])
     np.testing.assert_allclose(near - there, 0.15 * (rest - there), atol=1e-12)
 
 
-def test_neighbours_do_not_pass_through_rest(pace, phases):
+def test_hand_does_not_rest_between_gestures_close_in_time(pace, phases):
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.0, 1.2, 1.8), (work(A, B),))
     second = Stroke("g2", phases(2.2, 2.8, 2.8, 3.2, 3.2, 3.4, 4.0), (work(C, A),))
     keys = arrange_hands([first, second], pace).hands["r"]
-    assert [key.time for key in keys if key.hand is REST] == [0, 4.0]
+    assert [key.time for key in keys if key.hand is REST_HAND] == [0, 4.0]
 
 
-def test_the_hand_leaves_an_overlapped_hold_in_time(pace, phases):
+def test_hand_leaves_a_hold_early_enough_for_the_next_gesture(pace, phases):
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.0, 2.0, 2.5), (work(A, B),))
     second = Stroke("g2", phases(1.2, 1.8, 1.8, 2.2, 2.2, 2.4, 3.0), (work(C, A),))
     keys = arrange_hands([first, second], pace).hands["r"]
@@ -84,14 +84,14 @@ def test_the_hand_leaves_an_overlapped_hold_in_time(pace, phases):
     assert next(key for key in keys if key.time == 1.8).hand is C
 
 
-def test_far_gestures_rest_between(pace, phases):
+def test_hand_rests_between_gestures_distant_in_time(pace, phases):
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.0, 1.2, 1.8), (work(A, B),))
     second = Stroke("g2", phases(2.5, 3, 3, 3.2, 3.2, 3.4, 4.0), (work(C, A),))
     keys = arrange_hands([first, second], pace).hands["r"]
-    assert [key.time for key in keys if key.hand is REST] == [0, 1.8, 2.5, 4.0]
+    assert [key.time for key in keys if key.hand is REST_HAND] == [0, 1.8, 2.5, 4.0]
 
 
-def test_a_stroke_inside_anothers_is_dropped_and_says_which(pace, phases):
+def test_stroke_that_overlaps_another_of_one_hand_is_dropped_with_a_reason(pace, phases):
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 1.8), (work(A, B),))
     second = Stroke("g2", phases(0.5, 1.2, 1.2, 1.6, 1.6, 1.9, 2.4), (work(C, A),))
     found = arrange_hands([first, second], pace)
@@ -101,7 +101,7 @@ def test_a_stroke_inside_anothers_is_dropped_and_says_which(pace, phases):
     assert "g2" not in found.sides
 
 
-def test_a_stroke_inside_anothers_takes_the_free_hand(pace, phases):
+def test_stroke_that_overlaps_another_moves_to_the_free_hand(pace, phases):
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 1.8), (work(A, B),))
     second = Stroke("g2", phases(0.5, 1.2, 1.2, 1.6, 1.6, 1.9, 2.4), (work(C, A), work(C, A, side="l")))
     found = arrange_hands([first, second], pace)
@@ -110,16 +110,16 @@ def test_a_stroke_inside_anothers_takes_the_free_hand(pace, phases):
     assert found.sides["g2"] == {"l"}
 
 
-def test_a_rest_pose_stays_until_the_next(pace, phases):
+def test_hand_returns_to_the_last_rest_pose_after_a_gesture(pace, phases):
     folded = Stroke("r", phases(0, 0.6, 0.6, 1.0, 1.0, 1.0, 1.5), (work(A),), rest=True)
     gesture = Stroke("g", phases(4, 4.6, 4.6, 5.0, 5.0, 5.2, 6.0), (work(C, B),))
     keys = arrange_hands([folded, gesture], pace).hands["r"]
-    assert keys[0].hand is REST
+    assert keys[0].hand is REST_HAND
     assert keys[-1].hand is A
     assert next(key for key in keys if key.time == 4.0).hand is A
 
 
-def test_a_rest_pose_in_a_stroke_is_taken_when_the_hand_goes_back(pace, phases):
+def test_rest_pose_during_a_stroke_is_deferred_to_the_retraction(pace, phases):
     gesture = Stroke("g", phases(0, 0.6, 0.6, 1.0, 2.0, 2.2, 3.0), (work(C, B),))
     folded = Stroke("r", phases(0.5, 1.2, 1.2, 1.5, 1.5, 1.5, 1.5), (work(A),), rest=True)
     keys = arrange_hands([gesture, folded], pace).hands["r"]
@@ -128,11 +128,11 @@ def test_a_rest_pose_in_a_stroke_is_taken_when_the_hand_goes_back(pace, phases):
     assert keys[-1].hand is A
 
 
-def test_a_gesture_without_time_for_its_ways_gets_natural_ones(pace, phases):
+def test_gesture_without_given_times_takes_natural_durations(pace, phases):
     keys = arrange_hands([Stroke("g", phases(1, 1, 1, 1, 1, 1, 1), (work(A, B),))], pace).hands["r"]
     assert keys[0].time < 0.8
     assert keys[-1].time > 1.2
-    assert [key.hand for key in keys] == [REST, B, REST]
+    assert [key.hand for key in keys] == [REST_HAND, B, REST_HAND]
 
 
 def test_pointing_puts_the_wrist_on_the_line_to_the_target(robot):
@@ -153,30 +153,30 @@ def test_openness_lifts_the_elbow(robot, lexicon):
 
 
 @pytest.mark.parametrize(("power", "effort"), [(-1.0, 0.0), (0.0, 0.0), (0.7, 0.7)])
-def test_power_is_the_arms_effort(robot, lexicon, power, effort):
+def test_power_above_zero_sets_the_shoulder_effort_of_the_arm(robot, lexicon, power, effort):
     work = poses(lexicon.find("beat", "right").form, robot, Expressivity(power=power))
     assert work.hands["r"][-1].effort == effort
 
 
-def test_repetition_repeats_the_stroke(robot, lexicon):
+def test_repetition_parameter_repeats_the_stroke(robot, lexicon):
     form = lexicon.find("beat", "right").form
     assert [poses(form, robot, Expressivity(repetition=r)).count for r in (-1.0, 0.0, 0.5, 1.0)] == [2, 2, 4, 6]
 
 
 @pytest.mark.parametrize("gesture", ["listen", "think", "sleep", "phone_call", "hush"])
-def test_a_hand_that_comes_to_the_head_to_stay_does_so_once(robot, lexicon, gesture):
+def test_gesture_held_at_the_head_is_not_repeated(robot, lexicon, gesture):
     found = poses(lexicon.forms_by_id[gesture], robot, Expressivity(repetition=1.0))
-    assert found.times == 1
+    assert found.stroke_count == 1
 
 
-def test_what_pats_or_is_done_at_the_head_is_repeated(robot, lexicon):
+def test_patting_gestures_are_repeated(robot, lexicon):
     repeated = [
         poses(lexicon.forms_by_id[name], robot, Expressivity(repetition=1.0)) for name in ("heart", "eat", "crazy")
     ]
-    assert all(found.times > 1 for found in repeated)
+    assert all(found.stroke_count > 1 for found in repeated)
 
 
-def test_between_two_keys_directions_turn_and_stay_unit(robot):
+def test_hand_directions_between_keys_rotate_and_stay_unit_vectors(robot):
     rest = resting_hands(robot)["r"]
     a = Hand(Reach(sealed([0, 0, 0]), pointing=sealed([1, 0, 0]), palm=sealed([0, 0, 1])))
     b = Hand(Reach(sealed([1, 0, 0]), pointing=sealed([0, 1, 0])), openness=0.6, effort=0.2)
@@ -189,35 +189,35 @@ def test_between_two_keys_directions_turn_and_stay_unit(robot):
     assert hand_at((HandKey(0.0, a), HandKey(1.0, b)), 0.25, rest).reach.palm is a.reach.palm
 
 
-def test_a_hand_on_its_way_from_rest_starts_where_it_hangs(robot):
+def test_hand_leaving_rest_starts_at_the_hanging_position(robot):
     rest = resting_hands(robot)["r"]
-    keys = (HandKey(0.0, REST), HandKey(1.0, A))
-    assert hand_at(keys, 0.0, rest) is REST
+    keys = (HandKey(0.0, REST_HAND), HandKey(1.0, A))
+    assert hand_at(keys, 0.0, rest) is REST_HAND
     np.testing.assert_allclose(hand_at(keys, 0.01, rest).reach.position, rest.position, atol=0.01)
     assert hand_at(keys, 2.0, rest) is A
 
 
-def test_hands_are_as_they_hang(robot):
+def test_resting_hands_are_mirrored(robot):
     rest = resting_hands(robot)
     assert rest["l"].position == pytest.approx(rest["r"].position * [1, -1, 1])
     assert np.linalg.norm(rest["l"].palm) == pytest.approx(1.0)
 
 
-def test_a_rest_pose_that_clashes_with_a_gesture_is_taken_on_the_way_back_and_says_so(pace, phases):
+def test_rest_pose_with_a_timing_conflict_is_deferred_to_the_retraction(pace, phases):
     gesture = Stroke("g", phases(0, 0.6, 0.6, 1.0, 1.0, 1.5, 2.0), (work(A, B),))
     pose = Stroke("p", phases(1.1, 1.4, 1.4, 1.5, 1.5, 1.5, 1.5), (work(C),), rest=True)
     at_once = arrange_hands([gesture, pose], pace)
     assert {key.time for key in at_once.hands["r"] if key.hand is C} == {1.5}
     assert at_once.remarks == {}
     found = arrange_hands([gesture, pose], pace, clashes={frozenset(("g", "p")): Clash(0.4)})
-    assert [key.hand for key in found.hands["r"]] == [REST, A, B, B, C]
+    assert [key.hand for key in found.hands["r"]] == [REST_HAND, A, B, B, C]
     assert times_of(found.hands["r"])[-1] == 2.0
     assert found.remarks == {"p": ("is taken as the hands go back from g: 0.40 s lack between both",)}
 
 
 @pytest.mark.parametrize(("touch", "relax", "home"), [("hand", 4.2, 4.2), (None, 4.2, 3.0), ("hand", 6.0, 3.0)])
-def test_a_hand_that_rests_on_the_other_one_goes_home_with_it(pace, phases, touch, relax, home):
-    """It waits where it is while the other one gestures alone, unless that takes long."""
+def test_hands_resting_on_each_other_retract_together(pace, phases, touch, relax, home):
+    """Wait for the other hand to finish its gesture, unless it takes long."""
     folded = replace(A, touch=touch)
     rest = Stroke(
         "p", phases(0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0), (Poses({"l": (folded,), "r": (folded,)}, 0),), rest=True
@@ -230,8 +230,8 @@ def test_a_hand_that_rests_on_the_other_one_goes_home_with_it(pace, phases, touc
     assert keys[-1].time == pytest.approx(5.2 if home == relax else 4.0)
 
 
-def test_a_loose_hand_stops_where_it_waits(pace, phases):
-    """A trunk that turns beneath a hand that waits changes its arm a little, on which it must not swing out."""
+def test_hand_with_low_tension_stops_during_holds(pace, phases):
+    """Prevent a swing when the trunk moves the arm slightly during a hold."""
     loose = Expressivity(tension=-1.0, fluidity=0.5)
     stroke = Stroke("g", phases(0, 0.6, 0.6, 1.0, 1.0, 2.4, 3.2), (work(A, B),), manner=loose)
     waiting = [key for key in arrange_hands([stroke], pace).hands["r"] if key.hand is B]
@@ -240,7 +240,7 @@ def test_a_loose_hand_stops_where_it_waits(pace, phases):
 
 
 @pytest.mark.parametrize(("start", "sinks"), [(1.5, False), (2.29, True)])
-def test_a_hand_that_waits_for_its_next_gesture_sinks_where_there_is_time(pace, phases, start, sinks):
+def test_hand_waiting_between_gestures_is_lowered_if_time_allows(pace, phases, start, sinks):
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.0, 1.1, 1.8), (work(A, B),))
     second = Stroke("g2", phases(start, *(start + np.array([0.6, 0.6, 1.0, 1.0, 1.2, 1.8]))), (work(C, A),))
     keys = arrange_hands([first, second], pace).hands["r"]

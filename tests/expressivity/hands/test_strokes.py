@@ -15,25 +15,28 @@ from kinesic.expressivity.style.effort import Effort
 from kinesic.expressivity.style.style import Expressivity
 
 NEUTRAL = Expressivity()
-HERE, THERE = sealed([0.55, 0.3, 0.5]), sealed([0.55, 0.5, 0.4])
+FIRST_POSITION, SECOND_POSITION = sealed([0.55, 0.3, 0.5]), sealed([0.55, 0.5, 0.4])
 
 
 def form(*positions, path=None):
-    """Keys of the right hand, the last of them with a path."""
+    """Return a right-handed form with a path to its last key."""
     keys = [StrokeKey({"r": HandPose(position, palm=sealed([1.0, 0, 0]))}) for position in positions]
     keys[-1] = StrokeKey({"r": replace(keys[-1].hands["r"], path=path)})
     return GestureForm("own", "iconic", tuple(keys))
 
 
-CIRCLE = form(HERE, HERE, path=shape_path("circle"))
-WAVE = form(HERE, HERE, path=shape_path("wave", frequency=4.0))
-TWO = form(HERE, THERE)
-WAVED = form(HERE, THERE, HERE, THERE)  # written twice
+CIRCLE_FORM = form(FIRST_POSITION, FIRST_POSITION, path=shape_path("circle"))
+WAVE_FORM = form(FIRST_POSITION, FIRST_POSITION, path=shape_path("wave", frequency=4.0))
+TWO_KEY_FORM = form(FIRST_POSITION, SECOND_POSITION)
+REPEATED_FORM = form(FIRST_POSITION, SECOND_POSITION, FIRST_POSITION, SECOND_POSITION)  # Duplicate entry
 
 
 @pytest.fixture
 def done(robot, pace, phases):
-    """A form's work and its keys, from strokeStart, stroke and strokeEnd."""
+    """Return a form's timed stroke and its keys.
+
+    The arguments are strokeStart, stroke and strokeEnd.
+    """
 
     def run(form, *times, manner=NEUTRAL):
         start, stroke, end = times
@@ -46,8 +49,8 @@ def done(robot, pace, phases):
     return run
 
 
-def test_a_path_becomes_keys_between_those_of_the_stroke(robot, done):
-    _, keys = done(CIRCLE, 1.0, 2.0, 2.0)
+def test_hand_path_is_sampled_as_keys_between_the_stroke_keys(robot, done):
+    _, keys = done(CIRCLE_FORM, 1.0, 2.0, 2.0)
     assert keys[0].time == 1.0
     assert keys[-1].time == 2.0
     places = np.array([key.hand.reach.position for key in keys])
@@ -58,8 +61,8 @@ def test_a_path_becomes_keys_between_those_of_the_stroke(robot, done):
     assert len(keys) >= 9
 
 
-def test_hands_turn_along_their_path(robot, done):
-    turned = form(HERE, THERE, path=shape_path("arc"))
+def test_hands_rotate_along_their_path(robot, done):
+    turned = form(FIRST_POSITION, SECOND_POSITION, path=shape_path("arc"))
     last = turned.keys[1].hands["r"]
     turned = replace(turned, keys=(turned.keys[0], StrokeKey({"r": replace(last, palm=sealed([0, 0, -1.0]))})))
     _, keys = done(turned, 1.0, 2.0, 2.0)
@@ -68,50 +71,52 @@ def test_hands_turn_along_their_path(robot, done):
     assert np.all(np.diff(palms[:, 2]) < 0)
 
 
-def test_sampling_follows_size_and_never_time(done):
-    small, large = (form(HERE, HERE, path=shape_path("circle", amplitude=size)) for size in (0.03, 0.3))
+def test_number_of_path_keys_depends_on_path_size_and_not_on_duration(done):
+    small, large = (
+        form(FIRST_POSITION, FIRST_POSITION, path=shape_path("circle", amplitude=size)) for size in (0.03, 0.3)
+    )
     counts = [len(done(one, 1.0, end, end)[1]) for one in (small, large) for end in (2.0, 4.0)]
     assert counts[0] == counts[1] < counts[2] == counts[3]
 
 
-def test_keys_on_a_path_are_never_nearer_than_a_key_may_be(done):
-    _, keys = done(CIRCLE, 1.0, 1.1, 1.1)
+def test_path_keys_keep_the_minimum_spacing(done):
+    _, keys = done(CIRCLE_FORM, 1.0, 1.1, 1.1)
     assert np.diff([key.time for key in keys]).min() >= 0.02 - 1e-9
 
 
-def test_a_path_that_turns_oftener_than_servos_can_is_slowed_and_says_so(done):
-    fast, _ = done(WAVE, 1.0, 1.6, 1.6)
-    slow, _ = done(WAVE, 1.0, 6.0, 6.0)
+def test_too_fast_wave_gets_fewer_turns_and_a_remark(done):
+    fast, _ = done(WAVE_FORM, 1.0, 1.6, 1.6)
+    slow, _ = done(WAVE_FORM, 1.0, 6.0, 6.0)
     assert slow.remarks == ()
     assert fast.poses.path("r", 1).turns < 4
     assert "of its 4 turns: in 0.60 s" in fast.remarks[0]
 
 
-def test_a_hurried_wave_keeps_its_amplitude_and_its_ends(done):
-    work, keys = done(WAVE, 1.0, 1.8, 1.8)
+def test_slowed_wave_keeps_its_amplitude_and_ends(done):
+    work, keys = done(WAVE_FORM, 1.0, 1.8, 1.8)
     out = [key.hand.reach.position[1] for key in keys]
     assert out[0] == out[-1]
     np.testing.assert_array_equal(
-        work.poses.path("r", 1).amplitude, done(WAVE, 1, 9, 9)[0].poses.path("r", 1).amplitude
+        work.poses.path("r", 1).amplitude, done(WAVE_FORM, 1, 9, 9)[0].poses.path("r", 1).amplitude
     )
 
 
-def test_amplitude_follows_spatial_extent_but_for_fixed_axes(robot):
-    sizes = [poses(CIRCLE, robot, Expressivity(spatial=s)).path("r", 1).amplitude for s in (-1.0, 0.0, 1.0)]
+def test_path_amplitude_follows_spatial_extent_except_on_fixed_axes(robot):
+    sizes = [poses(CIRCLE_FORM, robot, Expressivity(spatial=s)).path("r", 1).amplitude for s in (-1.0, 0.0, 1.0)]
     assert abs(sizes[0][1]) < abs(sizes[1][1]) < abs(sizes[2][1])
-    hand = replace(CIRCLE.keys[1].hands["r"], fixed=(False, True, True))
-    fixed = replace(CIRCLE, keys=(CIRCLE.keys[0], StrokeKey({"r": hand})))
+    hand = replace(CIRCLE_FORM.keys[1].hands["r"], fixed=(False, True, True))
+    fixed = replace(CIRCLE_FORM, keys=(CIRCLE_FORM.keys[0], StrokeKey({"r": hand})))
     np.testing.assert_allclose(poses(fixed, robot, Expressivity(spatial=1.0)).path("r", 1).amplitude, sizes[1])
 
 
-def test_left_and_right_paths_mirror_each_other(robot, pace, done):
+def test_left_and_right_paths_are_mirrored(robot, pace, done):
     kinds = [
         shape_path("spiral"),
         shape_path("points", points=(sealed([0.5, 0.4, 0.2]),)),
         shape_path("wave", shift=0.1),
     ]
     for path in kinds:
-        one = form(HERE, THERE, path=path)
+        one = form(FIRST_POSITION, SECOND_POSITION, path=path)
         work, keys = done(one, 1.0, 3.0, 3.0)
         other = do_stroke(work.stroke, poses(mirror_form(one), robot, NEUTRAL), pace)
         for a, b in zip(keys, stroke_keys(other, "l", pace), strict=True):
@@ -119,43 +124,49 @@ def test_left_and_right_paths_mirror_each_other(robot, pace, done):
             np.testing.assert_allclose(a.hand.reach.position * [1, -1, 1], b.hand.reach.position, atol=1e-12)
 
 
-def test_ways_along_a_path_take_longer_than_straight_ones(robot, pace):
-    arc, straight = (poses(one, robot, NEUTRAL) for one in (form(HERE, THERE, path=shape_path("arc")), TWO))
+def test_hand_motion_along_a_path_takes_longer_than_a_straight_one(robot, pace):
+    arc, straight = (
+        poses(one, robot, NEUTRAL)
+        for one in (form(FIRST_POSITION, SECOND_POSITION, path=shape_path("arc")), TWO_KEY_FORM)
+    )
     assert natural_times(arc, Effort(pace))[0] > natural_times(straight, Effort(pace))[0]
     once, twice = (
-        natural_times(poses(form(HERE, HERE, path=shape_path("wave", frequency=f)), robot, NEUTRAL), Effort(pace))[0]
+        natural_times(
+            poses(form(FIRST_POSITION, FIRST_POSITION, path=shape_path("wave", frequency=f)), robot, NEUTRAL),
+            Effort(pace),
+        )[0]
         for f in (1.0, 2.0)
     )
     assert twice == pytest.approx(2 * once, rel=0.01)
 
 
-def test_power_makes_the_hand_faster_half_way(done):
+def test_power_increases_velocity_in_mid_path(done):
     shares = []
     for power in (-1.0, 0.0, 1.0):
-        _, keys = done(CIRCLE, 1.0, 2.0, 2.0, manner=Expressivity(power=power))
+        _, keys = done(CIRCLE_FORM, 1.0, 2.0, 2.0, manner=Expressivity(power=power))
         times = np.array([key.time for key in keys])
         shares.append(np.diff(times)[len(times) // 2])
     assert shares[0] > shares[1] > shares[2]
 
 
-@pytest.mark.parametrize(("one", "written"), [(TWO, 1), (CIRCLE, 1), (WAVED, 2)])
-def test_the_number_of_strokes_grows_with_repetition(robot, one, written):
-    times = [poses(one, robot, Expressivity(repetition=r)).times for r in (-1.0, -0.4, 0.0, 0.2, 0.5, 0.8, 1.0)]
+@pytest.mark.parametrize(("one", "written"), [(TWO_KEY_FORM, 1), (CIRCLE_FORM, 1), (REPEATED_FORM, 2)])
+def test_number_of_strokes_grows_with_repetition(robot, one, written):
+    times = [poses(one, robot, Expressivity(repetition=r)).stroke_count for r in (-1.0, -0.4, 0.0, 0.2, 0.5, 0.8, 1.0)]
     assert times == sorted(times)
     assert times[2] == written
     assert times[0] == max(1, written - 1)
     assert times[-1] == written + 2
 
 
-def test_a_circle_that_is_repeated_goes_on_without_a_stop(robot):
-    work = poses(CIRCLE, robot, Expressivity(repetition=1.0))
+def test_repeated_circular_gesture_continues_without_an_intermediate_key(robot):
+    work = poses(CIRCLE_FORM, robot, Expressivity(repetition=1.0))
     assert work.count == 4
     assert work.again == (2, 3)
     assert [path and path.kind for path in work.paths["r"]] == [None, "circle", "circle", "circle"]
 
 
 def test_repetition_keeps_the_time_of_the_first_stroke(robot, pace, phases):
-    thrice = poses(TWO, robot, Expressivity(repetition=1.0))
+    thrice = poses(TWO_KEY_FORM, robot, Expressivity(repetition=1.0))
     natural = natural_times(thrice, Effort(pace))
     times = phases(0, 0.6, 0.6, 1.0, 1.0, 1.0, 1.5) | {"strokeEnd": 1.0 + sum(natural[1:]), "relax": 9.0, "end": 10.0}
     numbered = times | {"stroke:2": 1.0 + sum(natural[1:3]), "stroke:3": 1.0 + sum(natural[1:5])}
@@ -166,31 +177,31 @@ def test_repetition_keeps_the_time_of_the_first_stroke(robot, pace, phases):
         assert found[5] == pytest.approx(numbered["stroke:3"])
 
 
-def test_numbered_strokes_fall_on_their_sync_points(robot, pace, phases):
-    thrice = poses(TWO, robot, Expressivity(repetition=1.0))
+def test_repeated_stroke_keys_are_at_their_numbered_sync_points(robot, pace, phases):
+    thrice = poses(TWO_KEY_FORM, robot, Expressivity(repetition=1.0))
     times = phases(0, 0.6, 0.6, 1.0, 4.0, 4.0, 5.0) | {"stroke:2": 2.5, "stroke:3": 3.9}
     found = stroke_key_times(thrice, times, pace)
     assert (found[1], found[3], found[5]) == (1.0, 2.5, 3.9)
 
 
 @pytest.mark.parametrize(("end", "times"), [(1.0, 1), (1.05, 1), (9.0, 3)])
-def test_repetitions_share_what_time_there_is(done, end, times):
-    work, _ = done(TWO, 0.6, 1.0, end, manner=Expressivity(repetition=1.0))
-    assert work.poses.times == times
+def test_stroke_repetitions_that_do_not_fit_are_dropped(done, end, times):
+    work, _ = done(TWO_KEY_FORM, 0.6, 1.0, end, manner=Expressivity(repetition=1.0))
+    assert work.poses.stroke_count == times
     assert bool(work.remarks) == (times < 3)
     assert all("its stroke is done once, not 3" in remark for remark in work.remarks)
 
 
-def test_a_path_that_is_not_asked_for_changes_nothing(robot, pace, phases):
-    stroke = Stroke("g", phases(0, 0.6, 0.6, 1.0, 1.0, 1.2, 1.8), (poses(TWO, robot, NEUTRAL),))
+def test_gesture_without_a_hand_path_has_no_intermediate_keys(robot, pace, phases):
+    stroke = Stroke("g", phases(0, 0.6, 0.6, 1.0, 1.0, 1.2, 1.8), (poses(TWO_KEY_FORM, robot, NEUTRAL),))
     assert [key.time for key in arrange_hands([stroke], pace).hands["r"]] == pytest.approx([0, 0.6, 1.0, 1.2, 1.8])
 
 
-def test_a_gesture_that_is_done_again_has_the_times_that_are_known(robot, pace, monkeypatch):
+def test_natural_times_of_a_repeated_gesture_are_cached(robot, pace, monkeypatch):
     measured = []
     monkeypatch.setattr(strokes, "pose_distance", lambda *way: measured.append(way) or pose_distance(*way))
-    natural_times(poses(TWO, robot, Expressivity(spatial=0.123)), Effort(pace))
+    natural_times(poses(TWO_KEY_FORM, robot, Expressivity(spatial=0.123)), Effort(pace))
     assert measured
     first = len(measured)
-    natural_times(poses(TWO, robot, Expressivity(spatial=0.123)), Effort(pace))
+    natural_times(poses(TWO_KEY_FORM, robot, Expressivity(spatial=0.123)), Effort(pace))
     assert len(measured) == first

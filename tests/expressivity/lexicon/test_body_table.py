@@ -8,12 +8,12 @@ from kinesic.expressivity.lexicon.body_form import NO_BODY, BodyForm
 from kinesic.expressivity.lexicon.lexicon import Lexicon, in_mode, mirror_form
 from kinesic.expressivity.lexicon.toml_file import read_gestures
 
-KEYS = "keys = [{ right = { at = [0.3, 0.45, 0.6] } }]"
+KEYS_LINE = "keys = [{ right = { at = [0.3, 0.45, 0.6] } }]"
 
 
 def written(body: str = "", bodies: str = "") -> str:
     own = f"body = {body}\n" if body else ""
-    return f'category = "beat"\n{bodies}[[gesture]]\nid = "own"\n{own}{KEYS}\n'
+    return f'category = "beat"\n{bodies}[[gesture]]\nid = "own"\n{own}{KEYS_LINE}\n'
 
 
 @pytest.fixture
@@ -26,14 +26,14 @@ def read(tmp_path):
     return of
 
 
-def test_degrees_are_written_and_radians_read(read):
+def test_body_motion_table_of_a_gesture_converts_degrees_to_radians(read):
     found = read('{ head = { turn = 10, tilt = -5 }, nod = 4, shoulders = 15, gaze = "hands", face = { smile = 0.5 } }')
     assert found.head == Turn(torsion=radians(10), tilt=radians(-5))
     assert (found.nod, found.shoulders) == pytest.approx((radians(4), radians(15)))
     assert (found.gaze, found.face) == ("hands", (("smile", 0.5),))
 
 
-def test_a_gesture_says_what_is_other_than_in_its_category(read):
+def test_body_motion_of_a_gesture_overrides_that_of_the_category(read):
     bodies = "[bodies.beat]\nnod = 4\nshoulders = 3\n[bodies.emblem]\nshake = 9\n"
     assert read(bodies=bodies) == BodyForm(nod=radians(4), shoulders=radians(3))
     assert read("{ nod = 0, look = 0.5 }", bodies) == BodyForm(shoulders=radians(3), look=0.5)
@@ -52,12 +52,12 @@ def test_a_gesture_says_what_is_other_than_in_its_category(read):
         ('{ gaze = "feet" }', "feet"),
     ],
 )
-def test_errors_name_what_is_wrong(read, body, said):
+def test_body_table_errors_name_value_and_range(read, body, said):
     with pytest.raises(ConfigError, match=said):
         read(body)
 
 
-def test_gestures_of_users_have_the_bodies_of_their_category(tmp_path):
+def test_user_gestures_inherit_the_body_motion_of_their_category(tmp_path):
     path = tmp_path / "own.toml"
     path.write_text(written())
     lexicon = Lexicon.load(path)
@@ -65,7 +65,7 @@ def test_gestures_of_users_have_the_bodies_of_their_category(tmp_path):
     assert Lexicon.load().bodies == lexicon.bodies
 
 
-def test_gestures_of_gestuaries_have_the_bodies_of_their_category(tmp_path):
+def test_gestuary_gestures_inherit_the_body_motion_of_their_category(tmp_path):
     where = "".join(
         f'<{name}Location value="{word}"/>'
         for name, word in (("horizontal", "XC"), ("vertical", "YCC"), ("frontal", "ZNear"))
@@ -77,7 +77,7 @@ def test_gestures_of_gestuaries_have_the_bodies_of_their_category(tmp_path):
     assert lexicon.forms_by_id["g"].body == lexicon.bodies["beat"]
 
 
-def test_the_body_goes_along_when_the_hands_change_sides():
+def test_accompanying_body_motion_is_mirrored_with_the_hands():
     form = Lexicon.load().forms_by_id["think"]
     body = form.body
     assert mirror_form(mirror_form(form)).body == body
@@ -87,13 +87,13 @@ def test_the_body_goes_along_when_the_hands_change_sides():
     assert body.symmetric.mirrored == body.symmetric
 
 
-def test_nothing_is_left_at_weight_zero_and_all_at_one():
+def test_body_motion_with_weight_zero_is_empty_and_with_one_unchanged():
     for form in Lexicon.load().forms:
         assert form.body.weighed(head=0.0, trunk=0.0, shoulders=0.0, face=0.0) == NO_BODY
         assert form.body.weighed(head=1.0, trunk=1.0, shoulders=1.0, face=1.0) == form.body
 
 
-def test_words():
+def test_text_of_a_body_motion_lists_angles_gaze_and_face():
     body = BodyForm(head=Turn(torsion=radians(-8)), nod=radians(4), gaze="hands", face=(("smile", 0.5),))
     assert str(body) == "head right 8, nod 4 deg; eyes on the hands; smile 0.5"
     assert str(NO_BODY) == ""

@@ -1,22 +1,31 @@
 from kinesic.expressivity.lexicon.hand_shapes import hand_shapes
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 
-LEXICON = Lexicon.load()
-SHAPES = hand_shapes()
+BUILTIN_LEXICON = Lexicon.load()
+HAND_SHAPES = hand_shapes()
 
 
-def test_every_shape_is_described_and_no_other():
-    assert len(SHAPES) == 22
-    assert len({(shape.straight, shape.apart, shape.across) for shape in SHAPES.values()}) == len(SHAPES)
-    assert len({shape.says for shape in SHAPES.values()}) == len(SHAPES)
+def test_hand_shapes_have_distinct_finger_values_and_descriptions():
+    assert len(HAND_SHAPES) == 22
+    assert len({(shape.straight, shape.apart, shape.across) for shape in HAND_SHAPES.values()}) == len(HAND_SHAPES)
+    assert len({shape.says for shape in HAND_SHAPES.values()}) == len(HAND_SHAPES)
 
 
-def test_fingers_are_between_closed_and_straight():
-    for shape in SHAPES.values():
+def test_hand_shape_values_are_within_their_ranges():
+    for shape in HAND_SHAPES.values():
         assert all(0.0 <= straight <= 1.0 for straight in shape.straight)
         assert -1.0 <= shape.apart <= 1.0
 
 
-def test_every_shape_is_used_and_every_pose_has_one():
-    used = {pose.shape for form in LEXICON.forms for key in form.keys for pose in key.hands.values()}
-    assert used == set(SHAPES)
+def test_every_hand_shape_is_used():
+    used = {pose.shape for form in BUILTIN_LEXICON.forms for key in form.keys for pose in key.hands.values()}
+    assert set(HAND_SHAPES) - used == set(), "remove these shapes from kinesic/configs/hands.toml, or use them"
+
+
+def test_every_hand_pose_of_a_gesture_has_a_hand_shape():
+    shapeless = [
+        f"kinesic/configs/gestures/{form.category}.toml: {form.id}"
+        for form in BUILTIN_LEXICON.forms
+        if not all(pose.shape for key in form.keys for pose in key.hands.values())
+    ]
+    assert shapeless == [], "give every key of these gestures a shape"

@@ -8,10 +8,12 @@ from kinesic.body.config import ConfigError
 from kinesic.expressivity.lexicon.gestuary import is_enabled, read_gestuary
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 
-ROOT = Path(__file__).resolve().parents[3]
-FOLDER = Path(os.environ.get("KINESIC_CORPUS", ROOT.parent / "shared" / "corpus")) / "greta" / "lexicon"
+REPOSITORY_ROOT = Path(__file__).resolve().parents[3]
+CORPUS_FOLDER = (
+    Path(os.environ.get("KINESIC_CORPUS", REPOSITORY_ROOT.parent / "shared" / "corpus")) / "greta" / "lexicon"
+)
 
-HAND = """
+HAND_TEMPLATE = """
 <hand side="{side}" openness="1.13">
   <uniformPosition>
     <horizontalLocation value="0.3" fixed="true"/><verticalLocation value="0.2"/><frontalLocation value="0.5"/>
@@ -22,7 +24,7 @@ HAND = """
 
 
 def hand(side="LEFT", shape="FORM_OPEN", world="true", w=1.0, x=0.0, y=0.0, z=0.0):
-    return HAND.format(side=side, shape=shape, world=world, w=w, x=x, y=y, z=z)
+    return HAND_TEMPLATE.format(side=side, shape=shape, world=world, w=w, x=x, y=y, z=z)
 
 
 @pytest.fixture
@@ -36,7 +38,7 @@ def read(tmp_path):
     return from_phases
 
 
-def test_greta_says_outward_up_forward_and_we_forward_outward_up(read):
+def test_gestuary_positions_are_reordered_to_kinesic_axes(read):
     pose = read(hand()).keys[0].hands["l"]
     assert pose.position == pytest.approx([0.5, 0.3, 0.2])
     assert pose.fixed == (False, True, False)
@@ -45,20 +47,20 @@ def test_greta_says_outward_up_forward_and_we_forward_outward_up(read):
 
 
 @pytest.mark.parametrize(("side", "own"), [("LEFT", "l"), ("RIGHT", "r")])
-def test_a_hand_without_turn_hangs_with_its_palm_to_the_body(read, side, own):
+def test_unit_quaternion_gives_a_hanging_hand(read, side, own):
     pose = read(hand(side)).keys[0].hands[own]
     assert pose.pointing == pytest.approx([0, 0, -1])
     assert pose.palm == pytest.approx([0, -1, 0])
 
 
-def test_a_turn_about_the_lateral_axis_raises_the_hand(read):
+def test_rotation_about_the_lateral_axis_raises_the_hand(read):
     half = np.sqrt(0.5)
     pose = read(hand(w=half, x=-half)).keys[0].hands["l"]
     assert pose.pointing == pytest.approx([1, 0, 0])
     assert pose.palm == pytest.approx([0, -1, 0])
 
 
-def test_a_turn_in_the_forearm_needs_no_pointing_when_the_hand_stays_straight(read):
+def test_forearm_rotation_of_straight_hand_has_no_pointing_direction(read):
     half = np.sqrt(0.5)
     pose = read(hand(world="false", w=half, y=-half)).keys[0].hands["l"]
     assert pose.pointing is None
@@ -74,7 +76,7 @@ def test_mirrored_quaternions_give_mirrored_directions(read):
         assert hands["l"].pointing == pytest.approx(hands["r"].pointing)
 
 
-def test_what_a_phase_leaves_open_is_as_before(read):
+def test_gestuary_phase_inherits_unspecified_values(read):
     later = '<hand side="LEFT"><handShape value="EMPTY"/></hand>'
     first, second = (key.hands["l"] for key in read(hand(), later).keys)
     assert second.position == pytest.approx(first.position)
@@ -82,7 +84,7 @@ def test_what_a_phase_leaves_open_is_as_before(read):
     assert second.shape == first.shape
 
 
-def test_a_touch_is_near_the_body_on_the_side_it_names(read):
+def test_gestuary_touch_point_lies_on_the_side_named_by_its_suffix(read):
     places = [
         read(f'<hand side="{side}"><touchPosition value="chin{end}"/></hand>').keys[0].hands[own].position
         for side, own, end in (("LEFT", "l", ""), ("LEFT", "l", "_L"), ("RIGHT", "r", "_L"))
@@ -91,7 +93,7 @@ def test_a_touch_is_near_the_body_on_the_side_it_names(read):
     assert places[2] == pytest.approx(places[1] * [1, -1, 1])
 
 
-def test_switched_off_and_empty_gestures_are_not_enabled(read):
+def test_disabled_or_empty_gestuary_gestures_are_skipped(read):
     assert is_enabled(read(hand()))
     assert not is_enabled(read(hand(), category="zziconic"))
     assert not is_enabled(read())
@@ -114,7 +116,7 @@ def test_switched_off_and_empty_gestures_are_not_enabled(read):
         ('<hand side="LEFT"><touchPosition value="chinn"/></hand>', r"no touch point; did you mean chin\?"),
     ],
 )
-def test_a_wrong_gesture_is_located(read, phase, message):
+def test_invalid_gestuary_gesture_error_has_file_and_line(read, phase, message):
     with pytest.raises(ConfigError, match=message):
         read(phase)
 
@@ -127,23 +129,23 @@ def test_a_wrong_gesture_is_located(read, phase, message):
         ('<!DOCTYPE g [<!ENTITY e "x">]><gestuary/>', "entity"),
     ],
 )
-def test_what_is_no_gestuary_is_refused(tmp_path, text, message):
+def test_xml_document_that_is_no_gestuary_is_refused(tmp_path, text, message):
     (tmp_path / "x.xml").write_text(text)
     with pytest.raises(ConfigError, match=message):
         read_gestuary(tmp_path / "x.xml")
 
 
-def test_a_missing_file_is_named(tmp_path):
+def test_error_names_a_missing_gestuary_file(tmp_path):
     with pytest.raises(ConfigError, match=r"none\.xml"):
         read_gestuary(tmp_path / "none.xml")
 
 
-@pytest.mark.skipif(not FOLDER.is_dir(), reason="no corpus; set KINESIC_CORPUS")
+@pytest.mark.skipif(not CORPUS_FOLDER.is_dir(), reason="no corpus; set KINESIC_CORPUS")
 @pytest.mark.parametrize(
     ("name", "count", "usable"), [("gestuary", 12, 12), ("gestuary_camille", 282, 273), ("gestuary_poppy", 179, 116)]
 )
-def test_the_gestuaries_of_the_corpus(name, count, usable):
-    forms = read_gestuary(FOLDER / f"{name}.xml")
+def test_corpus_gestuaries_are_read(name, count, usable):
+    forms = read_gestuary(CORPUS_FOLDER / f"{name}.xml")
     assert len(forms) == count
     assert sum(is_enabled(form) for form in forms) == usable
     for form in forms:
@@ -154,10 +156,10 @@ def test_the_gestuaries_of_the_corpus(name, count, usable):
                 assert direction is None or np.linalg.norm(direction) == pytest.approx(1.0)
 
 
-@pytest.mark.skipif(not FOLDER.is_dir(), reason="no corpus; set KINESIC_CORPUS")
-def test_a_gestuary_comes_before_our_own_gestures():
-    lexicon = Lexicon.load(FOLDER / "gestuary_camille.xml")
-    for form in (form for form in read_gestuary(FOLDER / "gestuary_camille.xml") if is_enabled(form)):
+@pytest.mark.skipif(not CORPUS_FOLDER.is_dir(), reason="no corpus; set KINESIC_CORPUS")
+def test_gestuary_gestures_precede_builtin_ones():
+    lexicon = Lexicon.load(CORPUS_FOLDER / "gestuary_camille.xml")
+    for form in (form for form in read_gestuary(CORPUS_FOLDER / "gestuary_camille.xml") if is_enabled(form)):
         match = lexicon.find(f"{form.category}={form.id.upper()}")
         assert match is not None
         assert match.substitute == ""
@@ -165,7 +167,7 @@ def test_a_gestuary_comes_before_our_own_gestures():
     assert lexicon.find("no_wag").form.id == "no_wag"
 
 
-CIRCLE = """<Trajectory type="CIRCLE">
+CIRCLE_TRAJECTORY = """<Trajectory type="CIRCLE">
   <x amplitude="0.2" frequency="2" spatialVariation="GREATER"/><y amplitude="0.1" frequency="2" shift="0.25"/>
 </Trajectory>"""
 
@@ -174,8 +176,8 @@ def moved(trajectory, **options):
     return hand(**options).replace("</hand>", f"{trajectory}</hand>")
 
 
-def test_a_trajectory_leads_to_its_phase(read):
-    first, second = (key.hands["l"] for key in read(hand(), moved(CIRCLE)).keys)
+def test_gestuary_trajectory_becomes_the_hand_path_of_its_phase(read):
+    first, second = (key.hands["l"] for key in read(hand(), moved(CIRCLE_TRAJECTORY)).keys)
     assert first.path is None
     assert second.path.kind == "circle"
     assert second.path.amplitude == pytest.approx([0, 0.2, 0.1])
@@ -184,18 +186,18 @@ def test_a_trajectory_leads_to_its_phase(read):
     assert second.path.amplitude_variation == "grows"
 
 
-def test_a_trajectory_in_the_first_phase_leads_to_the_second(read):
-    first, second = (key.hands["l"] for key in read(moved(CIRCLE), hand()).keys)
+def test_gestuary_trajectory_of_the_first_phase_is_moved_to_the_second(read):
+    first, second = (key.hands["l"] for key in read(moved(CIRCLE_TRAJECTORY), hand()).keys)
     assert first.path is None
     assert second.path.kind == "circle"
 
 
-def test_a_trajectory_is_not_inherited(read):
-    keys = read(hand(), moved(CIRCLE), hand()).keys
+def test_gestuary_trajectory_is_not_inherited(read):
+    keys = read(hand(), moved(CIRCLE_TRAJECTORY), hand()).keys
     assert [key.hands["l"].path is None for key in keys] == [True, False, True]
 
 
-def test_a_trajectory_without_axes_is_as_usual(read):
+def test_trajectory_without_axes_has_default_parameters(read):
     assert read(hand(), moved('<Trajectory type="wave"/>')).keys[1].hands["l"].path.turns == 2
 
 
@@ -207,10 +209,10 @@ def test_a_trajectory_without_axes_is_as_usual(read):
             '<Trajectory type="wave"><x amplitude="9" frequency="1"/></Trajectory>',
             r"<Trajectory> amplitude is \[9, 0, 0\]",
         ),
-        (CIRCLE.replace("GREATER", "MORE"), "spatialVariation is 'MORE'"),
-        (CIRCLE.replace('"0.2"', '"wide"'), "amplitude is 'wide', not a number"),
+        (CIRCLE_TRAJECTORY.replace("GREATER", "MORE"), "spatialVariation is 'MORE'"),
+        (CIRCLE_TRAJECTORY.replace('"0.2"', '"wide"'), "amplitude is 'wide', not a number"),
     ],
 )
-def test_a_wrong_trajectory_is_located(read, trajectory, said):
+def test_invalid_trajectory_error_has_file_and_line(read, trajectory, said):
     with pytest.raises(ConfigError, match=said):
         read(hand(), moved(trajectory))

@@ -21,24 +21,24 @@ from kinesic.expressivity.lexicon.lexicon import Lexicon
         ("purse", "purse"),
     ],
 )
-def test_shapes_of_other_systems_are_known_by_their_names(name: str, shape: str):
-    found = find_shape(name)
-    assert found is not None
-    assert found is hand_shapes()[shape]
+def test_shape_names_of_other_systems_are_found(name: str, shape: str):
+    matches = find_shape(name)
+    assert matches is not None
+    assert matches is hand_shapes()[shape]
 
 
-def test_a_shape_that_nobody_knows_is_none():
+def test_unknown_shape_name_is_not_found():
     assert find_shape("tentacle") is None
 
 
-def test_motions_leave_the_shape_by_something():
+def test_finger_motions_have_an_amplitude_and_rate():
     for motion in finger_motions().values():
         assert any(motion.bend) or motion.apart
         assert 0.5 <= motion.rate <= 4.0
         assert all(0 <= later < 4 for later in motion.later)
 
 
-def test_gestures_that_live_by_their_fingers_move_them():
+def test_finger_gestures_have_finger_motions():
     moving = {form.id: form.fingers.name for form in Lexicon.load().forms if form.fingers is not None}
     expected = {"air_quotes": "quotes", "typing": "typing", "piano": "typing", "walk_fingers": "walk"}
     assert expected.items() <= moving.items()

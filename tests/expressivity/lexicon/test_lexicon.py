@@ -1,44 +1,48 @@
-import os
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kinesic.body.config import ConfigError
 from kinesic.body.robot import SIDES, Robot
 from kinesic.expressivity.lexicon.lexicon import Lexicon, in_mode, mirror_form
 from kinesic.expressivity.lexicon.space import to_world
 
-ROBOT = Robot.load()
-LEXICON = Lexicon.load()
-CATEGORIES = sorted({form.category for form in LEXICON.forms})
-FORMS = pytest.mark.parametrize(  # by category: a test for each gesture would cost more than what it looks at
-    "forms", [tuple(form for form in LEXICON.forms if form.category == name) for name in CATEGORIES], ids=CATEGORIES
+DEFAULT_ROBOT = Robot.load()
+BUILTIN_LEXICON = Lexicon.load()
+CATEGORY_NAMES = sorted({form.category for form in BUILTIN_LEXICON.forms})
+FORMS_BY_CATEGORY = pytest.mark.parametrize(  # By category, to limit the duration of the tests
+    "forms",
+    [tuple(form for form in BUILTIN_LEXICON.forms if form.category == name) for name in CATEGORY_NAMES],
+    ids=CATEGORY_NAMES,
 )
-MODES = ("left", "right", "both", "unspecified")
+HAND_MODES = ("left", "right", "both", "unspecified")
 
 
-def world(side, pose):
-    """(3,) [arm lengths] of a wrist in the world."""
-    return to_world(ROBOT, side, pose.position) / ROBOT.arm_length
+def world_position(side, pose):
+    """Return the wrist position in the world, (3,) [arm lengths]."""
+    return to_world(DEFAULT_ROBOT, side, pose.position) / DEFAULT_ROBOT.arm_length
 
 
-def way(a, b) -> float:
-    """From one pose to the next, along its path [arm lengths]."""
+def path_length(a, b) -> float:
+    """Return the distance between two poses along the path [arm lengths]."""
     return float(np.linalg.norm(b.position - a.position)) if b.path is None else b.path.length(a.position, b.position)
 
 
-def turn(a, b) -> float:
-    """From one pose to the next, of palm or fingers [rad]."""
+def rotation_angle(a, b) -> float:
+    """Return the rotation of palm or fingers between two poses [rad]."""
     return max(float(np.arccos(np.clip(x @ y, -1.0, 1.0))) for x, y in ((a.palm, b.palm), (a.pointing, b.pointing)))
 
 
-def test_there_are_gestures_of_every_category():
-    assert len(LEXICON.forms) >= 150
-    assert {form.category for form in LEXICON.forms} == {
+def place(form) -> str:
+    """Return the file of a gesture and its id."""
+    return f"kinesic/configs/gestures/{form.category}.toml: {form.id}"
+
+
+def test_lexicon_has_gestures_of_every_category():
+    assert len(BUILTIN_LEXICON.forms) >= 150
+    assert {form.category for form in BUILTIN_LEXICON.forms} == {
         "beat",
         "deictic",
         "iconic",
@@ -48,28 +52,32 @@ def test_there_are_gestures_of_every_category():
         "emotion",
         "rest",
     }
-    assert len({form.id for form in LEXICON.forms}) == len(LEXICON.forms)
+    assert len({form.id for form in BUILTIN_LEXICON.forms}) == len(BUILTIN_LEXICON.forms)
 
 
-@FORMS
-@pytest.mark.parametrize("mode", MODES)
-def test_every_hand_is_within_reach_and_clear_of_the_other(forms, mode):
+@FORMS_BY_CATEGORY
+@pytest.mark.parametrize("mode", HAND_MODES)
+def test_lexicon_hand_positions_are_reachable_and_20_percent_arm_length_apart(forms, mode):
     for form in forms:
-        frames = ROBOT.skeleton.frames(ROBOT.skeleton.rest)
+        frames = DEFAULT_ROBOT.skeleton.frames(DEFAULT_ROBOT.skeleton.rest)
         for key in in_mode(form, mode).keys:
-            wrists = {side: world(side, pose) for side, pose in key.hands.items()}
+            wrists = {side: world_position(side, pose) for side, pose in key.hands.items()}
             for side, wrist in wrists.items():
-                shoulder = frames.origins[ROBOT.skeleton.segment(f"{side}_shoulder")] / ROBOT.arm_length
-                assert 0.28 <= np.linalg.norm(wrist - shoulder) <= 1.15, form.id  # a folded arm has 0.39, trunk upright
+                shoulder = frames.origins[DEFAULT_ROBOT.skeleton.segment(f"{side}_shoulder")] / DEFAULT_ROBOT.arm_length
+                # A folded arm has 0.39 with an upright trunk
+                assert 0.28 <= np.linalg.norm(wrist - shoulder) <= 1.15, place(form)
             if len(wrists) == 2:
-                assert np.linalg.norm(wrists["l"] - wrists["r"]) >= 0.2, form.id
+                assert np.linalg.norm(wrists["l"] - wrists["r"]) >= 0.2, place(form)
 
 
-def gap(point) -> float:
-    """From a point to trunk and head at rest [m]."""
-    frames, arms = ROBOT.skeleton.resting, {name for side in SIDES for name in ROBOT.arm(side).segments}
+def body_distance(point) -> float:
+    """Return the distance from a point to the resting trunk and head [m]."""
+    frames, arms = (
+        DEFAULT_ROBOT.skeleton.rest_frames,
+        {name for side in SIDES for name in DEFAULT_ROBOT.arm(side).segments},
+    )
     gaps = []
-    for k, segment in enumerate(ROBOT.skeleton.segments):
+    for k, segment in enumerate(DEFAULT_ROBOT.skeleton.segments):
         for capsule in () if segment.name in arms else segment.capsules:
             start, end = (frames.origins[k] + frames.rotations[k] @ at for at in (capsule.start, capsule.end))
             share = np.clip((point - start) @ (end - start) / max((end - start) @ (end - start), 1e-12), 0.0, 1.0)
@@ -77,88 +85,92 @@ def gap(point) -> float:
     return min(gaps)
 
 
-@FORMS
-def test_no_hand_is_inside_trunk_or_head(forms):
-    thick = ROBOT.skeleton.segments[ROBOT.arm("r").wrist].capsules[0].radius
+@FORMS_BY_CATEGORY
+def test_lexicon_hand_positions_are_outside_trunk_and_head(forms):
+    thick = DEFAULT_ROBOT.skeleton.segments[DEFAULT_ROBOT.arm("r").wrist].capsules[0].radius
     for form in forms:
         for key in form.keys:
             for side, pose in key.hands.items():
-                assert gap(to_world(ROBOT, side, pose.position)) >= thick, form.id
+                assert body_distance(to_world(DEFAULT_ROBOT, side, pose.position)) >= thick, place(form)
 
 
-@FORMS
-def test_a_stroke_can_be_seen(forms):
+@FORMS_BY_CATEGORY
+def test_every_stroke_is_large_enough_to_be_seen(forms):
     for form in forms:
         if form.rest:
             continue
-        assert len(form.keys) >= 2, form.id
+        assert len(form.keys) >= 2, place(form)
         rows = [[key.hands[side] for key in form.keys if side in key.hands] for side in form.sides]
-        ways = [[way(a, b) for a, b in pairwise(row)] for row in rows]
-        turns = [turn(a, b) for row in rows for a, b in pairwise(row)]
-        assert max(map(sum, ways)) >= 0.12 or not any(ways) or max(turns) >= np.radians(30), form.id
+        ways = [[path_length(a, b) for a, b in pairwise(row)] for row in rows]
+        turns = [rotation_angle(a, b) for row in rows for a, b in pairwise(row)]
+        assert max(map(sum, ways)) >= 0.12 or not any(ways) or max(turns) >= np.radians(30), place(form)
 
 
-@FORMS
-def test_directions_are_units_and_not_parallel(forms):
+@FORMS_BY_CATEGORY
+def test_palm_and_pointing_directions_are_unit_vectors_and_not_parallel(forms):
     for form in forms:
         for pose in (pose for key in form.keys for pose in key.hands.values()):
-            assert pose.palm is not None, form.id
-            assert pose.pointing is not None, form.id
-            assert np.linalg.norm(pose.palm) == pytest.approx(1.0), form.id
-            assert np.linalg.norm(pose.pointing) == pytest.approx(1.0), form.id
-            assert abs(pose.palm @ pose.pointing) < 0.9, form.id
+            assert pose.palm is not None, place(form)
+            assert pose.pointing is not None, place(form)
+            assert np.linalg.norm(pose.palm) == pytest.approx(1.0), place(form)
+            assert np.linalg.norm(pose.pointing) == pytest.approx(1.0), place(form)
+            assert abs(pose.palm @ pose.pointing) < 0.9, place(form)
 
 
-@FORMS
-def test_the_mirror_image_is_exact_and_its_own_inverse(forms):
+@FORMS_BY_CATEGORY
+def test_mirroring_a_gesture_twice_gives_the_same_gesture(forms):
     for form in forms:
         image = mirror_form(form)
         for key, other in zip(form.keys, image.keys, strict=True):
             for side, pose in key.hands.items():
                 opposite = "r" if side == "l" else "l"
-                assert np.array_equal(world(side, pose) * [1, -1, 1], world(opposite, other.hands[opposite])), form.id
-        assert [key.hands for key in mirror_form(image).keys] == [key.hands for key in form.keys], form.id
+                assert np.array_equal(
+                    world_position(side, pose) * [1, -1, 1], world_position(opposite, other.hands[opposite])
+                ), place(form)
+        assert [key.hands for key in mirror_form(image).keys] == [key.hands for key in form.keys], place(form)
 
 
-@FORMS
-def test_left_and_right_mirror_each_other(forms):
+@FORMS_BY_CATEGORY
+def test_left_and_right_handed_forms_of_a_gesture_are_mirror_images(forms):
     for form in forms:
         if len(form.sides) == 2:
             continue
         left, right = in_mode(form, "left"), in_mode(form, "right")
-        assert (left.sides, right.sides) == ({"l"}, {"r"}), form.id
+        assert (left.sides, right.sides) == ({"l"}, {"r"}), place(form)
         for one, other in zip(left.keys, right.keys, strict=True):
-            assert np.array_equal(world("l", one.hands["l"]) * [1, -1, 1], world("r", other.hands["r"])), form.id
+            assert np.array_equal(
+                world_position("l", one.hands["l"]) * [1, -1, 1], world_position("r", other.hands["r"])
+            ), place(form)
 
 
-@FORMS
-def test_a_mode_yields_its_sides(forms):
+@FORMS_BY_CATEGORY
+def test_hand_mode_selects_the_hands_of_a_gesture(forms):
     for form in forms:
-        assert in_mode(form, "left").sides == {"l"}, form.id
-        assert in_mode(form, "right").sides == {"r"}, form.id
-        assert in_mode(form, "both").sides == set(SIDES), form.id
-        assert in_mode(form, "unspecified") is form, form.id
+        assert in_mode(form, "left").sides == {"l"}, place(form)
+        assert in_mode(form, "right").sides == {"r"}, place(form)
+        assert in_mode(form, "both").sides == set(SIDES), place(form)
+        assert in_mode(form, "unspecified") is form, place(form)
         assert in_mode(form, "left") is in_mode(form, "left"), "remembered, with all that is known of it"
 
 
-def test_one_side_of_a_two_handed_form_is_what_this_hand_does():
-    form = LEXICON.find("balance").form
+def test_one_handed_mode_keeps_the_motion_of_the_hand():
+    form = BUILTIN_LEXICON.find("balance").form
     assert [key.hands["l"] for key in in_mode(form, "left").keys] == [key.hands["l"] for key in form.keys]
 
 
-def test_both_hands_of_an_inward_form_stay_apart():
-    key = LEXICON.find("me", "both").form.keys[-1]
+def test_one_handed_gesture_towards_the_chest_is_spread_if_doubled():
+    key = BUILTIN_LEXICON.find("me", "both").form.keys[-1]
     assert key.hands["l"].position == pytest.approx(key.hands["r"].position)
-    assert key.hands["l"].position[1] > LEXICON.find("me").form.keys[-1].hands["r"].position[1]
+    assert key.hands["l"].position[1] > BUILTIN_LEXICON.find("me").form.keys[-1].hands["r"].position[1]
 
 
-@FORMS
-def test_names_are_found_in_any_case_and_with_their_category(forms):
+@FORMS_BY_CATEGORY
+def test_gesture_names_are_found_in_any_case_and_with_category(forms):
     for form in forms:
         for lexeme in (form.id, form.id.upper(), f"{form.category}={form.id.title()}"):
-            match = LEXICON.find(lexeme)
-            assert match.form is form, form.id
-            assert match.substitute == "", form.id
+            match = BUILTIN_LEXICON.find(lexeme)
+            assert match.form is form, place(form)
+            assert match.substitute == "", place(form)
 
 
 @pytest.mark.parametrize(
@@ -171,8 +183,8 @@ def test_names_are_found_in_any_case_and_with_their_category(forms):
         ("animations/Stand/Gestures/CalmDown_5", "calm_down", "lr"),
     ],
 )
-def test_its_own_name_is_exact_in_any_spelling_and_names_the_hand(lexeme, gesture, sides):
-    match = LEXICON.find(lexeme)
+def test_gesture_name_matches_exactly_in_any_spelling_with_hand(lexeme, gesture, sides):
+    match = BUILTIN_LEXICON.find(lexeme)
     assert (match.form.id, match.kind, match.substitute) == (gesture, "exact", "")
     assert "".join(sorted(match.form.sides)) == sides
 
@@ -193,8 +205,8 @@ def test_its_own_name_is_exact_in_any_spelling_and_names_the_hand(lexeme, gestur
         ("beat_strongly_ges_b", "beat_strong", "lr"),
     ],
 )
-def test_a_synonym_means_the_same(lexeme, gesture, sides):
-    match = LEXICON.find(lexeme)
+def test_lexeme_synonym_matches_a_gesture_without_a_substitution_notice(lexeme, gesture, sides):
+    match = BUILTIN_LEXICON.find(lexeme)
     assert (match.form.id, match.kind, match.substitute) == (gesture, "synonym", "")
     assert "".join(sorted(match.form.sides)) == sides
 
@@ -210,107 +222,46 @@ def test_a_synonym_means_the_same(lexeme, gesture, sides):
         ("", "r", "substituted by beat: no lexeme"),
     ],
 )
-def test_a_substitute_says_what_it_does_not_mean(lexeme, sides, why):
-    match = LEXICON.find(lexeme)
+def test_gesture_substitution_reports_omitted_lexeme_words(lexeme, sides, why):
+    match = BUILTIN_LEXICON.find(lexeme)
     assert match.substitute == why
     assert "".join(sorted(match.form.sides)) == sides
 
 
-def test_the_mode_outweighs_the_letter_in_the_name():
-    assert LEXICON.find("tiny_Ges_R", "left").form.sides == {"l"}
-    assert LEXICON.find("tiny_Ges_R", "both").form.sides == {"l", "r"}
+def test_hand_mode_overrides_the_hand_letter_of_a_gesture_name():
+    assert BUILTIN_LEXICON.find("tiny_Ges_R", "left").form.sides == {"l"}
+    assert BUILTIN_LEXICON.find("tiny_Ges_R", "both").form.sides == {"l", "r"}
 
 
-def test_a_category_may_name_the_class():
-    assert LEXICON.find("", category="deictic").form.category == "deictic"
-    assert LEXICON.find("beat=qwzx").form.id == "beat"
-    assert LEXICON.find("rest=qwzx") is None
+def test_gesture_category_selects_a_gesture_without_lexeme():
+    assert BUILTIN_LEXICON.find("", category="deictic").form.category == "deictic"
+    assert BUILTIN_LEXICON.find("beat=qwzx").form.id == "beat"
+    assert BUILTIN_LEXICON.find("rest=qwzx") is None
 
 
 @pytest.mark.parametrize(
     "lexeme",
     ["qwzx", "Xy_Ges_B", "42", "nothingness=qwzx", "winging", "UNKNOWN", "manip", "dont_point", "start", "left_right"],
 )
-def test_a_word_without_meaning_finds_nothing(lexeme):
-    assert LEXICON.find(lexeme) is None
+def test_meaningless_lexeme_matches_no_gesture(lexeme):
+    assert BUILTIN_LEXICON.find(lexeme) is None
 
 
-def test_a_name_longer_than_names_are_is_none():
-    assert LEXICON.find("stop " * 30) is None
-    assert LEXICON.find(f"stop{' ' * 100}now").form.id == "stop"
-    assert LEXICON.find(f"stop{' ' * 200}now") is None
-    assert LEXICON.near("left " * 100_000) == LEXICON.near("left " * 24)
+def test_overlong_lexeme_matches_no_gesture():
+    assert BUILTIN_LEXICON.find("stop " * 30) is None
+    assert BUILTIN_LEXICON.find(f"stop{' ' * 100}now").form.id == "stop"
+    assert BUILTIN_LEXICON.find(f"stop{' ' * 200}now") is None
+    assert BUILTIN_LEXICON.near("left " * 100_000) == BUILTIN_LEXICON.near("left " * 24)
 
 
-def test_gestures_near_an_unknown_lexeme_are_named_by_words_and_by_letters():
-    assert "doubt_shrug" in LEXICON.near("unknown_thing")
-    assert LEXICON.near("greet_wav")[0] == "greet_wave"
-    assert len(LEXICON.near("hand hands arms count")) == 3
-    assert LEXICON.near("qwzx") == ()
+def test_similar_gestures_are_suggested_by_words_and_letters():
+    assert "doubt_shrug" in BUILTIN_LEXICON.near("unknown_thing")
+    assert BUILTIN_LEXICON.near("greet_wav")[0] == "greet_wave"
+    assert len(BUILTIN_LEXICON.near("hand hands arms count")) == 3
+    assert BUILTIN_LEXICON.near("qwzx") == ()
 
 
-@given(st.text(max_size=40), st.sampled_from(MODES))
-def test_any_text_is_either_understood_or_not(lexeme, mode):
-    match = LEXICON.find(lexeme, mode)
+@given(st.text(max_size=40), st.sampled_from(HAND_MODES))
+def test_any_lexeme_is_matched_or_rejected_without_error(lexeme, mode):
+    match = BUILTIN_LEXICON.find(lexeme, mode)
     assert match is None or match.form.keys
-
-
-GESTURE = """
-category = "beat"
-[[gesture]]
-id = "own"
-keys = [{ right = { at = ["XC", 0.1, "ZNear"], palm = "in up" } }, { both = { at = [0.3, 0.2, 0.5] } }]
-"""
-
-
-def test_gestures_of_the_user_come_first(tmp_path: Path):
-    (tmp_path / "a.toml").write_text(GESTURE.replace('"own"', '"beat"'))
-    for path in (tmp_path, tmp_path / "a.toml"):
-        lexicon = Lexicon.load(path)
-        assert lexicon.find("beat").form.keys[0].hands["r"].position == pytest.approx([0.4, 0.25, 0.1])
-        assert lexicon.find("stop").form.id == "stop"
-        assert lexicon.find("beat").form.keys[0].hands["r"].palm == pytest.approx([0, -np.sqrt(0.5), np.sqrt(0.5)])
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        ("palm", "plam", r"plam.*did you mean palm\?"),
-        ('"beat"', '"beet"', "beet"),
-        ("in up", "inn", r"gesture own: inn is no direction; did you mean in\?"),
-        ("in up", "in out", r"gesture own: 'in out' points nowhere"),
-        ('"XC"', "1e308", r"gesture own: a hand is 1e\+308 arm lengths outward, outside \[-5, 5\]"),
-        ("XC", "XD", r"gesture own: XD is no sector of x; known: XEP"),
-        ("{ both = { at = [0.3, 0.2, 0.5] } }", "{}", r"gesture own: a key without hands"),
-        ("{ both =", "{ left = { at = [0.3, 0, 0.5] }, both =", r"gesture own: a key has both and a single hand"),
-        ('palm = "in up"', "openness = 3", r"gesture own: openness is 3, outside \[0, 1\]"),
-        ("0.1,", "inf,", r"must be a finite number"),
-    ],
-)
-def test_a_wrong_file_teaches(tmp_path: Path, old, new, message):
-    assert old in GESTURE
-    (tmp_path / "own.toml").write_text(GESTURE.replace(old, new))
-    with pytest.raises(ConfigError, match=message) as error:
-        Lexicon.load(tmp_path / "own.toml")
-    assert "own.toml" in str(error.value)
-
-
-@pytest.mark.parametrize("odd", ["pipe", "link"])
-def test_a_folder_of_gestures_leads_nowhere_else(odd: str, tmp_path: Path):
-    folder = tmp_path / "gestures"
-    folder.mkdir()
-    (folder / "a.toml").touch()
-    (tmp_path / "b.toml").touch()
-    if odd == "pipe":
-        os.mkfifo(folder / "b.toml")
-    else:
-        (folder / "b.toml").symlink_to("../b.toml")
-    with pytest.raises(ConfigError, match=r"b\.toml' is (outside|no ordinary file)"):
-        Lexicon.load(folder)
-
-
-def test_missing_files_and_empty_folders_are_named(tmp_path: Path):
-    with pytest.raises(ConfigError, match=r"without \.toml files"):
-        Lexicon.load(tmp_path)
-    with pytest.raises(ConfigError, match="no such file"):
-        Lexicon.load(tmp_path / "none.toml")

@@ -1,9 +1,9 @@
-"""Names of movements of head and trunk: whole words, never letters."""
+"""Tests of head and trunk movement names: whole words, never single letters."""
 
 import pytest
 
 from kinesic.expressivity.lexicon.movement_words import (
-    LONGEST_NAME,
+    MAX_NAME_LENGTH,
     amplitude_factor,
     movement_words,
     read_head_name,
@@ -19,34 +19,34 @@ from kinesic.expressivity.lexicon.movement_words import (
         *[(name, "direction") for name in ("DOWN_ASIDE_LEFT", "look_up", "Rightward", "Neutral", "tilted", "bow")],
     ],
 )
-def test_exact_names_and_synonyms(name: str, kind: str):
-    found = read_head_name(name)
-    assert found is not None
-    assert (found.kind, found.stands_for) == (kind, "")
+def test_head_names_and_synonyms_are_recognised(name: str, kind: str):
+    matches = read_head_name(name)
+    assert matches is not None
+    assert (matches.kind, matches.stands_for) == (kind, "")
 
 
-def test_a_word_more_is_said():
+def test_unused_word_of_a_head_movement_name_is_reported():
     for name, stands in (("nod_merrily", 'a nod stands for nod_merrily: "merrily" is left out'), ("sway", "a shake")):
-        found = read_head_name(name)
-        assert found is not None
-        assert stands in found.stands_for
+        matches = read_head_name(name)
+        assert matches is not None
+        assert stands in matches.stands_for
 
 
 @pytest.mark.parametrize(
     "name",
     [
         *("upset", "uproar", "downtown", "leftover", "bright", "noddy", "handshake", "shake_hands", "side_glance"),
-        *("left_behind", "cheer_up", "no_problem", "not_nod", "dont_shake", "no_nod", "turn", "nod " * LONGEST_NAME),
+        *("left_behind", "cheer_up", "no_problem", "not_nod", "dont_shake", "no_nod", "turn", "nod " * MAX_NAME_LENGTH),
     ],
 )
-def test_what_only_looks_like_one_is_none(name: str):
+def test_words_similar_to_head_movements_are_not_recognised(name: str):
     assert read_head_name(name) is None
 
 
-def test_words_of_the_trunk_are_read_whole():
+def test_trunk_words_are_matched_as_whole_words():
     assert read_trunk_name("LEANING_Backwards") == ("lean", "back")
     assert read_trunk_name("back_pain") == read_trunk_name("upset") == ()
 
 
-def test_sizes_have_many_words():
+def test_size_words_of_a_head_movement_set_the_amplitude_factor():
     assert [amplitude_factor(movement_words(name)) for name in ("nod_slightly", "deep_nod", "nod")] == [0.5, 1.5, 1.0]

@@ -18,7 +18,7 @@ from kinesic.expressivity.lexicon.names import GestureName, read_name, split_wor
         ("", ()),
     ],
 )
-def test_a_name_is_split_at_marks_capitals_and_numbers(name, words):
+def test_gesture_name_is_split_at_marks_capitals_and_numbers(name, words):
     assert split_words(name) == words
 
 
@@ -37,7 +37,7 @@ def test_a_name_is_split_at_marks_capitals_and_numbers(name, words):
         ("RH", (), "right"),
     ],
 )
-def test_a_name_is_its_words_and_its_hand(name, words, hand):
+def test_gesture_name_gives_words_and_hand(name, words, hand):
     assert read_name(name) == GestureName(words, hand)
 
 
@@ -45,7 +45,7 @@ def shorter(name):
     return [(each.words, each.hand, each.left_out) for each in read_name(name).shortened()]
 
 
-def test_numbers_categories_hands_and_manner_are_put_aside_in_this_order():
+def test_numbers_categories_hands_and_qualifiers_are_removed_in_order():
     assert shorter("you_iconic_left_low_1") == [
         (("you", "iconic", "left", "low", "1"), "unspecified", ()),
         (("you", "iconic", "left", "low"), "unspecified", ()),
@@ -56,30 +56,30 @@ def test_numbers_categories_hands_and_manner_are_put_aside_in_this_order():
     ]
 
 
-def test_arm_and_hand_behind_the_letter_of_a_hand_are_put_aside_last():
+def test_word_arm_after_the_hand_letter_of_a_gesture_name_is_removed_last():
     assert shorter("RArm_Offer_low")[-1] == (("offer",), "right", ("low",))
     assert (("arm", "offer", "low"), "right", ()) in shorter("RArm_Offer_low")
     assert shorter("OfferArm_R")[-1] == (("offer", "arm"), "right", ())
 
 
-def test_a_side_is_left_out_where_the_suffix_names_another_hand():
+def test_side_word_of_a_gesture_name_that_contradicts_the_suffix_is_reported():
     assert shorter("StopLeftRt")[-1] == (("stop",), "right", ("left",))
     assert shorter("StopRightRt")[-1] == (("stop",), "right", ())
     assert shorter("Stop_left_right")[-1] == (("stop",), "unspecified", ("left", "right"))
 
 
 @pytest.mark.parametrize("name", ["left", "3", "iconic", "low", "very", "left right"])
-def test_the_last_words_stay(name):
+def test_gesture_name_of_only_removable_words_keeps_them(name):
     assert shorter(name)[-1] == (tuple(name.split()), "unspecified", ())
 
 
-def test_manner_is_cut_before_and_behind_but_not_within():
+def test_qualifiers_are_removed_only_at_both_ends_of_a_gesture_name():
     assert shorter("very_slow_wave_big")[-1] == (("wave",), "unspecified", ("very", "slow", "big"))
     assert shorter("count_big_boxes")[-1][0] == ("count", "big", "boxes")
 
 
 @given(st.text(max_size=60))
-def test_any_text_can_be_taken_apart(text):
+def test_any_gesture_name_text_is_shortened_without_error(text):
     for each in read_name(text).shortened():
         assert bool(each.words) == bool(read_name(text).words)
         assert set(each.words) <= set(read_name(text).words)
@@ -94,7 +94,7 @@ def test_any_text_can_be_taken_apart(text):
         *(("RArmUp", "raise_hand", "r"), ("LHandOnHip", "hand_on_hip", "l"), ("RHandShake", "handshake", "r")),
     ],
 )
-def test_an_arm_or_hand_with_its_side_says_which_hand_does_it(name, gesture, side):
+def test_limb_word_with_side_letter_selects_the_hand(name, gesture, side):
     match = Lexicon.load().find(name)
     assert match is not None
     assert (match.form.id, match.form.sides, match.substitute) == (gesture, {side}, "")

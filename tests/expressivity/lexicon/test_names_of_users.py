@@ -1,4 +1,4 @@
-"""Names that a user's lexicon gives to gestures, of its own and of ours."""
+"""Tests of names in a user's lexicon for own and built-in gestures."""
 
 from pathlib import Path
 
@@ -7,15 +7,15 @@ import pytest
 from kinesic.body.config import ConfigError
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 
-LEXICON = Lexicon.load()
-GESTURE = """
+BUILTIN_LEXICON = Lexicon.load()
+GESTURE_TOML = """
 category = "beat"
 [[gesture]]
 id = "own"
 meanings = ["wink", "mine"]
 keys = [{ right = { at = ["XC", 0.1, "ZNear"], palm = "in up" } }, { both = { at = [0.3, 0.2, 0.5] } }]
 """
-SYNONYMS = """
+SYNONYM_TOML = """
 [synonyms]
 own = ["mine", "Hello"]
 greet_wave = ["ciao"]
@@ -25,8 +25,8 @@ words = ["dance"]
 """
 
 
-def test_names_of_the_user_come_first(tmp_path: Path):
-    (tmp_path / "own.toml").write_text(GESTURE + SYNONYMS.lstrip())
+def test_gesture_names_of_the_user_override_builtin_names(tmp_path: Path):
+    (tmp_path / "own.toml").write_text(GESTURE_TOML + SYNONYM_TOML.lstrip())
     lexicon = Lexicon.load(tmp_path)
     assert [lexicon.find(name).form.id for name in ("Mine_RH", "hello", "ciao", "hi")] == [
         "own",
@@ -40,14 +40,14 @@ def test_names_of_the_user_come_first(tmp_path: Path):
     )
 
 
-def test_meanings_of_the_users_gestures_find_them_and_those_of_ours_do_not(tmp_path: Path):
-    (tmp_path / "own.toml").write_text(GESTURE)
+def test_word_meanings_of_unnamed_gestures_apply_only_to_user_gestures(tmp_path: Path):
+    (tmp_path / "own.toml").write_text(GESTURE_TOML)
     assert Lexicon.load(tmp_path / "own.toml").find("wink").form.id == "own"
-    assert Lexicon.load().sense(LEXICON.find("belly").form).words[-1] == "pregnant"
-    assert LEXICON.find("pregnant") is None
+    assert Lexicon.load().sense(BUILTIN_LEXICON.find("belly").form).words[-1] == "pregnant"
+    assert BUILTIN_LEXICON.find("pregnant") is None
 
 
-def test_names_alone_make_a_file(tmp_path: Path):
+def test_user_file_may_contain_only_gesture_names(tmp_path: Path):
     (tmp_path / "names.toml").write_text('[synonyms]\ngreet_wave = ["servus"]\n')
     assert Lexicon.load(tmp_path / "names.toml").find("Servus!").form.id == "greet_wave"
 
@@ -58,13 +58,13 @@ def test_names_alone_make_a_file(tmp_path: Path):
         ("greet_wave =", "greet_wafe =", r"synonym ciao: no gesture greet_wafe; did you mean greet_wave\?"),
         ('"mine"', '"ciao"', "synonym ciao of greet_wave is one of own already"),
         ('"mine"', '"Stop_RH"', "synonym Stop_RH of own is a gesture itself"),
-        ('"mine"', '"RH"', "synonym 'RH' of own has no word that says what is done"),
+        ('"mine"', '"RH"', "synonym 'RH' of own has no word that describes a movement"),
         ('gesture = "own"', 'gesture = "owner"', r"class dance: no gesture owner"),
         ('category = "beat"', "", "has gestures and no category"),
     ],
 )
-def test_a_wrong_name_teaches(tmp_path: Path, old, new, message):
-    assert old in GESTURE + SYNONYMS
-    (tmp_path / "own.toml").write_text((GESTURE + SYNONYMS.lstrip()).replace(old, new))
+def test_invalid_name_error_explains_the_conflict(tmp_path: Path, old, new, message):
+    assert old in GESTURE_TOML + SYNONYM_TOML
+    (tmp_path / "own.toml").write_text((GESTURE_TOML + SYNONYM_TOML.lstrip()).replace(old, new))
     with pytest.raises(ConfigError, match=message):
         Lexicon.load(tmp_path / "own.toml")

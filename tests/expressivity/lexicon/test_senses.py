@@ -16,11 +16,11 @@ from kinesic.expressivity.lexicon.senses import LexemeReading, Sense, nearest_se
         ("smile " * 100, LexemeReading((), "unspecified")),
     ],
 )
-def test_a_lexeme_is_taken_apart(lexeme, reading):
+def test_gesture_lexeme_is_split_into_words_and_hand(lexeme, reading):
     assert read_lexeme(lexeme) == reading
 
 
-def test_exact_words_outweigh_inflected_ones_and_letters_mean_nothing():
+def test_nearest_gesture_sense_prefers_exact_words_to_inflections():
     senses = [Sense(("manipulate", "larger"), "iconic"), Sense(("other", "large"), "beat"), Sense(("x",), "iconic")]
     assert nearest_sense(["large"], senses) == (1, ("large",))
     assert nearest_sense(["larges"], senses) == (1, ("larges",))

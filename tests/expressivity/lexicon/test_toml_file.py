@@ -7,7 +7,7 @@ from kinesic.body.config import ConfigError
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.lexicon.toml_file import read_gestures
 
-HERE = 'at = [0.3, 0.45, 0.6], palm = "forward", pointing = "up"'
+POSE_FIELDS = 'at = [0.3, 0.45, 0.6], palm = "forward", pointing = "up"'
 
 
 @pytest.fixture
@@ -21,26 +21,26 @@ def read(tmp_path):
 
 
 def first(hand="right"):
-    return f"{{ {hand} = {{ {HERE} }} }}"
+    return f"{{ {hand} = {{ {POSE_FIELDS} }} }}"
 
 
 def with_path(path, hand="right"):
-    return f"{{ {hand} = {{ {HERE} }}, path = {{ {path} }} }}"
+    return f"{{ {hand} = {{ {POSE_FIELDS} }}, path = {{ {path} }} }}"
 
 
-def test_a_path_of_the_key_is_that_of_its_hands(read):
+def test_path_of_a_stroke_key_applies_to_both_hands(read):
     key = read(first("both"), with_path('kind = "circle"', "both")).keys[1]
     assert key.hands["l"].path is not None
     assert key.hands["l"].path.kind == key.hands["r"].path.kind == "circle"
 
 
-def test_a_path_of_a_hand_goes_over_that_of_its_key(read):
-    own = f'left = {{ {HERE}, path = {{ kind = "arc" }} }}, right = {{ {HERE} }}'
+def test_path_of_one_hand_overrides_the_path_of_the_stroke_key(read):
+    own = f'left = {{ {POSE_FIELDS}, path = {{ kind = "arc" }} }}, right = {{ {POSE_FIELDS} }}'
     key = read(first("both"), f'{{ {own}, path = {{ kind = "wave" }} }}').keys[1]
     assert (key.hands["l"].path.kind, key.hands["r"].path.kind) == ("arc", "wave")
 
 
-def test_axes_are_outward_up_forward_as_in_at(read):
+def test_axes_of_path_parameters_are_ordered_like_those_of_positions(read):
     numbers = "amplitude = [0.1, 0.2, 0.3], frequency = [1, 2, 3], shift = [0.1, 0.2, 0.3]"
     path = read(first(), with_path(f'kind = "wave", {numbers}')).keys[1].hands["r"].path
     np.testing.assert_allclose(path.amplitude, [0.3, 0.1, 0.2])
@@ -48,12 +48,12 @@ def test_axes_are_outward_up_forward_as_in_at(read):
     np.testing.assert_allclose(path.shift, [0.3, 0.1, 0.2])
 
 
-def test_points_may_be_sectors(read):
+def test_path_points_may_be_sectors(read):
     path = read(first(), with_path('kind = "points", points = [["XP", "YCC", "ZFar"], [0.1, 0.2, 0.3]]')).keys[1]
     np.testing.assert_allclose(path.hands["r"].path.points, [[0.95, 0.5, 0.25], [0.3, 0.1, 0.2]])
 
 
-def test_one_number_is_for_all_axes_that_move(read):
+def test_single_path_amplitude_applies_to_all_moving_axes(read):
     path = read(first(), with_path('kind = "circle", amplitude = 0.2, frequency = 3')).keys[1].hands["r"].path
     np.testing.assert_allclose(path.amplitude, [0, 0.2, 0.2])
     assert path.turns == 3
@@ -72,20 +72,20 @@ def test_one_number_is_for_all_axes_that_move(read):
         ([first(), with_path('kind = "wave", amplitude_variation = "swells"')], "swells"),
     ],
 )
-def test_a_path_that_is_wrong_is_refused_with_what_would_do(read, keys, said):
+def test_invalid_path_is_refused_with_valid_values(read, keys, said):
     with pytest.raises(ConfigError, match=said):
         read(*keys)
 
 
 @pytest.mark.parametrize("tempo", ["sudden", "neutral", "sustained", None])
-def test_a_gesture_may_have_a_tempo(tmp_path, tempo):
+def test_gesture_may_have_a_tempo(tmp_path, tempo):
     path = tmp_path / "own.toml"
     line = f'tempo = "{tempo}"' if tempo else ""
     path.write_text(f'category = "iconic"\n[[gesture]]\nid = "own"\n{line}\nkeys = [{first()}]\n')
     assert read_gestures(path).entries[0][0].tempo == (tempo or "neutral")
 
 
-def test_a_wrong_tempo_is_told_with_those_that_work(tmp_path):
+def test_invalid_tempo_error_lists_valid_values(tmp_path):
     path = tmp_path / "own.toml"
     path.write_text(f'category = "iconic"\n[[gesture]]\nid = "own"\ntempo = "quick"\nkeys = [{first()}]\n')
     with pytest.raises(ConfigError, match="gesture own: tempo is 'quick'; sudden, neutral, sustained are known"):
@@ -93,7 +93,7 @@ def test_a_wrong_tempo_is_told_with_those_that_work(tmp_path):
 
 
 @pytest.mark.parametrize("wrong", ["nod = -1", "look = 2", "face = { smile = 3 }", "face = { nowhere = 1 }"])
-def test_what_bodies_of_a_category_do_is_checked_when_the_file_is_read(tmp_path: Path, wrong: str):
+def test_invalid_body_motion_of_a_category_is_refused_when_the_file_is_read(tmp_path: Path, wrong: str):
     path = tmp_path / "own.toml"
     path.write_text(f"[bodies.beat]\n{wrong}\n", encoding="utf-8")
     with pytest.raises(ConfigError, match=r"own.toml: \[bodies.beat\]: body: "):

@@ -4,91 +4,110 @@ import numpy as np
 import pytest
 
 from kinesic.body.arrays import sealed
-from kinesic.expressivity.style.effort import ACCENT, CHARACTERS, CROWDED, LOOSE, PACES, ROOM_FOR_ACCENT, Effort, Nature
-from kinesic.expressivity.style.pace import HASTE, Pace
-from kinesic.expressivity.style.style import LEAST_LATE, NEUTRAL, Expressivity, passage_of
-from kinesic.motion.keys import ACCENT as ACCENT_EASING
-from kinesic.motion.keys import EVEN, LATE_ACCENT, SOFTEST, STEEPEST, KeyPassage
+from kinesic.expressivity.style.effort import (
+    ACCENT_MARGIN,
+    CATEGORY_PROFILES,
+    LOOSENESS_REDUCTION,
+    MIN_LEISURE,
+    STROKE_ACCENT,
+    TEMPO_FACTORS,
+    Effort,
+    GestureTraits,
+)
+from kinesic.expressivity.style.pace import TEMPORAL_FACTOR, Pace
+from kinesic.expressivity.style.style import MIN_LATE_ACCENT, NEUTRAL_EXPRESSIVITY, Expressivity, passage_of
+from kinesic.motion.keys import (
+    ACCENT_EASING,
+    LATE_ACCENT_EASING,
+    LINEAR_STEEPNESS,
+    MAX_STEEPNESS,
+    MIN_STEEPNESS,
+    KeyPassage,
+)
 
-WAYS = np.linspace(0.02, 0.8, 27)
-EXTENTS = np.linspace(-1.0, 1.0, 9)
-PHASES = ("preparation_time", "joining_time", "stroke_time", "return_time")
-POSE = Nature("emblem", dynamic=False)
+DISTANCES = np.linspace(0.02, 0.8, 27)
+EXTENT_VALUES = np.linspace(-1.0, 1.0, 9)
+PHASE_METHODS = ("preparation_time", "joining_time", "stroke_time", "return_time")
+POSE_TRAITS = GestureTraits("emblem", dynamic=False)
 
 
 @pytest.fixture(scope="module")
 def sluggish(pace):
-    """The same robot with servos that give a quarter of the speed, acceleration and jerk."""
+    """Return the robot with a quarter of the velocity, acceleration and jerk limits."""
     slow = {name: sealed(getattr(pace.limits, name) / 4) for name in ("speed", "acceleration", "jerk")}
     return Pace(pace.robot, replace(pace.limits, **slow))
 
 
 @pytest.fixture
 def efforts(pace, sluggish):
-    """Efforts of all kinds, on two robots."""
-    natures = [
-        Nature(category, tempo, dynamic)
-        for category in (*CHARACTERS, "own")
-        for tempo in PACES
+    """Return efforts of all categories and tempos on two robots."""
+    all_traits = [
+        GestureTraits(category, tempo, dynamic)
+        for category in (*CATEGORY_PROFILES, "own")
+        for tempo in TEMPO_FACTORS
         for dynamic in (True, False)
     ]
-    return [Effort(robot, nature) for robot in (pace, sluggish) for nature in natures]
+    return [Effort(robot, traits) for robot in (pace, sluggish) for traits in all_traits]
 
 
-@pytest.mark.parametrize("phase", PHASES)
-def test_a_longer_way_takes_longer_but_is_faster(efforts, phase):
+@pytest.mark.parametrize("phase", PHASE_METHODS)
+def test_longer_movement_takes_longer_at_higher_velocity(efforts, phase):
     for effort in efforts:
-        times = np.array([getattr(effort, phase)(way) for way in WAYS])
+        times = np.array([getattr(effort, phase)(distance) for distance in DISTANCES])
         assert np.all(np.diff(times) > 0.0)
-        assert np.all(np.diff(WAYS / times) > 0.0)
+        assert np.all(np.diff(DISTANCES / times) > 0.0)
 
 
-@pytest.mark.parametrize("phase", PHASES)
+@pytest.mark.parametrize("phase", PHASE_METHODS)
 @pytest.mark.parametrize(
     "manner", [Expressivity(temporal=1.0), Expressivity(power=1.0), Expressivity(1.0, 1.0, 1.0, 1.0)]
 )
-def test_no_manner_asks_for_more_than_the_servos_can_do(efforts, phase, manner):
+def test_no_expressivity_exceeds_the_servo_limits(efforts, phase, manner):
     for effort in efforts:
         hurried = replace(effort, manner=manner)
-        assert all(getattr(hurried, phase)(way) >= effort.pace.least_hand_time(way) for way in WAYS)
+        assert all(getattr(hurried, phase)(distance) >= effort.pace.least_hand_time(distance) for distance in DISTANCES)
 
 
-@pytest.mark.parametrize("phase", PHASES)
-def test_temporal_extent_hurries_every_phase(efforts, phase):
+@pytest.mark.parametrize("phase", PHASE_METHODS)
+def test_temporal_extent_shortens_every_phase(efforts, phase):
     for effort in efforts:
-        for way in WAYS[::9]:
-            manners = (replace(effort, manner=Expressivity(temporal=extent)) for extent in EXTENTS)
-            times = [getattr(each, phase)(way) for each in manners]
+        for distance in DISTANCES[::9]:
+            manners = (replace(effort, manner=Expressivity(temporal=extent)) for extent in EXTENT_VALUES)
+            times = [getattr(each, phase)(distance) for each in manners]
             assert np.all(np.diff(times) < 0.0)
-            assert times[0] == pytest.approx(HASTE * times[4])
+            assert times[0] == pytest.approx(TEMPORAL_FACTOR * times[4])
 
 
-def test_without_weight_phases_have_what_the_servos_do_at_ease(efforts):
+def test_zero_effort_weight_gives_durations_by_fitts_law(efforts):
     for effort in efforts:
-        none, half = (replace(effort, nature=replace(effort.nature, weight=weight)) for weight in (0.0, 0.5))
-        for way in WAYS[::5]:
-            fitts, least = 0.1 + 0.15 * np.log2(way / 0.05 + 1.0), effort.pace.least_hand_time(way)
-            assert none.stroke_time(way) == pytest.approx(max(fitts, 2.4 * least))
+        none, half = (replace(effort, traits=replace(effort.traits, weight=weight)) for weight in (0.0, 0.5))
+        for distance in DISTANCES[::5]:
+            fitts, minimum = 0.1 + 0.15 * np.log2(distance / 0.05 + 1.0), effort.pace.least_hand_time(distance)
+            assert none.stroke_time(distance) == pytest.approx(max(fitts, 2.4 * minimum))
             for name in ("preparation_time", "joining_time", "return_time"):
-                assert getattr(none, name)(way) == pytest.approx(max(fitts, 1.3 * least)), name
-            for name in PHASES:
-                both = [getattr(each, name)(way) for each in (none, half, effort)]
+                assert getattr(none, name)(distance) == pytest.approx(max(fitts, 1.3 * minimum)), name
+            for name in PHASE_METHODS:
+                both = [getattr(each, name)(distance) for each in (none, half, effort)]
                 assert both[1] == pytest.approx((both[0] + both[2]) / 2)
         assert none.hold_time(0.8) == pytest.approx(0.4)
         for phase in ("preparation", "stroke", "hold", "retraction"):
-            assert none.passage(phase) == replace(none, spoken=True).passage(phase) == passage_of(NEUTRAL, phase)
+            assert (
+                none.passage(phase)
+                == replace(none, spoken=True).passage(phase)
+                == passage_of(NEUTRAL_EXPRESSIVITY, phase)
+            )
 
 
-def test_swing_and_accent_grow_with_the_weight(pace):
-    found = [Effort(pace, Nature(weight=weight)).passage("stroke") for weight in (0.0, 0.5, 1.0)]
+def test_overshoot_and_accent_grow_with_the_effort_weight(pace):
+    found = [Effort(pace, GestureTraits(weight=weight)).passage("stroke") for weight in (0.0, 0.5, 1.0)]
     assert found[0].swing == 0.0 < found[1].swing < found[2].swing
-    assert found[1].steepness < found[2].steepness == SOFTEST + ACCENT
-    homes = [Effort(pace, Nature(weight=weight)).passage("retraction").steepness for weight in (0.5, 1.0)]
-    assert EVEN < homes[0] < homes[1]
+    assert found[1].steepness < found[2].steepness == MIN_STEEPNESS + STROKE_ACCENT
+    homes = [Effort(pace, GestureTraits(weight=weight)).passage("retraction").steepness for weight in (0.5, 1.0)]
+    assert LINEAR_STEEPNESS < homes[0] < homes[1]
 
 
-def test_power_goes_into_the_stroke_alone_and_weakness_into_all(pace):
-    plain, strong, weak = (Effort(pace, Nature("beat"), Expressivity(power=power)) for power in (0.0, 1.0, -1.0))
+def test_high_power_shortens_only_the_stroke_and_low_power_slows_all_phases(pace):
+    plain, strong, weak = (Effort(pace, GestureTraits("beat"), Expressivity(power=power)) for power in (0.0, 1.0, -1.0))
     assert strong.stroke_time(0.1) < plain.stroke_time(0.1) < weak.stroke_time(0.1)
     for phase in ("preparation_time", "return_time"):
         times = [getattr(each, phase)(0.3) for each in (strong, plain, weak)]
@@ -96,84 +115,86 @@ def test_power_goes_into_the_stroke_alone_and_weakness_into_all(pace):
     assert len({each.hold_time(0.5) for each in (strong, plain, weak)}) == 1
 
 
-def test_what_is_sudden_is_quick_and_still_goes_home_calmly(pace):
-    sudden, plain, sustained = (Effort(pace, Nature("iconic", tempo)) for tempo in PACES)
+def test_sudden_gesture_has_a_fast_stroke_and_a_normal_retraction(pace):
+    sudden, plain, sustained = (Effort(pace, GestureTraits("iconic", tempo)) for tempo in TEMPO_FACTORS)
     for phase in ("preparation_time", "stroke_time"):
         times = [getattr(each, phase)(0.1) for each in (sudden, plain, sustained)]
         assert times[0] < times[1] < times[2]
     assert sudden.return_time(0.3) == plain.return_time(0.3) < sustained.return_time(0.3)
 
 
-def test_home_is_farther_in_time_than_the_way_from_another_gesture(efforts, pace):
+def test_retraction_takes_longer_than_a_transition(efforts, pace):
     own = [effort for effort in efforts if effort.pace is pace]
-    assert all(effort.return_time(way) > effort.joining_time(way) for effort in own for way in (0.2, 0.4, 0.6))
+    assert all(
+        effort.return_time(distance) > effort.joining_time(distance) for effort in own for distance in (0.2, 0.4, 0.6)
+    )
 
 
-def test_nobody_comes_from_another_gesture_slowly(pace):
-    slow, plain = Effort(pace, Nature("adaptor", "sustained")), Effort(pace)
+def test_slow_gesture_tempo_does_not_slow_the_transition_between_gestures(pace):
+    slow, plain = Effort(pace, GestureTraits("adaptor", "sustained")), Effort(pace)
     assert slow.joining_time(0.3) == plain.joining_time(0.3) < slow.preparation_time(0.3)
 
 
-def test_a_stroke_is_held_by_its_length_a_pose_by_itself(pace):
-    stroke, pose = Effort(pace, Nature("emblem")), Effort(pace, POSE)
+def test_hold_time_depends_on_stroke_duration_except_for_poses(pace):
+    stroke, pose = Effort(pace, GestureTraits("emblem")), Effort(pace, POSE_TRAITS)
     assert stroke.hold_time(1.2) == pytest.approx(2 * stroke.hold_time(0.6))
     assert pose.hold_time(0.1) == pose.hold_time(2.0) > stroke.hold_time(0.6)
 
 
-def test_a_stroke_passes_its_keys_and_a_pose_arrives(pace):
-    stroke, pose = Effort(pace), Effort(pace, POSE)
+def test_hand_passes_stroke_keys_without_stopping_but_stops_at_pose_keys(pace):
+    stroke, pose = Effort(pace), Effort(pace, POSE_TRAITS)
     assert stroke.passage("preparation").flow > 1.0
     assert stroke.passage("stroke").flow > 1.0
     assert pose.passage("preparation") == pose.passage("stroke") == passage_of(Expressivity(), "stroke")
     assert stroke.passage("hold") == pose.passage("hold") == passage_of(Expressivity(), "hold")
 
 
-def test_tension_stops_even_a_hand_that_would_swing(pace):
+def test_full_tension_removes_all_overshoot_at_keys(pace):
     assert Effort(pace, manner=Expressivity(tension=1.0)).passage("preparation").flow == 0.0
 
 
-def test_swing_and_accent_fade_where_there_is_no_leisure(pace):
-    found = [Effort(pace).passage("stroke", leisure=share) for share in (0.0, CROWDED, 0.8, 0.9, 1.0, 2.0)]
+def test_overshoot_and_accent_fade_if_time_is_short(pace):
+    found = [Effort(pace).passage("stroke", time_ratio=share) for share in (0.0, MIN_LEISURE, 0.8, 0.9, 1.0, 2.0)]
     swings, accents = [each.swing for each in found], [each.steepness for each in found[2:]]
     assert swings[0] == swings[1] == 0.0 < swings[2] < swings[3] < swings[4] == swings[5]
-    assert accents[0] < accents[1] < accents[2] == accents[3] == SOFTEST + ACCENT
+    assert accents[0] < accents[1] < accents[2] == accents[3] == MIN_STEEPNESS + STROKE_ACCENT
     assert found[0] == found[1] == passage_of(Expressivity(), "stroke")
 
 
-def test_the_way_there_has_no_accent_and_a_path_has_its_own_speed(pace):
+def test_preparation_and_motion_along_a_path_have_no_velocity_accent(pace):
     effort = Effort(pace)
     assert effort.passage("preparation").easing == "minimum_jerk"
     assert effort.passage("stroke", led=True).easing == "minimum_jerk"
     assert 0.0 < effort.passage("stroke", led=True).swing < effort.passage("stroke").swing
 
 
-def test_a_stroke_that_meets_a_word_is_fastest_near_it_and_begins_with_less_swing(pace):
+def test_stroke_tied_to_a_word_has_a_late_velocity_peak_and_less_initial_overshoot(pace):
     plain, spoken = Effort(pace), Effort(pace, spoken=True)
-    assert (plain.passage("stroke").easing, spoken.passage("stroke").easing) == (ACCENT_EASING, LATE_ACCENT)
+    assert (plain.passage("stroke").easing, spoken.passage("stroke").easing) == (ACCENT_EASING, LATE_ACCENT_EASING)
     assert spoken.passage("stroke").steepness > plain.passage("stroke").steepness
     assert 0.0 < spoken.passage("preparation").swing < plain.passage("preparation").swing
     assert spoken.passage("hold") == plain.passage("hold")
-    pose = Effort(pace, POSE, spoken=True)
-    assert (pose.passage("stroke").easing, pose.passage("stroke").swing) == (LATE_ACCENT, 0.0)
-    for manner in ({"power": 1.0, "tension": 1.0}, {"fluidity": -1.0}):  # more than an easing can be
-        assert Effort(pace, manner=Expressivity(**manner), spoken=True).passage("stroke").steepness == STEEPEST
+    pose = Effort(pace, POSE_TRAITS, spoken=True)
+    assert (pose.passage("stroke").easing, pose.passage("stroke").swing) == (LATE_ACCENT_EASING, 0.0)
+    for manner in ({"power": 1.0, "tension": 1.0}, {"fluidity": -1.0}):  # Beyond the range of an easing
+        assert Effort(pace, manner=Expressivity(**manner), spoken=True).passage("stroke").steepness == MAX_STEEPNESS
     for manner in ({"fluidity": 1.0}, {"tension": -1.0}, {"power": 0.8}, {"tension": 0.8}, {"power": -1.0}):
-        assert Effort(pace, manner=Expressivity(**manner), spoken=True).passage("stroke").easing == LATE_ACCENT
+        assert Effort(pace, manner=Expressivity(**manner), spoken=True).passage("stroke").easing == LATE_ACCENT_EASING
 
 
-def test_neither_weakness_nor_looseness_takes_the_accent_from_a_word(pace):
+def test_velocity_accent_of_a_stroke_on_a_word_remains_at_low_power_and_tension(pace):
     for manner in (
         {"power": -1.0},
         {"power": -1.0, "fluidity": 1.0, "tension": -1.0},
         {"power": -0.5, "fluidity": 1.0},
     ):
         spoken = Effort(pace, manner=Expressivity(**manner), spoken=True)
-        assert spoken.passage("stroke").steepness >= SOFTEST + LEAST_LATE
-        assert spoken.passage("stroke", leisure=CROWDED).easing != LATE_ACCENT
-        assert spoken.passage("stroke", stroke=False).easing != LATE_ACCENT
+        assert spoken.passage("stroke").steepness >= MIN_STEEPNESS + MIN_LATE_ACCENT
+        assert spoken.passage("stroke", time_ratio=MIN_LEISURE).easing != LATE_ACCENT_EASING
+        assert spoken.passage("stroke", stroke=False).easing != LATE_ACCENT_EASING
 
 
-def test_only_the_way_to_the_word_has_an_accent_and_nobody_rushes_to_where_it_begins(pace):
+def test_only_the_stroke_movement_that_ends_at_a_word_has_a_velocity_accent(pace):
     spoken = Effort(pace, spoken=True)
     assert spoken.passage("stroke", stroke=False) == replace(
         Effort(pace).passage("stroke"), easing="minimum_jerk", steepness=KeyPassage().steepness
@@ -183,68 +204,70 @@ def test_only_the_way_to_the_word_has_an_accent_and_nobody_rushes_to_where_it_be
     assert Effort(pace, manner=fluid).passage("preparation").flow > Effort(pace).passage("preparation").flow
 
 
-def test_force_stays_out_of_the_way_to_a_stroke(pace):
+def test_power_does_not_change_the_preparation(pace):
     strong, plain = Effort(pace, manner=Expressivity(power=1.0)), Effort(pace)
     assert strong.passage("preparation") == replace(plain.passage("preparation"), swing=0.0)
     assert strong.passage("stroke").steepness > plain.passage("stroke").steepness
 
 
 def stroke_passages(pace, name, values=(-1.0, -0.5, 0.0, 0.5, 1.0)):
-    """How a stroke's key is passed in five manners."""
+    """Return the passages of a stroke key for five parameter values."""
     return [Effort(pace, manner=Expressivity(**{name: value})).passage("stroke") for value in values]
 
 
 @pytest.mark.parametrize("name", ["tension", "power"])
-def test_the_firmer_a_hand_the_less_it_swings(pace, name):
+def test_power_and_tension_reduce_overshoot_at_keys(pace, name):
     swings = [each.swing for each in stroke_passages(pace, name)]
     assert swings[2] > swings[3] >= swings[4] == 0.0
 
 
-def test_a_stiff_hand_does_not_swing_a_fluid_one_does_and_a_loose_one_hangs_by_its_tension(pace):
+def test_stiffness_removes_overshoot_and_looseness_reduces_it(pace):
     stiff, half, plain, *fluid = (each.swing for each in stroke_passages(pace, "fluidity"))
     assert stiff == half == 0.0 < plain == fluid[0] == fluid[1]
-    assert stroke_passages(pace, "tension")[0].swing == pytest.approx((1.0 - LOOSE) * plain)
+    assert stroke_passages(pace, "tension")[0].swing == pytest.approx((1.0 - LOOSENESS_REDUCTION) * plain)
 
 
-def test_jerky_strokes_begin_at_once_and_fluid_or_loose_ones_softly(pace):
+def test_low_fluidity_sharpens_the_velocity_peak_of_strokes(pace):
     steepness = [each.steepness for each in stroke_passages(pace, "fluidity")[:4]]
     assert np.all(np.diff(steepness) < 0.0)
-    assert steepness[2] == SOFTEST + ACCENT
+    assert steepness[2] == MIN_STEEPNESS + STROKE_ACCENT
     assert stroke_passages(pace, "fluidity")[4].easing == "minimum_jerk"
     assert stroke_passages(pace, "tension")[0].easing == "minimum_jerk"
 
 
-def test_the_more_fluid_a_hand_the_softer_it_goes_home(pace):
+def test_fluidity_softens_the_retraction(pace):
     homes = [Effort(pace, manner=Expressivity(fluidity=f)).passage("retraction").steepness for f in (-1.0, 0.0, 1.0)]
-    assert homes[0] > homes[1] > homes[2] == pytest.approx(EVEN)
+    assert homes[0] > homes[1] > homes[2] == pytest.approx(LINEAR_STEEPNESS)
 
 
-def test_power_leaves_a_stroke_the_time_for_its_accent(pace):
-    way = 0.2
-    least = pace.least_hand_time(way)
+def test_high_power_keeps_the_stroke_time_required_by_its_accent(pace):
+    distance = 0.2
+    minimum = pace.least_hand_time(distance)
     strong, fast, both = (
-        Effort(pace, Nature("beat"), Expressivity(power=power, temporal=temporal)).stroke_time(way)
+        Effort(pace, GestureTraits("beat"), Expressivity(power=power, temporal=temporal)).stroke_time(distance)
         for power, temporal in ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0))
     )
-    assert strong == pytest.approx(ROOM_FOR_ACCENT * least)
+    assert strong == pytest.approx(ACCENT_MARGIN * minimum)
     assert both <= fast
 
 
-def test_categories_are_ordered_from_quick_beats_to_calm_rest_poses(pace):
+def test_duration_factor_of_gesture_categories_grows_from_beats_to_rest_poses(pace):
     order = ("beat", "deictic", "emblem", "iconic", "metaphoric", "adaptor", "rest")
-    slowness = [Effort(pace, Nature(category)).slowness for category in order]
+    slowness = [Effort(pace, GestureTraits(category)).slowness for category in order]
     assert slowness == sorted(slowness)
     assert len(set(slowness)) == len(slowness)
     assert 0.75 < slowness[0] < 1.0 < slowness[-1] < 2.0
-    usual = Effort(pace, Nature("of my own")).slowness
-    assert usual == Effort(pace, Nature("ICONIC")).slowness == 1.0
-    holds = [Effort(pace, Nature(category)).hold_time(0.6) for category in ("beat", "iconic", "metaphoric", "deictic")]
+    usual = Effort(pace, GestureTraits("of my own")).slowness
+    assert usual == Effort(pace, GestureTraits("ICONIC")).slowness == 1.0
+    holds = [
+        Effort(pace, GestureTraits(category)).hold_time(0.6) for category in ("beat", "iconic", "metaphoric", "deictic")
+    ]
     assert holds == sorted(holds)
     assert holds[-1] < 3 * holds[0]
 
 
-def test_an_accent_that_meets_a_word_is_kept_by_the_most_fluid_manner(pace):
+def test_velocity_accent_of_a_stroke_on_a_word_remains_at_full_fluidity(pace):
     fluid = [Effort(pace, manner=Expressivity(fluidity=fluidity), spoken=True) for fluidity in (0.95, 1.0)]
     steepness = [effort.passage("stroke").steepness for effort in fluid]
     assert steepness[0] >= steepness[1]
-    assert steepness[1] == pytest.approx(SOFTEST + LEAST_LATE)
+    assert steepness[1] == pytest.approx(MIN_STEEPNESS + MIN_LATE_ACCENT)

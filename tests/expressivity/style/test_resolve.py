@@ -4,23 +4,23 @@ import pytest
 
 from kinesic.bml.block import Behaviour, Block, Gesture, Manner, Place
 from kinesic.body.config import ConfigError
-from kinesic.expressivity.style.resolve import SHARES, fold_activation, resolve_numbers, resolve_styles
-from kinesic.expressivity.style.style import MODALITIES, RANGES, Expressivity, Style, style_preset
+from kinesic.expressivity.style.resolve import ACTIVATION_FRACTIONS, fold_activation, resolve_numbers, resolve_styles
+from kinesic.expressivity.style.style import EXPRESSIVITY_RANGES, MODALITIES, Expressivity, Style, style_preset
 
 
-def test_full_activation_of_a_neutral_manner():
+def test_full_activation_raises_parameters_by_their_activation_fractions():
     found = fold_activation(Expressivity(activation=1.0))
-    assert {name: getattr(found, name) for name in SHARES} == pytest.approx(dict(SHARES))
-    assert all(getattr(found, name) == 0.0 for name in RANGES if name not in SHARES)
+    assert {name: getattr(found, name) for name in ACTIVATION_FRACTIONS} == pytest.approx(dict(ACTIVATION_FRACTIONS))
+    assert all(getattr(found, name) == 0.0 for name in EXPRESSIVITY_RANGES if name not in ACTIVATION_FRACTIONS)
 
 
-def test_full_passivity_stops_at_the_lower_ends():
+def test_lowest_activation_moves_expressivity_parameters_towards_their_lower_limits():
     found = fold_activation(Expressivity(spatial=-0.5, openness=0.5, activation=-1.0))
-    assert found.spatial == pytest.approx(-0.5 - 0.5 * SHARES["spatial"])
-    assert found.openness == pytest.approx(0.5 * (1 - SHARES["openness"]))
+    assert found.spatial == pytest.approx(-0.5 - 0.5 * ACTIVATION_FRACTIONS["spatial"])
+    assert found.openness == pytest.approx(0.5 * (1 - ACTIVATION_FRACTIONS["openness"]))
 
 
-def test_it_is_folded_in_once():
+def test_activation_parameter_is_zero_after_it_has_been_applied():
     once = fold_activation(Expressivity(power=0.3, activation=0.7))
     assert once.activation == 0.0
     assert fold_activation(once) == once
@@ -30,29 +30,29 @@ def behaviour(action=None, manner=None):
     return Behaviour("b", "x", action or Gesture("beat"), Place(1, 1), manner=manner or Manner())
 
 
-def test_a_document_that_says_nothing_leaves_the_style():
+def test_document_without_parameters_keeps_the_style():
     found = resolve_numbers(style_preset("sad"), "head", Block("b", ()), behaviour())
     assert found.expressivity == style_preset("sad").head
-    assert found.sources == dict.fromkeys(RANGES, "style")
+    assert found.sources == dict.fromkeys(EXPRESSIVITY_RANGES, "style")
 
 
-def test_later_sources_win_number_by_number():
+def test_setting_behaviour_and_block_override_single_style_parameters():
     style = style_preset("sad").changed(["head.power=0.9", "gesture.spatial=0.7"])
     block = Block("b", (), manners={"gesture": Manner(spatial=0.1, temporal=0.2, power=0.3)})
     found = resolve_numbers(style, "gesture", block, behaviour(manner=Manner(power=-0.4, intensity=0.3)))
     expected = {"spatial": 0.7, "temporal": 0.2, "power": -0.4}
     assert found.expressivity == replace(style_preset("sad").gesture, **expected)
     spoken = {"spatial": "setting", "temporal": "block", "power": "behaviour"}
-    assert found.sources == {**dict.fromkeys(RANGES, "style"), **spoken}
+    assert found.sources == {**dict.fromkeys(EXPRESSIVITY_RANGES, "style"), **spoken}
 
 
-def test_a_block_speaks_for_the_modalities_that_it_names():
+def test_block_parameters_apply_to_their_modality_only():
     block = Block("b", (), manners={"head": Manner(power=0.3)})
     assert resolve_numbers(Style(), "head", block, behaviour()).expressivity.power == 0.3
     assert resolve_numbers(Style(), "gesture", block, behaviour()).expressivity.power == 0.0
 
 
-def test_a_preset_of_the_document_is_complete():
+def test_document_preset_replaces_all_parameters():
     block = Block("b", (), manners={"head": Manner(power=0.3, style="sad")})
     found = resolve_numbers(style_preset("joyful"), "head", block, behaviour())
     assert found.expressivity == replace(style_preset("sad").head, power=0.3)
@@ -61,15 +61,15 @@ def test_a_preset_of_the_document_is_complete():
         style_preset("joyful").changed(["power=0"]), "head", block, behaviour(manner=Manner(style="calm"))
     )
     assert over.expressivity == replace(style_preset("calm").head, power=0.0)
-    assert over.sources == {**dict.fromkeys(RANGES, "behaviour"), "power": "setting"}
+    assert over.sources == {**dict.fromkeys(EXPRESSIVITY_RANGES, "behaviour"), "power": "setting"}
 
 
-def test_a_preset_that_does_not_exist_is_an_error():
+def test_unknown_style_preset_raises_an_error():
     with pytest.raises(ConfigError, match=r"no style joyfull; did you mean joyful\?"):
         resolve_numbers(Style(), "head", Block("b", ()), behaviour(manner=Manner(style="joyfull")))
 
 
-def test_each_behaviour_has_a_style_of_its_own():
+def test_style_is_resolved_separately_for_each_behaviour():
     said = replace(behaviour(manner=Manner(power=0.9)), id="c")
     block = Block("b", (behaviour(), said), manners={"head": Manner(power=-0.5)})
     found = resolve_styles(Style("mine", *(Expressivity(power=power) for power in (0.1, 0.2, 0.3, 0.4))), block)
@@ -77,12 +77,12 @@ def test_each_behaviour_has_a_style_of_its_own():
     assert [found["c"].of(modality).power for modality in MODALITIES] == [0.9] * 4
 
 
-def test_activation_is_folded_in():
+def test_activation_is_applied_to_the_resolved_style_of_a_behaviour():
     block = Block("b", (behaviour(manner=Manner(activation=0.5)),))
     assert resolve_styles(Style(), block)["b"].head == fold_activation(Expressivity(activation=0.5))
 
 
-def test_a_preset_that_a_document_names_brings_its_weight_of_the_body():
+def test_style_named_in_a_document_sets_the_body_motion_weight():
     def weight(style: Style, named: str | None, own: str | None = None) -> float:
         block = Block("b", (behaviour(manner=Manner(style=own)),), manners={"gesture": Manner(style=named)})
         return resolve_styles(style, block)["b"].whole_body
@@ -97,7 +97,7 @@ def test_a_preset_that_a_document_names_brings_its_weight_of_the_body():
     assert weight(Style().changed(["effort=0"]), "shy") == shy
 
 
-def test_the_weight_of_effort_is_the_style_s_unless_a_document_names_a_preset():
+def test_effort_weight_comes_from_style_or_document_preset():
     own, plain = Style().changed(["effort=0"]), replace(Style(), effort=0.25)
     named = Block("b", (behaviour(),), manners={"gesture": Manner(style="shy")})
     found = [

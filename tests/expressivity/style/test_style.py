@@ -7,41 +7,46 @@ from scipy.interpolate import BPoly
 
 from kinesic.body.config import CONFIGS, ConfigError
 from kinesic.expressivity.style.style import (
+    EXPRESSIVITY_RANGES,
     MODALITIES,
-    RANGES,
-    WEIGHTS,
+    WEIGHT_RANGES,
     Expressivity,
     Setting,
     Style,
     passage_of,
     style_preset,
 )
-from kinesic.motion.easing import PARTS, soften_easing
+from kinesic.motion.easing import EASING_INTERVALS, soften_easing
 from kinesic.motion.keys import PLAIN_PASSAGE, KeyPassage
 
-PRESETS = sorted(file.stem for file in (CONFIGS / "styles").glob("*.toml"))
-PHASES = ("preparation", "stroke", "hold", "retraction")
+FIRST_STYLES = {"angry", "calm", "joyful", "neutral", "proud", "sad", "shy"}
+PRESET_NAMES = sorted(file.stem for file in (CONFIGS / "styles").glob("*.toml"))
+PHASE_NAMES = ("preparation", "stroke", "hold", "retraction")
 
 
-def test_the_presets():
-    assert PRESETS == ["angry", "calm", "joyful", "neutral", "proud", "sad", "shy"]
+def test_style_preset_files_are_complete():
+    assert set(PRESET_NAMES) >= FIRST_STYLES
 
 
-@pytest.mark.parametrize("name", PRESETS)
-def test_a_preset_loads_under_its_name_and_says_all_eight_numbers(name):
+@pytest.mark.parametrize("name", PRESET_NAMES)
+def test_style_preset_loads_by_name_and_sets_all_eight_parameters(name):
     assert Style.load(name).name == style_preset(name).name == name
     text = (CONFIGS / "styles" / f"{name}.toml").read_text().partition("[")[0]
     said = [line.split()[0] for line in text.splitlines() if "=" in line]
-    assert [name for name in said if name not in WEIGHTS] == list(RANGES)
+    assert [name for name in said if name not in WEIGHT_RANGES] == list(EXPRESSIVITY_RANGES), (
+        f"kinesic/configs/styles/{name}.toml: set all eight parameters in this order before the first table"
+    )
 
 
-def test_presets_differ_and_neutral_is_the_default():
+def test_style_presets_differ_and_neutral_is_the_default():
     assert Style.load() == Style()
-    assert len({tuple(asdict(style_preset(name).gesture).values()) for name in PRESETS}) == len(PRESETS)
+    values = [tuple(asdict(style_preset(name).gesture).values()) for name in PRESET_NAMES]
+    equal = [name for name, value in zip(PRESET_NAMES, values, strict=True) if values.count(value) > 1]
+    assert equal == [], "edit kinesic/configs/styles/: these styles are equal"
 
 
-def test_presets_say_what_their_names_say():
-    styles = {name: style_preset(name) for name in PRESETS}
+def test_parameters_of_style_presets_match_the_emotion_in_their_names():
+    styles = {name: style_preset(name) for name in FIRST_STYLES}
     assert styles["angry"].gesture.power == max(style.gesture.power for style in styles.values())
     assert styles["shy"].gesture.spatial == min(style.gesture.spatial for style in styles.values())
     assert styles["calm"].gesture.fluidity == max(style.gesture.fluidity for style in styles.values())
@@ -50,12 +55,12 @@ def test_presets_say_what_their_names_say():
     assert styles["sad"].torso.temporal < styles["sad"].gesture.temporal
 
 
-def test_angry_and_joyful_bodies_join_in_more_than_shy_and_sad_ones():
-    weights = {name: style_preset(name).whole_body for name in PRESETS}
+def test_angry_and_joyful_presets_have_more_body_motion_than_shy_and_sad():
+    weights = {name: style_preset(name).whole_body for name in PRESET_NAMES}
     assert max(weights["shy"], weights["sad"]) < weights["neutral"] == 1.0 < min(weights["angry"], weights["joyful"])
 
 
-def test_the_weight_of_the_whole_body_is_set_for_all_modalities_at_once(tmp_path):
+def test_whole_body_weight_applies_to_all_modalities(tmp_path):
     style = Style().changed(["whole_body=0", "head.power=0.5"])
     assert (style.whole_body, style.head.power, style.gesture) == (0.0, 0.5, Style().gesture)
     assert [str(setting) for setting in style.settings] == ["whole_body=0", "head.power=0.5"]
@@ -69,7 +74,7 @@ def test_the_weight_of_the_whole_body_is_set_for_all_modalities_at_once(tmp_path
         Style.load(path)
 
 
-def test_the_weight_of_effort_goes_from_none_to_all_of_it(tmp_path):
+def test_effort_weight_ranges_from_zero_to_one(tmp_path):
     assert Style().changed(["effort=0.25"]).effort == 0.25
     assert Style().changed(["effort=0", "whole_body=2"]) == replace(
         Style(), effort=0.0, whole_body=2.0, settings=(Setting("effort", 0.0), Setting("whole_body", 2.0))
@@ -81,8 +86,8 @@ def test_the_weight_of_effort_goes_from_none_to_all_of_it(tmp_path):
     assert Style.load(path).effort == 0.5
 
 
-def test_the_parameters_are_the_fields():
-    assert [field.name for field in fields(Expressivity)] == list(RANGES)
+def test_every_expressivity_field_has_a_value_range():
+    assert [field.name for field in fields(Expressivity)] == list(EXPRESSIVITY_RANGES)
 
 
 @pytest.mark.parametrize(
@@ -93,18 +98,18 @@ def test_the_parameters_are_the_fields():
         ("temporal", math.nan, "temporal is nan, outside [-1, 1]"),
     ],
 )
-def test_a_value_out_of_range_names_itself_and_the_range(name, value, text):
+def test_out_of_range_error_names_parameter_and_range(name, value, text):
     with pytest.raises(ValueError, match="outside") as error:
         Expressivity(**{name: value})
     assert str(error.value) == text
 
 
-def test_an_unknown_style_suggests_the_nearest():
+def test_unknown_style_error_suggests_the_nearest():
     with pytest.raises(ConfigError, match=r"no style joyfull; did you mean joyful\?"):
         Style.load("joyfull")
 
 
-def test_a_style_of_the_user(tmp_path):
+def test_user_style_file_is_loaded_and_checked(tmp_path):
     text = (CONFIGS / "styles" / "calm.toml").read_text()
     (tmp_path / "mine.toml").write_text(text)
     assert Style.load(tmp_path / "mine.toml").numbers() == style_preset("calm").numbers()
@@ -119,8 +124,8 @@ def test_a_style_of_the_user(tmp_path):
         Style.load(tmp_path / "short.toml")
 
 
-def test_a_table_changes_single_numbers_of_its_modality(tmp_path):
-    zeros = "\n".join(f"{name} = 0.0" for name in RANGES)
+def test_modality_table_of_a_style_file_overrides_single_parameters(tmp_path):
+    zeros = "\n".join(f"{name} = 0.0" for name in EXPRESSIVITY_RANGES)
     (tmp_path / "mine.toml").write_text(f"{zeros}\n[face]\npower = 1.0\n")
     style = Style.load(tmp_path / "mine.toml")
     assert (style.face, style.head) == (Expressivity(power=1.0), Expressivity())
@@ -132,7 +137,7 @@ def test_a_table_changes_single_numbers_of_its_modality(tmp_path):
         Style.load(tmp_path / "mine.toml")
 
 
-def test_a_setting_changes_one_number_of_all_modalities_or_of_one():
+def test_setting_changes_a_parameter_of_all_modalities_or_one():
     style = style_preset("sad").changed(["power=0.8", " head.openness = 1 "])
     assert [style.of(modality).power for modality in MODALITIES] == [0.8] * 4
     assert [style.of(modality).openness for modality in MODALITIES] == [0.0, 1.0, 0.0, 0.0]
@@ -140,7 +145,7 @@ def test_a_setting_changes_one_number_of_all_modalities_or_of_one():
     assert style.settings == (Setting("power", 0.8), Setting("openness", 1.0, "head"))
 
 
-def test_of_two_settings_the_later_wins():
+def test_later_style_setting_overrides_an_earlier_one():
     style = Style().changed(["head.power=0.2", "power=0.8"]).changed(["face.power=0.4"])
     assert [style.of(modality).power for modality in MODALITIES] == [0.8, 0.8, 0.8, 0.4]
 
@@ -150,7 +155,7 @@ def test_of_two_settings_the_later_wins():
     [
         ("powr=1", r"a style has no powr; did you mean power\?"),
         ("name=1", r"a style has no name"),
-        ("power", r"'power' is no setting of a style; write it as NAME=VALUE"),
+        ("power", r"'power' is not a style setting; write it as NAME=VALUE"),
         ("power=much", r"power is 'much', not a number"),
         ("head.power=much", r"head\.power is 'much', not a number"),
         ("power=7", r"power is 7, outside \[-1, 1\]"),
@@ -160,25 +165,27 @@ def test_of_two_settings_the_later_wins():
         (".power=1", r"a style has no modality ''; known: face"),
     ],
 )
-def test_a_wrong_setting_teaches(text, message):
+def test_invalid_setting_error_suggests_a_correction(text, message):
     with pytest.raises(ConfigError, match=message):
         Style().changed([text])
 
 
-def test_a_style_of_one_manner():
+def test_uniform_style_has_equal_modalities():
     style = Style.uniform(Expressivity(power=0.5), "mine")
     assert style.name == "mine"
     assert {style.of(modality) for modality in MODALITIES} == {Expressivity(power=0.5)}
 
 
 def peak(passed: KeyPassage) -> float:
-    """The greatest speed on a way of 1 in a time of 1."""
-    curve = BPoly.from_derivatives(np.linspace(0.0, 1.0, PARTS + 1), soften_easing(passed.easing, passed.steepness).T)
+    """Return the peak velocity of a unit movement in unit time."""
+    curve = BPoly.from_derivatives(
+        np.linspace(0.0, 1.0, EASING_INTERVALS + 1), soften_easing(passed.easing, passed.steepness).T
+    )
     return float(curve(np.linspace(0.0, 1.0, 2001), nu=1).max())
 
 
-@pytest.mark.parametrize("phase", PHASES)
-def test_fluidity_is_continuity_and_tension_tension(phase):
+@pytest.mark.parametrize("phase", PHASE_NAMES)
+def test_fluidity_sets_spline_continuity_and_tension_sets_spline_tension(phase):
     for fluidity in (-1.0, 0.0, 1.0):
         found = passage_of(Expressivity(fluidity=fluidity, tension=-0.4), phase)
         assert found.continuity == pytest.approx((fluidity - 1.0) / 2.0)
@@ -187,7 +194,7 @@ def test_fluidity_is_continuity_and_tension_tension(phase):
 
 
 @pytest.mark.parametrize(("accent", "least"), [(0.0, 1.6), (1.0, 1.4), (1.9, 1.3)])
-def test_power_raises_the_peak_speed_of_a_way_all_along_its_range(accent, least):
+def test_power_raises_peak_velocity_over_its_whole_range(accent, least):
     powers = (Expressivity(power=float(power)) for power in np.linspace(-1.0, 1.0, 21))
     peaks = [peak(passage_of(manner, "stroke", accent=accent)) for manner in powers]
     assert np.all(np.diff(peaks) > 0.0)
@@ -195,24 +202,24 @@ def test_power_raises_the_peak_speed_of_a_way_all_along_its_range(accent, least)
     assert peaks[0] == pytest.approx(peak(passage_of(Expressivity(power=-1.0), "stroke")))
 
 
-def test_an_accent_raises_the_peak_speed():
+def test_velocity_accent_raises_the_peak_velocity_of_a_stroke():
     peaks = [peak(passage_of(Expressivity(), "stroke", accent=accent)) for accent in (0.0, 1.0, 2.0)]
     assert peaks[0] < peaks[1] < peaks[2]
 
 
 @pytest.mark.parametrize("phase", ["hold", "retraction"])
-def test_power_leaves_what_is_no_way_to_a_stroke(phase):
+def test_power_does_not_change_holds_and_retractions(phase):
     assert passage_of(Expressivity(power=1.0), phase) == passage_of(Expressivity(), phase)
 
 
-def test_a_forceful_way_overshoots_a_weak_one_is_even_a_tense_forceful_one_bounces():
+def test_stroke_easing_overshoots_with_power_and_bounces_with_tension():
     assert passage_of(Expressivity(power=0.8), "stroke").easing == "out_back"
     assert passage_of(Expressivity(tension=0.8), "stroke").easing == "out_back"
     assert passage_of(Expressivity(power=-0.8), "stroke").easing == "linear"
     assert passage_of(Expressivity(power=0.8, tension=0.8), "stroke").easing == "out_bounce"
 
 
-def test_an_accent_is_forced_beyond_itself_before_it_overshoots():
+def test_moderate_power_sharpens_the_stroke_accent_and_high_power_overshoots():
     found = [passage_of(Expressivity(power=power), "stroke", accent=1.9) for power in (0.0, 0.4, 0.6)]
     assert [each.easing for each in found] == ["out_power", "out_power", "out_back"]
     assert found[0].steepness < found[1].steepness

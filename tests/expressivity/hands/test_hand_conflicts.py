@@ -1,17 +1,17 @@
-"""Which hand does a gesture where another one needs it."""
+"""Tests of the hand assignment when another gesture needs the hand."""
 
 import pytest
 
-from kinesic.expressivity.hands.engaged import Engaged
+from kinesic.expressivity.hands.busy_hands import BusyHand
 from kinesic.expressivity.hands.keys import hand_at
 from kinesic.expressivity.hands.phases import arrange_hands
-from kinesic.expressivity.hands.poses import REST, Poses, pose_distance, resting_hands
+from kinesic.expressivity.hands.poses import REST_HAND, Poses, pose_distance, resting_hands
 from kinesic.expressivity.hands.strokes import Stroke
 
-from .reached_hands import FREE, A, B, C, L, M, both, right
+from .reached_hands import FREE_STROKES, A, B, C, L, M, both, right
 
 
-def test_a_two_handed_gesture_beside_an_earlier_one_is_done_by_the_free_hand(pace, phases):
+def test_two_handed_gesture_is_performed_with_one_hand_if_the_other_is_busy(pace, phases):
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 2.2), (right(A, B, C),))
     second = Stroke("g2", phases(0.4, 1.0, 1.0, 1.2, 1.2, 1.4, 2.0), (both(),))
     found = arrange_hands([first, second], pace)
@@ -20,17 +20,17 @@ def test_a_two_handed_gesture_beside_an_earlier_one_is_done_by_the_free_hand(pac
     assert "left hand alone" in found.outcomes["g2"].why
 
 
-def test_a_two_handed_gesture_leaves_a_hand_to_a_later_one(pace, phases):
+def test_two_handed_gesture_gives_one_hand_to_a_later_gesture(pace, phases):
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 2.2), (both(),))
     second = Stroke("g2", phases(0.4, 1.0, 1.0, 1.2, 1.2, 1.4, 2.0), (right(C, A),))
     found = arrange_hands([first, second], pace)
     assert found.sides == {"g1": {"l"}, "g2": {"r"}}
     assert found.outcomes.keys() == {"g1"}
     assert "the right hand does g2" in found.outcomes["g1"].why
-    assert {key.time for key in found.hands["r"] if key.hand is not REST} == {1.0, 1.2, 1.4}
+    assert {key.time for key in found.hands["r"] if key.hand is not REST_HAND} == {1.0, 1.2, 1.4}
 
 
-def test_one_hand_is_left_away_only_once(pace, phases):
+def test_two_handed_gesture_gives_away_only_one_hand(pace, phases):
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 2.2), (both(),))
     second = Stroke("g2", phases(0.4, 1.0, 1.0, 1.2, 1.2, 1.4, 2.0), (right(C, A),))
     third = Stroke("g3", phases(0.4, 1.0, 1.0, 1.3, 1.3, 1.4, 2.0), (Poses({"l": (M, L)}, 1),))
@@ -41,15 +41,15 @@ def test_one_hand_is_left_away_only_once(pace, phases):
 
 @pytest.fixture
 def either(phases):
-    """A gesture of the right hand or, if need be, of the left."""
+    """Return a gesture of the right or, if necessary, the left hand."""
     return Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 2.2), (right(A, B), Poses({"l": (L, M)}, 1)))
 
 
-RIGHT, LEFT = Engaged("r", 0.2, 1.1, "a:g"), Engaged("l", 1.0, 1.3, "a:h")
+BUSY_RIGHT, BUSY_LEFT = BusyHand("r", 0.2, 1.1, "a:g"), BusyHand("l", 1.0, 1.3, "a:h")
 
 
-def test_a_gesture_leaves_a_hand_to_another_block_and_says_so(pace, either):
-    found = arrange_hands([either], pace, engaged=[RIGHT])
+def test_gesture_avoids_busy_hand_of_another_block_and_reports_it(pace, either):
+    found = arrange_hands([either], pace, busy_hands=[BUSY_RIGHT])
     assert found.sides == {"g1": {"l"}}
     assert found.outcomes["g1"].kind == "substituted"
     why = (
@@ -59,72 +59,72 @@ def test_a_gesture_leaves_a_hand_to_another_block_and_says_so(pace, either):
 
 
 @pytest.mark.parametrize("sooner", [0.0, 0.01])
-def test_a_hand_is_free_as_soon_as_it_has_the_time_to_come(pace, either, sooner):
-    way = pace.least_hand_time(pose_distance(REST, A, resting_hands(pace.robot)["r"]))
-    before, after = Engaged("r", -5.0, 0.6 - way + sooner, "a:g"), Engaged("r", 1.5 + way - sooner, 9.0, "a:g")
+def test_busy_hand_is_available_only_after_the_travel_time_to_the_new_pose(pace, either, sooner):
+    way = pace.least_hand_time(pose_distance(REST_HAND, A, resting_hands(pace.robot)["r"]))
+    before, after = BusyHand("r", -5.0, 0.6 - way + sooner, "a:g"), BusyHand("r", 1.5 + way - sooner, 9.0, "a:g")
     for other in (before, after):
-        found = arrange_hands([either], pace, engaged=[other])
+        found = arrange_hands([either], pace, busy_hands=[other])
         assert found.sides == {"g1": {"l"} if sooner else {"r"}}
         assert (found.outcomes != {}) == (sooner > 0.0)
 
 
-def test_a_gesture_whose_hands_are_all_needed_elsewhere_is_as_without(pace, either):
-    found = arrange_hands([either], pace, engaged=[RIGHT, LEFT])
+def test_gesture_uses_its_preferred_hand_if_other_blocks_use_both_hands(pace, either):
+    found = arrange_hands([either], pace, busy_hands=[BUSY_RIGHT, BUSY_LEFT])
     assert found.sides == {"g1": {"r"}}
     assert found.outcomes == {}
 
 
-def test_a_gesture_of_one_hand_never_goes_to_the_other(pace, phases):
+def test_gesture_restricted_to_one_hand_uses_it_even_if_busy_in_another_block(pace, phases):
     fixed = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 2.2), (right(A, B),))
-    found = arrange_hands([fixed], pace, engaged=[RIGHT])
+    found = arrange_hands([fixed], pace, busy_hands=[BUSY_RIGHT])
     assert found.sides == {"g1": {"r"}}
     assert found.outcomes == {}
 
 
-@pytest.mark.parametrize(("other", "left"), [(RIGHT, "l"), (LEFT, "r")])
-def test_a_gesture_of_two_hands_leaves_one_to_another_block(pace, phases, other, left):
-    stroke = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 2.2), (both(),), halves=True)
-    found = arrange_hands([stroke], pace, engaged=[other])
+@pytest.mark.parametrize(("other", "left"), [(BUSY_RIGHT, "l"), (BUSY_LEFT, "r")])
+def test_splittable_gesture_gives_one_hand_to_another_block(pace, phases, other, left):
+    stroke = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 2.2), (both(),), may_split=True)
+    found = arrange_hands([stroke], pace, busy_hands=[other])
     assert found.sides == {"g1": {left}}
     hand = {"l": "left", "r": "right"}[left]
     assert found.outcomes["g1"].why.startswith(f"done by the {hand} hand alone: its stroke begins at 0.60 s, the ")
     assert f"busy with {other.by}" in found.outcomes["g1"].why
 
 
-def test_a_gesture_that_must_have_two_hands_keeps_them(pace, phases):
+def test_unsplittable_gesture_keeps_both_hands(pace, phases):
     stroke = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 2.2), (both(),))
-    found = arrange_hands([stroke], pace, engaged=[RIGHT])
+    found = arrange_hands([stroke], pace, busy_hands=[BUSY_RIGHT])
     assert found.sides == {"g1": {"l", "r"}}
     assert found.outcomes == {}
 
 
-def test_a_rest_pose_does_not_mind_what_other_blocks_need(pace, either):
+def test_rest_pose_uses_its_hand_even_if_busy_in_another_block(pace, either):
     folded = Stroke("p", either.times, either.options, rest=True)
-    assert arrange_hands([folded], pace, engaged=[RIGHT]).sides == {"p": {"r"}}
+    assert arrange_hands([folded], pace, busy_hands=[BUSY_RIGHT]).sides == {"p": {"r"}}
 
 
-def test_of_two_gestures_beside_another_block_one_makes_room_on_the_free_hand(pace, overlapping):
+def test_overlapping_gestures_are_moved_apart_on_the_hand_unused_by_other_blocks(pace, overlapping):
     mirrored = [Poses({"l": tuple(reversed(row))}, 1) for row in ((M, L, M), (L, M))]
     open_ = [
         Stroke(stroke.id, stroke.times, (*stroke.options, other))
         for stroke, other in zip(overlapping, mirrored, strict=True)
     ]
-    found = arrange_hands(open_, pace, FREE, engaged=[Engaged("r", 0.0, 9.0, "a:g")])
+    found = arrange_hands(open_, pace, FREE_STROKES, busy_hands=[BusyHand("r", 0.0, 9.0, "a:g")])
     assert found.sides == {"g1": {"l"}, "g2": {"l"}}
     assert {outcome.kind for outcome in found.outcomes.values()} == {"substituted"}
     assert "the right hand is busy with a:g" in found.outcomes["g2"].why
 
 
-def test_a_gesture_makes_room_rather_than_take_a_hand_that_another_block_needs(pace, overlapping):
+def test_strokes_are_moved_apart_rather_than_using_a_busy_hand(pace, overlapping):
     first, second = overlapping
     second = Stroke(second.id, second.times, (*second.options, Poses({"l": (L, M)}, 1)))
-    assert arrange_hands([first, second], pace, FREE).sides["g2"] == {"l"}
-    found = arrange_hands([first, second], pace, FREE, engaged=[Engaged("l", 0.0, 9.0, "a:g")])
+    assert arrange_hands([first, second], pace, FREE_STROKES).sides["g2"] == {"l"}
+    found = arrange_hands([first, second], pace, FREE_STROKES, busy_hands=[BusyHand("l", 0.0, 9.0, "a:g")])
     assert found.sides["g2"] == {"r"}
     assert found.outcomes == {}
 
 
-def test_gestures_of_different_hands_are_done_together(pace, phases):
+def test_gestures_of_different_hands_overlap_freely(pace, phases):
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 2.2), (right(A, B),))
     second = Stroke("g2", phases(0.1, 0.6, 0.6, 1.1, 1.4, 1.5, 2.2), (Poses({"l": (L, M)}, 1),))
     found = arrange_hands([first, second], pace)
@@ -132,13 +132,13 @@ def test_gestures_of_different_hands_are_done_together(pace, phases):
     assert found.sides == {"g1": {"r"}, "g2": {"l"}}
 
 
-def test_one_hand_alone_is_said_to_be_kept_from_the_other_by_another_stroke(pace, phases):
+def test_gesture_reduced_to_one_hand_names_the_conflicting_stroke(pace, phases):
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 2.2), (right(A, B, C),))
     second = Stroke("g2", phases(0.4, 1.0, 1.0, 1.2, 1.2, 1.4, 2.0), (both(),))
     assert "busy with the stroke of g1 until 1.40 s" in arrange_hands([first, second], pace).outcomes["g2"].why
 
 
-def test_a_hand_that_leaves_a_two_handed_gesture_keeps_no_key_of_it(pace, phases):
+def test_released_hand_keeps_no_key_of_the_two_handed_gesture(pace, phases):
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 2.2), (both(),))
     second = Stroke("g2", phases(0.4, 1.0, 1.0, 1.2, 1.2, 1.4, 2.0), (right(C, A),))
     found = arrange_hands([first, second], pace)

@@ -1,26 +1,27 @@
-"""Hand shapes that a document asks for, as attribute or element, on hands with fingers and without."""
+"""Tests of requested hand shapes, on hands with and without fingers."""
 
 import numpy as np
 import pytest
 
 from kinesic.body.robot import Robot
-from kinesic.controller.perform import plan, set_up
 from kinesic.expressivity.hands.fingers import finger_joints, lacking_shapes, shape_angles
 from kinesic.expressivity.lexicon.hand_shapes import hand_shapes
+from kinesic.session.plan import plan
+from kinesic.session.setup import set_up
 
-BML = '<bml id="b" xmlns="http://www.bml-initiative.org/bml/bml-1.0">{}</bml>'
-ROBOT = Robot.load("upper36")
+BML_TEMPLATE = '<bml id="b" xmlns="http://www.bml-initiative.org/bml/bml-1.0">{}</bml>'
+FINGER_ROBOT = Robot.load("upper36")
 
 
 def planned(inside: str, robot: str = "upper36"):
-    return plan(BML.format(inside), set_up(robot))
+    return plan(BML_TEMPLATE.format(inside), set_up(robot))
 
 
 def at_stroke(made, side: str):
-    """Angles of a hand's finger drives at the stroke [rad]."""
+    """Return the finger drive angles of a hand at the stroke [rad]."""
     (stroke,) = [sync.planned for sync in made.syncs if sync.sync == "stroke"]
     angles = made.trajectory.sample(np.array([made.trajectory.zero + stroke]))[0][0]
-    return angles[list(finger_joints(ROBOT, side))]
+    return angles[list(finger_joints(FINGER_ROBOT, side))]
 
 
 @pytest.mark.parametrize(
@@ -32,28 +33,28 @@ def at_stroke(made, side: str):
         '<pointing id="g" target="user" mode="RIGHT_HAND" handShape="victory" stroke="2"/>',
     ],
 )
-def test_a_hand_has_the_shape_that_is_asked_for(inside: str):
+def test_hand_takes_the_hand_shape_requested_in_the_document(inside: str):
     made = planned(inside)
     assert made.keyframes.outcomes["g"].kind == "realised"
-    two = shape_angles(hand_shapes()["two"], ROBOT, "r")
+    two = shape_angles(hand_shapes()["two"], FINGER_ROBOT, "r")
     np.testing.assert_allclose(at_stroke(made, "r"), two, atol=0.02)
     assert not [notice for notice in made.keyframes.notices if "hape" in notice.text]
 
 
-def test_a_shape_that_nobody_knows_is_said_and_the_gesture_done_as_it_is():
+def test_unknown_requested_hand_shape_is_reported_and_ignored():
     made = planned('<gesture id="g" lexeme="thumb_up" handShape="fisst" stroke="2"/>')
     outcome = made.keyframes.outcomes["g"]
     assert (outcome.kind, outcome.why) == ("partly", "hand shape 'fisst' is unknown; did you mean fist?")
-    np.testing.assert_allclose(at_stroke(made, "r"), shape_angles(hand_shapes()["thumb"], ROBOT, "r"), atol=0.02)
+    np.testing.assert_allclose(at_stroke(made, "r"), shape_angles(hand_shapes()["thumb"], FINGER_ROBOT, "r"), atol=0.02)
     assert made.keyframes.shapes["g"] == ("thumb", "fisst")
-    assert lacking_shapes(made.keyframes.shapes["g"], ROBOT) == ("fisst",)
+    assert lacking_shapes(made.keyframes.shapes["g"], FINGER_ROBOT) == ("fisst",)
 
 
 @pytest.mark.parametrize(
     ("written", "kind"), [("index", "partly"), ("flat", "realised"), ("FORM_OPEN", "realised"), ("tentacle", "partly")]
 )
 @pytest.mark.parametrize("element", ['gesture id="g" lexeme="beat"', 'pointing id="g" target="user"'])
-def test_a_hand_without_fingers_says_which_shape_it_cannot_make(element: str, written: str, kind: str):
+def test_hand_without_fingers_reports_impossible_shape(element: str, written: str, kind: str):
     made = planned(f'<{element} handShape="{written}" stroke="2"/>', "upper22")
     outcome = made.keyframes.outcomes["g"]
     assert outcome.kind == kind
@@ -61,7 +62,7 @@ def test_a_hand_without_fingers_says_which_shape_it_cannot_make(element: str, wr
     assert (f"hand shape '{written}' is unknown" in outcome.why) == (written == "tentacle")
 
 
-def test_of_two_shapes_the_first_counts_and_the_other_is_warned_of():
+def test_second_requested_shape_is_ignored_with_warning():
     made = planned('<gesture id="g" lexeme="beat" handShape="fist" handshape="index" stroke="2"/>')
     assert made.keyframes.shapes["g"] == ("fist",)
     assert any("handshape 'index'" in notice.text for notice in made.keyframes.notices)

@@ -1,4 +1,4 @@
-"""Gives a gesture the hand shape that a document asks for, in place of its own."""
+"""Replacement of a gesture's hand shape by the requested one."""
 
 from dataclasses import replace
 
@@ -8,21 +8,26 @@ from kinesic.expressivity.lexicon.hand_shapes import find_shape, hand_shapes
 
 
 def with_shape(form: GestureForm, shape: str) -> GestureForm:
-    """Holds the hands of a gesture in a shape from the first key of its stroke to the last.
+    """Set the hand shape of all stroke keys of a gesture.
 
     Args:
         form: of the gesture.
-        shape: in any system's words; one that nobody knows, or none, changes nothing.
+        shape: name in any supported system; an unknown or empty name changes nothing.
     """
-    known = find_shape(shape)
-    if known is None:
+    hand_shape = find_shape(shape)
+    if hand_shape is None:
         return form
-    keys = (StrokeKey({side: replace(pose, shape=known.name) for side, pose in key.hands.items()}) for key in form.keys)
+    keys = (
+        StrokeKey({side: replace(pose, shape=hand_shape.name) for side, pose in key.hands.items()}) for key in form.keys
+    )
     return replace(form, keys=tuple(keys))
 
 
 def unknown_shape(shape: str) -> str:
-    """Says that a shape is unknown, and which are meant perhaps; empty of one that is known, or none."""
+    """Return a message about an unknown hand shape, with similar names.
+
+    It is empty for known shapes and for an empty name.
+    """
     if not shape or find_shape(shape) is not None:
         return ""
     return f"hand shape {shape!r} is unknown{suggestion(shape.lower(), list(hand_shapes()))}"
