@@ -1,1 +1,1 @@
-"""From meaning to behaviour: plain text and FML become intents, intents become behaviours, behaviours become BML."""
+"""Conversion of plain text and FML to intents, behaviours and BML."""

@@ -1,25 +1,43 @@
-"""Writes BML from what somebody means: plain text, in one step."""
+"""Generation of BML from plain text in one step."""
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 from kinesic.body.choices import GrammarName
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.style import Style
-from kinesic.intent.behaviour_sets import BehaviourSets, own_sets
+from kinesic.intent.behaviour_sets import BehaviourSets, builtin_sets
+from kinesic.intent.behaviours import ChosenBehaviour, Earlier, Selection
 from kinesic.intent.budget import budget_of
-from kinesic.intent.choosing import ChosenBehaviour, Selection, choose_behaviours
+from kinesic.intent.choosing import choose_behaviours
+from kinesic.intent.directed import DIRECTION_INTENT, find_directed
 from kinesic.intent.intents import Intent
+from kinesic.intent.manuscript.reading import read_manuscript
+from kinesic.intent.meaning.reader import read_meanings
+from kinesic.intent.pacing.accents import find_accents
+from kinesic.intent.pacing.memory import NO_MEMORY, ChoiceMemory
+from kinesic.intent.pacing.rhythm import BEAT_INTENTS
 from kinesic.intent.reading.language import load_language
-from kinesic.intent.reading.passage import SPEECH, Passage
-from kinesic.intent.reading.text import find_intents
+from kinesic.intent.reading.passage import SPEECH_ID, Passage
 from kinesic.intent.reading.words import read_text
 from kinesic.intent.writing import write_block
 
-EARLY = 2.5  # [s] from the first word, until which a hand may have to hurry
-SET_OUT = 0.4  # [s] by which it sets out before that word at the earliest, so that the voice waits no longer
-REACHED, GREETED = 0.55, 1.4  # [s] behind that word its stroke is at the earliest, and that of a wave, after its turns
-GREETING = "performative-greet"  # that waves show
-PLAIN_STYLE = "neutral"  # the one style in which feelings may choose the manner of their sentences
+EARLY_STROKE_TIME = 2.5  # [s] time after the first word; gestures with earlier strokes start before the speech
+GESTURE_LEAD_TIME = 0.4  # [s] from the start of an early gesture to the first word, limited to keep the speech prompt
+MIN_STROKE_DELAY = 0.55  # [s] shortest time from the first word to a reachable stroke
+MIN_WAVE_DELAY = 1.4  # [s] shortest time from the first word to the end of a wave
+GREETING_INTENT = "performative-greet"  # intent of greetings, shown by waves
+PLAIN_STYLE = "neutral"  # style in which alone emotions set the style of their sentences
+
+
+@dataclass(frozen=True, eq=False)
+class AuthoredText:
+    """BML that speaks a text, with warnings about omitted parts."""
+
+    bml: str
+    warnings: tuple[str, ...]  # one for each part of the text that is neither spoken nor performed
+    memory: ChoiceMemory  # gestures to remember for the next text
+    words: int = 0  # number of spoken words
 
 
 def author(
@@ -33,23 +51,69 @@ def author(
     seed: int = 0,
     block: str = "said",
 ) -> str:
-    """Writes BML that says a text and performs what it means; the same text, style and seed have the same BML.
+    """Write BML that speaks a text with matching gestures and expressions.
+
+    The same text, style and seed give the same BML.
 
     Args:
-        text: plain, with *stress*, CAPITALS, emoticons, or the tags of SSML.
-        lexicon: gestures that may picture its words.
-        style: in which it is performed: a lively one has more gestures. Neutral leaves the manner to what is felt.
-        language: its tag.
-        grammar: who finds its phrases and clauses.
+        text: as people write it: with *stress*, (directions), emoji, Markdown, or the tags of SSML.
+        lexicon: gestures that may illustrate its words.
+        style: of the performance: a lively one has more gestures. In the neutral style, emotions set the expressivity.
+        language: its tag, with a region for the voice: `en-GB`.
+        grammar: method that finds phrases and clauses.
         sets: behaviours by intent; None: those that come with kinesic.
-        seed: of what is drawn among alternatives.
+        seed: of the random choice among alternatives.
         block: id of the block.
 
     Raises:
-        ConfigError: there are no rules for the language, or what shall parse it is missing.
+        ConfigError: the language is not a language tag, or its parser is missing.
     """
-    passage, selection = plan_behaviours(text, lexicon, style, language=language, grammar=grammar, sets=sets, seed=seed)
-    return write_block(passage, selection.behaviours, block=block)
+    return author_text(text, lexicon, style, language=language, grammar=grammar, sets=sets, seed=seed, block=block).bml
+
+
+def author_text(
+    text: str,
+    lexicon: Lexicon,
+    style: Style,
+    *,
+    language: str = "en",
+    grammar: GrammarName = "rules",
+    sets: BehaviourSets | None = None,
+    seed: int = 0,
+    block: str = "said",
+    memory: ChoiceMemory = NO_MEMORY,
+    character: str = "",
+) -> AuthoredText:
+    """Write BML for a text, with a warning for each omitted part.
+
+    See `author`.
+
+    Args:
+        text: as people write it.
+        lexicon: gestures that may illustrate its words.
+        style: of the performance.
+        language: its tag.
+        grammar: method that finds phrases and clauses.
+        sets: behaviours by intent; None: those that come with kinesic.
+        seed: of the random choice among alternatives.
+        block: id of the block.
+        memory: gestures of earlier texts, which are not repeated for a minute of speech.
+        character: speaker of a dialogue whose lines are spoken; empty: all.
+    """
+    passage, selection = plan_behaviours(
+        text,
+        lexicon,
+        style,
+        language=language,
+        grammar=grammar,
+        sets=sets,
+        seed=seed,
+        memory=memory,
+        character=character,
+    )
+    after = memory.extend(selection.behaviours, passage.starts[-1])
+    bml = write_block(passage, selection.behaviours, block=block)
+    return AuthoredText(bml, selection.warnings, after, len(passage.words))
 
 
 def plan_behaviours(
@@ -61,31 +125,86 @@ def plan_behaviours(
     grammar: GrammarName = "rules",
     sets: BehaviourSets | None = None,
     seed: int = 0,
+    memory: ChoiceMemory = NO_MEMORY,
+    character: str = "",
 ) -> tuple[Passage, Selection]:
-    """Chooses the behaviours of a text; see `author`."""
+    """Choose the behaviours of a text.
+
+    See `author`.
+    """
     rules = load_language(language)
-    passage = read_text(text, rules)
-    intents = find_intents(passage, rules, lexicon, grammar=grammar)
+    lacking = (rules.warning,) if rules.warning else ()
+    spoken, warnings = read_manuscript(text, character=character)
+    passage = read_text(spoken, rules)
+    directed = find_directed(passage, lexicon)
+    asked = tuple(map(reach_directed, directed.behaviours))
+    intents = add_accents(read_meanings(passage, rules, lexicon, grammar=grammar), passage)
     if style.name != PLAIN_STYLE:
-        intents = tuple(replace(each, style="") for each in intents)
-    budget = budget_of(len(passage.words), style)
-    found = choose_behaviours(intents, sets or own_sets(), budget, seed=seed, reachable=reachable)
-    return passage, replace(found, behaviours=tuple(map(hurry_first_gesture, found.behaviours)))
+        intents = tuple(replace(intent, style="") for intent in intents)
+    budget = budget_of(passage.starts[-1], style)
+    selection = choose_behaviours(
+        intents,
+        sets or builtin_sets(),
+        budget,
+        seed=seed,
+        earlier=Earlier(fixed=asked),
+        memory=memory,
+        reachable=reachable,
+    )
+    behaviours = merge_directed(selection.behaviours, asked)
+    return passage, replace(selection, behaviours=behaviours, warnings=(*lacking, *warnings, *directed.warnings))
+
+
+def add_accents(intents: Sequence[Intent], passage: Passage) -> tuple[Intent, ...]:
+    """Return all intents in time order, with an intent for each accent that has none."""
+    taken = frozenset(intent.word for intent in intents if intent.name in BEAT_INTENTS)
+    ordered = sorted([*intents, *find_accents(passage, taken)], key=lambda intent: intent.stroke.seconds)
+    return tuple(ordered)
+
+
+def reach_directed(behaviour: ChosenBehaviour, since: float = 0.0) -> ChosenBehaviour:
+    """Delay a gesture from a stage direction until the hand can reach it."""
+    if behaviour.channel != "gesture":
+        return behaviour
+    return replace(behaviour, intent=reachable(behaviour.intent, since))
+
+
+def merge_directed(
+    chosen: Sequence[ChosenBehaviour], directed: Sequence[ChosenBehaviour], since: float = 0.0
+) -> tuple[ChosenBehaviour, ...]:
+    """Merge chosen behaviours and those of stage directions by stroke time.
+
+    Args:
+        chosen: behaviours that show intents.
+        directed: behaviours that the text asks for.
+        since: time of the first word [s].
+    """
+    ordered = sorted([*chosen, *directed], key=lambda each: (each.intent.stroke.seconds, each.channel))
+    return tuple(hurry_first_gesture(each, since) if each.intent.word >= 0 else each for each in ordered)
 
 
 def reachable(intent: Intent, since: float = 0.0) -> Intent:
-    """Has the stroke of a gesture come no sooner than its hand gets there, if it sets out just before the first word.
+    """Delay an intent's stroke until the hand can reach it.
+
+    The hand sets out just before the first word.
 
     Args:
         intent: that a gesture shows.
-        since: [s] when the first word is said.
+        since: time of the first word [s].
     """
-    least = since + (GREETED if intent.name == GREETING else REACHED)
+    if intent.word < 0:
+        return intent
+    is_directed_wave = intent.name == DIRECTION_INTENT and any("wave" in each for each in intent.lexemes)
+    is_wave = intent.name == GREETING_INTENT or is_directed_wave
+    least = since + (MIN_WAVE_DELAY if is_wave else MIN_STROKE_DELAY)
     return replace(intent, stroke=intent.stroke.later(max(least - intent.stroke.seconds, 0.0)))
 
 
-def hurry_first_gesture(each: ChosenBehaviour, since: float = 0.0) -> ChosenBehaviour:
-    """Has the first gesture not hold the voice up: its hand sets out just before the first word."""
-    if each.channel != "gesture" or each.intent.stroke.seconds > since + EARLY:
-        return each
-    return replace(each, begin=f"{SPEECH}:start-{SET_OUT:.2f}")
+def hurry_first_gesture(behaviour: ChosenBehaviour, since: float = 0.0) -> ChosenBehaviour:
+    """Start an early gesture just before the first word.
+
+    It does not delay the speech.
+    """
+    if behaviour.channel != "gesture" or behaviour.intent.stroke.seconds > since + EARLY_STROKE_TIME:
+        return behaviour
+    return replace(behaviour, begin=f"{SPEECH_ID}:start-{GESTURE_LEAD_TIME:.2f}")

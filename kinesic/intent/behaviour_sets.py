@@ -1,4 +1,4 @@
-"""The lexicon of intentions: which behaviours may show an intent, which of them must, and which exclude one another."""
+"""Behaviours that show each intent: alternatives, required and exclusive signals."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,10 +11,10 @@ from kinesic.body.config import CONFIGS, ConfigError, read_toml, suggestion
 
 Channel = Literal["gesture", "head", "face", "gaze", "torso"]
 CHANNELS: tuple[Channel, ...] = ("gesture", "head", "face", "gaze", "torso")
-OWN = (CONFIGS / "intents" / "behaviours.toml", CONFIGS / "intents" / "fml.toml")
-# Choices of a gaze that are no target.
-DIRECTIONS = frozenset({"LEFT", "RIGHT", "UP", "DOWN", "UPLEFT", "UPRIGHT", "DOWNLEFT", "DOWNRIGHT"})
-NONE = "none"  # a choice that shows nothing
+SET_FILES = (CONFIGS / "intents" / "behaviours.toml", CONFIGS / "intents" / "fml.toml")
+# Lexemes of a gaze that are directions instead of targets.
+GAZE_DIRECTIONS = frozenset({"LEFT", "RIGHT", "UP", "DOWN", "UPLEFT", "UPRIGHT", "DOWNLEFT", "DOWNRIGHT"})
+NO_SIGNAL = "none"  # lexeme of a choice that shows nothing
 
 
 class _Choice(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
@@ -36,93 +36,102 @@ class _Set(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 
 @dataclass(frozen=True)
 class Choice:
-    """One way to show a signal."""
+    """One alternative lexeme of a signal, with its probability."""
 
-    lexeme: str  # in words of BML; `none`: it is not shown
-    probability: float  # 0..1, of all choices of its signal together 1
-    amount: float | None = None  # 0..1 as BML has it; None: as is usual
+    lexeme: str  # of BML; `none`: the signal is not shown
+    probability: float  # 0..1; the probabilities of all choices of a signal add up to 1
+    amount: float | None = None  # 0..1 as in BML; None: default
     repetition: int | None = None
 
 
 @dataclass(frozen=True)
 class Spell:
-    """The rules by which a signal takes its turn in a sequence."""
+    """Duration, probability and exclusions of a signal within a sequence."""
 
-    least: float  # [s] that it lasts
-    most: float  # [s]
-    early: float  # 0..1: how likely it is at the start of its intention
-    late: float  # and at the end
+    least: float  # [s] minimum duration
+    most: float  # [s] maximum duration
+    early: float  # 0..1 probability at the start of the intention
+    late: float  # 0..1 probability at the end of the intention
     repeats: bool
     name: str
-    excludes: frozenset[str]  # names of signals that are not shown beside it
+    excludes: frozenset[str]  # names of signals that are not shown with it
 
 
 @dataclass(frozen=True)
 class Signal:
-    """What one part of the body does."""
+    """Behaviour of one body channel, with its alternatives."""
 
     id: str
     channel: Channel
     choices: tuple[Choice, ...]
-    spell: Spell | None = None  # in a set whose signals follow one another
+    spell: Spell | None = None  # of a signal in a sequence
 
 
 @dataclass(frozen=True)
 class Implication:
-    """A signal that another one demands, or forbids."""
+    """Rule: if one signal is shown, another is required or forbidden."""
 
-    given: str  # id of the signal
-    other: str  # id of the one that follows from it
-    present: bool  # False: it is forbidden
+    given: str  # id of the condition
+    other: str  # id of the implied signal
+    present: bool  # whether it is required; False: forbidden
 
 
 @dataclass(frozen=True)
 class BehaviourSet:
-    """All that may show an intent."""
+    """All signals that may show an intent."""
 
     name: str
     signals: tuple[Signal, ...]
-    core: frozenset[str] = frozenset()  # ids of signals without which it is not shown
+    core: frozenset[str] = frozenset()  # ids of required signals
     implications: tuple[Implication, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
 class BehaviourSets:
-    """Behaviour sets by the names of the intents that they show; `emotion-*` is for all emotions without one."""
+    """Behaviour sets by the names of their intents.
+
+    `emotion-*` applies to all emotions without a set.
+    """
 
     sets: Mapping[str, BehaviourSet]
-    beside: "BehaviourSets | None" = None  # asked where these have nothing
+    fallback: "BehaviourSets | None" = None  # fallback for missing sets
 
     def find(self, name: str) -> BehaviourSet | None:
-        """Finds the set of an intent: its own in any case of its letters, or that of its whole kind; None without."""
-        found = self._find(name)
-        return self.beside.find(name) if found is None and self.beside is not None else found
+        """Find the behaviour set of an intent, ignoring case.
+
+        The set of the intent's category is used if it has none of its own.
+
+        Returns:
+            None without either set.
+        """
+        behaviour_set = self._find(name)
+        return self.fallback.find(name) if behaviour_set is None and self.fallback is not None else behaviour_set
 
     def _find(self, name: str) -> BehaviourSet | None:
         lowered = name.lower()
         parts = lowered.split("-", self._longest + 1)
         wild = ("-".join([*parts[:count], "*"]) for count in range(min(len(parts) - 1, self._longest), 0, -1))
-        return next((self._lowered[each] for each in (lowered, *wild) if each in self._lowered), None)
+        return next((self._lowered[key] for key in (lowered, *wild) if key in self._lowered), None)
 
     @cached_property
     def _lowered(self) -> Mapping[str, BehaviourSet]:
-        return {name.lower(): each for name, each in self.sets.items()}
+        return {name.lower(): behaviour_set for name, behaviour_set in self.sets.items()}
 
     @cached_property
     def _longest(self) -> int:
-        """Parts of the longest name."""
+        """Largest number of hyphenated parts in the names of behaviour sets."""
         return max((name.count("-") + 1 for name in self.sets), default=0)
 
 
 @lru_cache(maxsize=2)
-def own_sets() -> BehaviourSets:
-    """Reads the sets that come with kinesic: of the functions that text has, and of FML-APML's intentions.
+def builtin_sets() -> BehaviourSets:
+    """Read the built-in behaviour sets for text and FML-APML intentions.
 
     Raises:
-        ConfigError: a file is wrong.
+        ConfigError: a file is invalid.
     """
     tables: dict[str, _Set] = {}
-    for path in OWN:
+    for path in SET_FILES:
         tables |= read_toml(path, dict[str, _Set])
     return BehaviourSets({name: _behaviour_set(name, table, tables) for name, table in tables.items()})
 
@@ -136,17 +145,22 @@ def _behaviour_set(name: str, table: _Set, tables: Mapping[str, _Set]) -> Behavi
     for channel in CHANNELS:
         choices: list[str | _Choice] = getattr(table, channel)
         if choices:
-            signals.append(Signal(channel, channel, _weighed(choices)))
+            signals.append(Signal(channel, channel, _fill_probabilities(choices)))
     return BehaviourSet(name, tuple(signals), frozenset(table.core))
 
 
-def _weighed(written: list[str | _Choice]) -> tuple[Choice, ...]:
-    """Choices with their probabilities; those that say nothing share what the others leave."""
-    choices = [_Choice(each) if isinstance(each, str) else each for each in written]
-    said = sum(each.probability or 0.0 for each in choices)
-    silent = sum(each.probability is None for each in choices)
-    rest = max(0.0, 1.0 - said) / silent if silent else 0.0
+def _fill_probabilities(written: list[str | _Choice]) -> tuple[Choice, ...]:
+    """Fill in the missing probabilities of a signal's alternatives.
+
+    Choices without a probability divide the remainder equally.
+    """
+    choices = [_Choice(choice) if isinstance(choice, str) else choice for choice in written]
+    total = sum(choice.probability or 0.0 for choice in choices)
+    unspecified = sum(choice.probability is None for choice in choices)
+    rest = max(0.0, 1.0 - total) / unspecified if unspecified else 0.0
     return tuple(
-        Choice(each.name, rest if each.probability is None else each.probability, each.amount, each.repetition)
-        for each in choices
+        Choice(
+            choice.name, rest if choice.probability is None else choice.probability, choice.amount, choice.repetition
+        )
+        for choice in choices
     )

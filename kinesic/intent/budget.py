@@ -1,38 +1,57 @@
-"""How much a text may be accompanied by: gestures for its words, and the least distance between movements."""
+"""Limits on the number of gestures and the spacing of movements."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from kinesic.expressivity.style.style import Style
 from kinesic.intent.behaviour_sets import Channel
+from kinesic.intent.pacing.memory import REPEAT_WINDOW
+from kinesic.intent.pacing.tempo import RHYTHM_DURATION, Tempo, beat_manner_of, tempo_of
 
-FIRST, PER_WORD = 1.0, 0.065  # gestures that a text begins with, and for each of its words: about 8 in 100 words
-LIVELY = 0.5  # share of them that full activation, size and power add
-GAPS: Mapping[Channel, float] = {"gesture": 1.3, "head": 0.9, "face": 1.0, "gaze": 1.2, "torso": 2.5}  # [s]
-LEAST_CERTAINTY: Mapping[Channel, float] = {"gaze": 0.3}  # certainty below which a channel keeps still
+FIRST_GESTURES = 1.0  # number of gestures that a text may have beyond those in proportion to its length
+MIN_PICTURES = 2  # gestures other than beats that every text may have
+STROKE_SPACINGS: Mapping[Channel, float] = {
+    "gesture": 1.3,
+    "head": 0.9,
+    "face": 1.0,
+    "gaze": 1.2,
+    "torso": 2.5,
+}  # [s] smallest
+MIN_CERTAINTIES: Mapping[Channel, float] = {"gaze": 0.3}  # smallest certainty of shown intents, by channel
 
 
 @dataclass(frozen=True)
 class MovementBudget:
-    """What one text may have."""
+    """Budget of a text: number of gestures, their smallest spacings, and tempo of beats."""
 
     gestures: int
-    gaps: Mapping[Channel, float]  # [s] least distance of strokes
+    gaps: Mapping[Channel, float]  # [s] smallest spacing of strokes
     least_certainty: Mapping[Channel, float]
+    tempo: Tempo | None = None  # of beats on accents; None: beats compete with other gestures
+    pictures: int = 0  # largest number of gestures other than beats, if there is a tempo
+    beat_manner: Mapping[str, float] = field(default_factory=dict)  # expressivity of beats, -1..1
+    repeat_window: float = 0.0  # [s] within which gestures differ; 0: the last two gestures count
 
 
-def budget_of(words: int, style: Style) -> MovementBudget:
-    """Finds the budget of a text: a lively manner has more gestures, and moves sooner again.
+def budget_of(seconds: float, style: Style) -> MovementBudget:
+    """Return the movement budget of a text.
+
+    A lively expressivity has more gestures with shorter intervals.
 
     Args:
-        words: of the text.
-        style: in which it is performed.
+        seconds: estimated duration of its words.
+        style: of the performance.
     """
-    manner = style.gesture
-    lively = (manner.activation + manner.spatial + manner.power) / 3
-    factor = 1.0 + LIVELY * lively
+    tempo = tempo_of(style)
+    count = max(1, round(FIRST_GESTURES + tempo.rate * seconds / 60.0)) if seconds > 0.0 else 0
+    pictures = max(min(count, MIN_PICTURES), round(count * (1.0 - tempo.beat_fraction)))
+    spacing = tempo.picture_spacing
     return MovementBudget(
-        gestures=max(1, round((FIRST + PER_WORD * words) * factor)) if words else 0,
-        gaps={channel: gap / factor if channel == "gesture" else gap for channel, gap in GAPS.items()},
-        least_certainty=LEAST_CERTAINTY,
+        gestures=count,
+        gaps={channel: spacing if channel == "gesture" else gap for channel, gap in STROKE_SPACINGS.items()},
+        least_certainty=MIN_CERTAINTIES,
+        tempo=tempo if seconds >= RHYTHM_DURATION else None,
+        pictures=pictures,
+        beat_manner=beat_manner_of(style),
+        repeat_window=REPEAT_WINDOW,
     )

@@ -1,75 +1,27 @@
-"""Chooses what shows each intent: behaviours from its set, within a budget, none in another's way."""
+"""Choice of compatible behaviours for intents, within a budget."""
 
 import random
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+from functools import partial
 
-from kinesic.intent.behaviour_sets import NONE, BehaviourSet, BehaviourSets, Channel, Choice, Signal
+from kinesic.intent.behaviour_sets import NO_SIGNAL, BehaviourSet, BehaviourSets, Channel, Choice, Signal
+from kinesic.intent.behaviours import NO_EARLIER_BEHAVIOURS, ChosenBehaviour, Earlier, Omission, Selection
 from kinesic.intent.budget import MovementBudget
 from kinesic.intent.greta.agent import Agent
 from kinesic.intent.intents import Intent
 from kinesic.intent.kept_intents import KeptIntents
+from kinesic.intent.pacing.accents import RHYTHM_INTENT
+from kinesic.intent.pacing.candidates import Candidate
+from kinesic.intent.pacing.memory import NO_MEMORY, ChoiceMemory, PastGesture
+from kinesic.intent.pacing.rhythm import BEAT_INTENTS, is_beat, place_beats
+from kinesic.intent.pacing.spacing import select_spaced
+from kinesic.intent.pacing.tempo import limit_beats
+from kinesic.intent.pacing.variety import GestureUses, draw_lexemes
 from kinesic.intent.sequences import draw_sequence
 
-RECENT = 3  # gestures within which none is repeated
-WIDER = 2.5  # times their least distance, at which gestures are chosen first, so that they are spread over a text
-SURE = 0.5  # certainty that these have at least
-NEED = 0.05  # certainty that a core signal has more
-NODS = "NOD"
-DENIALS = frozenset({"negation", "negative"})  # intents in whose reach the head does not nod
-
-
-@dataclass(frozen=True)
-class ChosenBehaviour:
-    """A behaviour that shows an intent."""
-
-    channel: Channel
-    lexeme: str
-    intent: Intent
-    amount: float | None = None
-    repetition: int | None = None
-    manner: Mapping[str, float] = field(default_factory=dict)  # numbers of expressivity, -1..1
-    begin: str = ""  # when a hand sets out for it, in words of BML; empty: as early as it likes
-
-
-@dataclass(frozen=True)
-class Omission:
-    """A signal, or a whole intent, that is not shown, and why."""
-
-    intent: Intent
-    channel: Channel | None  # None: nothing of it is shown
-    why: str
-
-
-@dataclass(frozen=True)
-class Selection:
-    """What shows the intents of a text, in the order of their strokes, and what was left out."""
-
-    behaviours: tuple[ChosenBehaviour, ...]
-    omissions: tuple[Omission, ...]
-    replaced: tuple[ChosenBehaviour, ...] = ()  # earlier ones that give way to these
-
-
-@dataclass(frozen=True)
-class Earlier:
-    """The behaviours that show the words before these."""
-
-    fixed: tuple[ChosenBehaviour, ...] = ()  # it is done, or has begun
-    free: tuple[ChosenBehaviour, ...] = ()  # it may still give way
-
-
-NOTHING_BEFORE = Earlier()
-
-
-@dataclass(frozen=True)
-class _Candidate:
-    """A signal that an intent asks for."""
-
-    intent: Intent
-    signal: Signal
-    weight: float  # certainty, and more where it is needed
-    choices: tuple[Choice, ...]
-    earlier: ChosenBehaviour | None = None  # that it is already
+CORE_BONUS = 0.05  # bonus on the certainty of an intent's core signals
+NEGATION_INTENTS = frozenset({"negation", "negative"})  # intents during which the head does not nod
 
 
 def choose_behaviours(
@@ -80,175 +32,174 @@ def choose_behaviours(
     seed: int = 0,
     agent: Agent | None = None,
     since: float = 0.0,
-    earlier: Earlier = NOTHING_BEFORE,
+    earlier: Earlier = NO_EARLIER_BEHAVIOURS,
+    memory: ChoiceMemory = NO_MEMORY,
     reachable: Callable[[Intent], Intent] = lambda intent: intent,
 ) -> Selection:
-    """Chooses behaviours for all intents; the same intents, sets, budget and seed have the same behaviours.
+    """Choose compatible behaviours for all intents within a budget.
 
-    What is most certain goes first. Each channel has its own least distance; of gestures there are no more than the
-    budget has, none like one of the two before it, and where a negation reaches no head nods.
+    The same intents, sets, budget, memory and seed give the same behaviours. The most certain are chosen first. Each
+    channel has its own smallest spacing. There are no more gestures than the budget allows. Within the budget's
+    repeat window they differ. The head does not nod within a negation.
+    With a tempo, beats on accents fill the time between the other gestures.
 
     Args:
         intents: of one block.
-        sets: what may show them.
-        budget: how much there may be.
-        seed: of what is drawn.
-        agent: whose preferences and expressivity count; None: nobody's.
-        since: [s] intents with earlier strokes are shown already; where they deny something no head nods all the same.
-        earlier: what shows them. The budget is for these that may still give way and for what is chosen.
-        reachable: moves the stroke of an intent that a gesture shows to where a hand can be.
+        sets: behaviours that may show them.
+        budget: limits on gestures and spacing.
+        seed: of the random choice.
+        agent: with preferences and expressivity; None: neutral.
+        since: intents with earlier strokes are shown already; their negations still prevent nods [s].
+        earlier: behaviours that show them. The budget covers those that may still be replaced and the chosen ones.
+        memory: gestures of earlier texts, which are not repeated for a while.
+        reachable: moves the stroke of a gesture's intent to a time that the hand can reach.
     """
     agent = agent or Agent()
-    chance = random.Random(seed)
+    generator = random.Random(seed + memory.parts)
     omitted: list[Omission] = []
-    wanted: dict[Channel, list[_Candidate]] = {"gesture": [], "head": [], "face": [], "gaze": [], "torso": []}
-    for intent in (each for each in intents if each.stroke.seconds >= since):
-        found = sets.find(intent.name)
-        if found is None:
-            omitted.append(Omission(intent, None, f"no behaviour set is called {intent.name}"))
+    candidates_by_channel: dict[Channel, list[Candidate]] = {
+        "gesture": [],
+        "head": [],
+        "face": [],
+        "gaze": [],
+        "torso": [],
+    }
+    for intent in (later for later in intents if later.stroke.seconds >= since):
+        behaviour_set = sets.find(intent.name)
+        if behaviour_set is None:
+            omitted.append(Omission(intent, None, f"intent {intent.name} has no behaviour set"))
             continue
-        candidates = list(_candidates(intent, found, agent, chance))
-        for each in candidates:
-            is_gesture = each.signal.channel == "gesture"
-            wanted[each.signal.channel].append(replace(each, intent=reachable(each.intent)) if is_gesture else each)
-        if not candidates:
+        candidates = list(_list_candidates(intent, behaviour_set, agent, generator))
+        for candidate in candidates:
+            is_gesture = candidate.signal.channel == "gesture"
+            candidates_by_channel[candidate.signal.channel].append(
+                replace(candidate, intent=reachable(candidate.intent)) if is_gesture else candidate
+            )
+        if not candidates and not intent.muted:
             omitted.append(Omission(intent, None, f"the set of {intent.name} is empty"))
+    negations = KeptIntents(intent for intent in intents if intent.name in NEGATION_INTENTS)
     chosen, replaced = list[ChosenBehaviour](), list[ChosenBehaviour]()
-    for channel, all_of_it in wanted.items():
-        fixed = [each for each in earlier.fixed if each.channel == channel]
-        shown = KeptIntents(each.intent for each in fixed)
-        free = [_stands(each) for each in earlier.free if each.channel == channel]
-        denied = KeptIntents(each for each in intents if each.name in DENIALS)
-        kept = _spaced([*free, *all_of_it], channel, denied, shown, budget, omitted)
-        replaced += [each.earlier for each in free if each.earlier is not None and each not in kept]
-        chosen += _with_lexemes(kept, channel, agent, chance, omitted, [each.lexeme for each in fixed])
-    chosen.sort(key=lambda each: (each.intent.stroke.seconds, each.channel))
+    for channel, channel_candidates in candidates_by_channel.items():
+        beats, others = _divide(channel_candidates, budget)
+        fixed = [behaviour for behaviour in earlier.fixed if behaviour.channel == channel]
+        shown = KeptIntents(behaviour.intent for behaviour in fixed)
+        free = [_make_candidate(behaviour) for behaviour in earlier.free if behaviour.channel == channel]
+        limits = replace(budget, gestures=budget.pictures) if budget.tempo else budget
+        kept = select_spaced([*free, *others], channel, negations, shown, limits, omitted)
+        replaced += [candidate.earlier for candidate in free if candidate.earlier is not None and candidate not in kept]
+        uses, offset = _recall(memory.forget(replaced), fixed, budget, since), memory.seconds - since
+        forms = _beat_forms(sets)
+        draw = partial(
+            draw_lexemes,
+            channel=channel,
+            agent=agent,
+            generator=generator,
+            omitted=omitted,
+            uses=uses,
+            offset=offset,
+            beats=forms,
+            beat_manner=budget.beat_manner,
+        )
+        drawn = list(draw(kept))
+        if budget.tempo and beats:
+            strokes = [*fixed, *(each.earlier for each in kept if each.earlier), *drawn]
+            pictures = sum(not is_beat(each.lexeme) for each in strokes if each.intent.stroke.seconds >= since)
+            duration = max(each.intent.stroke.seconds for each in beats) - since
+            past = [time - offset for time in memory.times if time - offset < since]
+            placed = place_beats(
+                beats,
+                [*past, *(each.intent.stroke.seconds for each in strokes)],
+                limit_beats(budget.tempo, earlier.pictures + pictures, earlier.seconds + duration),
+                since=since,
+                earlier_strokes=earlier.strokes,
+                earlier_seconds=earlier.seconds,
+            )
+            drawn += draw(placed)
+        chosen += drawn
+    chosen.sort(key=lambda behaviour: (behaviour.intent.stroke.seconds, behaviour.channel))
     return Selection(tuple(chosen), tuple(omitted), tuple(replaced))
 
 
-def _stands(behaviour: ChosenBehaviour) -> _Candidate:
-    """An earlier behaviour as a candidate that gives way to none of its own certainty."""
+def _divide(candidates: Sequence[Candidate], budget: MovementBudget) -> tuple[list[Candidate], list[Candidate]]:
+    """Divide candidates into beats that follow the tempo, and all others.
+
+    Without a tempo, the main accents compete with the others and there are no further beats.
+    """
+    if budget.tempo is None:
+        return [], [each for each in candidates if each.intent.name != RHYTHM_INTENT]
+    beats = [each for each in candidates if each.intent.name in BEAT_INTENTS and each.signal.channel == "gesture"]
+    others = [each for each in candidates if each.intent.name not in BEAT_INTENTS or each.signal.channel != "gesture"]
+    return beats, others
+
+
+def _beat_forms(sets: BehaviourSets) -> Sequence[Choice]:
+    """Return all gestures that may be chosen as beats."""
+    behaviour_set = sets.find(RHYTHM_INTENT)
+    return [choice for signal in behaviour_set.signals for choice in signal.choices] if behaviour_set else []
+
+
+def _recall(
+    memory: ChoiceMemory, fixed: Sequence[ChosenBehaviour], budget: MovementBudget, since: float
+) -> GestureUses:
+    """Return the gestures shown so far, in earlier texts and in this one."""
+    uses = GestureUses(budget.repeat_window)
+    for past in memory.gestures:
+        uses.add(past)
+    for each in fixed:
+        at = memory.seconds + each.intent.stroke.seconds - since
+        uses.add(PastGesture(each.lexeme, at, each.intent.reason))
+    return uses
+
+
+def _make_candidate(behaviour: ChosenBehaviour) -> Candidate:
+    """Convert an earlier behaviour to a candidate preferred over equal ones."""
     choices = (Choice(behaviour.lexeme, 1.0),)
     signal = Signal(behaviour.channel, behaviour.channel, choices)
-    return _Candidate(behaviour.intent, signal, behaviour.intent.certainty + NEED, choices, behaviour)
+    return Candidate(behaviour.intent, signal, behaviour.intent.certainty + CORE_BONUS, choices, behaviour)
 
 
-def _candidates(intent: Intent, found: BehaviourSet, agent: Agent, chance: random.Random) -> Iterable[_Candidate]:
-    """The signals of a set that are to be shown: its core, what that demands, and others as chance has them."""
-    if any(signal.spell for signal in found.signals):
-        drawn = list(draw_sequence(intent, found, chance))
-    else:
-        drawn = [(intent, signal) for signal in _present(intent, found, agent, chance)]
-    for when, signal in drawn:
-        choices = tuple(each for each in signal.choices if each.lexeme.lower() != NONE)
-        if choices:
-            weight = intent.certainty * agent.share(intent.name, signal.channel, "preference")
-            yield _Candidate(when, signal, weight + NEED * (signal.id in found.core), choices)
+def _list_candidates(
+    intent: Intent, behaviour_set: BehaviourSet, agent: Agent, generator: random.Random
+) -> Iterable[Candidate]:
+    """Yield the candidate signals of an intent's behaviour set.
 
-
-def _present(intent: Intent, found: BehaviourSet, agent: Agent, chance: random.Random) -> Iterable[Signal]:
-    signals = found.signals
-    if intent.lexemes:
-        pictured = tuple(Choice(lexeme, 1.0 / len(intent.lexemes)) for lexeme in intent.lexemes)
-        signals = (*(each for each in signals if each.channel != "gesture"), Signal("gesture", "gesture", pictured))
-    shown = {each.id for each in signals if not _is_absent(each, intent, agent, chance)} | found.core
-    for rule in found.implications:
-        if rule.given in shown:
-            shown = shown | {rule.other} if rule.present else shown - ({rule.other} - found.core)
-    return [each for each in signals if each.id in shown]
-
-
-def _is_absent(signal: Signal, intent: Intent, agent: Agent, chance: random.Random) -> bool:
-    """Draws whether a signal is left out: by a choice that shows nothing, or as little as its agent moves."""
-    activity = agent.share(intent.name, signal.channel, "OAC")
-    nothing = 1.0 - activity * (1.0 - sum(each.probability for each in signal.choices if each.lexeme.lower() == NONE))
-    return nothing > 0.0 and chance.random() < nothing
-
-
-def _spaced(
-    candidates: Sequence[_Candidate],
-    channel: Channel,
-    denied: KeptIntents,
-    taken: KeptIntents,
-    budget: MovementBudget,
-    omitted: list[Omission],
-) -> list[_Candidate]:
-    """Keeps the most certain ones that are far enough apart and within the budget, in their order in time.
-
-    Of gestures those that are sure and far apart are kept first, so that they are spread over a text.
+    They are the core, signals that it implies, and random ones.
     """
-    budget = replace(budget, gestures=len(taken) + budget.gestures)
-    ranked = sorted(candidates, key=lambda each: -each.weight)
-    kept = list[_Candidate]()
-    if channel == "gesture":
-        spread = replace(budget, gaps={**budget.gaps, channel: WIDER * budget.gaps[channel]})
-        kept = _keep([each for each in ranked if each.weight >= SURE], channel, denied, taken, spread, [])
-    kept += _keep([each for each in ranked if each not in kept], channel, denied, taken, budget, omitted)
-    return sorted(kept, key=lambda each: each.intent.stroke.seconds)
+    if any(signal.spell for signal in behaviour_set.signals):
+        timed_signals = list(draw_sequence(intent, behaviour_set, generator))
+    else:
+        timed_signals = [(intent, signal) for signal in _draw_signals(intent, behaviour_set, agent, generator)]
+    for part, signal in timed_signals:
+        choices = tuple(choice for choice in signal.choices if choice.lexeme.lower() != NO_SIGNAL)
+        if choices and signal.channel not in part.muted:
+            weight = intent.certainty * agent.weight(intent.name, signal.channel, "preference")
+            yield Candidate(part, signal, weight + CORE_BONUS * (signal.id in behaviour_set.core), choices)
 
 
-def _keep(
-    ranked: Sequence[_Candidate],
-    channel: Channel,
-    denied: KeptIntents,
-    taken: KeptIntents,
-    budget: MovementBudget,
-    omitted: list[Omission],
-) -> list[_Candidate]:
-    """Keeps the candidates, one after the other, against which nothing stands."""
-    kept = list[_Candidate]()
-    for each in ranked:
-        why = _hindrance(each, channel, taken, denied, budget)
-        if why:
-            omitted.append(Omission(each.intent, channel, why))
-        else:
-            kept.append(each)
-            taken.add(each.intent)
-    return kept
+def _draw_signals(
+    intent: Intent, behaviour_set: BehaviourSet, agent: Agent, generator: random.Random
+) -> Iterable[Signal]:
+    signals = behaviour_set.signals
+    if intent.lexemes:
+        illustrating = tuple(Choice(lexeme, 1.0 / len(intent.lexemes)) for lexeme in intent.lexemes)
+        signals = (
+            *(signal for signal in signals if signal.channel != "gesture"),
+            Signal("gesture", "gesture", illustrating),
+        )
+    shown = {signal.id for signal in signals if not _is_absent(signal, intent, agent, generator)} | behaviour_set.core
+    for rule in behaviour_set.implications:
+        if rule.given in shown:
+            shown = shown | {rule.other} if rule.present else shown - ({rule.other} - behaviour_set.core)
+    return [signal for signal in signals if signal.id in shown]
 
 
-def _hindrance(
-    candidate: _Candidate, channel: Channel, kept: KeptIntents, denied: KeptIntents, budget: MovementBudget
-) -> str:
-    """Says what stands against a candidate; empty where nothing does."""
-    intent, at = candidate.intent, candidate.intent.stroke.seconds
-    if channel == "gesture" and len(kept) >= budget.gestures:
-        return f"the budget of {budget.gestures} gestures is spent on what is more certain"
-    if intent.certainty < budget.least_certainty.get(channel, 0.0):
-        return f"{intent.certainty:.2f} is too uncertain for the {channel}"
-    nods = channel == "head" and all(choice.lexeme == NODS for choice in candidate.choices)
-    if nods and denied.reach(at, budget.gaps["head"]):
-        return "nobody nods while he says no"
-    other = kept.first_beside(intent, budget.gaps[channel], covering=channel in ("face", "head"))
-    if other is None:
-        return ""
-    gap = abs(other.stroke.seconds - at)
-    if gap < budget.gaps[channel]:
-        return f"{gap:.1f} s from {other.name}, which is at least as certain, is too near for the {channel}"
-    return f"the {channel} shows {other.name} meanwhile"
+def _is_absent(signal: Signal, intent: Intent, agent: Agent, generator: random.Random) -> bool:
+    """Draw randomly whether a signal is omitted.
 
-
-def _with_lexemes(
-    kept: Sequence[_Candidate],
-    channel: Channel,
-    agent: Agent,
-    chance: random.Random,
-    omitted: list[Omission],
-    before: Sequence[str],
-) -> Iterable[ChosenBehaviour]:
-    """Draws a choice for each candidate; of gestures one that was not among the last ones, those before counted."""
-    recent = [*before][-(RECENT - 1) :]
-    for each in kept:
-        if each.earlier is not None:
-            recent = [*recent, each.earlier.lexeme][-(RECENT - 1) :]
-            continue
-        free = [choice for choice in each.choices if channel != "gesture" or choice.lexeme not in recent]
-        if not free:
-            why = f"{each.choices[0].lexeme} was among the last {RECENT - 1} gestures"
-            omitted.append(Omission(each.intent, channel, why))
-            continue
-        weights = [max(choice.probability, 1e-6) for choice in free]
-        drawn = chance.choices(free, weights)[0]
-        recent = [*recent, drawn.lexeme][-(RECENT - 1) :]
-        manner = agent.manner(each.intent.name, channel, each.intent.strength)
-        yield ChosenBehaviour(channel, drawn.lexeme, each.intent, drawn.amount, drawn.repetition, manner)
+    The probability follows from empty choices and the agent's activity.
+    """
+    activity = agent.weight(intent.name, signal.channel, "OAC")
+    omission_probability = 1.0 - activity * (
+        1.0 - sum(choice.probability for choice in signal.choices if choice.lexeme.lower() == NO_SIGNAL)
+    )
+    return omission_probability > 0.0 and generator.random() < omission_probability

@@ -1,4 +1,4 @@
-"""Intents in the order in which they were kept, asked all at once which of them another one would meet."""
+"""Vectorised search for conflicts with the intents chosen before."""
 
 from collections.abc import Iterable
 
@@ -6,23 +6,23 @@ import numpy as np
 
 from kinesic.intent.intents import Intent
 
-EMOTION = "emotion"  # kind of intents that have face and head for themselves while they last
+EMOTION_CATEGORY = "emotion"  # category of intents that exclude others on face and head
 
 
 class KeptIntents:
-    """Intents, with their times as rows of numbers."""
+    """Chosen intents, with their times in an array for fast search."""
 
     def __init__(self, intents: Iterable[Intent] = ()) -> None:
         self._intents: list[Intent] = []
-        self._times = np.empty((4, 16))  # [s] starts, strokes and ends, and 1 for an emotion; a column for each
-        for each in intents:
-            self.add(each)
+        self._times = np.empty((4, 16))  # rows: start, stroke, end [s], and 1 for an emotion; one column per intent
+        for intent in intents:
+            self.add(intent)
 
     def __len__(self) -> int:
         return len(self._intents)
 
     def add(self, intent: Intent) -> None:
-        """Keeps one more."""
+        """Add one chosen intent."""
         count = len(self._intents)
         if count == self._times.shape[1]:
             self._times = np.hstack([self._times, np.empty_like(self._times)])
@@ -30,26 +30,29 @@ class KeptIntents:
         self._times[:, count] = (*seconds, _is_emotion(intent))
         self._intents.append(intent)
 
-    def reach(self, at: float, room: float) -> bool:
-        """Whether a time lies within one of them, with some room before and behind [s]."""
+    def covers(self, at: float, margin: float) -> bool:
+        """Return whether a chosen intent spans a time, with a margin [s]."""
         starts, _, ends, _ = self._times[:, : len(self._intents)]
-        return bool(np.any((starts - room <= at) & (at <= ends + room)))
+        return bool(np.any((starts - margin <= at) & (at <= ends + margin)))
 
-    def first_beside(self, intent: Intent, gap: float, *, covering: bool) -> Intent | None:
-        """Finds the first one that another intent cannot be shown beside; None without one.
+    def first_conflict(self, intent: Intent, gap: float, *, covering: bool) -> Intent | None:
+        """Return the first chosen intent that conflicts with a new one.
 
         Args:
             intent: the other one.
-            gap: [s] least distance of strokes.
-            covering: an emotion has its part of the body for itself while it lasts.
+            gap: smallest spacing of strokes [s].
+            covering: whether an emotion excludes others on its channel while it lasts.
+
+        Returns:
+            None without a conflict.
         """
         starts, strokes, ends, emotions = self._times[:, : len(self._intents)]
-        met = np.abs(strokes - intent.stroke.seconds) < gap
+        conflicts = np.abs(strokes - intent.stroke.seconds) < gap
         if covering:
             together = (starts < intent.end.seconds) & (intent.start.seconds < ends)
-            met |= together if _is_emotion(intent) else together & (emotions > 0.0)
-        return self._intents[int(met.argmax())] if met.any() else None
+            conflicts |= together if _is_emotion(intent) else together & (emotions > 0.0)
+        return self._intents[int(conflicts.argmax())] if conflicts.any() else None
 
 
 def _is_emotion(intent: Intent) -> bool:
-    return intent.name.partition("-")[0] == EMOTION
+    return intent.name.partition("-")[0] == EMOTION_CATEGORY

@@ -1,83 +1,115 @@
-"""A text that comes word by word: which of its phrases are whole, and what is said and shown with the next ones."""
+"""Streamed text: complete phrases, and their speech and behaviours."""
 
 import re
 from collections.abc import Collection
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 from kinesic.body.choices import GrammarName
+from kinesic.body.scripts import SENTENCE_STOPS, UNSPACED_STOPS
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.style import Style
-from kinesic.intent.author import PLAIN_STYLE, hurry_first_gesture, reachable
+from kinesic.intent.author import PLAIN_STYLE, add_accents, merge_directed, reach_directed, reachable
 from kinesic.intent.behaviour_sets import BehaviourSets
-from kinesic.intent.budget import budget_of
-from kinesic.intent.choosing import ChosenBehaviour, Earlier, choose_behaviours
+from kinesic.intent.behaviours import ChosenBehaviour, Earlier
+from kinesic.intent.choosing import choose_behaviours
+from kinesic.intent.directed import find_directed
 from kinesic.intent.intents import Intent, Moment
+from kinesic.intent.manuscript.pieces import Manuscript
+from kinesic.intent.manuscript.reading import read_more
+from kinesic.intent.meaning.reader import read_meanings
+from kinesic.intent.pacing.memory import NO_MEMORY, TURN_PAUSE, ChoiceMemory
+from kinesic.intent.pacing.progress import NO_PROGRESS, Progress
 from kinesic.intent.reading.language import Language
 from kinesic.intent.reading.passage import Passage, word_duration
-from kinesic.intent.reading.text import find_intents
+from kinesic.intent.reading.prosody import reopen
 from kinesic.intent.reading.words import read_text
 from kinesic.intent.writing import name_behaviours, write_block
 
-SETTLED = 0.12  # [s] without further words after which the last one is whole, and punctuation ends a phrase
-SILENT = 2.0  # [s] after which what has come is said as it is
-LETTERS_PER_WINDOW = 1500  # letters that are looked at
-LONGEST_PHRASE = 16  # words of a phrase that waits for its end
-SHORT = 3  # words below which a phrase that is no sentence waits for what follows at once
-MOST_WORDS = 24  # words that are said together
-CONTEXT = 60  # words of a sentence that are remembered after they were said
-_STOPS = ".!?\u2026\u3002\uff01\uff1f"
+SETTLING_TIME = 0.12  # [s] silence of the sender after which the last word is complete and punctuation ends a phrase
+MAX_SILENCE = 2.0  # [s] silence of the sender after which an incomplete phrase is spoken
+LETTERS_PER_WINDOW = 800  # number of letters of streamed text that are read at once
+LONGEST_PHRASE = 16  # [words] longest incomplete phrase that waits for its end
+SHORT_PHRASE = 3  # [words] complete phrases below this length wait briefly for more input
+MAX_PART_WORDS = 24  # [words] largest number of words spoken together
+PART_PAUSE = 0.3  # [s] silence assumed between two parts of a text
+CONTEXT_WORDS = 60  # [words] spoken part of a sentence that is kept as context
+_WORD_END = re.compile(rf"<[^<>]*>|\s|[{UNSPACED_STOPS}]")  # pattern of a tag or character that ends a word
+_OPEN_TAG = re.compile(r"<[^<>]*$")
+_DIRECTION = re.compile(r"<kinesic:act[^<>]*>")
 
 
 @dataclass(frozen=True)
 class Talk:
-    """A text that comes bit by bit: as much of it as has come, and how much is said."""
+    """State of a streamed text: received, spoken and shown parts."""
 
-    text: str = ""  # from the sentence on in which the next word stands
-    said: int = 0  # words of it that are said
-    words: int = 0  # that were said in all
-    gestures: int = 0  # that were shown in all
-    parts: int = 0  # in which they were said
-    shown: tuple[tuple[str, ChosenBehaviour], ...] = ()  # what shows the last part, by its id; seconds are of `text`
-    is_over: bool = False  # no further words come
+    text: str = ""  # received text from the sentence of the next word on, as the reader of manuscripts writes it
+    said: int = 0  # spoken words of `text`
+    progress: Progress = NO_PROGRESS  # spoken words and shown gestures in total
+    parts: int = 0  # spoken parts
+    shown: tuple[tuple[str, ChosenBehaviour], ...] = ()  # (id, behaviour) of the last part, with times in `text`
+    is_over: bool = False  # whether the text is complete
+    manuscript: Manuscript = field(default_factory=Manuscript)  # state of its reader, with undecided text
+    warnings: tuple[str, ...] = ()  # parts that are neither spoken nor performed, since the last part
+    memory: ChoiceMemory = NO_MEMORY  # gestures of earlier texts and parts
+
+    @property
+    def length(self) -> int:
+        """Number of kept characters of the streamed text, read or not yet complete."""
+        return len(self.text) + len(self.manuscript.rest)
 
 
 @dataclass(frozen=True)
 class Part:
-    """The next phrases of a talk, and what is shown with them."""
+    """Next phrases of a streamed text, with their behaviours."""
 
-    talk: Talk  # with them said
+    talk: Talk  # state after this part
     passage: Passage
     words: range  # of the passage
     behaviours: tuple[ChosenBehaviour, ...]
-    replaced: frozenset[str]  # ids of what shows the part before, and gives way
-    gap: float  # [s] of silence before it
+    replaced: frozenset[str]  # ids of replaced behaviours of the preceding part
+    gap: float  # [s] silence before it
+    warnings: tuple[str, ...] = ()  # parts of the text that are neither spoken nor performed
 
     @property
     def text(self) -> str:
-        """What it says."""
+        """Text of the phrases to speak."""
         return " ".join(self.passage.words[k].text for k in self.words)
 
     def write(self, block: str, start: str = "") -> str:
-        """Writes its BML; see `write_block`."""
+        """Write the phrases and their behaviours as BML.
+
+        See `write_block`.
+        """
         return write_block(self.passage, self.behaviours, block=block, words=self.words, start=start)
 
 
-def hear(talk: Talk, text: str, *, ends: bool = False, instead: bool = False) -> Talk:
-    """Adds words to a talk.
+def add_words(talk: Talk, text: str, *, ends: bool = False, instead: bool = False) -> Talk:
+    """Add received words to a streamed text.
 
     Args:
-        talk: so far.
-        text: that has come; words may come in pieces.
-        ends: whether no further words come.
-        instead: whether they take the place of all that is not said yet.
+        talk: current state.
+        text: received text; words may be divided.
+        ends: whether the text is complete.
+        instead: whether it replaces the text that is not spoken yet.
     """
     if instead:
-        talk = replace(talk, text="", said=0, shown=_earlier(talk.shown, 0.0))
+        talk = replace(
+            talk, text="", said=0, shown=_shift_earlier(talk.shown, 0.0), manuscript=talk.manuscript.restarted()
+        )
     before = talk.text
     if talk.is_over and before.strip():
-        before = before.rstrip() + (" " if before.rstrip()[-1] in _STOPS else ". ")
-    return replace(talk, text=before + text, is_over=ends)
+        before = before.rstrip() + (" " if before.rstrip()[-1] in SENTENCE_STOPS else ". ")
+    manuscript, spoken, warnings = read_more(talk.manuscript, text, ends=ends)
+    warnings = (*talk.warnings, *warnings)
+    return replace(talk, text=before + spoken, is_over=ends, manuscript=manuscript, warnings=warnings)
+
+
+def _settle(talk: Talk, quiet: float) -> Talk:
+    """Read incomplete markup as plain text after a long silence of the sender."""
+    if not talk.manuscript.rest.strip() or quiet < MAX_SILENCE or talk.manuscript.mode != "text":
+        return talk
+    return add_words(talk, "", ends=True) if talk.is_over else replace(add_words(talk, "", ends=True), is_over=False)
 
 
 def next_part(
@@ -92,138 +124,195 @@ def next_part(
     free: Collection[str] = (),
     seed: int = 0,
 ) -> Part | None:
-    """Chooses what is said and shown next; None where no phrase is whole.
+    """Choose the next phrases to speak, with their behaviours.
 
     Args:
-        talk: so far.
-        lexicon: gestures that may picture its words.
-        style: in which it is performed.
+        talk: current state.
+        lexicon: gestures that may illustrate its words.
+        style: of the performance.
         language: its rules.
         sets: behaviours by intent.
-        grammar: who finds its phrases and clauses.
-        quiet: [s] since words came last.
-        free: ids of what shows the last part and has not begun: it may give way to what is more certain.
-        seed: of what is drawn among alternatives.
+        grammar: method that finds phrases and clauses.
+        quiet: time since the last received words [s].
+        free: ids of behaviours of the last part that have not begun, and may be replaced by more certain ones.
+        seed: of the random choice among alternatives.
+
+    Returns:
+        None without a complete phrase.
     """
-    talk, passage, gap = _forget_sentences(talk, language, quiet)
-    words = range(talk.said, _whole(passage, talk, quiet))
+    talk, passage, gap = _drop_sentences(_settle(talk, quiet), language, quiet)
+    words = range(talk.said, _count_complete_words(passage, talk, quiet))
     if not words:
-        return None
-    words = _together(passage, words)
+        return _perform_trailing(talk, passage, lexicon, quiet)
+    words = _select_words(passage, words)
     begins, ends = (
         talk.parts == 0,
         talk.is_over and words.stop == len(passage.words) and len(talk.text) < LETTERS_PER_WINDOW,
     )
     intents = [
-        _within(each, passage, words)
-        for each in find_intents(passage, language, lexicon, grammar=grammar, begins=begins, ends=ends)
-        if each.stroke.seconds < passage.starts[words.stop]
+        _clip_intent(intent, passage, words)
+        for intent in add_accents(
+            read_meanings(passage, language, lexicon, grammar=grammar, begins=begins, ends=ends), passage
+        )
+        if intent.stroke.seconds < passage.starts[words.stop]
     ]
     if style.name != PLAIN_STYLE:
-        intents = [replace(each, style="") for each in intents]
-    earlier = Earlier(
-        tuple(each for id, each in talk.shown if id not in free), tuple(each for id, each in talk.shown if id in free)
-    )
-    spent = talk.gestures - sum(each.channel == "gesture" for each in earlier.free)
-    budget = budget_of(talk.words + len(words), style)
-    budget = replace(budget, gestures=max(budget.gestures - spent, 0))
+        intents = [replace(intent, style="") for intent in intents]
+    directed = find_directed(passage, lexicon, words, is_last=ends)
+    asked = tuple(reach_directed(each, passage.starts[words.start]) for each in directed.behaviours)
     since = passage.starts[words.start]
-    seed, soonest = seed + talk.parts, partial(reachable, since=since)
-    found = choose_behaviours(intents, sets, budget, seed=seed, since=since, earlier=earlier, reachable=soonest)
-    behaviours = tuple(hurry_first_gesture(each, since) for each in found.behaviours)
-    replaced = frozenset(id for id, each in talk.shown if each in found.replaced)
-    gestures = sum(each.channel == "gesture" for each in found.behaviours)
-    gestures -= sum(each.channel == "gesture" for each in found.replaced)
+    duration = passage.starts[words.stop - 1] + word_duration(passage.words[words.stop - 1]) - since
+    free_behaviours = tuple(behaviour for id, behaviour in talk.shown if id in free)
+    earlier = Earlier(
+        (*(behaviour for id, behaviour in talk.shown if id not in free), *asked),
+        free_behaviours,
+        talk.progress.gestures,
+        talk.progress.pictures,
+        talk.progress.seconds,
+    )
+    selection = choose_behaviours(
+        intents,
+        sets,
+        talk.progress.budget(duration, style, free_behaviours),
+        seed=seed,
+        since=since,
+        earlier=earlier,
+        memory=talk.memory,
+        reachable=partial(reachable, since=since),
+    )
+    behaviours = merge_directed(selection.behaviours, asked, since)
+    replaced = frozenset(id for id, behaviour in talk.shown if behaviour in selection.replaced)
+    pause = TURN_PAUSE if ends else PART_PAUSE
     after = replace(
-        talk,
+        _forget_directions(talk, passage) if ends else talk,
         said=words.stop,
-        words=talk.words + len(words),
-        gestures=talk.gestures + gestures,
+        progress=talk.progress.extend(len(words), duration + pause, behaviours, selection.replaced),
         parts=talk.parts + 1,
         shown=tuple(name_behaviours(behaviours)),
+        warnings=(),
+        memory=talk.memory.extend(behaviours, duration, since=since, replaced=selection.replaced, pause=pause),
     )
-    return Part(after, passage, words, behaviours, replaced, gap)
+    lacking = (language.warning,) if begins and language.warning else ()
+    return Part(after, passage, words, behaviours, replaced, gap, (*lacking, *talk.warnings, *directed.warnings))
+
+
+def _perform_trailing(talk: Talk, passage: Passage, lexicon: Lexicon, quiet: float) -> Part | None:
+    """Return a part that performs the stage directions after the last word."""
+    directions = _trailing_directions(talk, passage)
+    if not directions or not (talk.is_over or quiet >= MAX_SILENCE):
+        return None
+    silent = Passage((), (), language=passage.language, directions=tuple((0, words) for words in directions))
+    directed = find_directed(silent, lexicon)
+    after = replace(_forget_directions(talk, passage), parts=talk.parts + 1, shown=(), warnings=())
+    warnings = (*talk.warnings, *directed.warnings)
+    return Part(after, silent, range(0), directed.behaviours, frozenset(), 0.0, warnings)
+
+
+def _trailing_directions(talk: Talk, passage: Passage) -> tuple[str, ...]:
+    """Return the stage directions after the last word, once all are spoken."""
+    if talk.said < len(passage.words):
+        return ()
+    return tuple(words for index, words in passage.directions if index >= talk.said)
+
+
+def _forget_directions(talk: Talk, passage: Passage) -> Talk:
+    """Remove the performed stage directions after the last word."""
+    end = passage.words[-1].end if passage.words else 0
+    return replace(talk, text=talk.text[:end] + _DIRECTION.sub(" ", talk.text[end:]))
 
 
 def is_all_said(talk: Talk, language: Language) -> bool:
-    """Whether a talk that is over has no word left."""
+    """Return whether a finished talk has been spoken completely."""
     if not talk.is_over:
         return False
-    rest, passage, _ = _forget_sentences(talk, language, SILENT)
-    return len(passage.words) <= rest.said
+    rest, passage, _ = _drop_sentences(talk, language, MAX_SILENCE)
+    return len(passage.words) <= rest.said and not _trailing_directions(rest, passage)
 
 
 def _read(talk: Talk, language: Language, quiet: float) -> Passage:
-    """Reads what has come, without a last word that may go on."""
+    """Read the streamed text, without a last word that may be incomplete."""
     text = talk.text[:LETTERS_PER_WINDOW]
     is_cut = len(text) == LETTERS_PER_WINDOW
-    if is_cut or not (talk.is_over or quiet >= SETTLED):
-        ends = [found.end() for found in re.finditer(r"\s|[\u3001\u3002\uff01\uff1f]", text)]
+    if is_cut or not (talk.is_over or quiet >= SETTLING_TIME):
+        text = _OPEN_TAG.sub("", text) if is_cut else text
+        ends = [end.end() for end in _WORD_END.finditer(text)]
         text = text[: ends[-1] if ends else LETTERS_PER_WINDOW * is_cut]
     return read_text(text, language)
 
 
-def _forget_sentences(talk: Talk, language: Language, quiet: float) -> tuple[Talk, Passage, float]:
-    """Forgets sentences that are said once another one has begun; also tells the silence before the next word [s]."""
+def _drop_sentences(talk: Talk, language: Language, quiet: float) -> tuple[Talk, Passage, float]:
+    """Drop spoken sentences once the following sentence has begun.
+
+    Returns:
+        The talk, its passage, and the silence before the next word [s].
+    """
     passage = _read(talk, language, quiet)
-    while len(talk.text) >= LETTERS_PER_WINDOW and talk.said == len(passage.words):  # there is more than is looked at
+    while len(talk.text) >= LETTERS_PER_WINDOW and talk.said == len(passage.words):  # more text follows this window
         end = passage.words[-1].end if passage.words else LETTERS_PER_WINDOW
-        talk = replace(talk, text=talk.text[end:], said=0, shown=_earlier(talk.shown, passage.starts[-1]))
+        opening = reopen(passage.words[-1].prosody) if passage.words else ""
+        talk = replace(
+            talk, text=opening + talk.text[end:], said=0, shown=_shift_earlier(talk.shown, passage.starts[-1])
+        )
         passage = _read(talk, language, quiet)
     words, said = passage.words, talk.said
     if not 0 < said < len(words):
         return talk, passage, 0.0
     gap = passage.starts[said] - passage.starts[said - 1] - word_duration(words[said - 1])
-    if words[said].sentence == words[said - 1].sentence and said < CONTEXT:
+    if words[said].sentence == words[said - 1].sentence and said < CONTEXT_WORDS:
         return talk, passage, gap
     between = re.compile(rf"(?:{language.emoticon}|[^\w*_<])*")
     start = words[said - 1].end
-    found = between.match(talk.text, start)
-    rest = talk.text[found.end() if found else start :]
-    talk = replace(talk, text=rest, said=0, shown=_earlier(talk.shown, passage.starts[said]))
+    selection = between.match(talk.text, start)
+    rest = reopen(words[said - 1].prosody) + talk.text[selection.end() if selection else start :]
+    talk = replace(talk, text=rest, said=0, shown=_shift_earlier(talk.shown, passage.starts[said]))
     return talk, _read(talk, language, quiet), gap
 
 
-def _earlier(shown: tuple[tuple[str, ChosenBehaviour], ...], seconds: float) -> tuple[tuple[str, ChosenBehaviour], ...]:
-    """What was shown, so many seconds earlier [s]."""
+def _shift_earlier(
+    shown: tuple[tuple[str, ChosenBehaviour], ...], seconds: float
+) -> tuple[tuple[str, ChosenBehaviour], ...]:
+    """Subtract seconds from the estimated times of shown behaviours."""
 
     def shift(moment: Moment) -> Moment:
         return Moment(moment.reference, moment.seconds - seconds)
 
-    def move(each: ChosenBehaviour) -> ChosenBehaviour:
-        intent = each.intent
+    def move(behaviour: ChosenBehaviour) -> ChosenBehaviour:
+        intent = behaviour.intent
         start, stroke, end = map(shift, (intent.start, intent.stroke, intent.end))
-        return replace(each, intent=replace(intent, start=start, stroke=stroke, end=end))
+        return replace(behaviour, intent=replace(intent, start=start, stroke=stroke, end=end))
 
-    return tuple((id, move(each)) for id, each in shown)
+    return tuple((id, move(behaviour)) for id, behaviour in shown)
 
 
-def _whole(passage: Passage, talk: Talk, quiet: float) -> int:
-    """Counts the words of a passage that may be said: those of whole phrases."""
+def _count_complete_words(passage: Passage, talk: Talk, quiet: float) -> int:
+    """Return the number of words in complete phrases."""
     words, count = passage.words, len(passage.words)
-    if (talk.is_over or quiet >= SILENT) and len(talk.text) < LETTERS_PER_WINDOW:
+    if (talk.is_over or quiet >= MAX_SILENCE) and len(talk.text) < LETTERS_PER_WINDOW:
         return count
     if not words:
         return 0
     last = passage.phrases[-1]
-    whole = count if passage.is_over else last[0]
-    if whole <= talk.said and (count - talk.said > LONGEST_PHRASE or len(talk.text) >= LETTERS_PER_WINDOW):
+    complete = count if passage.is_over else last[0]
+    if complete <= talk.said and (count - talk.said > LONGEST_PHRASE or len(talk.text) >= LETTERS_PER_WINDOW):
         return max(count - 1, talk.said + 1)
-    is_sentence = whole and passage.is_over and passage.tail[-1:] in _STOPS
-    is_short = whole - talk.said < SHORT and whole == count and not is_sentence
-    return talk.said if is_short and quiet < SETTLED else max(whole, talk.said)
+    is_sentence = complete and passage.is_over and passage.tail[-1:] in SENTENCE_STOPS
+    is_short = complete - talk.said < SHORT_PHRASE and complete == count and not is_sentence
+    return talk.said if is_short and quiet < SETTLING_TIME else max(complete, talk.said)
 
 
-def _together(passage: Passage, words: range) -> range:
-    """The words that are said together: whole sentences, else whole phrases, as many as may be."""
-    most = min(words.stop, words.start + MOST_WORDS)
-    sentences = [each[-1] + 1 for each in passage.sentences if words.start < each[-1] + 1 <= most]
-    phrases = [each[-1] + 1 for each in passage.phrases if words.start < each[-1] + 1 <= most]
-    return range(words.start, max(sentences or phrases, default=most))
+def _select_words(passage: Passage, words: range) -> range:
+    """Return the range of words to speak in the next part.
+
+    They are whole sentences, otherwise whole phrases, as many as the limit allows.
+    """
+    limit = min(words.stop, words.start + MAX_PART_WORDS)
+    sentences = [sentence[-1] + 1 for sentence in passage.sentences if words.start < sentence[-1] + 1 <= limit]
+    phrases = [phrase[-1] + 1 for phrase in passage.phrases if words.start < phrase[-1] + 1 <= limit]
+    return range(words.start, max(sentences or phrases, default=limit))
 
 
-def _within(intent: Intent, passage: Passage, words: range) -> Intent:
-    """An intent that neither begins before some words nor ends behind them."""
+def _clip_intent(intent: Intent, passage: Passage, words: range) -> Intent:
+    """Clip an intent to the time of some words."""
     first, last = passage.onset(words.start), passage.close(words.stop - 1)
     start = first if words.start and intent.start.seconds < first.seconds else intent.start
     return replace(intent, start=start, end=last if intent.end.seconds > last.seconds else intent.end)

@@ -1,28 +1,33 @@
-"""Writes BML: what is said with sync points on its words, and behaviours, each with the reason for it."""
+"""Serialisation of speech and behaviours to BML, with a reason for each."""
 
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import count
 
-from kinesic.intent.behaviour_sets import DIRECTIONS, Channel
-from kinesic.intent.choosing import ChosenBehaviour
+from kinesic.intent.behaviour_sets import GAZE_DIRECTIONS, Channel
+from kinesic.intent.behaviours import ChosenBehaviour
 from kinesic.intent.intents import shift_reference
 from kinesic.intent.markup import escape, quote
-from kinesic.intent.reading.passage import SPEECH, Passage, mark
+from kinesic.intent.reading.passage import SPEECH_ID, Passage, mark
+from kinesic.intent.reading.prosody import Prosody, merge, write_tag
+from kinesic.intent.speeches import divide_speech, gap_before
 
-NAMESPACES = 'xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:kinesic="urn:kinesic"'
-LETTERS: Mapping[Channel, str] = {
+XML_NAMESPACES = 'xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:kinesic="urn:kinesic"'
+ID_LETTERS: Mapping[Channel, str] = {
     "gesture": "g",
     "head": "h",
     "face": "f",
     "gaze": "l",
     "torso": "t",
-}  # that ids begin with
-ASIDE = 20.0  # [deg] that eyes look aside with amount 1
-LEAST_FACE, LEAST_LOOK, LEAST_TILT = 0.8, 0.7, 0.8  # [s]
-SOON = 0.1  # [s] that a face sets out before its word
-LINE = 100  # letters of a line of speech, about
-_USED = re.compile(rf'{SPEECH}:(\w+)["+-]')  # a sync point of the speech that a behaviour is tied to
+}  # first letters of behaviour ids
+GAZE_OFFSET_ANGLE = 20.0  # [deg] offset of an averted gaze with amount 1
+MIN_FACE_TIME = 0.8  # [s] shortest facial expression
+MIN_GAZE_TIME = 0.7  # [s] shortest gaze
+MIN_TILT_TIME = 0.8  # [s] shortest head tilt
+START_LEAD_TIME = 0.1  # [s] from the start of a facial expression to its word
+LINE_LENGTH = 100  # [letters] approximate length of a line of spoken text in the BML
+_WORD_REFERENCE = re.compile(rf'="{SPEECH_ID}:w(\d+)')  # reference to the mark of a word
+_USED_SYNCS = re.compile(rf'{SPEECH_ID}:(\w+)["+-]')  # sync points of the speech that behaviours use
 
 
 def write_block(
@@ -33,121 +38,153 @@ def write_block(
     words: range | None = None,
     start: str = "",
 ) -> str:
-    """Writes a block that says a text and performs what was chosen for it.
+    """Write a block that speaks a text and performs the chosen behaviours.
+
+    A long text has several speeches, one after the other.
 
     Args:
         passage: the text.
-        behaviours: that were chosen.
+        behaviours: chosen ones.
         block: its id.
-        words: which words of the text it says; None: all.
-        start: sync point at which it begins to speak; without one where the behaviours let it.
+        words: spoken words of the text; None: all.
+        start: sync point at which it begins to speak; empty: as the behaviours allow.
     """
     elements = list(write_behaviours(behaviours))
-    used = "\n".join(elements)
-    beginning = f" start={quote(start)}" if start else ""
+    used = frozenset(_USED_SYNCS.findall("\n".join(elements)))
+    speeches = divide_speech(passage) if words is None else [words]
+    spoken = list[str]()
+    for number, part in enumerate(speeches):
+        begin = f"{_speech_id(number - 1)}:end+{gap_before(passage, part.start):.2f}" if number else start
+        beginning = f" start={quote(begin)}" if begin else ""
+        spoken += [
+            f'  <speech id="{_speech_id(number)}" language={quote(passage.voice or passage.language)}{beginning}>',
+            f"    <text>{_write_spoken_text(passage, used, part)}</text>",
+            "  </speech>",
+        ]
+    if len(speeches) > 1:
+        ids = [_speech_id(number) for number, part in enumerate(speeches) for _ in part]
+        elements = [_WORD_REFERENCE.sub(lambda found: _refer(found[1], ids), element) for element in elements]
     lines = [
-        f'<bml {NAMESPACES} id="{block}">',
-        f'  <speech id="{SPEECH}" language={quote(passage.language)}{beginning}>',
-        f"    <text>{_spoken(passage, used, words or range(len(passage.words)))}</text>",
-        "  </speech>",
+        f'<bml {XML_NAMESPACES} id="{block}">',
+        *(spoken if speeches[0] or not elements else []),
         *(f"  {element}" for element in elements),
         "</bml>",
     ]
     return "\n".join(lines) + "\n"
 
 
+def _refer(word: str, ids: Sequence[str]) -> str:
+    """Return a reference to a word's mark, in the speech that has the word."""
+    return f'="{ids[int(word) - 1]}:w{word}'
+
+
+def _speech_id(number: int) -> str:
+    return f"{SPEECH_ID}{number + 1}" if number else SPEECH_ID
+
+
 def write_behaviours(behaviours: Iterable[ChosenBehaviour], taken: Collection[str] = ()) -> Iterator[str]:
-    """Writes each behaviour as an element of BML, with an id that is not taken."""
-    for id, each in name_behaviours(behaviours, taken):
-        yield _element(each, id)
+    """Write each behaviour as a BML element with an unused id."""
+    for id, behaviour in name_behaviours(behaviours, taken):
+        yield _element(behaviour, id)
 
 
 def name_behaviours(
     behaviours: Iterable[ChosenBehaviour], taken: Collection[str] = ()
 ) -> Iterator[tuple[str, ChosenBehaviour]]:
-    """Gives each behaviour the id under which it is written, which is not taken."""
-    ids = {channel: _free_ids(letter, taken) for channel, letter in LETTERS.items()}
-    for each in behaviours:
-        yield next(ids[each.channel]), each
+    """Yield each behaviour with an unused id for its BML element."""
+    ids = {channel: _free_ids(letter, taken) for channel, letter in ID_LETTERS.items()}
+    for behaviour in behaviours:
+        yield next(ids[behaviour.channel]), behaviour
 
 
 def _free_ids(letter: str, taken: Collection[str]) -> Iterator[str]:
     return (id for number in count(1) if (id := f"{letter}{number}") not in taken)
 
 
-def _element(each: ChosenBehaviour, id: str) -> str:
-    intent = each.intent
-    written = {"id": id}
-    match each.channel:
+def _element(behaviour: ChosenBehaviour, id: str) -> str:
+    intent = behaviour.intent
+    attributes = {"id": id}
+    match behaviour.channel:
         case "gesture" if intent.target:
             name = "pointing"
-            written |= {"target": intent.target, "stroke": shift_reference(intent.stroke, 0.0)}
+            attributes |= {"target": intent.target, "stroke": shift_reference(intent.stroke, 0.0)}
         case "gesture":
             name = "gesture"
-            written |= {"lexeme": each.lexeme, "stroke": shift_reference(intent.stroke, 0.0)}
-        case "head" if each.lexeme in ("NOD", "SHAKE"):
+            attributes |= {"lexeme": behaviour.lexeme, "stroke": shift_reference(intent.stroke, 0.0)}
+        case "head" if behaviour.lexeme in ("NOD", "SHAKE"):
             name = "head"
-            written |= {"lexeme": each.lexeme, **_numbers(each), "stroke": shift_reference(intent.stroke, 0.0)}
+            attributes |= {
+                "lexeme": behaviour.lexeme,
+                **_numbers(behaviour),
+                "stroke": shift_reference(intent.stroke, 0.0),
+            }
         case "head":
             name = "head"
-            written |= {"lexeme": each.lexeme, **_numbers(each), **_span(each, LEAST_TILT)}
+            attributes |= {"lexeme": behaviour.lexeme, **_numbers(behaviour), **_write_span(behaviour, MIN_TILT_TIME)}
         case "face":
             name = "faceLexeme"
-            written |= {"lexeme": each.lexeme, **_numbers(each), **_span(each, LEAST_FACE)}
+            attributes |= {"lexeme": behaviour.lexeme, **_numbers(behaviour), **_write_span(behaviour, MIN_FACE_TIME)}
         case "gaze":
             name = "gaze"
-            written |= {**_look(each), **_span(each, LEAST_LOOK)}
+            attributes |= {**_look(behaviour), **_write_span(behaviour, MIN_GAZE_TIME)}
         case "torso":
             name = "torso"
-            written |= {"lexeme": each.lexeme, **_numbers(each), **_span(each, LEAST_FACE)}
-    if each.begin:
-        written["start"] = each.begin
-    written |= {f"kinesic:{name}": f"{value:.3g}" for name, value in each.manner.items()}
-    if intent.style and each.channel == "gesture":
-        written["kinesic:style"] = intent.style
-    written["kinesic:reason"] = f"{intent.reason} ({intent.name}, {intent.certainty:.2f})"
-    return f"<{name} {' '.join(f'{key}={quote(value)}' for key, value in written.items())}/>"
+            attributes |= {"lexeme": behaviour.lexeme, **_numbers(behaviour), **_write_span(behaviour, MIN_FACE_TIME)}
+    if behaviour.begin:
+        attributes["start"] = behaviour.begin
+    attributes |= {f"kinesic:{name}": f"{value:.3g}" for name, value in behaviour.manner.items()}
+    if intent.style and behaviour.channel == "gesture":
+        attributes["kinesic:style"] = intent.style
+    attributes["kinesic:reason"] = f"{intent.reason} ({intent.name}, {intent.certainty:.2f})"
+    return f"<{name} {' '.join(f'{key}={quote(value)}' for key, value in attributes.items())}/>"
 
 
-def _numbers(each: ChosenBehaviour) -> dict[str, str]:
-    amount = each.amount if each.amount is None else each.amount * each.intent.strength
-    numbers = {"amount": amount, "repetition": each.repetition}
+def _numbers(behaviour: ChosenBehaviour) -> dict[str, str]:
+    amount = behaviour.amount if behaviour.amount is None else behaviour.amount * behaviour.intent.strength
+    numbers = {"amount": amount, "repetition": behaviour.repetition}
     return {name: f"{number:g}" for name, number in numbers.items() if number is not None}
 
 
-def _span(each: ChosenBehaviour, least: float) -> dict[str, str]:
-    """From the start of an intent to its end, but at least so many seconds [s]."""
-    start, end = each.intent.start, each.intent.end
+def _write_span(behaviour: ChosenBehaviour, least: float) -> dict[str, str]:
+    """Return start and end attributes of a behaviour, of minimum duration."""
+    start, end = behaviour.intent.start, behaviour.intent.end
     seconds = max(end.seconds - start.seconds, least)
     if seconds == end.seconds - start.seconds:
-        return {"start": shift_reference(start, -SOON), "end": shift_reference(end, 0.0)}
-    return {"start": shift_reference(start, -SOON), "end": shift_reference(start, seconds - SOON)}
+        return {"start": shift_reference(start, -START_LEAD_TIME), "end": shift_reference(end, 0.0)}
+    return {"start": shift_reference(start, -START_LEAD_TIME), "end": shift_reference(start, seconds - START_LEAD_TIME)}
 
 
-def _look(each: ChosenBehaviour) -> dict[str, str]:
-    direction = each.lexeme.upper()
-    if direction not in DIRECTIONS:
-        return {"target": each.lexeme}
-    angle = ASIDE * (0.5 if each.amount is None else each.amount)
+def _look(behaviour: ChosenBehaviour) -> dict[str, str]:
+    direction = behaviour.lexeme.upper()
+    if direction not in GAZE_DIRECTIONS:
+        return {"target": behaviour.lexeme}
+    angle = GAZE_OFFSET_ANGLE * (0.5 if behaviour.amount is None else behaviour.amount)
     return {"influence": "EYES", "offsetAngle": f"{angle:g}", "offsetDirection": direction}
 
 
-def _spoken(passage: Passage, used: str, words: range) -> str:
-    """What is said, with a sync point before each word that a behaviour is tied to."""
+def _write_spoken_text(passage: Passage, used: Collection[str], words: range) -> str:
+    """Return the speech text with the sync points that behaviours use."""
     pieces: list[str] = []
-    length, marks = 0, frozenset(_USED.findall(used))
+    length = 0
+    prosody: Prosody = ()
     for k in words:
         word = passage.words[k]
-        is_first = k == words.start > 0  # what ends the words before it is said with them
-        between = escape(word.before.partition(" ")[2] if is_first else word.before)
-        if length > LINE and between.endswith(" "):
+        is_first = k == words.start > 0  # punctuation after the preceding word is spoken with it
+        between = escape(word.before.partition(" ")[2] if is_first else word.before if k else word.before.lstrip())
+        if length > LINE_LENGTH and between.endswith(" "):
             between, length = f"{between.rstrip()}\n      ", 0
         pause = f'<break time="{word.pause:g}s"/>' if word.pause and not is_first else ""
-        sync = f'<sync id="{mark(k)}"/>' if mark(k) in marks else ""
-        said = f'<emphasis level="strong">{escape(word.text)}</emphasis>' if word.emphatic else escape(word.text)
-        pieces.append(f"{between}{pause}{sync}{said}")
-        length += len(word.before) + len(sync) + len(said)
+        sync = f'<sync id="{mark(k)}"/>' if mark(k) in used else ""
+        spoken = f'<emphasis level="strong">{escape(word.text)}</emphasis>' if word.emphatic else escape(word.text)
+        if merge(word.prosody) != prosody:
+            closing, prosody = "</prosody>" * bool(prosody), merge(word.prosody)
+            opening = write_tag("prosody", dict(prosody)) if prosody else ""
+            space = between[len(between.rstrip()) :]
+            between = f"{between.rstrip()}{closing}{space}{opening}"
+        pieces.append(f"{between}{pause}{sync}{spoken}")
+        length += len(word.before) + len(sync) + len(spoken)
+    closing = "</prosody>" * bool(prosody)
     if words.stop < len(passage.words):
-        return f"{''.join(pieces)}{escape(passage.words[words.stop].before.partition(' ')[0])}"
+        return f"{''.join(pieces)}{escape(passage.words[words.stop].before.partition(' ')[0])}{closing}"
     pause = f'<break time="{passage.tail_pause:g}s"/>' if passage.tail_pause else ""
-    return f"{''.join(pieces)}{escape(passage.tail)}{pause}"
+    return f"{''.join(pieces)}{escape(passage.tail)}{closing}{pause}"

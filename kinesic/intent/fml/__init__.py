@@ -1,1 +1,1 @@
-"""FML-APML: what a document says is meant, and the BML that is written for it."""
+"""FML-APML documents: their intentions, and BML that shows them."""

@@ -1,31 +1,43 @@
-"""Writes BML for an FML-APML document: its own <bml>, and behaviours that show its intentions."""
+"""Generation of BML for an FML-APML document."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
 
-from kinesic.bml.block import Block, Notice, NoticeType
-from kinesic.bml.parse import parse
-from kinesic.bml.reading.document import read_document
-from kinesic.bml.reading.prologue import first_tag
-from kinesic.bml.reading.tree import Element
-from kinesic.intent.behaviour_sets import BehaviourSets, own_sets
-from kinesic.intent.budget import GAPS, MovementBudget
-from kinesic.intent.choosing import Selection, choose_behaviours
-from kinesic.intent.fml.intentions import IN_SPEECH, Unreadable, read_intentions
+from kinesic.bml.block import DEFAULT_BOUNDS, Block, DocumentBounds, Notice, NoticeType, Place
+from kinesic.bml.parse import parse_document
+from kinesic.bml.reading.document import Document, read_document
+from kinesic.bml.reading.namespaces import KINESIC_NAMESPACE
+from kinesic.bml.reading.tree import Element, read_tree
+from kinesic.bml.reading.wrapping import find_root
+from kinesic.intent.behaviour_sets import BehaviourSets, builtin_sets
+from kinesic.intent.behaviours import ChosenBehaviour, Selection
+from kinesic.intent.budget import STROKE_SPACINGS, MovementBudget
+from kinesic.intent.choosing import choose_behaviours
+from kinesic.intent.fml.intentions import SPEECH_INTENTIONS, Unreadable, describe_intention, read_intentions
 from kinesic.intent.fml.mark_times import estimate_mark_times
 from kinesic.intent.greta.agent import Agent
 from kinesic.intent.intents import Intent
 from kinesic.intent.markup import escape, quote
 from kinesic.intent.writing import write_behaviours
 
-START = 4096  # letters within which a document says what it is
-ROOT = "fml-apml"
+ROOT_NAME = "fml-apml"  # root element of FML-APML documents
 
 
 def is_fml(text: str | bytes) -> bool:
-    """Checks whether a text begins as an FML-APML document."""
-    start = text[:START] if isinstance(text, str) else text[:START].decode("utf-8", "replace").replace("\0", "")
-    return first_tag(start[max(start.find("<"), 0) :]) == ROOT  # marks of the encoding may go before it
+    """Return whether a text is an FML-APML document, with or without text around it."""
+    return find_root(text) == ROOT_NAME
+
+
+@dataclass(frozen=True, eq=False)
+class _Authored:
+    """FML document with the behaviours that show its intentions."""
+
+    document: Document
+    behaviours: tuple[ChosenBehaviour, ...]
+    lines: tuple[str, ...]  # the behaviours as BML
+    places: Mapping[str, Place]  # of the intentions, by reason
+    unshown: tuple[str, ...]  # intentions without a behaviour, with the reason
 
 
 def author_fml(
@@ -36,37 +48,29 @@ def author_fml(
     agent: Agent | None = None,
     seed: int = 0,
 ) -> tuple[str, tuple[str, ...]]:
-    """Writes BML for an FML-APML document; the same document, sets and seed have the same BML.
+    """Write BML for an FML-APML document.
+
+    It contains the document's own <bml>, and behaviours that show its intentions. The same document, sets and seed give
+    the same BML. A document without a <bml> has intentions alone.
 
     Args:
         text: the document.
         source: its name, for messages.
         sets: behaviours by intention; None: those that come with kinesic.
-        agent: whose expressivity and preferences count; None: nobody's.
-        seed: of what is drawn among alternatives.
+        agent: with expressivity and preferences; None: neutral.
+        seed: of the random choice among alternatives.
 
     Returns:
-        The BML, and for each intention that nothing shows its name and why.
+        The BML, and the name and reason of each intention without a behaviour.
 
     Raises:
         BmlError: the document is refused.
     """
-    document = read_document(text, source=source)
-    bml, marks = document.bml, estimate_mark_times(document.bml)
-    roots = [child for child in document.root.children if child.local == "fml"]
-    speeches = [child for child in bml.children if child.local == "speech"]
-    read = list(read_intentions(roots, speeches, marks))
-    intents = [each for each in read if isinstance(each, Intent)]
-    selection = choose_behaviours(
-        intents, sets or own_sets(), MovementBudget(len(intents), GAPS, {}), seed=seed, agent=agent
-    )
-    unshown = (
-        *(f"{each.name}: {each.why}" for each in read if isinstance(each, Unreadable)),
-        *_unshown(intents, selection),
-    )
-    taken = frozenset(each.attributes.get("id", "") for each in _all(bml))
-    inside = "".join(f"  {each}\n" for each in write_behaviours(selection.behaviours, taken))
-    return f"{_opened(document.root, bml)}{_written(bml.content).rstrip()}\n{inside}</{bml.name}>\n", unshown
+    authored = _author(read_document(text, source=source), sets, agent, seed)
+    bml = authored.document.bml
+    inside = "".join(f"  {line}\n" for line in authored.lines)
+    start = _tag(bml.name, _start_attributes(authored.document.root, bml))
+    return f"{start}>{_write_content(bml.content).rstrip()}\n{inside}</{bml.name}>\n", authored.unshown
 
 
 def parse_fml(
@@ -77,23 +81,80 @@ def parse_fml(
     sets: BehaviourSets | None = None,
     agent: Agent | None = None,
     seed: int = 0,
+    known_blocks: Collection[str] = (),
+    bounds: DocumentBounds = DEFAULT_BOUNDS,
 ) -> Block:
-    """Reads the BML that is written for an FML-APML document; its notices say which intentions nothing shows, and why.
+    """Read an FML-APML document with behaviours for its intentions.
+
+    Its notices list intentions without a behaviour, with the reason. Places are those in the document; a generated
+    behaviour has the place of its intention.
 
     Raises:
         BmlError: the document is refused.
     """
-    bml, unshown = author_fml(text, source=source, sets=sets, agent=agent, seed=seed)
-    block = parse(bml, source=source, dialect="fml-apml", performer=performer)
-    notices = tuple(Notice(NoticeType.CANNOT_CREATE_BEHAVIOR, block.id, f"not shown: {each}") for each in unshown)
-    return replace(block, notices=(*block.notices, *notices))
+    authored = _author(read_document(text, source=source, bounds=bounds), sets, agent, seed)
+    document = replace(authored.document, root=(bml := _merge(authored)), bml=bml, dialect="fml-apml")
+    block = parse_document(document, source=source, dialect="fml-apml", performer=performer, known_blocks=known_blocks)
+    notices = (f"not shown: {problem}" for problem in authored.unshown)
+    added = tuple(Notice(NoticeType.CANNOT_CREATE_BEHAVIOR, block.id, notice) for notice in notices)
+    return replace(block, notices=(*block.notices, *added))
+
+
+def _author(document: Document, sets: BehaviourSets | None, agent: Agent | None, seed: int) -> _Authored:
+    """Choose the behaviours that show the intentions of a document."""
+    bml, marks = document.bml, estimate_mark_times(document.bml)
+    roots = [child for child in document.root.children if child.local == "fml"]
+    speeches = [child for child in bml.children if child.local == "speech"]
+    read = list(read_intentions(roots, speeches, marks))
+    intents = [intention for intention in read if isinstance(intention, Intent)]
+    selection = choose_behaviours(
+        intents, sets or builtin_sets(), MovementBudget(len(intents), STROKE_SPACINGS, {}), seed=seed, agent=agent
+    )
+    unshown = (
+        *(f"{intention.name}: {intention.why}" for intention in read if isinstance(intention, Unreadable)),
+        *_unshown(intents, selection),
+    )
+    taken = frozenset(element.attributes.get("id", "") for element in _all(bml))
+    lines = tuple(write_behaviours(selection.behaviours, taken))
+    places = {describe_intention(element): element.place for element in _all(document.root)}
+    return _Authored(document, tuple(selection.behaviours), lines, places, unshown)
+
+
+def _merge(authored: _Authored) -> Element:
+    """Return the <bml> of a document with the generated behaviours."""
+    bml = authored.document.bml
+    attributes = _start_attributes(authored.document.root, bml)
+    snippet = "".join(authored.lines)
+    generated = read_tree(f"<bml>{snippet}</bml>", source="<generated>").children
+    scope = MappingProxyType({**bml.scope, "kinesic": KINESIC_NAMESPACE})
+    prefix = bml.name.rpartition(":")[0]
+    placed = tuple(
+        replace(
+            element,
+            name=f"{prefix}:{element.name}" if prefix else element.name,
+            place=authored.places.get(behaviour.intent.reason, bml.place),
+            scope=scope,
+        )
+        for element, behaviour in zip(generated, authored.behaviours, strict=True)
+    )
+    content = (*_without_intentions(bml.content), *placed)
+    return replace(bml, attributes=MappingProxyType(attributes), content=content, scope=scope)
+
+
+def _without_intentions(content: Sequence[Element | str]) -> Iterator[Element | str]:
+    """Yield BML content without FML accents and boundaries, which behaviours show."""
+    for piece in content:
+        if isinstance(piece, str):
+            yield piece
+        elif piece.local not in SPEECH_INTENTIONS:
+            yield replace(piece, content=tuple(_without_intentions(piece.content)))
 
 
 def _unshown(intents: Sequence[Intent], selection: Selection) -> Iterator[str]:
-    shown = {each.intent.reason for each in selection.behaviours}
+    shown = {behaviour.intent.reason for behaviour in selection.behaviours}
     whys: dict[str, dict[str, None]] = {}
-    for each in selection.omissions:
-        whys.setdefault(each.intent.reason, {})[each.why] = None
+    for omission in selection.omissions:
+        whys.setdefault(omission.intent.reason, {})[omission.why] = None
     for intent in intents:
         if intent.reason not in shown:
             reasons = whys.get(intent.reason, {})
@@ -106,24 +167,24 @@ def _all(element: Element) -> Iterator[Element]:
         yield from _all(child)
 
 
-def _opened(root: Element, bml: Element) -> str:
-    """The start tag of the block, with what the root says of it."""
+def _start_attributes(root: Element, bml: Element) -> dict[str, str]:
+    """Return the BML block's attributes, with those of the FML root."""
     composed = {
         name: text for name, text in root.attributes.items() if name.startswith("xmlns") or name == "composition"
     }
-    return _tag(bml.name, composed | dict(bml.attributes) | {"xmlns:kinesic": "urn:kinesic"}) + ">"
+    return composed | dict(bml.attributes) | {"xmlns:kinesic": KINESIC_NAMESPACE}
 
 
-def _written(content: Sequence[Element | str]) -> str:
-    """Writes what is inside an element as XML, without accents and boundaries: behaviours show them."""
+def _write_content(content: Sequence[Element | str]) -> str:
+    """Write the BML content as XML, without FML accents and boundaries."""
     pieces = []
-    for piece in content:
+    for piece in _without_intentions(content):
         if isinstance(piece, str):
             pieces.append(escape(piece))
-        elif piece.local not in IN_SPEECH:
-            inside = _written(piece.content)
-            tag = _tag(piece.written, piece.attributes)
-            pieces.append(f"{tag}>{inside}</{piece.written}>" if inside else f"{tag}/>")
+        else:
+            inside = _write_content(piece.content)
+            tag = _tag(piece.tag, piece.attributes)
+            pieces.append(f"{tag}>{inside}</{piece.tag}>" if inside else f"{tag}/>")
     return "".join(pieces)
 
 

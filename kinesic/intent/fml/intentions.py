@@ -1,4 +1,4 @@
-"""Reads the intentions of an FML-APML document: what is meant, from when to when, and how much it matters."""
+"""Intentions of an FML-APML document, with times and importance."""
 
 from bisect import bisect_left
 from collections.abc import Iterator, Sequence
@@ -8,17 +8,18 @@ from kinesic.bml.reading.tree import Element
 from kinesic.intent.fml.mark_times import MarkTimes
 from kinesic.intent.intents import Intent, Moment
 
-UNTYPED = "any"  # type of an intention that names none
-IN_SPEECH = ("pitchaccent", "boundary")  # intentions that stand in a speech
-IMPORTANCE = 0.5  # where nothing is said
-LEAST, USUAL = 0.3, 1.5  # [s] of an intention, and of one that says no end
-LATEST_STROKE = 0.6  # [s] behind the start of an intention without an accent
-ACCENT = 0.2  # [s] from the start of an accented word to its vowel, about
+DEFAULT_TYPE = "any"  # type of an intention without one
+SPEECH_INTENTIONS = ("pitchaccent", "boundary")  # intentions inside a speech
+DEFAULT_IMPORTANCE = 0.5  # importance of an intention without one
+MIN_DURATION = 0.3  # [s] shortest duration of an intention
+DEFAULT_DURATION = 1.5  # [s] duration of an intention without an end
+MAX_STROKE_DELAY = 0.6  # [s] longest time from the start of an intention without accent to its stroke
+ACCENT_DELAY = 0.2  # [s] approximate time from the start of an accented word to its vowel
 
 
 @dataclass(frozen=True)
 class Unreadable:
-    """An intention without a time."""
+    """FML intention without a valid time."""
 
     name: str
     why: str
@@ -27,46 +28,54 @@ class Unreadable:
 def read_intentions(
     roots: Sequence[Element], speeches: Sequence[Element], marks: MarkTimes
 ) -> Iterator[Intent | Unreadable]:
-    """Yields every intention of a document.
+    """Yield every intention of an FML document.
 
-    The stroke of an intention is on the first pitch accent in it; without one, half way, and soon where it is long.
+    The stroke of an intention is on its first pitch accent. Without one it is half way, but soon after the start of a
+    long intention.
 
     Args:
         roots: its <fml> elements.
-        speeches: those of its <bml>; accents and boundaries stand in them.
-        marks: when their marks come.
+        speeches: those of its <bml>, which contain accents and boundaries.
+        marks: estimated times of their marks.
     """
-    inside = [child for speech in speeches for child in speech.children if child.local in IN_SPEECH]
-    found = (_moment(each, "start", marks) for each in inside if each.local == IN_SPEECH[0])
-    accents = sorted(filter(None, found), key=_seconds)
-    for element in (*(child for root in roots for child in root.children), *inside):
+    speech_intentions = [child for speech in speeches for child in speech.children if child.local in SPEECH_INTENTIONS]
+    accent_moments = (
+        _moment(accent, "start", marks) for accent in speech_intentions if accent.local == SPEECH_INTENTIONS[0]
+    )
+    accents = sorted(filter(None, accent_moments), key=_seconds)
+    for element in (*(child for root in roots for child in root.children), *speech_intentions):
         yield _intention(element, marks, accents)
 
 
 def _intention(element: Element, marks: MarkTimes, accents: Sequence[Moment]) -> Intent | Unreadable:
     attributes = element.attributes
-    name = f"{element.local}-{attributes.get('type', '').strip() or UNTYPED}"
+    name = f"{element.local}-{attributes.get('type', '').strip() or DEFAULT_TYPE}"
     start = _moment(element, "start", marks)
     if start is None:
-        return Unreadable(name, f"its start {attributes.get('start', '')!r} is no time of a speech")
+        return Unreadable(name, f"its start {attributes.get('start', '')!r} is not a time of a speech")
     end = _moment(element, "end", marks) or marks.speech_end(attributes.get("end", ""))
-    if end is None or end.seconds - start.seconds < LEAST:
-        lasts = USUAL if end is None else LEAST
-        end = start.later(lasts)
+    if end is None or end.seconds - start.seconds < MIN_DURATION:
+        duration = DEFAULT_DURATION if end is None else MIN_DURATION
+        end = start.later(duration)
     after = bisect_left(accents, start.seconds, key=_seconds)
-    within = after < len(accents) and accents[after].seconds < end.seconds
-    later = ACCENT if within else min(LATEST_STROKE, (end.seconds - start.seconds) / 2)
-    onset = accents[after] if within else start
+    has_accent = after < len(accents) and accents[after].seconds < end.seconds
+    delay = ACCENT_DELAY if has_accent else min(MAX_STROKE_DELAY, (end.seconds - start.seconds) / 2)
+    onset = accents[after] if has_accent else start
     return Intent(
         name,
         start,
-        onset.later(later),
+        onset.later(delay),
         end,
-        _share(attributes.get("importance", ""), IMPORTANCE),
-        f"<{element.local}> at {element.place.line}:{element.place.column}",
+        _parse_fraction(attributes.get("importance", ""), DEFAULT_IMPORTANCE),
+        describe_intention(element),
         target=attributes.get("target", "").strip(),
-        strength=_share(attributes.get("intensity", ""), 1.0),
+        strength=_parse_fraction(attributes.get("intensity", ""), 1.0),
     )
+
+
+def describe_intention(element: Element) -> str:
+    """Return the name and place of an intention, given as the reason of its behaviours."""
+    return f"<{element.local}> at {element.place.line}:{element.place.column}"
 
 
 def _seconds(moment: Moment) -> float:
@@ -77,10 +86,10 @@ def _moment(element: Element, name: str, marks: MarkTimes) -> Moment | None:
     return marks.moment(element.attributes.get(name, ""))
 
 
-def _share(written: str, usual: float) -> float:
-    """A number from 0 to 1; what is none is taken as is usual."""
+def _parse_fraction(written: str, default: float) -> float:
+    """Parse a number clipped to 0..1, or return the default."""
     try:
         number = float(written)
     except ValueError:
-        return usual
-    return min(max(number, 0.0), 1.0) if number == number else usual
+        return default
+    return min(max(number, 0.0), 1.0) if number == number else default

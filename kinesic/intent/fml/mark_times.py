@@ -1,16 +1,19 @@
-"""Estimates when each mark of a block's speeches comes: it orders and spaces intents, and times no performance."""
+"""Estimated times of speech marks, for the order and spacing of intents.
+
+The performance does not use them.
+"""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from kinesic.bml.reading.references import LONGEST_BLOCK
-from kinesic.bml.reading.script import MARKS, spoken_part
+from kinesic.bml.block import MAX_BLOCK_DURATION
+from kinesic.bml.reading.script import MARK_ELEMENTS, find_spoken_element
 from kinesic.bml.reading.tree import Element
 from kinesic.intent.intents import Moment, split_reference
-from kinesic.intent.reading.passage import SYLLABLE, WORD
+from kinesic.intent.reading.passage import SYLLABLE_DURATION, WORD_OVERHEAD
 from kinesic.intent.reading.stress import count_syllables
 
-MARK_ATTRIBUTES = ("id", "name")  # that may hold the name of a mark
+MARK_ATTRIBUTES = ("id", "name")  # attributes with the name of a mark
 
 
 @dataclass(frozen=True)
@@ -20,45 +23,48 @@ class MarkTimes:
     times: Mapping[str, float]  # [s] by `speech:mark`, `speech:start` and `speech:end`
 
     def moment(self, written: str) -> Moment | None:
-        """Resolves a time as FML has it; None where it is malformed, names an unknown mark, or no block lasts so long.
+        """Convert an FML time reference to a time in the block.
 
         Args:
             written: seconds (`1.5`), or a mark, with or without an offset (`s1:tm3`, `s1:tm3+0.5`).
+
+        Returns:
+            None if it is malformed, names an unknown mark, or exceeds the longest block.
         """
         reference, offset = split_reference(written)
         if (reference and reference not in self.times) or (not reference and offset is None):
             return None
         seconds = self.times.get(reference, 0.0) + (offset or 0.0)
-        return Moment(written.replace(" ", ""), seconds) if seconds <= LONGEST_BLOCK else None
+        return Moment(written.replace(" ", ""), seconds) if seconds <= MAX_BLOCK_DURATION else None
 
     def speech_end(self, written: str) -> Moment | None:
-        """Finds the end of the speech that a time names; None without such a speech."""
+        """Return the end of the speech named in a reference, or None."""
         return self.moment(f"{written.partition(':')[0].strip()}:end")
 
 
 def estimate_mark_times(bml: Element) -> MarkTimes:
-    """Estimates the times of all marks of a block."""
+    """Estimate the times of all marks of a block."""
     times: dict[str, float] = {}
-    now = 0.0
+    time = 0.0
     for speech in (child for child in bml.children if child.local == "speech"):
         name = speech.attributes.get("id", "").strip()
-        found = MarkTimes(times).moment(speech.attributes.get("start", ""))
-        now = now if found is None else found.seconds
-        times[f"{name}:start"] = now
-        for piece in _pieces(spoken_part(speech)):
+        start = MarkTimes(times).moment(speech.attributes.get("start", ""))
+        time = time if start is None else start.seconds
+        times[f"{name}:start"] = time
+        for piece in _list_pieces(find_spoken_element(speech)):
             if isinstance(piece, Element):
-                mark = next((piece.attributes[each] for each in MARK_ATTRIBUTES if each in piece.attributes), "")
-                times[f"{name}:{mark.strip()}"] = now
+                mark = next((piece.attributes[name] for name in MARK_ATTRIBUTES if name in piece.attributes), "")
+                times[f"{name}:{mark.strip()}"] = time
             else:
-                now += sum(WORD + SYLLABLE * count_syllables(word.lower()) for word in piece.split())
-        times[f"{name}:end"] = now
+                time += sum(WORD_OVERHEAD + SYLLABLE_DURATION * count_syllables(word.lower()) for word in piece.split())
+        times[f"{name}:end"] = time
     return MarkTimes(times)
 
 
-def _pieces(element: Element) -> Iterator[Element | str]:
-    """Yields marks and words in their order."""
+def _list_pieces(element: Element) -> Iterator[Element | str]:
+    """Yield the marks and words of a speech in order."""
     for piece in element.content:
-        if isinstance(piece, str) or piece.local in MARKS:
+        if isinstance(piece, str) or piece.local in MARK_ELEMENTS:
             yield piece
         elif piece.local != "description":
-            yield from _pieces(piece)
+            yield from _list_pieces(piece)

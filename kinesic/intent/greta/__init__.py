@@ -1,1 +1,1 @@
-"""The files of Greta that say how intentions are shown: lexicons of intentions, baselines and qualifiers."""
+"""Greta's settings: lexicons of intentions, baselines and qualifiers."""

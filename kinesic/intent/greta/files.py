@@ -1,4 +1,4 @@
-"""Reads the XML of Greta's settings, and the numbers in it."""
+"""Reader of Greta's XML settings and their numbers."""
 
 from math import isfinite
 from pathlib import Path
@@ -9,10 +9,10 @@ from kinesic.body.config import ConfigError
 
 
 def read_root(path: Path, name: str) -> Element:
-    """Reads a file whose outermost element has a name.
+    """Read an XML file and check the name of its root element.
 
     Raises:
-        ConfigError: there is no such file, it is no XML, or something else.
+        ConfigError: the file is missing, is not XML, or has another root.
     """
     try:
         root = read_tree(path.read_bytes(), source=str(path))
@@ -25,25 +25,25 @@ def read_root(path: Path, name: str) -> Element:
     return root
 
 
-def number_of(element: Element, name: str, path: Path, usual: float) -> float:
-    """Reads a number of an element; where it does not say, the usual one.
+def number_of(element: Element, name: str, path: Path, default: float) -> float:
+    """Return a numeric attribute of an element, or the default.
 
     Raises:
-        ConfigError: it is no finite number.
+        ConfigError: the value is not a finite number.
     """
-    return usual if name not in element.attributes else read_number(element.attributes[name], element, path)
+    return default if name not in element.attributes else read_number(element.attributes[name], element, path)
 
 
-def read_number(written: str, element: Element, path: Path) -> float:
-    """Reads a finite number.
+def read_number(text: str, element: Element, path: Path) -> float:
+    """Parse a finite number.
 
     Raises:
-        ConfigError: it is none.
+        ConfigError: the text is not a finite number.
     """
     try:
-        number = float(written)
+        number = float(text)
     except ValueError:
         number = float("nan")
     if not isfinite(number):
-        raise ConfigError(f"{path}:{element.place.line}: {written!r} in <{element.name}> is no number")
+        raise ConfigError(f"{path}:{element.place.line}: {text!r} in <{element.name}> is no number")
     return number

@@ -1,15 +1,18 @@
-"""Reads a lexicon of intentions of Greta: behaviour sets with core, alternatives, implications and sequences."""
+"""Reader of Greta's lexicons of intentions.
+
+They contain behaviour sets with core, alternatives, implications and sequences.
+"""
 
 import re
 from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
 
-from kinesic.bml.reading.manner import lexeme
+from kinesic.bml.reading.manner import strip_category
 from kinesic.bml.reading.tree import Element
 from kinesic.body.config import ConfigError
 from kinesic.intent.behaviour_sets import (
-    DIRECTIONS,
+    GAZE_DIRECTIONS,
     BehaviourSet,
     BehaviourSets,
     Channel,
@@ -17,11 +20,11 @@ from kinesic.intent.behaviour_sets import (
     Implication,
     Signal,
     Spell,
-    own_sets,
+    builtin_sets,
 )
 from kinesic.intent.greta.files import number_of, read_root
 
-CHANNELS: dict[str, Channel] = {
+CHANNEL_BY_MODALITY: dict[str, Channel] = {
     "gesture": "gesture",
     "pointing": "gesture",
     "head": "head",
@@ -30,13 +33,13 @@ CHANNELS: dict[str, Channel] = {
     "torso": "torso",
     "shoulder": "torso",
 }
-SEQUENCE = "mse"  # type of a set whose signals follow one another
-POINTING = "this_index"  # gesture of a signal that only says the shape of a pointing hand
-LASTS = (1.0, 3.0)  # [s] of a signal in a sequence that does not say
+SEQUENCE_TYPE = "mse"  # type of a set of successive signals
+POINTING_GESTURE = "this_index"  # gesture of a signal that only names the shape of a pointing hand
+DEFAULT_DURATIONS = (1.0, 3.0)  # [s] shortest and longest signal in a sequence, if the file gives none
 
-_PART = re.compile(r"_signal_\d+$", re.IGNORECASE)  # of an expression that is seen in stages
-_LOOK = re.compile(r"^look_", re.IGNORECASE)
-_HEADS = {  # head movements that BML has no word for -> lexeme, amount
+_STAGE_SUFFIX = re.compile(r"_signal_\d+$", re.IGNORECASE)  # end of the names of expressions with several stages
+_GAZE_PREFIX = re.compile(r"^look_", re.IGNORECASE)  # beginning of the names of gazes
+_HEAD_LEXEMES = {  # head movement in Greta -> BML lexeme, amount
     "nod_big": ("NOD", 0.9),
     "nod_middle": ("NOD", 0.5),
     "nod_small": ("NOD", 0.25),
@@ -54,47 +57,56 @@ _HEADS = {  # head movements that BML has no word for -> lexeme, amount
 
 @lru_cache(maxsize=8)
 def read_lexicon(path: Path) -> BehaviourSets:
-    """Reads a lexicon; what it does not have is taken from kinesic's own sets.
+    """Read a Greta lexicon with the built-in behaviour sets as a fallback.
 
     Raises:
-        ConfigError: there is no such file, or it is no lexicon of intentions.
+        ConfigError: the file is missing, or is not a lexicon of intentions.
     """
     root = read_root(path, "behaviorsets")
-    sets = [_behaviour_set(each, path) for each in root.children if each.local == "behaviorset"]
-    return BehaviourSets({each.name: each for each in sets}, beside=own_sets())
+    sets = [_behaviour_set(child, path) for child in root.children if child.local == "behaviorset"]
+    return BehaviourSets({behaviour_set.name: behaviour_set for behaviour_set in sets}, fallback=builtin_sets())
 
 
 def _behaviour_set(element: Element, path: Path) -> BehaviourSet:
     name = element.attributes.get("name", "").strip()
     if not name:
         raise ConfigError(f"{path}:{element.place.line}: a behaviorset without a name")
-    inside = {each.local: each for each in element.children}
-    is_sequence = element.attributes.get("type", "").strip().lower() == SEQUENCE
+    inside = {child.local: child for child in element.children}
+    is_sequence = element.attributes.get("type", "").strip().lower() == SEQUENCE_TYPE
     signals = inside["signals"].children if "signals" in inside else ()
     constraints = inside["constraints"].children if "constraints" in inside else ()
-    core = [item for each in constraints if each.local == "core" for item in each.children]
-    rules = [rule for each in constraints if each.local == "rules" for rule in each.children]
+    core = [item for constraint in constraints if constraint.local == "core" for item in constraint.children]
+    rules = [rule for constraint in constraints if constraint.local == "rules" for rule in constraint.children]
     return BehaviourSet(
         name,
-        tuple(found for each in signals for found in [_signal(each, path, is_sequence)] if found),
+        tuple(signal for item in signals for signal in [_signal(item, path, is_sequence)] if signal),
         frozenset(item.attributes.get("id", "") for item in core),
-        tuple(found for rule in rules for found in _implications(rule)),
+        tuple(implication for rule in rules for implication in _read_implications(rule)),
     )
 
 
 def _signal(element: Element, path: Path, is_sequence: bool) -> Signal | None:
-    """A signal; None for a part of the body that kinesic does not move."""
+    """Convert an XML element of a Greta lexicon to a signal.
+
+    Returns:
+        None for a body part that kinesic does not move.
+    """
     modality = element.attributes.get("modality", "").strip().lower()
-    if modality not in CHANNELS:
+    if modality not in CHANNEL_BY_MODALITY:
         return None
-    channel = CHANNELS[modality]
+    channel = CHANNEL_BY_MODALITY[modality]
     others = [
-        (each, number_of(each, "probability", path, 0.0)) for each in element.children if each.local == "alternative"
+        (alternative, number_of(alternative, "probability", path, 0.0))
+        for alternative in element.children
+        if alternative.local == "alternative"
     ]
     rest = max(0.0, 1.0 - sum(share for _, share in others))
-    choices = [_choice(element, channel, rest), *(_choice(each, channel, share) for each, share in others)]
+    choices = [
+        _choice(element, channel, rest),
+        *(_choice(alternative, channel, share) for alternative, share in others),
+    ]
     if modality == "pointing":
-        choices = [Choice(POINTING, 1.0)]
+        choices = [Choice(POINTING_GESTURE, 1.0)]
     return Signal(
         element.attributes.get("id", ""),
         channel,
@@ -106,33 +118,33 @@ def _signal(element: Element, path: Path, is_sequence: bool) -> Signal | None:
 def _spell(element: Element, path: Path) -> Spell:
     excluded = element.attributes.get("excludelist", "").split(",")
     return Spell(
-        number_of(element, "min", path, LASTS[0]),
-        number_of(element, "max", path, LASTS[1]),
+        number_of(element, "min", path, DEFAULT_DURATIONS[0]),
+        number_of(element, "max", path, DEFAULT_DURATIONS[1]),
         number_of(element, "probability_start", path, 0.5),
         number_of(element, "probability_end", path, 0.5),
         repeats=number_of(element, "repetitivity", path, 0.0) > 0.0,
-        name=lexeme(element.attributes.get("name", "")).lower(),
-        excludes=frozenset(each.strip().lower() for each in excluded if each.strip()),
+        name=strip_category(element.attributes.get("name", "")).lower(),
+        excludes=frozenset(name.strip().lower() for name in excluded if name.strip()),
     )
 
 
 def _choice(element: Element, channel: Channel, probability: float) -> Choice:
-    written = lexeme(element.attributes.get("name", ""))
+    written = strip_category(element.attributes.get("name", ""))
     amount = None
     match channel:
         case "head":
-            written, amount = _HEADS.get(written.lower(), (written.upper(), None))
+            written, amount = _HEAD_LEXEMES.get(written.lower(), (written.upper(), None))
         case "gaze":
-            direction = _LOOK.sub("", written).replace("_", "").upper()
-            written = direction if direction in DIRECTIONS else "audience"
-    return Choice(_PART.sub("", written) or "none", probability, amount)
+            direction = _GAZE_PREFIX.sub("", written).replace("_", "").upper()
+            written = direction if direction in GAZE_DIRECTIONS else "audience"
+    return Choice(_STAGE_SUFFIX.sub("", written) or "none", probability, amount)
 
 
-def _implications(rule: Element) -> Iterator[Implication]:
-    """What a rule demands and forbids beside each signal that it is about."""
+def _read_implications(rule: Element) -> Iterator[Implication]:
+    """Yield the required and forbidden signals of a Greta rule."""
     ids: dict[str, list[str]] = {}
-    for each in rule.children:
-        ids.setdefault(each.local, []).append(each.attributes.get("id", ""))
+    for child in rule.children:
+        ids.setdefault(child.local, []).append(child.attributes.get("id", ""))
     for given in ids.get("ifpresent", ()):
         yield from (Implication(given, other, True) for other in ids.get("thenpresent", ()))
         yield from (Implication(given, other, False) for other in ids.get("thennotpresent", ()))

@@ -1,1 +1,1 @@
-"""From plain text to intents: words and phrases, and what the rules of a language find in them."""
+"""Conversion of plain text to intents by words, phrases and language rules."""

@@ -1,8 +1,11 @@
-"""The rules of a language, from `configs/intents/LANGUAGE.toml`: closed classes of words, and what words mean."""
+"""Language rules of `configs/intents/LANGUAGE.toml`: word classes and meanings.
+
+A language without rules has beats, pauses and questions.
+"""
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Literal
@@ -13,11 +16,12 @@ from kinesic.body.config import CONFIGS, ConfigError, read_toml
 
 PhrasePosition = Literal[
     "anywhere", "first", "last", "question", "statement", "tag", "alone"
-]  # tag: last in a question
-RuleScope = Literal["word", "clause", "sentence"]  # how far from its word an intent goes on
+]  # tag: at the end of a question
+RuleScope = Literal["word", "clause", "sentence"]  # extent of an intent
 
-FOLDER = CONFIGS / "intents"
-ENGLISH = "en"
+RULE_FOLDER = CONFIGS / "intents"  # folder of the language rules
+ENGLISH_TAG = "en"  # language tag of English
+_TAG_PATTERN = re.compile(r"[A-Za-z]{2,3}(?:[-_][A-Za-z0-9]{2,8}){0,3}|[A-Za-z]{2,3}-x-[A-Za-z0-9]{2,8}")  # BCP 47
 
 
 class _Rule(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
@@ -40,37 +44,55 @@ class _Table(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     emoticons: dict[str, str]
 
 
+class _PlainLanguages(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+    question_mark: dict[str, str]
+    names: dict[str, str]
+
+
 @dataclass(frozen=True)
 class Rule:
-    """Words that mean something."""
+    """Language rule: words or phrase with their meaning and conditions."""
 
     intent: str  # name of a behaviour set
-    says: str  # what they mean, for people
+    says: str  # meaning, for people
     certainty: float  # 0..1
     where: PhrasePosition
     reach: RuleScope
-    not_before: frozenset[str]  # it does not hold where one of these follows
-    not_after: frozenset[str]  # nor where one of these goes before
+    not_before: frozenset[str]  # words that exclude the rule if they follow
+    not_after: frozenset[str]  # words that exclude the rule if they precede
     lexemes: tuple[str, ...]  # gestures that show it better than its set
-    style: str  # manner that it asks for in its sentence; empty: none
+    style: str  # requested style of its sentence; empty: none
 
 
 @dataclass(frozen=True)
 class Language:
-    """What is known of a language."""
+    """Word classes, emoticons and rules of a language."""
 
     tag: str
     classes: Mapping[str, frozenset[str]]  # closed classes: function, conjunction, determiner, auxiliary, ...
     emoticons: Mapping[str, str] = field(default_factory=dict)  # emoticon -> intent
-    rules: Mapping[tuple[str, ...], tuple[Rule, ...]] = field(default_factory=dict)  # words -> what they mean
+    rules: Mapping[tuple[str, ...], tuple[Rule, ...]] = field(default_factory=dict)  # words -> meanings
+    voice: str = ""  # tag of its voice, with the region: `en-GB`; empty: its own tag
+    question_mark: str = ""  # sign that is a question mark in this language only
+    warning: str = ""  # what a language without rules lacks
+
+    @property
+    def has_rules(self) -> bool:
+        """Whether words have meanings in this language."""
+        return bool(self.rules)
 
     def has(self, name: str, word: str) -> bool:
-        """Whether a word is of a closed class."""
+        """Return whether a word belongs to a closed word class."""
         return word in self.classes.get(name, frozenset())
 
     @property
+    def number_word(self) -> str:
+        """Word for an abbreviation such as `No. 5`, or empty."""
+        return "".join(self.classes.get("number_word", ()))
+
+    @property
     def has_particles(self) -> bool:
-        """Whether its words are written without spaces, and its particles tell where they end."""
+        """Whether words are written without spaces, and end at particles."""
         return "particle" in self.classes
 
     @cached_property
@@ -78,56 +100,96 @@ class Language:
         return frozenset().union(*self.classes.values(), *self.rules)
 
     def knows(self, word: str) -> bool:
-        """Whether a word is of any class or rule."""
+        """Return whether a word occurs in any word class or rule."""
         return word in self._known
 
     @cached_property
     def longest(self) -> int:
-        """Words of the longest pattern."""
+        """Number of words in the language's longest rule."""
         return max((len(words) for words in self.rules), default=0)
 
     @cached_property
     def emoticon(self) -> str:
-        """A regular expression that matches every emoticon, the longest first; of none, one that never matches."""
+        """Regular expression that matches every emoticon, the longest first.
+
+        Without emoticons it never matches.
+        """
         longest_first = sorted(self.emoticons, key=len, reverse=True)
-        return "|".join(rf"(?<!\w){re.escape(each)}(?!\w)" for each in longest_first) or r"(?!)"
+        return "|".join(rf"(?<!\w){re.escape(emoticon)}(?!\w)" for emoticon in longest_first) or r"(?!)"
 
 
 @lru_cache(maxsize=16)
-def load_language(tag: str = ENGLISH) -> Language:
-    """Reads a language; one that is too precise (`en-GB`) is taken as what it is one of.
+def load_language(tag: str = ENGLISH_TAG) -> Language:
+    """Read the rules of a language.
+
+    A regional tag (`en-GB`) has the rules of its language, and its own voice. A language without rules has beats,
+    pauses and questions.
 
     Raises:
-        ConfigError: there are no rules for it, or they are wrong.
+        ConfigError: the tag is not a language tag, or its rules are invalid.
     """
-    known, base = sorted(each.stem for each in FOLDER.glob("??.toml")), tag.lower().partition("-")[0]
-    if base not in known:  # never a path
-        raise ConfigError(f"no rules for the language {tag!r}; there are {', '.join(known)}")
-    path = FOLDER / f"{base}.toml"
-    return _language(read_toml(path, _Table), path)
+    tags = list_languages()
+    check_tag(tag)  # prevents a path as a tag
+    voice = tag.replace("_", "-")
+    base = voice.lower().partition("-")[0]
+    if base not in tags:
+        return _plain_language(base, voice, tags)
+    path = RULE_FOLDER / f"{base}.toml"
+    return replace(_language(read_toml(path, _Table), path), voice="" if voice == base else voice)
+
+
+def check_tag(tag: str) -> None:
+    """Check that a text is a language tag.
+
+    Raises:
+        ConfigError: it is none.
+    """
+    if not _TAG_PATTERN.fullmatch(tag):
+        raise ConfigError(f"language {tag!r} is not a language tag such as en, en-GB, pt-BR or zh")
+
+
+@lru_cache(maxsize=1)
+def list_languages() -> tuple[str, ...]:
+    """Return the tags of the languages with rules."""
+    return tuple(sorted(file.stem for file in RULE_FOLDER.glob("??.toml")))
+
+
+def _plain_language(base: str, voice: str, tags: tuple[str, ...]) -> Language:
+    """Return a language without rules."""
+    known = read_toml(RULE_FOLDER / "languages.toml", _PlainLanguages)
+    name = f"{known.names[base]} ({voice})" if base in known.names else repr(voice)
+    given = "only voice, beats, pauses and questions are given"
+    return Language(
+        base,
+        {},
+        load_language().emoticons,
+        voice="" if voice == base else voice,
+        question_mark=known.question_mark.get(base, ""),
+        warning=f"{name} has no rules of meaning: {given}; rules exist for {', '.join(tags)}",
+    )
 
 
 def _language(table: _Table, path: Path) -> Language:
     rules: dict[tuple[str, ...], list[Rule]] = {}
-    for each in table.rule:
-        if not 0.0 <= each.certainty <= 1.0:
-            raise ConfigError(f"{path}: certainty of {each.intent} is {each.certainty}; 0 to 1 is possible")
+    for entry in table.rule:
+        if not 0.0 <= entry.certainty <= 1.0:
+            raise ConfigError(f"{path}: certainty of {entry.intent} is {entry.certainty}; 0 to 1 is possible")
         rule = Rule(
-            each.intent,
-            each.says,
-            each.certainty,
-            each.where,
-            each.reach,
-            frozenset(each.not_before.split()),
-            frozenset(each.not_after.split()),
-            tuple(each.lexemes),
-            each.style,
+            entry.intent,
+            entry.says,
+            entry.certainty,
+            entry.where,
+            entry.reach,
+            frozenset(entry.not_before.split()),
+            frozenset(entry.not_after.split()),
+            tuple(entry.lexemes),
+            entry.style,
         )
-        for words in each.words:
+        for words in entry.words:
             rules.setdefault(tuple(words.split()), []).append(rule)
     return Language(
         table.tag,
         {name: frozenset(words.split()) for name, words in table.classes.items()},
         table.emoticons,
-        {words: tuple(found) for words, found in rules.items()},
+        {words: tuple(rules_of_words) for words, rules_of_words in rules.items()},
     )

@@ -1,4 +1,4 @@
-"""Finds the words of a text for which a language has rules."""
+"""Matching of language rules against the words of a text."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -9,27 +9,27 @@ from kinesic.intent.reading.passage import Passage
 
 @dataclass(frozen=True)
 class Finding:
-    """Words of a text that mean something by a rule."""
+    """Words of a text that match a language rule."""
 
     rule: Rule
-    first: int  # index of its first word
-    last: int  # and of its last one
+    first: int  # index of the first word
+    last: int  # index of the last word
 
     @property
     def count(self) -> int:
-        """How many words it has."""
+        """Number of words that the rule matches."""
         return self.last - self.first + 1
 
 
 def find_rules(passage: Passage, language: Language) -> tuple[Finding, ...]:
-    """Finds every rule that holds, in order; of rules for one intent that begin at a word, the one with most words."""
-    found: dict[tuple[int, str], Finding] = {}
-    for each in _matches(passage, language):
-        if holds(each, passage):
-            key = (each.first, each.rule.intent)
-            if key not in found or found[key].count < each.count:
-                found[key] = each
-    return tuple(sorted(_outermost(found.values()), key=lambda each: (each.first, each.last)))
+    """Return all rule matches in order, the longest per intent and word."""
+    longest: dict[tuple[int, str], Finding] = {}
+    for finding in _matches(passage, language):
+        if holds(finding, passage):
+            key = (finding.first, finding.rule.intent)
+            if key not in longest or longest[key].count < finding.count:
+                longest[key] = finding
+    return tuple(sorted(_keep_outermost(longest.values()), key=lambda finding: (finding.first, finding.last)))
 
 
 def _matches(passage: Passage, language: Language) -> Iterator[Finding]:
@@ -44,7 +44,7 @@ def _matches(passage: Passage, language: Language) -> Iterator[Finding]:
 
 
 def holds(finding: Finding, passage: Passage) -> bool:
-    """Whether a rule holds where its words stand."""
+    """Return whether a rule match satisfies the rule's conditions."""
     words, rule = passage.words, finding.rule
     here = words[finding.first].sentence
     before = words[finding.first - 1] if finding.first else None
@@ -70,10 +70,13 @@ def holds(finding: Finding, passage: Passage) -> bool:
     return True
 
 
-def _outermost(findings: Iterable[Finding]) -> Iterator[Finding]:
-    """Leaves out what has other words around it that mean the same; the findings are in the order of their words."""
-    reached: dict[str, int] = {}  # intent -> the last word that it has so far
-    for each in findings:
-        if each.last > reached.get(each.rule.intent, -1):
-            reached[each.rule.intent] = each.last
-            yield each
+def _keep_outermost(findings: Iterable[Finding]) -> Iterator[Finding]:
+    """Drop rule matches inside a longer match of the same intent.
+
+    The findings are in the order of their words.
+    """
+    last_words: dict[str, int] = {}  # intent -> index of its last word up to here
+    for finding in findings:
+        if finding.last > last_words.get(finding.rule.intent, -1):
+            last_words[finding.rule.intent] = finding.last
+            yield finding

@@ -1,95 +1,103 @@
-"""The types that plain text becomes: words with their punctuation, in phrases and sentences."""
+"""Words with punctuation, in phrases and sentences of a text."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
+from kinesic.body.scripts import PHRASE_STOPS
 from kinesic.intent.intents import Moment
-from kinesic.intent.reading.stress import count_syllables, stressed_syllable
+from kinesic.intent.reading.prosody import NO_LAYERS, Layers
+from kinesic.intent.reading.syllables import count_syllables, stressed_syllable
 
 SentenceKind = Literal["statement", "question", "exclamation"]
 
-SPEECH = "s"  # id of the speech that says a text
-SYLLABLE, WORD = 0.155, 0.05  # [s] of a syllable, and of a word on top of them: about 175 words in a minute
-COMMA, STOP = 0.2, 0.45  # [s] of silence behind a phrase and a sentence
-COMMAS = ",;:\u3001\uff0c"  # punctuation between phrases
-ONSET = 0.45  # of a syllable: where its vowel sounds
+SPEECH_ID = "s"  # id of the speech behaviour
+SYLLABLE_DURATION = 0.155  # [s] estimated duration of a syllable
+WORD_OVERHEAD = 0.05  # [s] duration per word in addition to its syllables: about 175 words per minute
+PHRASE_PAUSE = 0.2  # [s] estimated silence after a phrase
+SENTENCE_PAUSE = 0.45  # [s] estimated silence after a sentence
+_PHRASE_SIGNS = frozenset(PHRASE_STOPS)
+VOWEL_FRACTION = 0.45  # fraction of a syllable before its vowel
 
 
 @dataclass(frozen=True)
 class Word:
-    """One word of a text."""
+    """One word of a text, with punctuation, phrase and sentence."""
 
-    text: str  # as it is said
-    plain: str  # in small letters, with a straight apostrophe
-    before: str  # punctuation and space since the word before
-    sentence: int  # from 0
-    phrase: int  # from 0, through all sentences
-    is_content: bool  # it says something of its own: no article, pronoun, preposition, auxiliary
-    emphatic: bool = False  # the writer stresses it: CAPITALS, *asterisks*, SSML
-    pause: float = 0.0  # [s] that is asked for before it, beside what its punctuation does
-    end: int = 0  # place behind it in the text that was read
+    text: str  # as spoken
+    plain: str  # lower-case, with a straight apostrophe
+    before: str  # punctuation and space since the preceding word
+    sentence: int  # index of its sentence
+    phrase: int  # index of its phrase in the whole text
+    is_content: bool  # whether it is a content word: no article, pronoun, preposition or auxiliary
+    emphatic: bool = False  # whether it is emphasised: CAPITALS, *asterisks*, SSML
+    pause: float = 0.0  # [s] requested before it, in addition to punctuation
+    end: int = 0  # position after it in the source text
+    language: str = "en"  # without region
+    prosody: Layers = NO_LAYERS  # requested rate, pitch and volume of the voice
 
 
 @dataclass(frozen=True)
 class Passage:
-    """A text in words, phrases and sentences."""
+    """Text divided into words, phrases and sentences."""
 
     words: tuple[Word, ...]
     kinds: tuple[SentenceKind, ...]  # of its sentences
-    tail: str = ""  # behind the last word
-    tail_pause: float = 0.0  # [s] that is asked for behind the last word
-    feelings: tuple[tuple[int, str], ...] = ()  # sentence and emotion of each emoticon
-    language: str = "en"
-    is_over: bool = True  # its last phrase has ended: by punctuation, or because there is none
+    tail: str = ""  # text after the last word
+    tail_pause: float = 0.0  # [s] requested after the last word
+    feelings: tuple[tuple[int, str], ...] = ()  # (sentence index, emotion) of each emoticon
+    language: str = "en"  # whose rules it is read by, without region
+    is_over: bool = True  # whether its last phrase has ended, or it is empty
+    directions: tuple[tuple[int, str], ...] = ()  # (index of the next word, words) of each direction
+    voice: str = ""  # language of its voice, such as `en-GB`; empty: the language
 
     @cached_property
     def sentences(self) -> tuple[Sequence[int], ...]:
-        """The indices of the words of each sentence."""
-        return _grouped((word.sentence for word in self.words), len(self.kinds))
+        """Word indices of each sentence."""
+        return _group_words((word.sentence for word in self.words), len(self.kinds))
 
     @cached_property
     def phrases(self) -> tuple[Sequence[int], ...]:
-        """The indices of the words of each phrase."""
-        return _grouped((word.phrase for word in self.words), self.words[-1].phrase + 1 if self.words else 0)
+        """Word indices of each phrase."""
+        return _group_words((word.phrase for word in self.words), self.words[-1].phrase + 1 if self.words else 0)
 
     @cached_property
     def content(self) -> tuple[Sequence[int], ...]:
-        """The indices of the content words of each phrase."""
+        """Indices of the content words of each phrase."""
         return tuple([k for k in phrase if self.words[k].is_content] for phrase in self.phrases)
 
     @cached_property
     def starts(self) -> tuple[float, ...]:
-        """When each word begins [s], about, and last when all is said."""
+        """Estimated start time of each word, and end of the text [s]."""
         times, now = [], 0.0
         for k, word in enumerate(self.words):
             if k and self.words[k - 1].sentence != word.sentence:
-                now += STOP
-            elif k and set(word.before) & set(COMMAS):
-                now += COMMA
+                now += SENTENCE_PAUSE
+            elif k and is_phrase_start(word):
+                now += PHRASE_PAUSE
             now += word.pause
             times.append(now)
             now += word_duration(word)
         return (*times, now)
 
     def onset(self, index: int) -> Moment:
-        """The moment when a word begins."""
-        return Moment(f"{SPEECH}:{mark(index)}", self.starts[index])
+        """Return the time at which a word begins."""
+        return Moment(f"{SPEECH_ID}:{mark(index)}", self.starts[index])
 
     def stress(self, index: int) -> Moment:
-        """The moment when the stressed syllable of a word sounds."""
-        later = (stressed_syllable(self.words[index].plain) + ONSET) * SYLLABLE
-        return Moment(f"{SPEECH}:{mark(index)}+{later:.2f}", self.starts[index] + later)
+        """Return the time of a word's stressed syllable."""
+        later = (stressed_syllable(self.words[index].plain, self.language) + VOWEL_FRACTION) * SYLLABLE_DURATION
+        return Moment(f"{SPEECH_ID}:{mark(index)}+{later:.2f}", self.starts[index] + later)
 
     def close(self, index: int) -> Moment:
-        """The moment when a word has been said."""
+        """Return the time at which a word ends."""
         word = self.words[index]
-        return Moment(f"{SPEECH}:{mark(index)}+{word_duration(word):.2f}", self.starts[index] + word_duration(word))
+        return Moment(f"{SPEECH_ID}:{mark(index)}+{word_duration(word):.2f}", self.starts[index] + word_duration(word))
 
 
-def _grouped(numbers: Iterable[int], count: int) -> tuple[Sequence[int], ...]:
-    """The indices at which each number from 0 stands."""
+def _group_words(numbers: Iterable[int], count: int) -> tuple[Sequence[int], ...]:
+    """Return the word indices of each phrase or sentence, by number."""
     groups: list[list[int]] = [[] for _ in range(count)]
     for k, number in enumerate(numbers):
         groups[number].append(k)
@@ -97,10 +105,15 @@ def _grouped(numbers: Iterable[int], count: int) -> tuple[Sequence[int], ...]:
 
 
 def word_duration(word: Word) -> float:
-    """Estimates how long a word takes to say [s]."""
-    return WORD + SYLLABLE * count_syllables(word.plain)
+    """Return the estimated duration of a word [s]."""
+    return WORD_OVERHEAD + SYLLABLE_DURATION * count_syllables(word.plain, word.language)
+
+
+def is_phrase_start(word: Word) -> bool:
+    """Return whether punctuation of a phrase precedes a word."""
+    return not _PHRASE_SIGNS.isdisjoint(word.before)
 
 
 def mark(index: int) -> str:
-    """Names the sync point before a word."""
+    """Return the sync point name at the start of a word."""
     return f"w{index + 1}"

@@ -1,20 +1,22 @@
-"""Finds what the build of a text means: the accent of each phrase, noun and verb phrases, and lists."""
+"""Phrase structure of a text: accents, noun phrases, verb phrases and lists."""
 
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from kinesic.body.scripts import PHRASE_STOPS, SENTENCE_STOPS
 from kinesic.intent.reading.language import Language
-from kinesic.intent.reading.passage import COMMAS, Passage
+from kinesic.intent.reading.passage import Passage
 
-LONGEST_ITEM = 5  # words of one thing in a list
-LEAST_ITEMS = 3
-STRESS_REACH = 3  # words within which a weak word leaves its stroke to one that is stressed
+LONGEST_ITEM = 5  # largest number of words in an item of a list
+_CLAUSE_SIGNS = frozenset(PHRASE_STOPS + SENTENCE_STOPS)
+MIN_ITEMS = 3  # smallest number of items of a list
+STRESS_DISTANCE = 3  # largest distance [words] from a weak word to the content word that carries its stroke
 
 
 @dataclass(frozen=True)
 class PhrasePart:
-    """Words that mean something by where they stand."""
+    """Words with a role in the text, such as list items."""
 
     intent: str
     first: int
@@ -24,9 +26,10 @@ class PhrasePart:
 
 
 def accent_of(passage: Passage, phrase: int) -> int:
-    """Finds the word of a phrase that is accented: one that the writer stresses, else the last content word.
+    """Return the accented word of a phrase.
 
-    A phrase of small words alone has its accent on the last.
+    It is the last word that the writer emphasises, otherwise the last content word. A phrase without content words has
+    its accent on the last word.
     """
     indices = passage.phrases[phrase]
     emphatic = [k for k in indices if passage.words[k].emphatic]
@@ -34,46 +37,48 @@ def accent_of(passage: Passage, phrase: int) -> int:
 
 
 def stressed_near(passage: Passage, index: int) -> int:
-    """Finds the word on which the stroke of a meaning falls.
+    """Return the word near which an intent's stroke is best placed.
 
-    A content word, a stressed one, and one in a phrase without content words, keeps it. Others (`you`, `my`, `not`) are
-    weak: it falls on the next content word of their phrase, else on the last one before them.
+    A content word, an emphasised one, and one in a phrase without content words, keeps it. Other words (`you`, `my`,
+    `not`) are weak: the stroke falls on the next content word of their phrase, otherwise on the last one before them.
     """
     words = passage.words
     content = passage.content[words[index].phrase]
     if words[index].is_content or words[index].emphatic or not content:
         return index
     at = bisect_right(content, index)
-    if at < len(content) and content[at] <= index + STRESS_REACH:
+    if at < len(content) and content[at] <= index + STRESS_DISTANCE:
         return content[at]
     return min(content[max(at - 1, 0) : at + 1], key=lambda k: abs(k - index))
 
 
 @dataclass(frozen=True)
 class Grammar:
-    """How the words of a passage belong together, by their indices."""
+    """Noun phrases, verbs and clauses of a passage, as word indices."""
 
     things: tuple[tuple[int, int], ...]  # first and last word of each noun phrase
-    verbs: tuple[int, ...]  # the first verb of each sentence that has one
-    clauses: tuple[int, ...]  # for each word the last one of its clause
+    verbs: tuple[int, ...]  # first verb of each sentence with a verb
+    clauses: tuple[int, ...]  # last word of each word's clause
 
 
 def read_grammar(passage: Passage, language: Language) -> Grammar:
-    """Finds how words belong together, by closed classes of words and punctuation."""
-    things = [each for sentence in passage.sentences for each in _noun_phrases(passage, language, sentence)]
-    verbs = [each for sentence in passage.sentences for each in _first_verb(passage, language, sentence)]
+    """Find the phrase structure by word classes and punctuation."""
+    things = [
+        noun_phrase for sentence in passage.sentences for noun_phrase in _find_noun_phrases(passage, language, sentence)
+    ]
+    verbs = [verb for sentence in passage.sentences for verb in _find_first_verb(passage, language, sentence)]
     return Grammar(tuple(things), tuple(verbs), tuple(clause_ends(passage, language)))
 
 
 def find_phrases(passage: Passage, language: Language, grammar: Grammar) -> Iterator[PhrasePart]:
-    """Yields accents, noun phrases, first verb phrases and lists, and what is stressed."""
+    """Yield accents, emphasised words, noun phrases, first verbs and lists."""
     for number, indices in enumerate(passage.phrases):
         k = accent_of(passage, number)
         yield PhrasePart("accent", k, k, "carries the accent of its phrase", 0.3 if len(indices) > 1 else 0.2)
     for k, word in enumerate(passage.words):
         if word.emphatic:
             yield PhrasePart("emphasis-strong", k, k, "is stressed by the writer", 0.85)
-    named = set[int]()  # sentences that have named something
+    named = set[int]()  # sentences with a noun phrase up to here
     for first, last in grammar.things:
         is_first = passage.words[first].sentence not in named
         named.add(passage.words[first].sentence)
@@ -88,19 +93,25 @@ def find_phrases(passage: Passage, language: Language, grammar: Grammar) -> Iter
 
 
 def clause_ends(passage: Passage, language: Language) -> list[int]:
-    """Finds the last word of the clause of each word: up to punctuation, or to a word that begins another clause."""
+    """Return the last word of each word's clause.
+
+    A clause ends at punctuation, or before a word that begins another clause.
+    """
     words = passage.words
     ends = list(range(len(words)))
     for k in reversed(ends[:-1]):
         after = words[k + 1]
-        is_over = after.sentence != words[k].sentence or any(each in after.before for each in f"{COMMAS}.")
+        is_over = after.sentence != words[k].sentence or not _CLAUSE_SIGNS.isdisjoint(after.before)
         if not (is_over or language.has("negation_end", after.plain)):
             ends[k] = ends[k + 1]
     return ends
 
 
-def _noun_phrases(passage: Passage, language: Language, sentence: Sequence[int]) -> Iterator[tuple[int, int]]:
-    """Each determiner with its noun: the first content word behind it that is no adjective, as far as one can tell."""
+def _find_noun_phrases(passage: Passage, language: Language, sentence: Sequence[int]) -> Iterator[tuple[int, int]]:
+    """Yield the noun phrases: each determiner with its noun.
+
+    The noun is the first content word after it that is not a known adjective.
+    """
     for k in sentence:
         if not language.has("determiner", passage.words[k].plain):
             continue
@@ -116,8 +127,8 @@ def _noun_phrases(passage: Passage, language: Language, sentence: Sequence[int])
             yield k, noun
 
 
-def _first_verb(passage: Passage, language: Language, sentence: Sequence[int]) -> Iterator[int]:
-    """The first verb: an auxiliary, or what follows the subject."""
+def _find_first_verb(passage: Passage, language: Language, sentence: Sequence[int]) -> Iterator[int]:
+    """Yield a sentence's first verb: auxiliary, or word after the subject."""
     for k in sentence:
         is_verb = language.has("auxiliary", passage.words[k].plain)
         after = k > sentence[0] and language.has("subject", passage.words[k - 1].plain)
@@ -127,7 +138,10 @@ def _first_verb(passage: Passage, language: Language, sentence: Sequence[int]) -
 
 
 def _list(passage: Passage, language: Language, sentence: Sequence[int]) -> Iterator[PhrasePart]:
-    """The items of `a, b and c`: short pieces between commas, the last one behind `and` or `or`."""
+    """Yield the items of a list such as `a, b and c`.
+
+    Items are short parts between commas, the last one after `and` or `or`.
+    """
     pieces: list[list[int]] = [[]]
     joint = False
     for k in sentence:
@@ -135,7 +149,7 @@ def _list(passage: Passage, language: Language, sentence: Sequence[int]) -> Iter
         joins = language.has("list_joint", word.plain)
         if k > sentence[0] and ("," in word.before or joins) and pieces[-1]:
             pieces.append([])
-        joint |= joins and len(pieces) >= LEAST_ITEMS
+        joint |= joins and len(pieces) >= MIN_ITEMS
         if not joins:
             pieces[-1].append(k)
     items = [piece for piece in pieces[1:-1] if 0 < len(piece) <= LONGEST_ITEM]

@@ -1,34 +1,52 @@
-"""Cuts a text without spaces into words: at its particles and known words, and where the script changes."""
+"""Word segmentation of text without spaces.
 
+Words are separated at particles, at known words, and where the script changes.
+"""
+
+import re
 from typing import Literal
 
+from kinesic.body.scripts import HAN_LETTERS
 from kinesic.intent.reading.language import Language
 
 WritingSystem = Literal["hiragana", "katakana", "kanji", "other"]
 
-LONGEST_WORD = 12  # letters of a known word
+LONGEST_WORD = 12  # [letters] longest dictionary word
+_LETTER_GROUPS = (
+    re.compile(  # of scripts without spaces: Chinese in pairs, Thai and Lao before vowels that begin a syllable
+        rf"[{HAN_LETTERS}]{{2}}(?![{HAN_LETTERS}](?![{HAN_LETTERS}]))|[{HAN_LETTERS}]{{1,3}}"
+        r"|[\u0e00-\u0eff]{4,}?(?=[\u0e40-\u0e44\u0ec0-\u0ec4][\u0e00-\u0eff]{3})|[\u0e00-\u0eff]+"
+        rf"|[^{HAN_LETTERS}\u0e00-\u0eff]+"
+    )
+)
 
 
 def segment(text: str, language: Language) -> list[str]:
-    """Cuts letters without spaces into words; joined they are the text again.
+    """Divide letters without spaces into words.
 
-    Known words are found first, the longest one; else a word goes on to where the script changes, and takes the
-    hiragana behind it that are no word of their own (`食べ`). Unknown words all in hiragana may be cut wrongly.
+    Joined they give the text again. In a language without rules, words are estimated by their length. Otherwise the
+    longest known word has precedence, and a word extends to the next change of script, and includes following hiragana
+    that are no word themselves (`食べ`). Unknown words in hiragana may be divided wrongly.
     """
+    if not language.has_rules:
+        return _LETTER_GROUPS.findall(text)
     if not language.has_particles:
         return [text]
     starts: list[int] = []
-    is_known, at = True, 0  # whether the last word is over for certain
+    is_known, at = True, 0  # is_known: whether the last word is certainly complete
     while at < len(text):
-        known = _known(text, at, language, is_over=is_known or _script(text[at - 1]) != "hiragana")
-        if known or is_known or _changes(text[at - 1], text[at]):
+        dictionary_word = _find_known_word(text, at, language, is_over=is_known or _script(text[at - 1]) != "hiragana")
+        if dictionary_word or is_known or _is_script_change(text[at - 1], text[at]):
             starts.append(at)
-        is_known, at = bool(known), at + len(known or text[at])
+        is_known, at = bool(dictionary_word), at + len(dictionary_word or text[at])
     return [text[start:end] for start, end in zip(starts, [*starts[1:], len(text)], strict=True)]
 
 
-def _known(text: str, at: int, language: Language, *, is_over: bool) -> str:
-    """The longest known word that begins at a letter, or nothing; a particle only behind a word that is over."""
+def _find_known_word(text: str, at: int, language: Language, *, is_over: bool) -> str:
+    """Return the longest dictionary word at a position, or an empty text.
+
+    A particle is accepted only after a complete word.
+    """
     for end in range(min(len(text), at + LONGEST_WORD), at, -1):
         word = text[at:end]
         if end - at == 1 and (at == 0 or not is_over) and _script(word) == "hiragana":
@@ -44,8 +62,11 @@ def _goes_on(text: str, end: int) -> bool:
     return end < len(text) and _script(text[end]) == "kanji"
 
 
-def _changes(before: str, after: str) -> bool:
-    """Whether a word ends between two letters; hiragana behind others are its ending."""
+def _is_script_change(before: str, after: str) -> bool:
+    """Return whether a change of script ends a word between letters.
+
+    Hiragana after another script is a word ending.
+    """
     one, other = _script(before), _script(after)
     return one != other and other != "hiragana"
 

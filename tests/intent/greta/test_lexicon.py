@@ -6,15 +6,15 @@ from pathlib import Path
 import pytest
 
 from kinesic.body.config import ConfigError
-from kinesic.intent.behaviour_sets import own_sets
-from kinesic.intent.budget import GAPS, MovementBudget
+from kinesic.intent.behaviour_sets import builtin_sets
+from kinesic.intent.budget import STROKE_SPACINGS, MovementBudget
 from kinesic.intent.choosing import choose_behaviours
 from kinesic.intent.greta.lexicon import read_lexicon
 from kinesic.intent.intents import Intent, Moment
 from kinesic.intent.sequences import draw_sequence
 
-CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[4] / "shared" / "corpus"))
-LEXICON = """<behaviorsets>
+CORPUS_FOLDER = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[4] / "shared" / "corpus"))
+LEXICON_XML = """<behaviorsets>
 <behaviorset name="emotion-Odd"><signals>
   <signal id="1" name="faceexp=joy_signal_2" modality="face"><alternative name="none" probability="0.5"/></signal>
   <signal id="2" name="Nod_Big" modality="head"/>
@@ -42,17 +42,17 @@ def intent(name, seconds=8.0):
 @pytest.fixture(scope="module")
 def sets(tmp_path_factory):
     path = tmp_path_factory.mktemp("greta") / "lexicon.xml"
-    path.write_text(LEXICON)
+    path.write_text(LEXICON_XML)
     return read_lexicon(path)
 
 
 def shown(sets, seed):
-    budget = MovementBudget(10, GAPS, {})
+    budget = MovementBudget(10, STROKE_SPACINGS, {})
     chosen = choose_behaviours([intent("emotion-odd")], sets, budget, seed=seed).behaviours
     return {each.channel: each for each in chosen}
 
 
-def test_alternatives_are_drawn_and_rules_hold(sets):
+def test_random_greta_signals_obey_the_constraints_of_their_behaviour_set(sets):
     all_of_them = [shown(sets, seed) for seed in range(40)]
     with_face = [each for each in all_of_them if "face" in each]
     assert 8 < len(with_face) < 32, "half of them show nothing"
@@ -64,7 +64,7 @@ def test_alternatives_are_drawn_and_rules_hold(sets):
     assert {each["gaze"].lexeme for each in all_of_them if "gaze" in each} == {"DOWNLEFT"}
 
 
-def test_a_sequence_fills_its_intention_turn_by_turn(sets):
+def test_sequence_of_greta_signals_fills_the_duration_of_the_intention(sets):
     found = sets.find("emotion-long")
     for seed in range(20):
         drawn = list(draw_sequence(intent("emotion-long"), found, random.Random(seed)))
@@ -81,8 +81,8 @@ def test_a_sequence_fills_its_intention_turn_by_turn(sets):
         assert all(part.start.seconds < part.stroke.seconds < part.end.seconds for part, _ in drawn)
 
 
-def test_what_does_not_repeat_is_shown_once_until_nothing_is_left(sets):
-    """Fear and anger; joy, which repeats, is excluded where fear came first."""
+def test_greta_signals_marked_unrepeatable_are_shown_once(sets):
+    """Expect fear and anger once, and joy several times, unless fear excludes it."""
     found, seen = sets.find("emotion-long"), []
     for seed in range(20):
         drawn = draw_sequence(intent("emotion-long"), found, random.Random(seed))
@@ -94,7 +94,7 @@ def test_what_does_not_repeat_is_shown_once_until_nothing_is_left(sets):
 
 
 @pytest.mark.parametrize("move", ["nod", "shake"])
-def test_head_movements_whose_size_nobody_says_are_of_the_middle_one(tmp_path, move):
+def test_head_movements_without_size_have_middle_size(tmp_path, move):
     sizes = [f"{move}_{size}" for size in ("small", "middle", "big")]
     others = [f"{move}1", *{"nod": ["NodUpDown", "NodDownUp"], "shake": ["ShakeLeftRight", "ShakeRightLeft"]}[move]]
     signals = "".join(f'<signal id="{name}" name="{name}" modality="head"/>' for name in (*sizes, *others))
@@ -107,7 +107,7 @@ def test_head_movements_whose_size_nobody_says_are_of_the_middle_one(tmp_path, m
     assert rest == [middle] * len(others)
 
 
-def test_what_a_lexicon_says_of_chances_is_kept(sets):
+def test_probabilities_of_a_greta_lexicon_are_kept(sets):
     face = sets.sets["emotion-Odd"].signals[0]
     assert [(each.lexeme, each.probability) for each in face.choices] == [("joy", 0.5), ("none", 0.5)]
     first, _, third, _ = (signal.spell for signal in sets.sets["emotion-long"].signals)
@@ -115,17 +115,17 @@ def test_what_a_lexicon_says_of_chances_is_kept(sets):
     assert (third.early, third.late, third.repeats, third.excludes) == (0.5, 0.5, True, {"fear"})
 
 
-def test_an_empty_set_is_a_reason(sets):
-    omitted = choose_behaviours([intent("theme-x")], sets, MovementBudget(10, GAPS, {})).omissions
+def test_empty_greta_behaviour_set_is_reported_as_reason_of_omission(sets):
+    omitted = choose_behaviours([intent("theme-x")], sets, MovementBudget(10, STROKE_SPACINGS, {})).omissions
     assert [each.why for each in omitted] == ["the set of theme-x is empty"]
 
 
-def test_a_signal_that_is_nothing_is_not_shown(sets):
-    assert choose_behaviours([intent("emotion-still")], sets, MovementBudget(10, GAPS, {})).behaviours == ()
+def test_signal_without_lexeme_is_not_shown(sets):
+    assert choose_behaviours([intent("emotion-still")], sets, MovementBudget(10, STROKE_SPACINGS, {})).behaviours == ()
 
 
-def test_what_a_lexicon_lacks_is_our_own(sets):
-    assert sets.find("performative-greet") is own_sets().find("performative-greet")
+def test_missing_greta_sets_fall_back_to_builtin_ones(sets):
+    assert sets.find("performative-greet") is builtin_sets().find("performative-greet")
     assert sets.find("EMOTION-odd") is sets.sets["emotion-Odd"]
 
 
@@ -135,24 +135,24 @@ def test_what_a_lexicon_lacks_is_our_own(sets):
         ("<profile/>", "<profile> where <behaviorsets>"),
         ("<behaviorsets>", "no element found"),
         ("<behaviorsets><behaviorset/></behaviorsets>", "without a name"),
-        (LEXICON.replace('probability="0.5"', 'probability="nan"'), "'nan' in <alternative> is no number"),
+        (LEXICON_XML.replace('probability="0.5"', 'probability="nan"'), "'nan' in <alternative> is no number"),
     ],
 )
-def test_wrong_files_are_refused(tmp_path, text, says):
+def test_invalid_lexicon_files_are_refused(tmp_path, text, says):
     path = tmp_path / "wrong.xml"
     path.write_text(text)
     with pytest.raises(ConfigError, match=says):
         read_lexicon(path)
 
 
-@pytest.mark.skipif(not CORPUS.is_dir(), reason=f"no corpus at {CORPUS}")
-def test_gretas_lexicons_are_read_and_every_set_shows_something():
-    paths = sorted((CORPUS / "greta/behaviorplanner/IntentionLexicon").glob("*.xml"))
+@pytest.mark.skipif(not CORPUS_FOLDER.is_dir(), reason=f"no corpus at {CORPUS_FOLDER}")
+def test_every_behaviour_set_of_the_greta_lexicons_gives_behaviours_or_a_reason():
+    paths = sorted((CORPUS_FOLDER / "greta/behaviorplanner/IntentionLexicon").glob("*.xml"))
     assert len(paths) == 4
     for path in paths:
         sets = read_lexicon(path)
         for name, found in sets.sets.items():
-            chosen = choose_behaviours([intent(name)], sets, MovementBudget(10, GAPS, {}))
+            chosen = choose_behaviours([intent(name)], sets, MovementBudget(10, STROKE_SPACINGS, {}))
             lexemes = {choice.lexeme for signal in found.signals for choice in signal.choices}
             assert chosen.behaviours or chosen.omissions, name
             assert {each.lexeme for each in chosen.behaviours} <= lexemes

@@ -1,20 +1,29 @@
+import tomllib
+from pathlib import Path
+
 import pytest
 
 from kinesic.bml.parse import parse
 from kinesic.body.config import ConfigError
+from kinesic.body.scripts import PHRASE_STOPS, SENTENCE_STOPS
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.style import Style
 from kinesic.intent.author import author, plan_behaviours
-from kinesic.intent.behaviour_sets import own_sets
+from kinesic.intent.behaviour_sets import builtin_sets
 from kinesic.intent.reading.language import load_language
+from kinesic.intent.reading.syllables import count_syllables, stressed_syllable
+from kinesic.intent.reading.words import read_text
 
-SAID = {  # greeting, denial, question, farewell
+SAMPLE_SENTENCES = {  # Greeting, denial, question, farewell
     "de": ("Hallo, meine Freunde!", "Ich habe das alte Haus nie gesehen.", "Wo ist der Hund?", "Auf Wiedersehen."),
     "es": ("¡Hola, amigos!", "No he visto nunca la casa vieja.", "¿Dónde está el perro?", "Hasta luego."),
     "ja": ("こんにちは、皆さん。", "私はその古い家を見たことがありません。", "犬はどこですか。", "さようなら。"),
+    "it": ("Ciao, amici!", "Non ho mai visto la vecchia casa.", "Dov'è il cane?", "Arrivederci."),
+    "nl": ("Hallo, vrienden!", "Ik heb het oude huis nooit gezien.", "Waar is de hond?", "Tot ziens."),
+    "pt": ("Olá, amigos!", "Nunca vi a casa velha.", "Onde está o cão?", "Até logo."),
     "fr": ("Bonjour, mes amis !", "Je n'ai jamais vu la vieille maison.", "Où est le chien ?", "Au revoir."),
 }
-MEANT = ("performative-greet", "negation", "question", "performative-farewell")
+EXPECTED_INTENTS = ("performative-greet", "negation", "question", "performative-farewell")
 
 
 @pytest.fixture(scope="module")
@@ -22,40 +31,124 @@ def lexicon():
     return Lexicon.load()
 
 
-@pytest.mark.parametrize("language", SAID)
-def test_a_language_greets_denies_and_asks(lexicon, language):
+@pytest.mark.parametrize("language", SAMPLE_SENTENCES)
+def test_language_rules_find_greeting_negation_and_question(lexicon, language):
     style = Style.load("neutral")
-    for text, meant in zip(SAID[language], MEANT, strict=True):
+    for text, meant in zip(SAMPLE_SENTENCES[language], EXPECTED_INTENTS, strict=True):
         chosen = plan_behaviours(text, lexicon, style, language=language)[1].behaviours
         names = {each.intent.name for each in chosen}
         assert meant in names, text
         assert meant == "negation" or "negation" not in names
         assert meant != "negation" or "NOD" not in {each.lexeme for each in chosen}
-    block = parse(author(" ".join(SAID[language]), lexicon, style, language=language))
+    block = parse(author(" ".join(SAMPLE_SENTENCES[language]), lexicon, style, language=language))
     assert block.notices == ()
     assert block.behaviours[0].action.script.language == language
 
 
-@pytest.mark.parametrize("language", SAID)
-def test_beats_alone_are_left_where_no_rule_holds(lexicon, language):
+@pytest.mark.parametrize("language", SAMPLE_SENTENCES)
+def test_text_without_matching_rules_has_only_beats(lexicon, language):
     behaviours = plan_behaviours("Xaluno venda mirolo kestan.", lexicon, Style.load("neutral"), language=language)[1]
     assert {each.intent.name for each in behaviours.behaviours if each.channel == "gesture"} == {"accent"}
 
 
-@pytest.mark.parametrize("language", SAID)
-def test_every_rule_of_a_language_has_a_behaviour_set(language):
+@pytest.mark.parametrize("language", SAMPLE_SENTENCES)
+def test_intent_of_every_language_rule_has_a_behaviour_set(language):
     rules = [rule for found in load_language(language).rules.values() for rule in found]
-    assert [rule.intent for rule in rules if own_sets().find(rule.intent) is None] == []
+    assert [rule.intent for rule in rules if builtin_sets().find(rule.intent) is None] == []
 
 
-def test_a_language_without_rules_is_refused_and_a_region_is_not():
-    with pytest.raises(ConfigError, match="no rules for the language 'xx'; there are de, en, es, fr, ja"):
-        load_language("xx")
-    assert load_language("de-AT").tag == "de"
+def test_regional_tag_has_the_rules_of_its_language_and_its_own_voice(lexicon):
+    assert load_language("de-AT").rules == load_language("de").rules
+    bml = author("Good morning.", lexicon, Style.load("neutral"), language="en_GB")
+    assert parse(bml).behaviours[0].action.script.language == "en-gb"
+    assert "'Good morning' greets" in bml
 
 
-def test_the_name_of_a_language_is_no_path(tmp_path):
+@pytest.mark.parametrize(
+    ("language", "text"),
+    [
+        ("de", "Kommst du morgen?"),
+        ("fr", "Est-il là ?"),
+        ("it", "Ti piace il caffè?"),
+        ("nl", "Houd je van koffie?"),
+        ("pt", "Você gosta de café?"),
+    ],
+)
+def test_question_without_question_word_is_shown(lexicon, language, text):
+    behaviours = plan_behaviours(text, lexicon, Style.load("neutral"), language=language)[1].behaviours
+    assert [each.lexeme for each in behaviours if each.channel == "face"] == ["question"]
+
+
+@pytest.mark.parametrize(
+    ("language", "text"),
+    [
+        ("de", "Kein Problem."),
+        ("it", "Nessun problema."),
+        ("it", "Non solo questo."),
+        ("nl", "Geen probleem."),
+        ("pt", "Não só isso."),
+    ],
+)
+def test_negative_word_that_denies_nothing_shakes_no_head(lexicon, language, text):
+    behaviours = plan_behaviours(text, lexicon, Style.load("neutral"), language=language)[1].behaviours
+    assert "SHAKE" not in {each.lexeme for each in behaviours}
+
+
+def test_sentence_ends_after_a_word_of_one_letter(lexicon):
+    rules = load_language("it")
+    assert read_text("Non so chi è. Andiamo via.", rules).kinds == ("statement", "statement")
+    assert read_text("Il mio amico J. Rossi parla.", rules).kinds == ("statement",)
+
+
+PLAIN_TEXTS = tomllib.loads(Path(__file__).with_name("plain_texts.toml").read_text())
+
+
+@pytest.mark.parametrize("language", PLAIN_TEXTS)
+def test_language_without_rules_has_beats_pauses_and_questions(lexicon, language):
+    sample = PLAIN_TEXTS[language]
+    passage, selection = plan_behaviours(sample["text"], lexicon, Style.load("neutral"), language=language)
+    words = [word.text for word in passage.words]
+    assert len(passage.kinds) == sample["sentences"]
+    assert "".join(words) == "".join(
+        letter for letter in sample["text"] if letter not in SENTENCE_STOPS + PHRASE_STOPS + " "
+    )
+    questions = {each.intent.word for each in selection.behaviours if each.intent.name == "question"}
+    assert [words[index] for index in questions] == [sample["asked"]]
+    assert {each.intent.name for each in selection.behaviours if each.channel == "gesture"} <= {"accent", "question"}
+    assert any(each.intent.name == "accent" for each in selection.behaviours)
+    (warning,) = selection.warnings
+    assert "only voice, beats, pauses and questions" in warning
+    assert f"{language}" in warning
+
+
+@pytest.mark.parametrize(
+    ("word", "language", "count", "stressed"),
+    [
+        ("coração", "pt", 3, 2),
+        ("difícil", "pt", 3, 1),
+        ("falar", "pt", 2, 1),
+        ("jóvenes", "es", 3, 0),
+        ("hablar", "es", 2, 1),
+        ("città", "it", 2, 1),
+        ("parlare", "it", 3, 1),
+        ("vergeten", "nl", 3, 1),
+        ("universiteit", "nl", 5, 3),
+        ("gehen", "de", 2, 0),
+        ("verstehen", "de", 3, 1),
+        ("universität", "de", 5, 4),
+        ("amicale", "fr", 3, 2),
+        ("хорошо", "ru", 3, 1),
+        ("teşekkürler", "tr", 4, 3),
+        ("你好", "zh", 2, 1),
+        ("καλημέρα", "el", 4, 2),
+    ],
+)
+def test_syllables_and_stress_follow_the_language(word, language, count, stressed):
+    assert (count_syllables(word, language), stressed_syllable(word, language)) == (count, stressed)
+
+
+def test_language_tag_is_never_used_as_a_path(tmp_path):
     (tmp_path / "own.toml").write_text("")
-    for tag in (f"{tmp_path}/own", "../robots/upper22", "behaviours", "x" * 300, "a\0"):
-        with pytest.raises(ConfigError, match="no rules for the language"):
+    for tag in (f"{tmp_path}/own", "../robots/upper22", "behaviours", "fml.", "x" * 300, "a\0"):
+        with pytest.raises(ConfigError, match="is not a language tag"):
             load_language(tag)

@@ -5,7 +5,7 @@ from kinesic.intent.reading.matching import find_rules
 from kinesic.intent.reading.words import read_text
 
 
-def test_of_words_that_mean_the_same_the_outermost_are_found() -> None:
+def test_outermost_of_nested_rule_matches_is_kept() -> None:
     language = load_language()
     chance = random.Random(1)
     rules = [" ".join(words) for words in language.rules]
@@ -19,7 +19,7 @@ def test_of_words_that_mean_the_same_the_outermost_are_found() -> None:
             assert not [each for each in around if each[1] <= first and last <= each[2]]
 
 
-def test_words_of_one_meaning_stay_in_those_of_another() -> None:
+def test_nested_rule_matches_of_different_intents_are_kept() -> None:
     language = load_language()
     passage = read_text("Thank you so much, my friend.", language)
     spans = {(each.first, each.last) for each in find_rules(passage, language)}

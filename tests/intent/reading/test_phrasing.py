@@ -6,7 +6,7 @@ from kinesic.intent.reading.words import read_text
 
 
 def parts(text, kind):
-    """The words of all parts whose intent begins so, in their order."""
+    """Return the words of all parts with an intent prefix, in order."""
     language = load_language()
     passage = read_text(text, language)
     found = [
@@ -23,12 +23,12 @@ def parts(text, kind):
         ("We had apples, old bread and wine.", ["apples", "bread", "wine"]),
         ("We had apples, bread, cheese, or wine.", ["apples", "bread", "cheese", "wine"]),
         ("We had old apples, bread and wine from Spain.", ["apples", "bread", "wine"]),
-        ("We had bread and wine.", []),  # two things are no list
-        ("We ran, we fell, we slept.", []),  # nothing joins them
-        ("We had apples, which my old aunt from the north had sent, and wine.", []),  # an aside
+        ("We had bread and wine.", []),  # Two items are not a list
+        ("We ran, we fell, we slept.", []),  # No conjunction
+        ("We had apples, which my old aunt from the north had sent, and wine.", []),  # An aside
     ],
 )
-def test_items_of_a_list_are_named_left_and_right_by_turns(text, items):
+def test_gestures_for_list_items_alternate_left_and_right(text, items):
     found = parts(text, "listing")
     assert [words for _, words in found] == items
     assert [side for side, _ in found] == [f"listing-{('left', 'right')[k % 2]}" for k in range(len(items))]
@@ -38,16 +38,16 @@ def test_items_of_a_list_are_named_left_and_right_by_turns(text, items):
     ("text", "phrases"),
     [
         ("The dog saw a big cat.", [("first-noun-phrase", "the dog"), ("noun-phrase", "a big cat")]),
-        ("It was the, well, end.", []),  # nothing follows in its phrase
-        ("Dogs bark.", []),  # without a determiner it is not seen
+        ("It was the, well, end.", []),  # Last word of its phrase
+        ("Dogs bark.", []),  # Without a determiner
         ("A bird came. The cat went.", [("first-noun-phrase", "a bird"), ("first-noun-phrase", "the cat")]),
     ],
 )
-def test_a_noun_phrase_goes_from_its_determiner_to_its_noun(text, phrases):
+def test_noun_phrase_spans_determiner_to_noun(text, phrases):
     assert [each for each in parts(text, "") if "noun-phrase" in each[0]] == phrases
 
 
-def test_the_first_verb_of_a_sentence_is_found():
+def test_first_verb_of_a_sentence_gives_an_intent():
     assert parts("They carried the box and sang.", "first-verb") == [("first-verb-phrase", "carried")]
     assert parts("The box was heavy and is gone.", "first-verb") == [("first-verb-phrase", "was")]
 
@@ -56,12 +56,12 @@ def test_the_first_verb_of_a_sentence_is_found():
     ("text", "last"),
     [("I never saw it but he did.", "it"), ("I never saw it, he did.", "it"), ("I never did. He did.", "did")],
 )
-def test_a_clause_ends_at_punctuation_or_where_another_begins(text, last):
+def test_clause_ends_at_punctuation_or_the_next_clause(text, last):
     passage = read_text(text, load_language())
     assert passage.words[clause_ends(passage, load_language())[1]].plain == last
 
 
-def test_a_weak_word_leaves_its_stroke_to_the_next_content_word():
+def test_stroke_of_weak_word_moves_to_the_next_content_word():
     passage = read_text("The river takes you to my garden.", load_language())
     words = [word.plain for word in passage.words]
     assert stressed_near(passage, words.index("you")) == words.index("garden")
@@ -69,7 +69,7 @@ def test_a_weak_word_leaves_its_stroke_to_the_next_content_word():
 
 
 @pytest.mark.parametrize(("weak", "stressed"), [("you", "river"), ("from", "garden"), ("it", "garden")])
-def test_a_weak_word_far_from_the_next_leaves_its_stroke_to_the_nearest(weak, stressed):
+def test_stroke_of_distant_weak_word_moves_to_the_nearest_content_word(weak, stressed):
     passage = read_text("The river to you of me from it to the garden", load_language())
     words = [word.plain for word in passage.words]
     assert len(passage.phrases) == 1

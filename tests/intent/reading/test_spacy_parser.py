@@ -11,7 +11,7 @@ from kinesic.intent.reading.text import find_intents
 from kinesic.intent.reading.words import read_text
 
 needs_spacy = pytest.mark.skipif(bool(parser_fault()), reason=parser_fault() or "spaCy is there")
-LEXICON = Lexicon.load()
+BUILTIN_LEXICON = Lexicon.load()
 
 
 def grammar_of(text):
@@ -30,13 +30,13 @@ def grammar_of(text):
         ("Not today.", "not", "today"),
     ],
 )
-def test_a_clause_ends_where_its_verb_has_no_more_words(text, word, last):
+def test_parsed_clause_ends_with_the_last_dependent_word(text, word, last):
     words, grammar = grammar_of(text)
     assert words[grammar.clauses[words.index(word)]] == last
 
 
 @needs_spacy
-def test_noun_phrases_and_verbs_are_found():
+def test_parser_finds_noun_phrases_and_verbs():
     words, grammar = grammar_of("The old captain quickly described three long roads. Rain fell on us.")
     named = [" ".join(words[first : last + 1]) for first, last in grammar.things]
     assert named == ["the old captain", "three long roads"]
@@ -47,20 +47,20 @@ def test_noun_phrases_and_verbs_are_found():
 @pytest.mark.parametrize(
     "text", ["", "...", "Hm", "<b>?!</b> :) \U0001f600 a\u0301b", "x " * 300, "don't can't won't! -- (no)"]
 )
-def test_whatever_is_written_is_parsed_and_every_clause_ends_in_it(text):
+def test_spacy_parser_gives_any_text_clause_ends_within_the_text(text):
     words, grammar = grammar_of(text)
     assert len(grammar.clauses) == len(words)
     assert all(k <= end < len(words) for k, end in enumerate(grammar.clauses))
 
 
 @needs_spacy
-def test_the_same_words_deny_by_rules_and_by_the_parser():
+def test_rules_and_parser_find_the_same_negations():
     language = load_language()
     passage = read_text("No, I never saw it, and you did not tell me so.", language)
     names = [
         [
             (each.name, each.word)
-            for each in find_intents(passage, language, LEXICON, grammar=grammar)
+            for each in find_intents(passage, language, BUILTIN_LEXICON, grammar=grammar)
             if "nega" in each.name
         ]
         for grammar in ("rules", "spacy")
@@ -69,12 +69,13 @@ def test_the_same_words_deny_by_rules_and_by_the_parser():
 
 
 @pytest.mark.parametrize(
-    ("missing", "says"), [(("spacy", *spacy_parser.MODELS), "not installed"), (spacy_parser.MODELS, "no model")]
+    ("missing", "says"),
+    [(("spacy", *spacy_parser.MODEL_PACKAGES), "not installed"), (spacy_parser.MODEL_PACKAGES, "no model")],
 )
-def test_what_is_missing_is_named_and_other_languages_need_nothing(monkeypatch, missing, says):
-    spacy_parser._parser.cache_clear()
+def test_missing_spacy_parser_is_named_and_german_needs_none(monkeypatch, missing, says):
+    spacy_parser._load_model.cache_clear()
     monkeypatch.setattr(spacy_parser, "find_spec", lambda name: None if name in missing else sys)
     with pytest.raises(ConfigError, match=rf"--grammar spacy: .*{says}.*kinesic\[text\]"):
         parse_grammar(read_text("Hello", load_language()))
     german = load_language("de")
-    assert find_intents(read_text("Hallo!", german), german, LEXICON, grammar="spacy")
+    assert find_intents(read_text("Hallo!", german), german, BUILTIN_LEXICON, grammar="spacy")

@@ -3,7 +3,7 @@ import pytest
 from kinesic.intent.reading.language import load_language
 from kinesic.intent.reading.words import read_text
 
-from ...growth import STRAIGHT, growth
+from ...growth import LINEAR_GROWTH_LIMIT, growth
 
 
 @pytest.mark.parametrize(
@@ -18,11 +18,11 @@ from ...growth import STRAIGHT, growth
         ('one <b time="2s"/> two', [0.0, 0.0]),
     ],
 )
-def test_a_break_asks_for_a_pause(text: str, pauses: list[float]) -> None:
+def test_break_tag_adds_a_pause(text: str, pauses: list[float]) -> None:
     assert [word.pause for word in read_text(text, load_language()).words] == pytest.approx(pauses, abs=0.0006)
 
 
-def test_words_in_an_emphasis_are_stressed_and_other_tags_are_nothing() -> None:
+def test_emphasis_tag_stresses_words_and_other_tags_are_ignored() -> None:
     text = "one <Emphasis level='strong'>two</Emphasis> <s>three</s> <emphasis-less>four</emphasis-less>"
     words = read_text(text, load_language()).words
     assert [word.plain for word in words if word.emphatic] == ["two"]
@@ -30,6 +30,6 @@ def test_words_in_an_emphasis_are_stressed_and_other_tags_are_nothing() -> None:
 
 
 @pytest.mark.parametrize("piece", ["<break ", "<break time='1s' ", "<a-", "-a", "time=", "<break time='1"])
-def test_twice_as_many_tags_take_at_most_twice_as_long(piece: str) -> None:
+def test_reading_time_is_linear_in_tag_count(piece: str) -> None:
     language = load_language()
-    assert growth(lambda text: read_text(text, language), lambda size: f"<break {size * piece}") < STRAIGHT
+    assert growth(lambda text: read_text(text, language), lambda size: f"<break {size * piece}") < LINEAR_GROWTH_LIMIT

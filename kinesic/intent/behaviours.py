@@ -1,0 +1,53 @@
+"""Chosen behaviours of a text, and omitted ones with their reasons."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from kinesic.intent.behaviour_sets import Channel
+from kinesic.intent.intents import Intent
+
+
+@dataclass(frozen=True)
+class ChosenBehaviour:
+    """Behaviour that shows an intent."""
+
+    channel: Channel
+    lexeme: str
+    intent: Intent
+    amount: float | None = None
+    repetition: int | None = None
+    manner: Mapping[str, float] = field(default_factory=dict)  # expressivity parameters, -1..1
+    begin: str = ""  # start of a gesture as a BML reference; empty: its natural start
+
+
+@dataclass(frozen=True)
+class Omission:
+    """Omitted signal or intent, with the reason."""
+
+    intent: Intent
+    channel: Channel | None  # None: the whole intent
+    why: str
+
+
+@dataclass(frozen=True)
+class Selection:
+    """Chosen behaviours in the order of their strokes, and omitted ones."""
+
+    behaviours: tuple[ChosenBehaviour, ...]
+    omissions: tuple[Omission, ...]
+    replaced: tuple[ChosenBehaviour, ...] = ()  # earlier behaviours replaced by these
+    warnings: tuple[str, ...] = ()  # parts of the text that are neither spoken nor performed
+
+
+@dataclass(frozen=True)
+class Earlier:
+    """Behaviours chosen for the preceding words."""
+
+    fixed: tuple[ChosenBehaviour, ...] = ()  # finished or begun
+    free: tuple[ChosenBehaviour, ...] = ()  # may still be replaced
+    strokes: int = 0  # gestures before the first word
+    pictures: int = 0  # those that are not beats
+    seconds: float = 0.0  # [s] of speech before the first word
+
+
+NO_EARLIER_BEHAVIOURS = Earlier()  # state at the beginning of a text

@@ -1,0 +1,1 @@
+"""Reader of everyday text: spoken words, stage directions, pauses and warnings."""

@@ -1,0 +1,307 @@
+"""Markup within a line: emphasis, stage directions, links, tags, code, emoji."""
+
+import html
+import re
+import unicodedata
+
+from kinesic.body.pictographs import JOINER_RANGES, PICTOGRAPH_RANGES, is_pictograph
+from kinesic.intent.manuscript.acts import load_acts
+from kinesic.intent.manuscript.addresses import WEB_ADDRESS, read_address
+from kinesic.intent.manuscript.pieces import DIRECTED_PAUSE, END_OF_SENTENCE, Manuscript, Step, direct, pause
+from kinesic.intent.manuscript.tags import read_tag
+from kinesic.intent.reading.prosody import VOICE_TAG, write_tag
+
+MAX_BRACKET_LENGTH = 120  # [characters] longest text in brackets or asterisks that may be a stage direction
+MAX_STRESS_LENGTH = 400  # [characters] longest emphasised text
+MAX_LINK_LENGTH = 2000  # [characters] longest web address of a link
+MAX_COMMAND_LENGTH = 200  # [characters] longest command of another speech system
+_NAOQI_COMMAND = re.compile(r"\^([A-Za-z]+)\(((?:[^()\n]|\([^()\n]*\))*)\)")
+_SHORT_CODE = re.compile(r":([a-z][a-z_]{2,28}|[+-]1):(?!\w)")
+_VOICE_TAG = re.compile(r"\\{1,2}([A-Za-z]+)(?:=([^\\\s]*))?\\{1,2}")
+_HTML_ENTITY = re.compile(r"&(?:#\d{1,6}|#x[0-9a-fA-F]{1,6}|[A-Za-z]{2,10});")
+_JOINABLE_RANGES = JOINER_RANGES.replace("\u200d", "")
+_EMOJI = re.compile(
+    f"[\U0001f1e6-\U0001f1ff]{{1,2}}|[{PICTOGRAPH_RANGES}][{_JOINABLE_RANGES}]*(?:\u200d[{PICTOGRAPH_RANGES}]?[{_JOINABLE_RANGES}]*)*"
+)
+_SILENT_COMMANDS = frozenset(("wait", "waitTag", "stop", "stopTag"))  # ends of animations, which end by themselves
+_VOICE_COMMANDS = {"rspd": "rate", "vct": "pitch", "vol": "volume"}  # speech command -> its prosody attribute [%]
+_PLAYED_COMMANDS = frozenset(("start", "run", "startTag", "runTag", "startSound", "runSound"))
+
+
+def read_inline(state: Manuscript, *, ends: bool) -> Step | None:
+    """Read the next word or markup, or return None if incomplete."""
+    rest, sign = state.rest, state.rest[0]
+    address = read_address(state, ends=ends)
+    if address is None or address.length:
+        return address
+    if sign in "*_":
+        return _read_emphasis(state, ends=ends)
+    if sign in "([":
+        return _read_bracket(state, ends=ends)
+    if sign == "!" and rest[1:2] == "[":
+        return _read_link(rest[1:], 1, ends=ends)
+    if sign == "!" and len(rest) == 1 and not ends:
+        return None
+    if sign == "<":
+        return read_tag(rest, ends=ends)
+    if sign == ":" and not state.spoken[-1:].isalnum():
+        return _read_short_code(rest, ends=ends)
+    if sign == "`":
+        return _read_code(rest, ends=ends)
+    if sign == "^":
+        return _read_command(rest, ends=ends)
+    if sign == "\\":
+        return _read_slashed(rest, ends=ends)
+    if sign == "&":
+        return _read_entity(rest, ends=ends)
+    if is_pictograph(sign):
+        return _read_emoji(rest, ends=ends)
+    if sign in "~|#":
+        return _read_sign(state, ends=ends)
+    return _read_words(rest)
+
+
+def _read_emphasis(state: Manuscript, *, ends: bool) -> Step | None:
+    """Read emphasis, or a stage direction, in asterisks or underscores."""
+    rest, sign = state.rest, state.rest[0]
+    count = len(rest) - len(rest.lstrip(sign))
+    inside = rest[count:]
+    if not inside and not ends:
+        return None
+    if state.stress == sign * count and not (sign == "_" and inside[:1].isalnum()):
+        return Step(count, "</emphasis>", stress="")
+    if state.stress or not inside[:1].strip() or (sign == "_" and state.spoken[-1:].isalnum()):
+        if state.spoken.rstrip()[-1:].isdigit() and _waits(inside, ends=ends):
+            return None
+        is_operator = sign == "*" and state.spoken.rstrip()[-1:].isdigit() and bool(re.match(r"\s*\d", inside))
+        if is_operator or sign == "_":
+            return Step(count, "\xd7" if is_operator else " ")
+        return Step(count)
+    end = _find_run(inside, sign, count, ends=ends)
+    if end is None:
+        return None
+    if end < 0:
+        is_operator = state.spoken[-1:].isalnum() and inside[:1].isalnum()
+        is_product = is_operator and state.spoken[-1:].isdigit() and inside[:1].isdigit()
+        return Step(count, "\xd7" if is_product else " " * is_operator)
+    words, after = inside[:end], inside[end + count :]
+    if count == 1:
+        if _waits(after, ends=ends) or (not ends and re.fullmatch(r"[ \t]*\w+", after)):
+            return None  # the next word decides
+        begins = _begins(state) or _is_interjected(state, after)
+        if load_acts().is_direction(words, begins=begins, ends=_is_over(after)):
+            return _directed(words, end + 2)
+    return Step(count, "<emphasis>", stress=sign * count)
+
+
+def _find_run(text: str, sign: str, count: int, *, ends: bool) -> int | None:
+    """Find the position of the signs that close an emphasis.
+
+    Returns:
+        -1 without closing signs, None if they may follow in text that has not arrived yet.
+    """
+    for found in re.finditer(re.escape(sign) + "+", text[:MAX_STRESS_LENGTH]):
+        if "\n" in text[: found.start()]:
+            return -1
+        if len(found[0]) == count and found.start() and not text[found.start() - 1].isspace():
+            after = text[found.end() : found.end() + 1]
+            if not after and not ends:
+                return None
+            if sign == "*" or not after.isalnum():
+                return found.start()
+    is_over = ends or "\n" in text or len(text) >= MAX_STRESS_LENGTH
+    return -1 if is_over else None
+
+
+def _waits(after: str, *, ends: bool) -> bool:
+    """Return whether the character after a markup has not arrived yet."""
+    return not ends and not after.lstrip(" \t")
+
+
+def _begins(state: Manuscript) -> bool:
+    """Return whether a sentence, phrase or line begins at a markup."""
+    before = state.spoken.rstrip(" \t\"'\u201c\u201d\u2019)")
+    return state.is_line_start or not before or before[-1] in END_OF_SENTENCE + ",;:\u2014-\n>"
+
+
+def _is_interjected(state: Manuscript, after: str) -> bool:
+    """Return whether a sentence is complete without the text in brackets."""
+    before = re.search(r"([^\W\d_]+)\s+$", state.spoken)
+    following = re.match(r"[ \t]+([^\W\d_]+)", after)
+    if before is None or following is None:
+        return False
+    acts = load_acts()
+    return not acts.has("leading", before[1].lower()) and not acts.has("trailing", following[1].lower())
+
+
+def _is_over(after: str) -> bool:
+    """Return whether a sentence or line ends with a markup."""
+    following = after.lstrip(" \t")[:1]
+    return not following.isalnum() or following.isupper()
+
+
+def _directed(words: str, length: int) -> Step:
+    if load_acts().is_pause(words):
+        return Step(length, pause(DIRECTED_PAUSE))
+    return Step(length, direct(words))
+
+
+def _read_bracket(state: Manuscript, *, ends: bool) -> Step | None:
+    """Read a stage direction or link in brackets, or the bracket alone."""
+    rest, sign = state.rest, state.rest[0]
+    line, newline, _ = rest[1 : MAX_BRACKET_LENGTH + 1].partition("\n")
+    end = line.find("]" if sign == "[" else ")")
+    if end < 0:
+        is_over = ends or newline or len(rest) > MAX_BRACKET_LENGTH
+        return Step(1, sign) if is_over else None
+    if sign == "[":
+        after = rest[end + 2 : end + 3]
+        if not after and not ends:
+            return None
+        if after in ("(", "[") and after:
+            return _read_link(rest, 0, ends=ends)
+    words, after = line[:end], rest[end + 2 :]
+    if _waits(after, ends=ends):
+        return None
+    if load_acts().is_direction(words, begins=_begins(state), ends=_is_over(after), is_bracketed=True):
+        return _directed(words, end + 2)
+    if sign == "[" and words.startswith("^"):  # a footnote
+        return Step(end + 2)
+    return Step(1, sign)
+
+
+def _read_link(rest: str, begin: int, *, ends: bool) -> Step | None:
+    """Read a link or picture whose text begins with a bracket."""
+    found = re.match(r"\[([^\]\n]*)\]", rest)
+    if found is None:
+        is_over = ends or "\n" in rest or "]" in rest or len(rest) > MAX_BRACKET_LENGTH
+        return Step(1 + begin, "!" * begin if begin else "[") if is_over else None
+    opening = rest[found.end() : found.end() + 1]
+    if not opening and not ends:
+        return None
+    if opening not in ("(", "["):
+        return Step(begin, "!") if begin else Step(1, "[")
+    end, closing = found.end() + 1, {"(": ")", "[": "]"}[opening]
+    depth = 1
+    while depth and end < len(rest) and end - found.end() < MAX_LINK_LENGTH and rest[end] != "\n":
+        depth += (rest[end] == opening) - (rest[end] == closing)
+        end += 1
+    if depth:
+        is_over = ends or end < len(rest)
+        return Step(begin + 1, "" if begin else "[") if is_over else None
+    text = re.sub(r"[<>*_`^|~#\\&]", " ", found[1])
+    if begin:
+        return Step(end + 1, " ", f"a picture is not shown: {found[1].strip() or 'without description'}")
+    is_address = WEB_ADDRESS.match(found[1])
+    return Step(end, "" if is_address else text)
+
+
+def _read_code(rest: str, *, ends: bool) -> Step | None:
+    count = len(rest) - len(rest.lstrip("`"))
+    inside = rest[count:]
+    end = _find_run(inside, "`", count, ends=ends)
+    if end is None or (not inside and not ends):
+        return None
+    if end < 0:
+        return Step(count)
+    code = inside[:end]
+    is_word = re.fullmatch(r"[\w' .,-]+", code) and "_" not in code
+    return Step(end + 2 * count, code if is_word else " ", "" if is_word else f"code is not spoken: {code}")
+
+
+def _read_command(rest: str, *, ends: bool) -> Step | None:
+    """Read a command of NAOqi's animated speech, such as `^start(animation)`."""
+    found = _NAOQI_COMMAND.match(rest)
+    if found is None:
+        is_open = re.fullmatch(r"\^([A-Za-z]*|[A-Za-z]+\([^\n]*)", rest) and len(rest) <= MAX_COMMAND_LENGTH
+        return None if is_open and not ends else Step(1, " ")
+    name, argument = found[1], found[2].split(",")[0].strip()
+    if name in _PLAYED_COMMANDS:
+        return Step(found.end(), direct(argument.rpartition("/")[2]))
+    warning = "" if name in _SILENT_COMMANDS else f"command of another system is not performed: {found[0]}"
+    return Step(found.end(), "", warning)
+
+
+def _read_slashed(rest: str, *, ends: bool) -> Step | None:
+    """Read a command between backslashes, or a character escaped by a backslash."""
+    found = _VOICE_TAG.match(rest)
+    if found is None:
+        if re.fullmatch(r"\\{1,2}([A-Za-z]*(=[^\\\s]*)?)?", rest) and not ends and len(rest) <= MAX_COMMAND_LENGTH:
+            return None
+        escaped = rest[1:2]
+        is_sign = bool(escaped) and escaped in "*_`[]()#+-.!<>|~\\"
+        return Step(1 + is_sign, escaped if is_sign and escaped in "().!-[]" else " ")
+    if not ends and found.end() == len(rest):
+        return None  # a second sign may follow
+    if found[1] == "pau" and (found[2] or "").isdecimal():
+        return Step(found.end(), pause(min(int(found[2]) / 1000, 10.0)))
+    name, value = found[1].lower(), found[2] or ""
+    if name == "rst":
+        return Step(found.end(), f"<{VOICE_TAG}/>")
+    if name in _VOICE_COMMANDS and re.fullmatch(r"\d{1,3}", value):
+        return Step(found.end(), write_tag(VOICE_TAG, {_VOICE_COMMANDS[name]: f"{value}%"}, is_alone=True))
+    return Step(found.end(), "", f"command of another system is not performed: {found[0]}")
+
+
+def _read_entity(rest: str, *, ends: bool) -> Step | None:
+    found = _HTML_ENTITY.match(rest)
+    if found is None:
+        is_open = re.fullmatch(r"&(#?[A-Za-z0-9]{0,9})?", rest)
+        return None if is_open and not ends else Step(1, "&")
+    text = html.unescape(found[0])
+    return Step(found.end(), "" if text == found[0] or text in "*_`^|~#\\\xad" else text.replace("\xa0", " "))
+
+
+def _read_short_code(rest: str, *, ends: bool) -> Step | None:
+    """Read the name of an emoji between colons."""
+    found = _SHORT_CODE.match(rest)
+    if found and (ends or found.end() < len(rest)):
+        return Step(
+            found.end(), direct(found[1].replace("_", " ").replace("+1", "thumbs up").replace("-1", "thumb down"))
+        )
+    is_open = re.fullmatch(r":(?:[a-z_]{0,29}|[+-]1?):?", rest)
+    return None if is_open and not ends else Step(1, ":")
+
+
+def _read_emoji(rest: str, *, ends: bool) -> Step | None:
+    found = _EMOJI.match(rest)
+    assert found is not None  # the first character is a pictograph
+    if not ends and found.end() == len(rest):
+        return None  # a joiner or a skin tone may follow
+    first = found[0][0]
+    if "\U0001f1e6" <= first <= "\U0001f1ff":
+        return Step(found.end(), " ", "emoji is not shown: flag")
+    if load_acts().has("feelings", first):
+        return Step(found.end(), first)
+    if load_acts().find(first):
+        return Step(found.end(), direct(first))
+    return Step(found.end(), " ", f"emoji is not shown: {unicodedata.name(first, first).lower()}")
+
+
+def _read_sign(state: Manuscript, *, ends: bool) -> Step | None:
+    sign, after = state.rest[0], state.rest[1:2]
+    if sign == "#" and not after and not ends:
+        return None
+    if sign == "#" and state.spoken[-1:] in ("C", "F") and not state.spoken[-2:-1].isalpha():
+        return Step(1, " sharp")
+    if sign == "#" and after.isdigit():
+        return Step(1, "number ")
+    if sign != "|":
+        return Step(1)
+    if _waits(state.rest[1:], ends=ends):
+        return None
+    following = state.rest[1:].lstrip(" \t")[:1]
+    is_between = following.strip() and state.spoken.rstrip(" ")[-1:] not in ("", "\n", ",")
+    return Step(1, ", " if is_between else " ")
+
+
+def _read_words(rest: str) -> Step:
+    """Read the next word or punctuation sign of a manuscript line."""
+    found = re.match(r"\w+|[^\S\n]+|.", rest, re.DOTALL)
+    assert found is not None
+    if found[0][0].isalnum():
+        plain = re.match(r"[^\W_]+", rest)
+        return Step(plain.end() if plain else 1, plain[0] if plain else rest[0])
+    if unicodedata.category(rest[0]) in ("Cf", "Cc", "Mn", "Me") and rest[0] in "\u200b\u200d\ufe0e\ufe0f\u20e3\xad":
+        return Step(1)
+    return Step(found.end(), found[0])

@@ -1,0 +1,58 @@
+"""State of the text reader, and results of its single steps."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from kinesic.body.scripts import SENTENCE_STOPS
+
+Mode = Literal["text", "thought", "code", "skipped", "other"]  # what the reader is inside of
+END_OF_SENTENCE = SENTENCE_STOPS  # punctuation signs at the end of a sentence
+LINE_PAUSE = 0.25  # [s] silence at the end of a line, in addition to that of its punctuation
+PARAGRAPH_PAUSE = 0.45  # [s] silence between paragraphs, in addition to that of punctuation
+DIRECTED_PAUSE = 0.8  # [s] silence for a pause that a stage direction requests
+
+
+@dataclass(frozen=True, eq=False)
+class Manuscript:
+    """State of reading a text that arrives in parts."""
+
+    rest: str = ""  # received text that is not decided yet
+    mode: Mode = "text"
+    closing: str = ""  # text that ends the mode
+    is_line_start: bool = True
+    line_length: int = 0  # [characters] of the line up to here
+    is_block: bool = False  # whether the line is a heading, an item or a row, which ends a sentence
+    stress: str = ""  # signs of the emphasis that is open
+    spoken: str = ""  # last characters of the spoken text
+    speakers: frozenset[str] = frozenset()  # names of a dialogue, in capitals
+    character: str = ""  # name whose lines are spoken, in capitals; empty: those of all
+    others: frozenset[str] = frozenset()  # speakers whose lines were left out, in capitals
+
+    def restarted(self) -> "Manuscript":
+        """Return the state before a further text of the same dialogue."""
+        return Manuscript(speakers=self.speakers, character=self.character, others=self.others)
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """Spoken text and state change from one word or markup."""
+
+    length: int  # [characters] of the received text
+    text: str = ""  # spoken text, with tags for directions and pauses
+    warning: str = ""
+    stress: str | None = None  # signs of the emphasis that is open after it; None: as before
+    mode: Mode = "text"  # what the reader is inside of after it
+    closing: str = ""  # text that ends this mode
+    other: str = ""  # speaker whose lines are left out from here on, in capitals
+    is_block: bool = False  # whether it makes its line a heading, an item or a row
+
+
+def direct(words: str) -> str:
+    """Return the XML tag of a stage direction."""
+    safe = "".join(" " if each in "<>&\"'" else each for each in words)
+    return f'<kinesic:act words="{" ".join(safe.split())}"/>'
+
+
+def pause(seconds: float) -> str:
+    """Return the XML tag of a pause [s]."""
+    return f'<break time="{round(1000 * seconds)}ms"/>'

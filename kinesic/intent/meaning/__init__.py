@@ -1,0 +1,1 @@
+"""Gestures by meaning: cues, structure of sentences, scores."""

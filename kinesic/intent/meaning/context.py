@@ -1,0 +1,124 @@
+"""Circumstances of a word: clause, negation, question, wish, report, persons."""
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+from kinesic.body.scripts import PHRASE_STOPS
+from kinesic.intent.reading.language import Language
+from kinesic.intent.reading.passage import Passage
+
+NEGATION_REACH = 5  # [words] number of words that a negating word denies after it
+FRAGMENT_LENGTH = 4  # [words] length up to which a sentence is an exclamation rather than a report
+NUMBER_DIGITS = frozenset("0123456789")  # characters with which a number in digits begins
+
+
+@dataclass(frozen=True, eq=False)
+class Context:
+    """Words of a passage with their clauses, negations, questions and reports."""
+
+    passage: Passage
+    language: Language
+
+    @cached_property
+    def plain(self) -> tuple[str, ...]:
+        """Words of the passage in lower case, without punctuation."""
+        return tuple(word.plain for word in self.passage.words)
+
+    @cached_property
+    def clauses(self) -> tuple[int, ...]:
+        """Index of the clause that each word belongs to."""
+        numbers = list[int]()
+        for k in range(len(self.passage.words)):
+            numbers.append(numbers[-1] + self._begins_clause(k) if k else 0)
+        return tuple(numbers)
+
+    def _begins_clause(self, k: int) -> bool:
+        words = self.passage.words
+        if words[k].sentence != words[k - 1].sentence or set(words[k].before) & {*PHRASE_STOPS, "(", '"'}:
+            return True
+        if words[k].pause:
+            return True
+        follows = words[k + 1].plain if k + 1 < len(words) else ""
+        return self.language.has("conjunction", words[k].plain) and (
+            self.language.has("subject", follows) or self.language.has("contracted", follows)
+        )
+
+    @cached_property
+    def _clause_ranges(self) -> tuple[range, ...]:
+        """Word indices of each clause."""
+        starts = [k for k, number in enumerate(self.clauses) if not k or number != self.clauses[k - 1]]
+        return tuple(range(start, stop) for start, stop in pairwise([*starts, len(self.clauses)]))
+
+    def clause_words(self, k: int) -> range:
+        """Return the indices of all words in a word's clause."""
+        return self._clause_ranges[self.clauses[k]]
+
+    def is_clause_start(self, k: int) -> bool:
+        """Return whether only openers (`well`, `and`) precede a word in its clause."""
+        first = self.clause_words(k).start
+        return all(self.language.has("opener", self.plain[j]) for j in range(first, k))
+
+    def is_clause_end(self, k: int) -> bool:
+        """Return whether a word is the last one of its clause, apart from closers (`then`)."""
+        stop = self.clause_words(k).stop
+        return all(self.language.has("closer", self.plain[j]) for j in range(k + 1, stop))
+
+    def is_number(self, word: str) -> bool:
+        """Return whether a word is a number."""
+        return word[:1] in NUMBER_DIGITS or self.language.has("number", word)
+
+    def sentence(self, k: int) -> Sequence[int]:
+        """Return the indices of all words in a word's sentence."""
+        return self.passage.sentences[self.passage.words[k].sentence]
+
+    def is_question(self, k: int) -> bool:
+        """Return whether a word's sentence is a question."""
+        return self.passage.kinds[self.passage.words[k].sentence] == "question"
+
+    def is_negated(self, k: int, idioms: Collection[int]) -> bool:
+        """Return whether a negation denies a word.
+
+        Args:
+            k: index of the word.
+            idioms: words of idioms, in which negating words deny nothing.
+        """
+        first = max(self.clause_words(k).start, k - NEGATION_REACH)
+        return any(self.language.has("denial", self.plain[j]) and j not in idioms for j in range(first, k))
+
+    def is_wished(self, k: int) -> bool:
+        """Return whether a word names something wished for, supposed or in the future."""
+        return any(self.language.has("wish", self.plain[j]) for j in self.sentence(k) if j < k)
+
+    def is_reported(self, k: int) -> bool:
+        """Return whether a report of another person's words or thoughts precedes a word."""
+        before = [j for j in self.sentence(k) if j < k]
+        others = any(self.plain[j] in ("he", "she", "they") or self.passage.words[j].is_content for j in before)
+        return others and any(
+            self.language.has("report", self.plain[j]) and not (j and self.plain[j - 1] in ("i", "we")) for j in before
+        )
+
+    def is_felt(self, k: int) -> bool:
+        """Return whether the speaker is the one who feels what a word names.
+
+        The last subject before it in its clause is the speaker, or there is none.
+        """
+        clause = self.clause_words(k)
+        for j in reversed(range(clause.start, k)):
+            if self.language.has("speaker", self.plain[j]):
+                return True
+            if self.language.has("other", self.plain[j]):
+                return False
+        leading = [j for j in range(clause.start, k) if self.passage.words[j].is_content]
+        return not leading or k - clause.start <= 1
+
+    def is_talk(self, k: int) -> bool:
+        """Return whether a sentence addresses the listener instead of reporting something."""
+        indices = self.sentence(k)
+        if self.passage.kinds[self.passage.words[k].sentence] != "statement" or len(indices) <= FRAGMENT_LENGTH:
+            return True
+        if self.language.has("imperative", self.plain[indices[0]]):
+            return True
+        names = ("speaker", "listener", "talk_marker")
+        return any(self.language.has(name, self.plain[j]) for j in indices for name in names)

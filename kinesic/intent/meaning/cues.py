@@ -1,0 +1,115 @@
+"""Cues of `configs/intents/cues/LANGUAGE`: words with the gestures that show them."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Literal
+
+import msgspec
+
+from kinesic.body.config import CONFIGS, ConfigError, read_toml
+from kinesic.intent.meaning.patterns import Pattern, read_pattern
+
+CueKind = Literal[
+    "idiom", "word", "feeling", "question"
+]  # idiom: fixed words; word: literal; feeling: only where felt; question: asked words
+CueContext = Literal["any", "statement", "question", "exclamation", "talk"]  # talk: between speaker and listener
+
+CUE_FOLDER = CONFIGS / "intents" / "cues"  # one folder of cue files for each language
+PICTURE_INTENT = "picture"  # intent of a gesture that depicts the meaning of words
+# Certainty of a cue without one of its own, by kind of cue.
+DEFAULT_CERTAINTIES: Mapping[CueKind, float] = {"idiom": 0.8, "word": 0.7, "feeling": 0.75, "question": 0.65}
+
+
+class _Cue(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+    says: str
+    words: str  # one pattern a line
+    shows: str = ""
+    kind: CueKind = "idiom"
+    certainty: float | None = None
+    intent: str = PICTURE_INTENT
+    where: CueContext = "any"
+    after: str = ""
+    before: str = ""
+    not_after: str = ""
+    not_before: str = ""
+
+
+class _File(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+    cue: list[_Cue]
+
+
+@dataclass(frozen=True, eq=False)
+class Cue:
+    """Words of a language that call for a gesture, or that forbid one."""
+
+    says: str  # meaning, for people
+    patterns: tuple[Pattern, ...]
+    shows: tuple[str, ...]  # equally fitting gestures; empty: nothing is shown here
+    kind: CueKind
+    certainty: float  # 0..1
+    intent: str  # behaviour set of face and head; `picture`: none
+    where: CueContext
+    after: frozenset[str]  # words or @classes, one of which must precede; empty: any
+    before: frozenset[str]  # likewise, must follow
+    not_after: frozenset[str]
+    not_before: frozenset[str]
+
+
+@dataclass(frozen=True, eq=False)
+class CueTable:
+    """All cues of a language, by the words with which they begin."""
+
+    cues: tuple[Cue, ...]
+    starts: Mapping[str, tuple[tuple[Cue, Pattern], ...]]  # word, stem (`wav~`), `#` or `_` -> cues
+
+
+NO_CUES = CueTable((), {})  # cue table of a language without cue files
+
+
+@lru_cache(maxsize=16)
+def load_cues(language: str) -> CueTable:
+    """Return the cues of all cue files of a language; empty without any.
+
+    Raises:
+        ConfigError: a file is invalid.
+    """
+    folders = {folder.name: folder for folder in sorted(CUE_FOLDER.iterdir()) if folder.is_dir()}
+    folder = folders.get(language.partition("-")[0])  # prevents a path as a tag
+    if folder is None:
+        return NO_CUES
+    cues = [cue for path in sorted(folder.glob("*.toml")) for cue in _read_file(path)]
+    starts: dict[str, list[tuple[Cue, Pattern]]] = {}
+    for cue in cues:
+        for pattern in cue.patterns:
+            for word in pattern.first_words:
+                starts.setdefault(word, []).append((cue, pattern))
+    return CueTable(tuple(cues), {word: tuple(found) for word, found in starts.items()})
+
+
+def _read_file(path: Path) -> list[Cue]:
+    return [_read_cue(entry, path) for entry in read_toml(path, _File).cue]
+
+
+def _read_cue(entry: _Cue, path: Path) -> Cue:
+    certainty = DEFAULT_CERTAINTIES[entry.kind] if entry.certainty is None else entry.certainty
+    if not 0.0 <= certainty <= 1.0:
+        raise ConfigError(f"{path}: certainty of the cue that {entry.says} is {certainty}; 0 to 1 is possible")
+    try:
+        patterns = tuple(read_pattern(line) for line in entry.words.splitlines() if line.strip())
+    except ValueError as fault:
+        raise ConfigError(f"{path}: {fault}") from fault
+    return Cue(
+        says=entry.says,
+        patterns=patterns,
+        shows=tuple(entry.shows.split()),
+        kind=entry.kind,
+        certainty=certainty,
+        intent=entry.intent,
+        where=entry.where,
+        after=frozenset(entry.after.split()),
+        before=frozenset(entry.before.split()),
+        not_after=frozenset(entry.not_after.split()),
+        not_before=frozenset(entry.not_before.split()),
+    )

@@ -1,0 +1,73 @@
+"""Conditions under which faces and head movements of rules are shown."""
+
+from collections.abc import Collection
+from dataclasses import replace
+
+from kinesic.intent.intents import Intent
+from kinesic.intent.meaning.context import Context
+
+HEAD_CHANNEL = frozenset({"head"})  # channel of head movements
+GRAVE_REACH = 12  # [words] distance from a word within which denials, sad and stern words count
+NOD_PREFIXES = ("accent", "noun", "first-noun", "emphasis")  # starts of the names of intents with a small nod
+STRUCTURE_PREFIXES = (
+    "turn", "boundary", "accent", "emphasis", "noun", "first", "listing", "compound", "deictic", "world",
+)  # starts of the names of intents without an attitude  # fmt: skip
+EMOTION_PREFIX = "emotion"  # start of the names of intents that need somebody who feels them
+KIND_INTENTS = frozenset({"positive", "negative"})  # intents of judgements, shown by a small smile or a sad mouth
+ASKING_INTENTS = frozenset({"question", "rhetorical"})  # intents whose words also begin clauses of statements
+NOD_INTENTS = frozenset({"affirmation", "intensification", "obligation", "assumption"})  # intents shown by a nod
+FORMAL_INTENTS = frozenset(
+    {"inclusivity", "interjection", "possibility"}
+)  # intents whose head movements mislead more than they help
+
+
+def temper(context: Context, intent: Intent, idioms: Collection[int]) -> Intent | None:
+    """Return a rule's intent with the signals that face and head may show, or None.
+
+    Idioms say something else than their words. A feeling is shown only by the speaker who has it, not in a question, a
+    wish, a denial or a report. The head does not nod where something is denied, sad or stern.
+
+    Args:
+        context: the text.
+        intent: of a rule.
+        idioms: words of idioms.
+    """
+    if "emoticon" in intent.reason:
+        return intent
+    if intent.name.startswith(NOD_PREFIXES) and _is_grave(context, intent.word):
+        return replace(intent, muted=intent.muted | HEAD_CHANNEL)
+    if intent.name in ASKING_INTENTS and not context.is_question(intent.word):
+        return None
+    if intent.name.startswith(STRUCTURE_PREFIXES) or _holds(context, intent, idioms):
+        return intent
+    return None
+
+
+def _holds(context: Context, intent: Intent, idioms: Collection[int]) -> bool:
+    at = intent.word
+    if intent.name == "negation" and context.is_question(at):
+        return False
+    if (at in idioms and _first_word(intent) in idioms) or intent.name in FORMAL_INTENTS:
+        return False
+    if intent.name.startswith(EMOTION_PREFIX):
+        return context.is_felt(at) and not _is_unreal(context, at, idioms)
+    if intent.name in KIND_INTENTS:
+        return context.is_talk(at) and not _is_unreal(context, at, idioms) and not _is_grave(context, at)
+    if intent.name in NOD_INTENTS:
+        return not _is_grave(context, at) and not (intent.name == "affirmation" and context.is_question(at))
+    return True
+
+
+def _is_unreal(context: Context, at: int, idioms: Collection[int]) -> bool:
+    return context.is_question(at) or context.is_wished(at) or context.is_reported(at) or context.is_negated(at, idioms)
+
+
+def _is_grave(context: Context, k: int) -> bool:
+    """Return whether the text near a word denies something, or is sad or stern."""
+    near = range(max(0, k - GRAVE_REACH), min(len(context.plain), k + GRAVE_REACH + 1))
+    return any(context.language.has(name, context.plain[j]) for j in near for name in ("denial", "sad", "stern"))
+
+
+def _first_word(intent: Intent) -> int:
+    digits = intent.start.reference.partition(":w")[2].partition("+")[0]
+    return int(digits) - 1 if digits.isdigit() else intent.word

@@ -1,0 +1,138 @@
+"""Patterns of words: alternatives, optional words, inflections, places in a clause."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from kinesic.expressivity.lexicon.word_stems import word_stem
+
+START_SIGN = "^"  # sign before a pattern that matches only at the start of a clause
+END_SIGN = "$"  # sign after a pattern that matches only at the end of a clause
+STROKE_SIGN = "*"  # sign before the word of a pattern on which the stroke falls
+STEM_SIGN = "~"  # sign after a word of a pattern that matches with any inflection
+ANY_WORD = "_"  # sign in a pattern that matches any one word
+ANY_NUMBER = "#"  # sign in a pattern that matches a number word
+
+
+@dataclass(frozen=True)
+class Slot:
+    """Slot of a pattern: the words that one place accepts."""
+
+    words: frozenset[str]
+    stems: frozenset[str] = frozenset()  # of words in any inflection
+    is_optional: bool = False
+    is_stroke: bool = False
+    is_any: bool = False
+    is_number: bool = False
+
+    def accepts(self, word: str, *, is_number: bool) -> bool:
+        """Return whether a word of the text fits this slot."""
+        if self.is_any or word in self.words or (self.is_number and is_number):
+            return True
+        return bool(self.stems) and word_stem(word) in self.stems
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """Sequence of slots, possibly bound to the start or end of a clause."""
+
+    slots: tuple[Slot, ...]
+    at_start: bool = False
+    at_end: bool = False
+
+    @property
+    def min_words(self) -> int:
+        """Smallest number of words that the pattern matches.
+
+        A pattern with optional words needs one of them, unless it is bound to the start of a clause.
+        """
+        return 1 if self.at_start or len(self.slots) == 1 else 2
+
+    @cached_property
+    def required(self) -> tuple[frozenset[str], ...]:
+        """Alternatives of each required slot without inflections, which a sentence must contain."""
+        literal = (slot for slot in self.slots if not (slot.is_optional or slot.stems or slot.is_any or slot.is_number))
+        return tuple(slot.words for slot in literal)
+
+    @property
+    def first_words(self) -> frozenset[str]:
+        """Words and stems (`wav~`) with which a match may begin; `_`: any."""
+        keys = set[str]()
+        for slot in self.slots:
+            keys |= slot.words | {f"{stem}{STEM_SIGN}" for stem in slot.stems}
+            if slot.is_any or slot.is_number:
+                keys.add(ANY_NUMBER if slot.is_number else ANY_WORD)
+            if not slot.is_optional:
+                break
+        return frozenset(keys)
+
+    def match(self, words: Sequence[str], first: int, stop: int, is_number: Callable[[str], bool]) -> "Span | None":
+        """Match the pattern with the words of a text from a first word on.
+
+        Args:
+            words: plain words of the text.
+            first: index of the first word of the match.
+            stop: index after the last word that may belong to it.
+            is_number: tells number words.
+
+        Returns:
+            The longest match, or None.
+        """
+        span = self._match(words, first, stop, is_number, 0, first, -1)
+        return span if span is not None and span.last - span.first + 1 >= self.min_words else None
+
+    def _match(
+        self,
+        words: Sequence[str],
+        at: int,
+        stop: int,
+        is_number: Callable[[str], bool],
+        slot_index: int,
+        first: int,
+        stroke: int,
+    ) -> "Span | None":
+        if slot_index == len(self.slots):
+            return Span(first, at - 1, stroke) if at > first else None
+        slot = self.slots[slot_index]
+        if at < stop and slot.accepts(words[at], is_number=is_number(words[at])):
+            found = self._match(words, at + 1, stop, is_number, slot_index + 1, first, at if slot.is_stroke else stroke)
+            if found is not None:
+                return found
+        return self._match(words, at, stop, is_number, slot_index + 1, first, stroke) if slot.is_optional else None
+
+
+@dataclass(frozen=True)
+class Span:
+    """Words of a text that a pattern matches."""
+
+    first: int
+    last: int
+    stroke: int  # index of the marked word, or -1
+
+
+def read_pattern(text: str) -> Pattern:
+    """Read a pattern such as `^not bad (at *all)` or `break~ up/down`.
+
+    Raises:
+        ValueError: a pattern without a required word.
+    """
+    bare = text.strip()
+    at_start, at_end = bare.startswith(START_SIGN), bare.endswith(END_SIGN)
+    bare = bare.removeprefix(START_SIGN).removesuffix(END_SIGN).strip()
+    slots, is_optional = list[Slot](), False
+    for part in bare.replace("(", " ( ").replace(")", " ) ").split():
+        if part in ("(", ")"):
+            is_optional = part == "("
+        else:
+            slots.append(_read_slot(part, is_optional=is_optional))
+    if not any(not slot.is_optional and not slot.is_any for slot in slots):
+        raise ValueError(f"the pattern {text!r} has no required word")
+    return Pattern(tuple(slots), at_start, at_end)
+
+
+def _read_slot(part: str, *, is_optional: bool) -> Slot:
+    is_stroke = part.startswith(STROKE_SIGN)
+    alternatives = part.removeprefix(STROKE_SIGN).split("/")
+    stems = frozenset(word_stem(each.removesuffix(STEM_SIGN)) for each in alternatives if each.endswith(STEM_SIGN))
+    words = frozenset(each for each in alternatives if not each.endswith(STEM_SIGN)) - {ANY_WORD, ANY_NUMBER}
+    return Slot(words, stems, is_optional, is_stroke, ANY_WORD in alternatives, ANY_NUMBER in alternatives)

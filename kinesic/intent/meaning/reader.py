@@ -1,0 +1,128 @@
+"""Intents of a text with the gestures that show them: pictures, beats, faces, heads."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
+from functools import lru_cache
+
+from kinesic.body.choices import GrammarName
+from kinesic.expressivity.lexicon.entries import builtin_gestures
+from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.intent.intents import Intent
+from kinesic.intent.meaning.context import Context
+from kinesic.intent.meaning.cues import load_cues
+from kinesic.intent.meaning.feelings import EMOTION_PREFIX, temper
+from kinesic.intent.meaning.lexicon_names import find_names
+from kinesic.intent.meaning.matching import Candidate, match_cues
+from kinesic.intent.meaning.rhythm import place_beats, place_stroke
+from kinesic.intent.meaning.scoring import Picture, choose_pictures
+from kinesic.intent.meaning.structure import find_persons, find_structures
+from kinesic.intent.reading.language import Language
+from kinesic.intent.reading.passage import Passage
+from kinesic.intent.reading.text import EMOTION_STYLES, find_intents
+
+HAND_CHANNEL = frozenset({"gesture"})  # channel of signals that cues replace and rules lose
+HAND_INTENTS = frozenset(
+    {"emphasis-strong", "listing-left", "listing-right"}
+)  # intents whose hand gestures are kept in addition to those of cues
+FEELING_STYLES = {
+    **EMOTION_STYLES,
+    "emotion-pride": "proud",
+    "emotion-relief": "calm",
+    "emotion-embarrassment": "shy",
+}  # intent of a feeling -> style in which its sentence is performed
+ILLUSTRATION_INTENTS = frozenset({"iconic", "metaphoric"})  # intents of gestures that a single word names
+
+
+def read_meanings(
+    passage: Passage,
+    language: Language,
+    lexicon: Lexicon,
+    *,
+    grammar: GrammarName = "rules",
+    begins: bool = True,
+    ends: bool = True,
+) -> tuple[Intent, ...]:
+    """Return all intents of a text, with pictures chosen by their score.
+
+    A language without cues has the gestures of its rules.
+
+    Args:
+        passage: the text.
+        language: its rules.
+        lexicon: gestures.
+        grammar: method that finds the phrase structure.
+        begins: whether a turn begins with it.
+        ends: whether a turn ends with it.
+    """
+    intents = find_intents(passage, language, lexicon, grammar=grammar, begins=begins, ends=ends)
+    table = load_cues(language.tag)
+    if not intents or not table.cues:
+        return intents
+    context = Context(passage, language)
+    cues = match_cues(context, table)
+    idioms = {k for each in cues if each.cue.kind != "word" for k in range(each.first, each.last + 1)}
+    pictures = _find_pictures(context, cues, idioms, lexicon)
+    tempered = (temper(context, intent, idioms) for intent in intents)
+    kept = [_mute(intent, lexicon) for intent in tempered if intent is not None]
+    silent = [each for each in cues if not each.cue.shows and each.cue.intent != "picture"]
+    shown = [
+        *(_picture_intent(passage, picture.candidate, picture.score) for picture in pictures),
+        *(_picture_intent(passage, each, each.cue.certainty) for each in silent),
+        *place_beats(context, kept, [picture.candidate.stroke for picture in pictures]),
+    ]
+    return tuple(sorted(shown, key=lambda intent: (intent.stroke.seconds, -intent.certainty, intent.name)))
+
+
+def _find_pictures(
+    context: Context, cues: Sequence[Candidate], idioms: Collection[int], lexicon: Lexicon
+) -> list[Picture]:
+    """Return the pictures of cues, names of gestures, questions and numbers."""
+    categories = _categories(lexicon)
+    taken = {k for each in cues for k in range(each.first, each.last + 1)}
+    names = [each for each in find_names(context, lexicon) if taken.isdisjoint(range(each.first, each.last + 1))]
+    candidates = [*cues, *names, *find_structures(context, taken)]
+    pictures = choose_pictures(context, candidates, idioms, categories)
+    sentences = {context.passage.words[each.candidate.stroke].sentence for each in pictures}
+    persons = [
+        each for each in find_persons(context, idioms) if context.passage.words[each.stroke].sentence not in sentences
+    ]
+    return [*pictures, *choose_pictures(context, persons, idioms, categories)]
+
+
+@lru_cache(maxsize=4)
+def _categories(lexicon: Lexicon) -> Mapping[str, str]:
+    return {entry.id: entry.category for entry in reversed(lexicon.entries)}
+
+
+@lru_cache(maxsize=1)
+def _builtin_names() -> frozenset[str]:
+    return frozenset(entry.id for entry in builtin_gestures().entries)
+
+
+def _mute(intent: Intent, lexicon: Lexicon) -> Intent:
+    """Remove the hand gesture from a rule's intent, because cues choose a better one."""
+    if intent.name in HAND_INTENTS or intent.name == "accent" or "emoticon" in intent.reason:
+        return intent
+    if intent.name in ILLUSTRATION_INTENTS and not set(intent.lexemes) <= _builtin_names():
+        return intent
+    return replace(intent, muted=intent.muted | HAND_CHANNEL)
+
+
+def _picture_intent(passage: Passage, candidate: Candidate, certainty: float) -> Intent:
+    cue = candidate.cue
+    stroke = place_stroke(passage, candidate.stroke)
+    words = " ".join(word.text for word in passage.words[candidate.first : candidate.last + 1])
+    sentence, is_emotion = passage.sentences[passage.words[stroke].sentence], cue.intent.startswith(EMOTION_PREFIX)
+    return Intent(
+        name=cue.intent,
+        start=passage.onset(candidate.first),
+        stroke=passage.stress(stroke),
+        end=passage.close(sentence[-1] if is_emotion else max(candidate.last, stroke)),
+        certainty=certainty,
+        reason=f"'{words}' {cue.says}",
+        lexemes=cue.shows,
+        word=candidate.stroke,
+        phrase=passage.words[stroke].phrase,
+        style=FEELING_STYLES.get(cue.intent, ""),
+        muted=frozenset() if cue.shows else HAND_CHANNEL,
+    )

@@ -1,0 +1,80 @@
+"""Places of beats: on the last content word of a sentence, and away from pictures."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from kinesic.intent.intents import Intent
+from kinesic.intent.meaning.context import Context
+from kinesic.intent.reading.passage import Passage
+
+MAIN_BEAT_CERTAINTY = 0.42  # certainty of a beat on the last content word of a sentence
+SECOND_BEAT_CERTAINTY = 0.36  # certainty of a beat on another content word of a long sentence
+LONG_SENTENCE = 6  # [words] length of a sentence from which it has a second beat
+SHORT_SENTENCE = 2  # [words] length of a sentence up to which it has no beat
+BEAT_DISTANCE = 3  # [words] smallest distance of a beat from a picture or another beat
+BEAT_INTENT = "accent"  # intent of beats
+HAND_CHANNEL = frozenset({"gesture"})
+
+
+def place_beats(context: Context, intents: Sequence[Intent], pictures: Sequence[int]) -> Iterator[Intent]:
+    """Yield intents with a beat in each sentence, and two beats in long sentences.
+
+    Args:
+        context: the text.
+        intents: of the rules, with an accent for each phrase.
+        pictures: words of pictures.
+    """
+    main = {_last_content(indices, context) for indices in context.passage.sentences if indices}
+    accented = set[int]()
+    for intent in intents:
+        if intent.name != BEAT_INTENT:
+            yield intent
+            continue
+        indices = context.sentence(intent.word)
+        accented.add(intent.word)
+        if len(indices) <= SHORT_SENTENCE and not context.passage.words[intent.word].emphatic:
+            yield replace(intent, muted=intent.muted | HAND_CHANNEL)
+        else:
+            yield replace(intent, certainty=max(intent.certainty, MAIN_BEAT_CERTAINTY * (intent.word in main)))
+    shown = accented.union(pictures)
+    for indices in context.passage.sentences:
+        if len(indices) < LONG_SENTENCE:
+            continue
+        used = [k for k in indices if k in shown]
+        free = [
+            k
+            for k in indices
+            if context.passage.words[k].is_content and all(abs(k - other) >= BEAT_DISTANCE for other in used)
+        ]
+        if free:
+            yield _beat(context, max(free, key=lambda k: min((abs(k - other) for other in used), default=0)))
+
+
+def _last_content(indices: Sequence[int], context: Context) -> int:
+    return next((k for k in reversed(indices) if context.passage.words[k].is_content), indices[-1])
+
+
+def _beat(context: Context, k: int) -> Intent:
+    passage = context.passage
+    return Intent(
+        name=BEAT_INTENT,
+        start=passage.onset(k),
+        stroke=passage.stress(k),
+        end=passage.close(k),
+        certainty=SECOND_BEAT_CERTAINTY,
+        reason=f"'{passage.words[k].text}' carries a second accent",
+        word=k,
+        phrase=passage.words[k].phrase,
+        muted=frozenset({"head", "face"}),
+    )
+
+
+def place_stroke(passage: Passage, k: int) -> int:
+    """Return the word that carries a beat: the given one, or a content word next to it."""
+    words = passage.words
+    if words[k].is_content or words[k].emphatic:
+        return k
+    for j in (k + 1, k - 1):
+        if 0 <= j < len(words) and words[j].is_content and words[j].phrase == words[k].phrase:
+            return j
+    return k

@@ -1,0 +1,127 @@
+"""Scores of candidate gestures, and the choice of those that are shown."""
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from kinesic.intent.meaning.context import Context
+from kinesic.intent.meaning.matching import Candidate
+
+MIN_DISTANCE = 3  # [words] smallest distance of two pictures
+
+
+@dataclass(frozen=True)
+class Penalties:
+    """Amounts by which circumstances lower the score of a candidate."""
+
+    negated: float = 0.4  # denied literal word or feeling
+    asked_word: float = 0.1  # literal word in a question
+    asked_feeling: float = 0.5  # feeling in a question
+    wished: float = 0.4  # feeling in a wish
+    wished_word: float = 0.05  # literal word in a wish
+    reported: float = 0.3  # feeling or emblem in a report
+    not_felt: float = 0.45  # feeling of somebody else
+    plain_emblem: float = 0.12  # emblem, emotion or listener in a plain report
+    plain_word: float = 0.12  # pointing, metaphor or drawn shape in a plain report
+    asked_emblem: float = 0.15  # emblem or feeling in a question
+    told_idiom: float = 0.15  # idiom with an emblem or feeling in a report
+    emphasis: float = -0.1  # word that the writer stresses
+
+
+PENALTIES = Penalties()  # default amounts by which circumstances lower a score
+# Smallest scores by gesture category: a wrong emblem misleads, a wrong open hand hardly does.
+CATEGORY_THRESHOLDS: Mapping[str, float] = {
+    "emblem": 0.62,
+    "emotion": 0.64,
+    "deictic": 0.5,
+    "iconic": 0.54,
+    "metaphoric": 0.5,
+    "adaptor": 0.56,
+    "beat": 0.3,
+    "rest": 0.7,
+}
+GESTURE_THRESHOLDS: Mapping[str, float] = {
+    **dict.fromkeys(("open_low", "offer", "you_low", "me_low", "ask_open", "here_low", "present"), 0.42),
+    **dict.fromkeys(("left", "right", "crossed_out", "cut_off", "thumb_down", "no_wag", "refuse_push"), 0.68),
+    **dict.fromkeys(("gotcha", "watching_you", "shake_fist", "go_away", "contempt", "crazy"), 0.7),
+}
+UNKNOWN_THRESHOLD = 0.6  # smallest score of a gesture of an unknown category
+SENSITIVE_CATEGORIES = frozenset({"emblem", "emotion"})  # gesture categories that address somebody
+REPORT_CATEGORIES = frozenset(
+    {"deictic", "metaphoric", "iconic", "adaptor"}
+)  # gesture categories that a plain report needs less
+SENSITIVE_GESTURES = frozenset({"you", "you_all", "left", "right", "we", "between_us"})  # others that address somebody
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """Candidate gesture whose score is high enough to be shown."""
+
+    candidate: Candidate
+    score: float
+
+
+def score(context: Context, candidate: Candidate, idioms: Collection[int], categories: Mapping[str, str]) -> float:
+    """Return the score of a candidate gesture, 0..1.
+
+    Args:
+        context: the text.
+        candidate: words with gestures.
+        idioms: words of idioms, which deny nothing.
+        categories: of all gestures.
+    """
+    cue, at = candidate.cue, candidate.first
+    is_literal = cue.kind in ("word", "feeling")
+    is_sensitive = any(
+        categories.get(shown, "") in SENSITIVE_CATEGORIES or shown in SENSITIVE_GESTURES for shown in cue.shows
+    )
+    value = cue.certainty
+    if any(context.passage.words[k].emphatic for k in range(candidate.first, candidate.last + 1)):
+        value -= PENALTIES.emphasis
+    if is_literal and context.is_negated(at, idioms):
+        value -= PENALTIES.negated
+    if cue.kind == "feeling":
+        value -= PENALTIES.asked_feeling * context.is_question(at)
+        value -= PENALTIES.wished * context.is_wished(at)
+        value -= PENALTIES.not_felt * (not context.is_felt(at))
+    elif cue.kind == "word":
+        value -= PENALTIES.asked_word * context.is_question(at)
+        value -= PENALTIES.wished_word * context.is_wished(at)
+    if cue.kind == "word" and not is_sensitive and not context.is_talk(at):
+        value -= PENALTIES.plain_word * any(categories.get(shown, "") in REPORT_CATEGORIES for shown in cue.shows)
+    if is_sensitive and cue.kind != "question":
+        value -= PENALTIES.reported * (is_literal and context.is_reported(at))
+        value -= PENALTIES.plain_emblem * (not context.is_talk(at))
+        value -= PENALTIES.asked_emblem * (cue.kind == "idiom" and cue.where == "any" and context.is_question(at))
+        value -= PENALTIES.told_idiom * (cue.kind == "idiom" and context.is_reported(at))
+    return min(max(value, 0.0), 1.0)
+
+
+def choose_pictures(
+    context: Context, candidates: Iterable[Candidate], idioms: Collection[int], categories: Mapping[str, str]
+) -> list[Picture]:
+    """Return the candidate gestures that are shown, at most one in a clause."""
+    scored = [
+        Picture(candidate, score(context, candidate, idioms, categories))
+        for candidate in candidates
+        if candidate.cue.shows
+    ]
+    ranked = sorted(
+        (each for each in scored if each.score >= threshold(each.candidate.cue.shows, categories)),
+        key=lambda each: (-each.score, each.candidate.first),
+    )
+    kept, clauses, near = list[Picture](), set[int](), set[int]()
+    for picture in ranked:
+        stroke = picture.candidate.stroke
+        if context.clauses[stroke] not in clauses and stroke not in near:
+            kept.append(picture)
+            clauses.add(context.clauses[stroke])
+            near.update(range(stroke - MIN_DISTANCE + 1, stroke + MIN_DISTANCE))
+    return sorted(kept, key=lambda each: each.candidate.stroke)
+
+
+def threshold(shows: Sequence[str], categories: Mapping[str, str]) -> float:
+    """Return the highest of the smallest scores that a cue's gestures require."""
+    return max(
+        GESTURE_THRESHOLDS.get(shown, CATEGORY_THRESHOLDS.get(categories.get(shown, ""), UNKNOWN_THRESHOLD))
+        for shown in shows
+    )

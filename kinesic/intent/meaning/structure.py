@@ -1,0 +1,93 @@
+"""Gestures that follow from the structure of a sentence: questions, numbers, persons."""
+
+from collections.abc import Collection, Iterator, Sequence
+
+from kinesic.intent.meaning.context import Context
+from kinesic.intent.meaning.cues import PICTURE_INTENT, Cue, CueKind
+from kinesic.intent.meaning.matching import Candidate
+from kinesic.intent.meaning.rhythm import place_stroke
+
+ASK_CERTAINTY = 0.62  # certainty of the gesture for a question with a question word
+YES_NO_CERTAINTY = 0.5  # certainty of the gesture for a question that asks for yes or no
+CHOICE_CERTAINTY = 0.62  # certainty of the gesture for a question between two things
+COUNT_CERTAINTY = 0.68  # certainty of the gesture that counts things
+LISTED_COUNT_BONUS = 0.12  # added certainty where the number is announced (`there are three`)
+PERSON_CERTAINTY = 0.46  # certainty of a gesture to speaker or listener, in sentences without another one
+MIN_PERSON_WORDS = 3  # words of the shortest sentence with a gesture to speaker or listener
+COUNTS = {"two": "count_two", "three": "count_three", "four": "count_four", "five": "count_five", "2": "count_two",
+          "3": "count_three", "4": "count_four", "5": "count_five"}  # number -> gesture  # fmt: skip
+
+
+def find_structures(context: Context, taken: Collection[int]) -> Iterator[Candidate]:
+    """Yield candidate gestures for questions and counted things.
+
+    Args:
+        context: the text.
+        taken: words of cues, which show something else.
+    """
+    for sentence, indices in enumerate(context.passage.sentences):
+        if not indices:
+            continue
+        if context.passage.kinds[sentence] == "question":
+            yield from _find_questions(context, indices, taken)
+        yield from _find_counts(context, indices, taken)
+
+
+def _find_questions(context: Context, indices: Sequence[int], taken: Collection[int]) -> Iterator[Candidate]:
+    asker = next((k for k in indices if context.language.has("asker", context.plain[k])), -1)
+    choice = next((k for k in indices[1:-1] if context.language.has("choice", context.plain[k])), -1)
+    if choice >= 0 and not {choice, choice - 1} & set(taken):
+        yield _candidate("contrast_left_right", choice, "offers a choice", "question", CHOICE_CERTAINTY)
+    if asker >= 0 and asker not in taken and context.is_clause_start(asker):
+        yield _candidate("ask_open", asker, "asks", "question", ASK_CERTAINTY)
+    elif asker < 0 and any(
+        context.language.has("auxiliary", context.plain[k]) for k in indices[:3] if context.is_clause_start(k)
+    ):
+        content = [k for k in indices if context.passage.words[k].is_content and k not in taken]
+        if content:
+            yield _candidate("ask_open", content[-1], "asks for yes or no", "question", YES_NO_CERTAINTY)
+
+
+def _find_counts(context: Context, indices: Sequence[int], taken: Collection[int]) -> Iterator[Candidate]:
+    for k in indices[:-1]:
+        gesture = COUNTS.get(context.plain[k])
+        if gesture is None or k in taken or context.clauses[k] != context.clauses[k + 1]:
+            continue
+        thing = _counted_thing(context, k, indices)
+        before = context.plain[k - 1] if k > indices[0] else ""
+        if not thing or context.language.has("not_counting", before) or context.is_number(context.plain[k + 1]):
+            continue
+        announced = any(context.language.has("announcer", context.plain[j]) for j in range(max(indices[0], k - 3), k))
+        yield _candidate(gesture, k, "is a number", "word", COUNT_CERTAINTY + LISTED_COUNT_BONUS * announced)
+
+
+def _counted_thing(context: Context, k: int, indices: Sequence[int]) -> bool:
+    """Return whether a plural noun that is no unit of measurement follows a number."""
+    for j in range(k + 1, min(k + 4, indices[-1] + 1)):
+        word = context.plain[j]
+        if context.language.has("unit", word) or not context.passage.words[j].is_content:
+            return False
+        if word.endswith("s") and not word.endswith("ss"):
+            return True
+    return False
+
+
+def find_persons(context: Context, taken: Collection[int]) -> Iterator[Candidate]:
+    """Yield a gesture to the listener, else to the speaker, in sentences that name them."""
+    for indices in context.passage.sentences:
+        if len(indices) < MIN_PERSON_WORDS:
+            continue
+        passage = context.passage  # strokes fall on content words beside the person
+        free = [k for k in indices if k not in taken and passage.words[place_stroke(passage, k)].is_content]
+        listeners = [k for k in free if context.language.has("listener", context.plain[k])]
+        speakers = [k for k in free if context.language.has("pointed_speaker", context.plain[k])]
+        if listeners and not context.language.has("no_listener", context.plain[min(listeners[-1] + 1, indices[-1])]):
+            yield _candidate("you_low", listeners[-1], "is the listener", "idiom", PERSON_CERTAINTY)
+        elif speakers:
+            yield _candidate("me_low", speakers[-1], "is the speaker", "idiom", PERSON_CERTAINTY)
+
+
+def _candidate(gesture: str, k: int, says: str, kind: CueKind, certainty: float) -> Candidate:
+    nothing = frozenset[str]()
+    cue = Cue(says, (), (gesture,), kind, certainty, PICTURE_INTENT, "any", nothing, nothing, nothing, nothing)
+    return Candidate(cue, k, k, k)

@@ -1,0 +1,1 @@
+"""Pacing of gestures: spacing, rhythm, and variety over time."""

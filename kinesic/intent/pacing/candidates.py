@@ -1,0 +1,18 @@
+"""Candidates: signals of intents that may be chosen."""
+
+from dataclasses import dataclass
+
+from kinesic.intent.behaviour_sets import Choice, Signal
+from kinesic.intent.behaviours import ChosenBehaviour
+from kinesic.intent.intents import Intent
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """Signal of an intent that may be chosen."""
+
+    intent: Intent
+    signal: Signal
+    weight: float  # certainty times preference, with a bonus for core signals
+    choices: tuple[Choice, ...]
+    earlier: ChosenBehaviour | None = None  # if it is an earlier behaviour

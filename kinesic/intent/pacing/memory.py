@@ -1,0 +1,71 @@
+"""Memory of chosen gestures, which lasts across turns."""
+
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass, replace
+
+from kinesic.intent.behaviours import ChosenBehaviour
+
+REPEAT_WINDOW = 60.0  # [s] duration of speech within which no gesture is repeated
+TURN_PAUSE = 1.0  # [s] silence assumed between two texts
+
+
+@dataclass(frozen=True)
+class PastGesture:
+    """Gesture of an earlier text, with its time and reason."""
+
+    lexeme: str
+    seconds: float  # [s] of its stroke on the clock of the memory
+    reason: str  # words and their meaning; the same reason: the text repeats itself
+
+
+@dataclass(frozen=True)
+class ChoiceMemory:
+    """Gestures of the last minute of speech, in the order of their choice.
+
+    Its clock counts speech, not the time between turns, so that the same texts give the same gestures.
+    """
+
+    gestures: tuple[PastGesture, ...] = ()
+    seconds: float = 0.0  # [s] of speech so far
+    parts: int = 0  # texts and parts of streamed texts so far
+
+    @property
+    def times(self) -> tuple[float, ...]:
+        """Stroke times in the speech time that this memory counts [s]."""
+        return tuple(each.seconds for each in self.gestures)
+
+    def extend(
+        self,
+        behaviours: Iterable[ChosenBehaviour],
+        duration: float,
+        *,
+        since: float = 0.0,
+        replaced: Collection[ChosenBehaviour] = (),
+        pause: float = TURN_PAUSE,
+    ) -> "ChoiceMemory":
+        """Return the memory extended by the gestures of a text or a part of one.
+
+        Args:
+            behaviours: chosen for the text.
+            duration: of the text [s].
+            since: time of its first word, on the clock of the behaviours [s].
+            replaced: earlier behaviours that are not performed.
+            pause: silence after it [s].
+        """
+        new = [
+            PastGesture(each.lexeme, self.seconds + each.intent.stroke.seconds - since, each.intent.reason)
+            for each in behaviours
+            if each.channel == "gesture"
+        ]
+        now = self.seconds + duration + pause
+        kept = [each for each in (*self.forget(replaced).gestures, *new) if now - each.seconds < REPEAT_WINDOW]
+        return ChoiceMemory(tuple(kept), now, self.parts + 1)
+
+    def forget(self, replaced: Collection[ChosenBehaviour]) -> "ChoiceMemory":
+        """Return the memory without the gestures of behaviours that were not performed."""
+        dropped = {(each.lexeme, each.intent.reason) for each in replaced}
+        kept = tuple(each for each in self.gestures if (each.lexeme, each.reason) not in dropped)
+        return replace(self, gestures=kept) if dropped else self
+
+
+NO_MEMORY = ChoiceMemory()  # memory before the first text

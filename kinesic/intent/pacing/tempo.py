@@ -1,0 +1,76 @@
+"""Tempo of gestures by style: rate, fraction of beats and length of runs."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from kinesic.expressivity.style.style import Style
+
+RHYTHM_DURATION = 5.0  # [s] shortest text whose accents have beats in runs
+LIVELINESS_LEVELS = (-0.45, 0.0, 0.45)  # mean of activation, extent and power: restrained, neutral, lively
+STROKE_RATES = (8.0, 19.5, 32.0)  # [1/min] strokes at these levels; 54 people: 7.7, 24, 34 (5, 50, 95 %)
+BEAT_FRACTIONS = (0.3, 0.45, 0.5)  # smallest fraction of beats among gestures
+PICTURE_SPACINGS = (1.8, 1.3, 1.1)  # [s] smallest spacing of two gestures other than beats
+BEAT_SPACINGS = (1.3, 1.05, 0.95)  # [s] smallest spacing from a beat to another stroke
+MAX_BEAT_FRACTION = 0.54  # largest fraction of beats, above which the rate falls
+MIN_STROKE_RATES = (8.0, 17.0, 18.0)  # [1/min] stroke rates below which the limit on beats does not lower them
+RUN_LENGTHS = (2.0, 3.0, 4.0)  # [strokes] length of the longest run of beats
+RUN_SPACING = 1.6  # [s] largest spacing of the strokes of a run, between which the hands do not return to rest
+SILENCE_RATIO = 1.7  # longest silence of the hands, in mean intervals between strokes
+
+
+@dataclass(frozen=True)
+class Tempo:
+    """Rate of gesture strokes, their smallest spacings and their grouping into runs."""
+
+    rate: float  # [1/min] strokes
+    min_rate: float  # [1/min] strokes of a text with few other gestures than beats
+    beat_fraction: float  # 0..1 smallest fraction of beats
+    picture_spacing: float  # [s] smallest spacing of gestures other than beats
+    beat_spacing: float  # [s] smallest spacing from a beat to another stroke
+    run_length: int  # largest number of strokes of a run
+
+    @property
+    def longest_silence(self) -> float:
+        """Time without strokes after which a beat is due [s]."""
+        return SILENCE_RATIO * 60.0 / self.rate
+
+
+def limit_beats(tempo: Tempo, pictures: int, seconds: float) -> Tempo:
+    """Return a tempo whose rate leaves at most `MAX_BEAT_FRACTION` of beats.
+
+    Args:
+        tempo: of the style.
+        pictures: gestures other than beats.
+        seconds: duration of the text [s].
+    """
+    largest = 60.0 * pictures / max(seconds, 1.0) / (1.0 - MAX_BEAT_FRACTION)
+    return replace(tempo, rate=min(tempo.rate, max(largest, tempo.min_rate)))
+
+
+def beat_manner_of(style: Style) -> Mapping[str, float]:
+    """Return the expressivity of beats where it differs from the style.
+
+    Beats of a lively style are no larger than neutral ones and do not repeat within themselves.
+    """
+    gesture = style.gesture
+    return {name: 0.0 for name in ("spatial", "repetition") if getattr(gesture, name) > 0.0}
+
+
+def tempo_of(style: Style) -> Tempo:
+    """Return the tempo of a style, between people's 5th and 95th percentile."""
+    gesture = style.gesture
+    level = (gesture.activation + gesture.spatial + gesture.power) / 3.0
+
+    def at_level(values: tuple[float, float, float]) -> float:
+        return float(np.interp(level, LIVELINESS_LEVELS, values))
+
+    return Tempo(
+        rate=at_level(STROKE_RATES),
+        min_rate=at_level(MIN_STROKE_RATES),
+        beat_fraction=at_level(BEAT_FRACTIONS),
+        picture_spacing=at_level(PICTURE_SPACINGS),
+        beat_spacing=at_level(BEAT_SPACINGS),
+        run_length=round(at_level(RUN_LENGTHS)),
+    )

@@ -1,0 +1,118 @@
+"""Random choice of lexemes without recent repetitions."""
+
+import random
+from bisect import bisect_left, insort
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from kinesic.intent.behaviour_sets import Channel, Choice
+from kinesic.intent.behaviours import ChosenBehaviour, Omission
+from kinesic.intent.greta.agent import Agent
+from kinesic.intent.pacing.candidates import Candidate
+from kinesic.intent.pacing.memory import PastGesture
+from kinesic.intent.pacing.rhythm import BEAT_INTENTS, MAIN_BEAT_INTENT, is_beat
+
+NO_REPEAT_WINDOW = 3  # successive gestures without a repetition, where no time is given
+BEAT_REASON = "{}; a beat, as its gesture was shown a moment ago"  # reason of a beat instead of a repeated gesture
+FUNCTION_INTENTS = frozenset({"negation", "negative", "question", "rhetorical"})  # their words recur in any text
+EMPHATIC_CERTAINTY = 0.8  # certainty of an intent from which its beat is as large as the style makes it
+NEUTRAL_MANNER: Mapping[str, float] = {}  # no changes to the expressivity of the style
+MIN_REPEAT_INTERVAL = 8.0  # [s] smallest time between equal gestures, if all alternatives are used up
+
+
+@dataclass(eq=False)
+class GestureUses:
+    """Times at which gestures are shown, to avoid repetitions."""
+
+    window: float  # [s] within which gestures differ; 0: the last two gestures count
+    _times: dict[str, list[float]] = field(default_factory=dict)  # lexeme -> sorted times of strokes [s]
+    _reasons: set[tuple[str, str]] = field(default_factory=set)  # (lexeme, reason) of each use
+    _recent: list[str] = field(default_factory=list)  # lexemes of the last gestures
+
+    def add(self, past: PastGesture) -> None:
+        """Add one gesture to the record of shown gestures."""
+        insort(self._times.setdefault(past.lexeme, []), past.seconds)
+        self._reasons.add((past.lexeme, past.reason))
+        self._recent = [*self._recent, past.lexeme][-(NO_REPEAT_WINDOW - 1) :]
+
+    def interval(self, lexeme: str, at: float) -> float:
+        """Return the time from a stroke to the nearest equal gesture [s], or infinity."""
+        times = self._times.get(lexeme, [])
+        place = bisect_left(times, at)
+        return min((abs(at - time) for time in times[max(place - 1, 0) : place + 1]), default=float("inf"))
+
+    def select(self, candidate: Candidate, at: float) -> Sequence[Choice]:
+        """Return the alternative gestures that repeat no recent one.
+
+        A beat, and a gesture for words that the text repeats, may use the one shown longest ago.
+        """
+        choices = candidate.choices
+        if not self.window:
+            return [choice for choice in choices if choice.lexeme not in self._recent]
+        fresh = [choice for choice in choices if self.interval(choice.lexeme, at) >= self.window]
+        if fresh:
+            return fresh
+        reason, name = candidate.intent.reason, candidate.intent.name
+        is_repeated = name not in FUNCTION_INTENTS and name not in BEAT_INTENTS
+        again = [each for each in choices if is_repeated and (each.lexeme, reason) in self._reasons]
+        return self.oldest(choices if name in BEAT_INTENTS else again, at)
+
+    def oldest(self, choices: Sequence[Choice], at: float) -> Sequence[Choice]:
+        """Return the alternative gesture shown longest ago, unless too little time has passed."""
+        free = [choice for choice in choices if self.interval(choice.lexeme, at) >= MIN_REPEAT_INTERVAL]
+        return [max(free, key=lambda choice: self.interval(choice.lexeme, at))] if free else []
+
+    def explain(self, candidate: Candidate) -> str:
+        """Return the reason why no alternative gesture is left."""
+        lexeme = candidate.choices[0].lexeme
+        if self.window:
+            return f"{lexeme} is shown within {self.window:g} s"
+        return f"{lexeme} was among the last {NO_REPEAT_WINDOW - 1} gestures"
+
+
+def draw_lexemes(
+    kept: Sequence[Candidate],
+    channel: Channel,
+    agent: Agent,
+    generator: random.Random,
+    omitted: list[Omission],
+    uses: GestureUses,
+    *,
+    offset: float = 0.0,
+    beats: Sequence[Choice] = (),
+    beat_manner: Mapping[str, float] = NEUTRAL_MANNER,
+) -> Iterable[ChosenBehaviour]:
+    """Choose randomly a lexeme for each candidate, without recently used gestures.
+
+    Args:
+        kept: candidates in the order of their strokes.
+        channel: of the body.
+        agent: with preferences and expressivity.
+        generator: random generator.
+        omitted: list that receives candidates without an unused alternative.
+        uses: gestures shown so far, to which the drawn ones are added.
+        offset: from times of intents to times of `uses` [s].
+        beats: forms that replace a gesture without an unused alternative.
+        beat_manner: expressivity of beats, where it differs from the style.
+    """
+    for candidate in kept:
+        intent, at = candidate.intent, candidate.intent.stroke.seconds + offset
+        if candidate.earlier is not None:
+            if channel == "gesture":
+                uses.add(PastGesture(candidate.earlier.lexeme, at, intent.reason))
+            continue
+        free = uses.select(candidate, at) if channel == "gesture" else candidate.choices
+        if not free and uses.window:
+            free = uses.oldest(beats, at)
+            reason = BEAT_REASON.format(intent.reason)
+            intent = replace(intent, name=MAIN_BEAT_INTENT, reason=reason, target="") if free else intent
+        if not free:
+            omitted.append(Omission(intent, channel, uses.explain(candidate)))
+            continue
+        choice = generator.choices(free, [max(each.probability, 1e-6) for each in free])[0]
+        if channel == "gesture":
+            uses.add(PastGesture(choice.lexeme, at, intent.reason))
+        manner = agent.manner(intent.name, channel, intent.strength)
+        if channel == "gesture" and is_beat(choice.lexeme) and intent.certainty < EMPHATIC_CERTAINTY:
+            manner = {**beat_manner, **manner}
+        yield ChosenBehaviour(channel, choice.lexeme, intent, choice.amount, choice.repetition, manner)

@@ -1,0 +1,47 @@
+"""Rate, pitch and volume of the voice that a text requests for its words."""
+
+import re
+from collections.abc import Mapping
+
+from kinesic.intent.markup import quote
+
+PROSODY_TAG = "kinesic:prosody"  # name of the tag around words with a prosody of their own
+VOICE_TAG = "kinesic:voice"  # name of the tag that sets the voice until the next such tag
+PROSODY_ATTRIBUTES = ("rate", "pitch", "range", "volume")  # attributes that the voice follows
+MAX_OPEN_ELEMENTS = 16  # largest depth of nested prosody elements; deeper ones are ignored
+_ATTRIBUTE = re.compile(r'(\w+)="([^"<>]*)"')
+_VALUE = re.compile(r"[+-]?\d{1,4}(?:\.\d{1,3})?\s?(?:%|st|Hz|dB)?|[a-z]{3,7}|x-[a-z]{3,6}", re.IGNORECASE)
+
+Prosody = tuple[tuple[str, str], ...]  # attributes of one element
+Layers = tuple[Prosody, ...]  # settings of the voice, then the prosody of each open element
+
+NO_LAYERS: Layers = ((),)  # prosody of text without prosody elements
+
+
+def write_tag(tag: str, attributes: Mapping[str, str], *, is_alone: bool = False) -> str:
+    """Write a tag with the attributes that the voice follows, or nothing without any."""
+    valid = {name: attributes[name].strip() for name in PROSODY_ATTRIBUTES if name in attributes}
+    written = "".join(f" {name}={quote(value)}" for name, value in valid.items() if _VALUE.fullmatch(value))
+    return f"<{tag}{written}{'/' * is_alone}>" if written or is_alone else ""
+
+
+def take_tag(layers: Layers, name: str, tag: str, *, is_end: bool) -> Layers:
+    """Return the prosody after a tag."""
+    attributes = tuple(_ATTRIBUTE.findall(tag))
+    if name == VOICE_TAG:
+        settings = dict(layers[0]) | dict(attributes) if attributes else {}
+        return (tuple(settings.items()), *layers[1:])
+    if is_end:
+        return layers[:-1] if len(layers) > 1 else layers
+    return (*layers, attributes) if len(layers) <= MAX_OPEN_ELEMENTS else layers
+
+
+def merge(layers: Layers) -> Prosody:
+    """Return the attributes of all open elements; the inner ones count."""
+    return tuple({name: value for layer in layers for name, value in layer}.items())
+
+
+def reopen(layers: Layers) -> str:
+    """Return the tags by which a later text continues with a prosody."""
+    settings = write_tag(VOICE_TAG, dict(layers[0]), is_alone=True) if layers[0] else ""
+    return settings + "".join(write_tag(PROSODY_TAG, dict(layer)) or f"<{PROSODY_TAG}>" for layer in layers[1:])

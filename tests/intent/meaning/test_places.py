@@ -1,0 +1,47 @@
+"""Tests of cues for places on the body, past the listener, and amounts and times compared."""
+
+import pytest
+
+from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.expressivity.style.style import Style
+from kinesic.intent.author import plan_behaviours
+
+LEXICON, NEUTRAL = Lexicon.load(), Style.load("neutral")
+
+
+def gestures(text: str) -> set[str]:
+    """Return the gestures for a text."""
+    _, selection = plan_behaviours(text, LEXICON, NEUTRAL, seed=0)
+    return {each.lexeme for each in selection.behaviours if each.channel == "gesture"}
+
+
+@pytest.mark.parametrize(
+    ("text", "gesture"),
+    [
+        ("Ask the lady behind you.", "point_past_listener"),
+        ("Somebody tapped me on the shoulder.", "own_shoulder"),
+        ("I'm fed up to here with it.", "up_to_here"),
+        ("We were squeezed together all night.", "hands_converge"),
+        ("I'm warning you.", "warning_finger"),
+        ("If only I had listened.", "palm_to_forehead"),
+        ("It's hers, without exception.", "flat_hand_wipe"),
+        ("This costs much more than mine.", "more_than"),
+        ("It was gone in a flash.", "fast_off"),
+    ],
+)
+def test_words_of_place_and_comparison_show_their_picture(text: str, gesture: str):
+    assert gesture in gestures(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "gesture"),
+    [
+        ("Put it all behind you.", "point_past_listener"),
+        ("He has a chip on my shoulder.", "own_shoulder"),
+        ("She was fed up to here with him.", "palm_to_forehead"),
+        ("You are more than welcome.", "more_than"),
+        ("Give me time.", "give_me"),
+    ],
+)
+def test_other_senses_of_these_words_show_no_such_picture(text: str, gesture: str):
+    assert gesture not in gestures(text)

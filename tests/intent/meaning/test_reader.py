@@ -1,0 +1,103 @@
+"""Tests of pictures, beats, faces and heads chosen by meaning."""
+
+import pytest
+
+from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.expressivity.style.style import Style
+from kinesic.intent.author import plan_behaviours
+from kinesic.intent.meaning.cues import load_cues
+
+LEXICON, NEUTRAL = Lexicon.load(), Style.load("neutral")
+REFUSALS = {"no_low", "no_wag", "refuse_sweep", "refuse_push", "crossed_out", "stop", "stop_low"}
+
+
+def shown(text: str, channel: str = "gesture", seed: int = 0) -> set[str]:
+    """Return the lexemes of one channel for a text."""
+    _, selection = plan_behaviours(text, LEXICON, NEUTRAL, seed=seed)
+    return {each.lexeme for each in selection.behaviours if each.channel == channel}
+
+
+def is_beat(lexemes: set[str]) -> bool:
+    return all(each.startswith("beat") for each in lexemes)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["No problem!", "I couldn't agree more.", "Why not?", "Not bad at all!", "I can't wait to see it.", "Don't worry.",
+     "Nothing beats fresh bread.", "No wonder it broke.", "It's at number 5, not only today."],
+)  # fmt: skip
+def test_negative_words_that_deny_nothing_get_no_refusal_gesture(text: str):
+    for seed in range(3):
+        assert not shown(text, seed=seed) & REFUSALS
+    assert "SHAKE" not in shown(text, "head") or "not only" in text
+
+
+def test_denial_gets_a_head_shake_and_a_refusal_gesture():
+    assert shown("No, I won't.") & {"no_low"}
+    assert shown("No, I won't.", "head") == {"SHAKE"}
+
+
+@pytest.mark.parametrize(
+    "text", ["Are you happy?", "I wish I were happy.", "He said he was so happy.", "I'm not happy."]
+)
+def test_emotions_are_shown_only_if_the_speaker_feels_them(text: str):
+    assert "joy" in shown("I'm so happy about it!", "face")
+    assert "joy" not in shown(text, "face")
+    assert not shown(text) & {"joy_bounce", "joy_cheer"}
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["The bus stop is opposite the bank.", "The heating comes on at half past two.", "He plays left back for a team.",
+     "The shop opens at nine on Mondays.", "The high street was closed."],
+)  # fmt: skip
+def test_plain_statements_get_only_beat_gestures(text: str):
+    assert is_beat(shown(text))
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["My jaw hit the floor at the price.", "They vanished into thin air.", "He is always up in arms.",
+     "Tickets for it are a long shot."],
+)  # fmt: skip
+def test_words_of_idioms_draw_no_picture(text: str):
+    for seed in range(2):
+        assert is_beat(shown(text, seed=seed))
+
+
+def test_persons_in_two_clauses_are_not_shown_together():
+    assert "we" in shown("This is just between me and you.")
+    assert "we" not in shown("You never praise me, and you never listen.")
+
+
+def test_word_with_a_literal_gesture_is_shown_unless_denied():
+    assert "large" in shown("It was a huge dog.")
+    assert "large" not in shown("It was not a huge dog.")
+
+
+def test_counted_things_get_a_number_gesture_but_units_of_measurement_do_not():
+    assert "count_three" in shown("There are three reasons for it.")
+    assert is_beat(shown("The lesson takes three hours on Fridays."))
+
+
+def test_random_seed_chooses_only_among_the_gestures_of_one_cue():
+    cues = load_cues("en").cues
+    (unsure,) = (set(cue.shows) for cue in cues if cue.says == "does not know")
+    assert {each for seed in range(6) for each in shown("I have no idea.", seed=seed)} <= unsure
+
+
+def test_gestures_named_by_cues_exist_in_the_lexicon():
+    known = {entry.id for entry in LEXICON.entries}
+    assert {name for cue in load_cues("en").cues for name in cue.shows} <= known
+
+
+def test_language_without_cues_keeps_the_gestures_of_its_rules():
+    assert not load_cues("de").cues
+    _, selection = plan_behaviours("Hallo!", LEXICON, NEUTRAL, language="de")
+    assert {each.lexeme for each in selection.behaviours if each.channel == "gesture"} & {"greet_wave", "wave_small"}
+
+
+def test_beat_replaces_a_repeated_pictorial_gesture():
+    _, selection = plan_behaviours("I have no idea. I have no clue. Who knows. I don't know why.", LEXICON, NEUTRAL)
+    gestures = [each.lexeme for each in selection.behaviours if each.channel == "gesture"]
+    assert len(gestures) == len(set(gestures)) > 1

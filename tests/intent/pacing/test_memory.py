@@ -1,0 +1,46 @@
+"""Tests that choices are remembered across turns, without hidden state."""
+
+import pytest
+
+from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.expressivity.style.style import Style
+from kinesic.intent.author import author_text
+from kinesic.intent.pacing.memory import NO_MEMORY, REPEAT_WINDOW, ChoiceMemory, PastGesture
+
+DENIALS = ("I did not say that.", "She never called me.", "We cannot sell the house.", "Nobody saw the dog.")
+
+
+@pytest.fixture(scope="module")
+def lexicon() -> Lexicon:
+    return Lexicon.load()
+
+
+def perform_turns(lexicon: Lexicon, seed: int) -> tuple[list[str], ChoiceMemory]:
+    """Return the BML of successive turns, and the memory after them."""
+    memory, written = NO_MEMORY, []
+    for text in DENIALS:
+        turn = author_text(text, lexicon, Style.load("neutral"), seed=seed, memory=memory)
+        written.append(turn.bml)
+        memory = turn.memory
+    return written, memory
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_gestures_differ_in_successive_turns_of_one_conversation(lexicon: Lexicon, seed: int) -> None:
+    _, memory = perform_turns(lexicon, seed)
+    names = [past.lexeme for past in memory.gestures]
+    assert len(names) >= len(DENIALS)
+    assert len(set(names)) == len(names)
+
+
+def test_same_history_text_and_seed_give_the_same_bml(lexicon: Lexicon) -> None:
+    assert perform_turns(lexicon, 1)[0] == perform_turns(lexicon, 1)[0]
+    first, second = (perform_turns(lexicon, seed)[0] for seed in (1, 2))
+    assert first != second
+
+
+def test_gesture_memory_forgets_after_a_minute_of_speech_and_omits_unperformed_gestures() -> None:
+    memory = ChoiceMemory((PastGesture("beat", 10.0, "old"), PastGesture("large", 50.0, "new")), 55.0, 2)
+    later = memory.extend((), REPEAT_WINDOW - 50.0, pause=5.5)
+    assert [past.lexeme for past in later.gestures] == ["large"]
+    assert (later.seconds, later.parts) == (70.5, 3)

@@ -1,0 +1,105 @@
+"""Tests of beats: rate by style, runs, distance from other gestures and different forms."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import pytest
+
+from kinesic.bench.meaning.stories import STORIES
+from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.expressivity.style.style import Style
+from kinesic.intent.author import plan_behaviours
+from kinesic.intent.behaviour_sets import Choice, Signal
+from kinesic.intent.behaviours import ChosenBehaviour
+from kinesic.intent.intents import Intent, Moment
+from kinesic.intent.pacing.candidates import Candidate
+from kinesic.intent.pacing.rhythm import is_beat, place_beats
+from kinesic.intent.pacing.tempo import RUN_SPACING, Tempo, tempo_of
+from kinesic.intent.pacing.variety import EMPHATIC_CERTAINTY
+
+STEADY_TEMPO = Tempo(rate=20.0, min_rate=17.0, beat_fraction=0.4, picture_spacing=1.3, beat_spacing=1.0, run_length=3)
+
+
+def make_accent(at: float, weight: float = 0.1) -> Candidate:
+    moment = Moment(f"{at:g}", at)
+    choices = (Choice("beat", 1.0),)
+    return Candidate(
+        Intent("rhythm", moment, moment, moment, weight, ""), Signal("g", "gesture", choices), weight, choices
+    )
+
+
+def times_of(kept: Sequence[Candidate]) -> list[float]:
+    return [each.intent.stroke.seconds for each in kept]
+
+
+def gestures_of(story: str, style: str) -> Sequence[ChosenBehaviour]:
+    selection = plan_behaviours(STORIES[story], Lexicon.load(), Style.load(style))[1]
+    return [each for each in selection.behaviours if each.channel == "gesture"]
+
+
+def test_beats_come_in_runs_at_the_rate_of_the_tempo() -> None:
+    times = times_of(place_beats([make_accent(0.4 * k) for k in range(300)], [], STEADY_TEMPO))
+    assert len(times) == pytest.approx(40, abs=2)
+    gaps = [after - before for before, after in pairwise(times)]
+    assert min(gaps) >= STEADY_TEMPO.beat_spacing
+    in_run = [gap <= RUN_SPACING for gap in gaps]
+    assert 0.4 < sum(in_run) / len(gaps) < 0.8
+    assert not any(all(in_run[k : k + STEADY_TEMPO.run_length]) for k in range(len(in_run) - STEADY_TEMPO.run_length))
+
+
+def test_beats_keep_their_distance_from_other_gestures() -> None:
+    others = [2.0, 7.5, 9.0]
+    times = times_of(place_beats([make_accent(0.3 * k) for k in range(40)], others, STEADY_TEMPO))
+    assert times
+    assert min(abs(time - other) for time in times for other in others) >= STEADY_TEMPO.beat_spacing
+
+
+def test_beat_moves_from_a_weak_accent_to_a_stronger_one_soon_after_it() -> None:
+    accents = [make_accent(2.0), make_accent(2.4, 0.3), make_accent(2.9)]
+    assert times_of(place_beats(accents, [], STEADY_TEMPO)) == [2.4]
+
+
+def test_beat_ends_a_long_rest_of_the_hands_even_above_the_stroke_rate() -> None:
+    accents = [make_accent(0.5 * k) for k in range(30)]
+    times = times_of(place_beats(accents, [], STEADY_TEMPO, earlier_strokes=50))
+    assert times
+    strokes = [0.0, *times]
+    assert max(after - before for before, after in pairwise(strokes)) <= STEADY_TEMPO.longest_silence
+
+
+def test_stroke_rate_depends_on_style_within_the_measured_human_range() -> None:
+    rates = [tempo_of(Style.load(name)).rate for name in ("shy", "calm", "neutral", "joyful")]
+    assert rates == sorted(rates)
+    assert rates[0] == 8.0
+    assert 18.0 <= rates[2] <= 24.0
+    assert 30.0 <= rates[3] <= 34.0
+
+
+def test_lively_story_has_beats_in_different_forms_without_repeated_gestures() -> None:
+    gestures = gestures_of("journey", "joyful")
+    beats = [each.lexeme for each in gestures if is_beat(each.lexeme)]
+    assert 0.4 <= len(beats) / len(gestures) <= 0.62
+    assert len(set(beats)) >= len(beats) - 2
+    names = [each.lexeme for each in gestures]
+    assert not any(name in names[max(k - 4, 0) : k] for k, name in enumerate(names))
+
+
+def test_rhythm_adds_no_gestures_to_a_short_sentence() -> None:
+    for text in ("The weather is nice today.", "I bought a big red box of apples."):
+        selection = plan_behaviours(text, Lexicon.load(), Style.load("neutral"))[1]
+        assert sum(each.channel == "gesture" for each in selection.behaviours) <= 2
+        assert not any(each.intent.name == "rhythm" for each in selection.behaviours)
+
+
+def test_beat_gestures_of_the_lexicon_are_recognised_by_their_ids() -> None:
+    assert {form.id for form in Lexicon.load().forms if is_beat(form.id)} == {
+        form.id for form in Lexicon.load().forms if form.category == "beat"
+    }
+
+
+def test_beats_of_a_lively_style_are_not_enlarged_or_repeated_by_it() -> None:
+    for each in gestures_of("journey", "joyful"):
+        if is_beat(each.lexeme) and each.intent.certainty < EMPHATIC_CERTAINTY:
+            assert each.manner == {"spatial": 0.0, "repetition": 0.0}
+        else:
+            assert not each.manner

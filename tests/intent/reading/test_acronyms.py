@@ -1,0 +1,53 @@
+"""Acronyms are spelled or spoken; other words in capitals are stressed."""
+
+import pytest
+
+from kinesic.intent.reading.language import load_language
+from kinesic.intent.reading.words import read_text
+
+
+@pytest.mark.parametrize(
+    ("text", "words", "stressed"),
+    [
+        ("I live in the US and work for the WHO.", "I live in the US and work for the W.H.O", ""),
+        ("He told US, WHO did it", "He told us who did it", "us who"),
+        ("We met in LA with NASA and the ESC", "We met in LA with NASA and the E.S.C", ""),
+        ("I want it NOW and I MUST have PIZZA", "I want it now and I must have pizza", "now must pizza"),
+        ("The HTML page and less CO2", "The H.T.M.L page and less C O 2", ""),
+        ("My TV is OK", "My TV is OK", ""),
+    ],
+)
+def test_word_in_capitals_is_an_acronym_or_stressed(text: str, words: str, stressed: str):
+    found = read_text(text, load_language()).words
+    assert " ".join(word.text for word in found) == words
+    assert " ".join(word.text for word in found if word.emphatic) == stressed
+
+
+def test_acronyms_and_abbreviations_of_other_languages_are_recognised():
+    passage = read_text("Die EU hat z.B. Dr. Brandt, d.h. Nr. 5.", load_language("de"))
+    assert len(passage.kinds) == 1
+    assert not [word.text for word in passage.words if word.emphatic]
+
+
+def test_acronym_spelled_like_a_rule_word_matches_no_rule():
+    assert [word.plain for word in read_text("the US", load_language()).words] == ["the", "u.s"]
+
+
+@pytest.mark.parametrize(
+    ("text", "sentences"),
+    [
+        ("See Dr. Smith, i.e. the boss, e.g. today.", 1),
+        ("It is No. 5 of 3.5 kg at 10:30 a.m. today.", 1),
+        ("No. I will not.", 2),
+        ("She left the U.S. Then she came back.", 2),
+        ("She left the U.S. in May.", 1),
+    ],
+)
+def test_abbreviation_ends_no_sentence(text: str, sentences: int):
+    assert len(read_text(text, load_language()).kinds) == sentences
+
+
+def test_number_abbreviation_no_is_not_a_negation():
+    words = read_text("No. 5 is here.", load_language()).words
+    assert [word.text for word in words] == ["number", "5", "is", "here"]
+    assert words[0].plain != "no"
