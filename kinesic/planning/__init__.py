@@ -1,1 +1,1 @@
-"""Plans a block with times: postures, detours, a certified motion, pauses and notices."""
+"""Planning of timed blocks: postures, detours, certified motion, pauses and notices."""

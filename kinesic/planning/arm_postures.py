@@ -1,8 +1,8 @@
-"""Solves the arms of postures: hands by reaches, elbows by openness, shoulders by effort (thesis 8.6 and 8.7).
+"""Inverse kinematics of the arms at key postures (thesis 8.6 and 8.7).
 
-Many keys take one call. Whether a posture is clear of the body shows only once it is there, and where it is not, the
-arm that gives way is where the next key begins. Most postures are clear: so keys are solved as if all were, and those
-behind one that was not are solved once more.
+Hands follow their reaches, elbows the openness, shoulders the effort. Many keys are solved in one call. A collision
+with the body shows only after a posture is solved, and the evasive arm is where the next key starts. Most postures are
+clear: keys are solved as if all were, and those after a collision are solved again.
 """
 
 from collections.abc import Mapping, Sequence
@@ -17,49 +17,56 @@ from kinesic.body.reach import Reach
 from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.body.skeleton import Frames
 from kinesic.expressivity.keyframes import Hand
+from kinesic.ik.arm.passive_shoulder import carry_shoulder
 from kinesic.ik.arm.refine import refine_posture, true_arm
-from kinesic.ik.arm.shoulder_elbow import carry_shoulder
 from kinesic.ik.keys import ArmMode, Key, ReachManner, pose_keys
 from kinesic.planning.collision import clear_hands
 from kinesic.planning.torso import aim_from_shoulder, turn_reach
 
-WIDEST_SWING = float(np.radians(25))  # that an elbow swings aside for the palm and the pointing of its hand
-LEAP = float(np.radians(110))  # of a hinge from key to key: an arm that turns over has no time left for its word
-OPEN = float(np.radians(78))  # swivel at openness 1: beyond, elbows rise more than they go out, and palms turn over
-MANNER = ReachManner(WIDEST_SWING, LEAP, OPEN)
-MOST_AT_ONCE = 64  # keys of a call
+MAX_SWIVEL_CHANGE = float(np.radians(25))  # [rad] largest swing of the elbow for better palm and pointing directions
+MAX_HINGE_STEP = float(np.radians(110))  # [rad] largest hinge rotation between keys; a flipping arm would be late
+OPEN_SWIVEL = float(np.radians(78))  # [rad] elbow swivel at openness 1; above this, elbows rise and palms turn
+REACH_SETTINGS = ReachManner(MAX_SWIVEL_CHANGE, MAX_HINGE_STEP, OPEN_SWIVEL)  # limits on the elbow between two keys
+MAX_KEYS_PER_CALL = 64  # keys solved together before collisions are checked
 
 
 def with_arms(angles: Floats, hands: Mapping[Side, Hand], reaches: Mapping[Side, Reach | None], robot: Robot) -> Floats:
-    """Solves some arms of a posture.
+    """Return a posture with some arms moved to their targets.
 
     Args:
-        angles: (n,) [rad] the posture, its torso in place; arms start from here.
-        hands: whose arms are solved, and in which manner.
-        reaches: of these hands, in the world; None rests.
+        angles: (n,) [rad] posture with the torso in place; arms start from here.
+        hands: hands of the arms to be solved.
+        reaches: targets of these hands in the world; None: rest.
         robot: the robot.
 
     Returns:
-        (n,) [rad]. Openness turns the elbow from where the hand lets it hang to `OPEN`, the hand's palm
-        notwithstanding.
+        (n,) [rad]. Openness turns the elbow from its hanging position to `OPEN_SWIVEL`, with priority over the palm.
     """
     solved, frames = angles.copy(), robot.body_frames(angles)
     for side, hand in hands.items():
-        asked = ArmKey.of(robot, side, hand, reaches[side], frames)
-        solved = solve_keys(robot, side, [asked], solved[None], began=None)[0][0]
+        arm_key = ArmKey.of(robot, side, hand, reaches[side], frames)
+        solved = solve_keys(robot, side, [arm_key], solved[None], began=None)[0][0]
     return solved
 
 
 @dataclass(frozen=True, eq=False)
 class ArmKey:
-    """What an arm does in a key."""
+    """Target of an arm at a key."""
 
     key: Key
-    reach: Reach | None = None  # of its hand in the world; None where it rests or stays
+    reach: Reach | None = None  # of the hand in the world; None: rest, or unchanged
 
     @classmethod
     def of(cls, robot: Robot, side: Side, hand: Hand, reach: Reach | None, frames: Frames) -> "ArmKey":
-        """The key of a hand, with the torso as it is in these frames; None of a reach rests."""
+        """Convert a requested hand pose to a target relative to the torso.
+
+        Args:
+            robot: with the arm.
+            side: of the hand.
+            hand: requested pose.
+            reach: of the hand in the world; None: rest.
+            frames: of the body, torso in place.
+        """
         chain = robot.arms[side]
         if reach is None:
             return cls(Key(ArmMode.REST, robot.skeleton.rest[list(chain.indices)]))
@@ -70,165 +77,194 @@ class ArmKey:
 
     @classmethod
     def same(cls, robot: Robot, side: Side, hand: Hand) -> "ArmKey":
-        """The key of a hand whose target is the same again: its arm stays as it is, however it came there."""
+        """Make a key at which the arm keeps its previous posture.
+
+        The arm stays as it is.
+        """
         return cls(Key(ArmMode.STILL, robot.skeleton.rest[list(robot.arms[side].indices)], passing=hand.passing))
 
 
 def solve_keys(
     robot: Robot, side: Side, keys: Sequence[ArmKey], postures: Floats, *, began: Floats | None
 ) -> tuple[Floats, Floats]:
-    """Solves an arm for each of its keys, in one call.
+    """Solve an arm for all its keys in one call.
 
     Args:
-        robot: whose arm it is.
+        robot: with the arm.
         side: of the arm.
-        keys: in their order; one alone where the ideal arm is not the true one.
-        postures: (m, n) [rad] of these keys, their torsos in place; the arm of the first is where it has come to.
-        began: (k,) [rad] the arm when the path began that its hand is on; None where it is on none.
+        keys: in their order; a single one if the ideal arm differs from the true one.
+        postures: (m, n) [rad] of these keys with their torsos in place; the first has the current arm.
+        began: (k,) [rad] arm at the start of the current hand path; None: the hand is on no path.
 
     Returns:
-        (m, n) [rad] the postures with this arm, and (m, k) [rad] the arm when the path began that the hand is then on.
+        (m, n) [rad] postures with this arm, and (m, k) [rad] arm at the start of the path after each key.
     """
     chain, joints = robot.arms[side], list(robot.arm(side).joints)
     indices, solved = list(chain.indices), postures.copy()
-    found = pose_keys(chain, [each.key for each in keys], MANNER, now=postures[0, indices], began=began)
-    beginnings = found.beginnings
-    for k, asked in enumerate(keys):
-        if asked.key.mode is ArmMode.REST:
+    solution = pose_keys(
+        chain, [arm_key.key for arm_key in keys], REACH_SETTINGS, now=postures[0, indices], began=began
+    )
+    beginnings = solution.beginnings
+    for k, arm_key in enumerate(keys):
+        if arm_key.key.mode is ArmMode.REST:
             solved[k, joints] = robot.skeleton.rest[joints]
-    solved[:, indices] = found.angles
-    for k, asked in enumerate(keys):
-        if asked.reach is None or true_arm(robot, side).exact:
+    solved[:, indices] = solution.angles
+    for k, arm_key in enumerate(keys):
+        if arm_key.reach is None or true_arm(robot, side).exact:
             continue
         near = postures[k].copy()
-        if asked.key.passing and began is not None:
+        if arm_key.key.passing and began is not None:
             near[indices] = began
-        turn = None if np.isnan(found.swivels[k]) else float(found.swivels[k])
-        solved[k] = refine_posture(robot, side, structs.replace(asked.reach, swivel=turn), solved[k], near=near)
-        if not (asked.key.passing and began is not None):
+        swivel = None if np.isnan(solution.swivels[k]) else float(solution.swivels[k])
+        solved[k] = refine_posture(robot, side, structs.replace(arm_key.reach, swivel=swivel), solved[k], near=near)
+        if not (arm_key.key.passing and began is not None):
             beginnings[k] = solved[k, indices]
     return solved, beginnings
 
 
 def lift_shoulder(robot: Robot, side: Side, rest: Floats, lift: float) -> Floats:
-    """Raises the rest of a collar bone.
+    """Raise the collar bone in a posture of an arm.
 
     Args:
-        robot: whose arm it is.
+        robot: with the arm.
         side: of the arm.
-        rest: (k,) [rad] posture whose collar bone stays where it can.
+        rest: (k,) [rad] posture of the arm.
         lift: [rad].
 
     Returns:
-        (k,) [rad] inside the ranges; the same where the arm has no hinge that lifts its shoulder.
+        (k,) [rad] within the joint limits; unchanged without a hinge that lifts the shoulder.
     """
     if not lift:
         return rest
     raised, chain = np.array(rest), robot.arms[side]
-    raised[[joint in robot.arm(side).lifting for joint in chain.indices]] += lift
+    raised[[joint in robot.arm(side).shoulder_lift_joints for joint in chain.indices]] += lift
     return sealed(np.clip(raised, chain.lower, chain.upper))
 
 
 @dataclass(frozen=True, eq=False)
 class ArmsTask:
-    """What both arms do in a key."""
+    """Targets of both hands at one key."""
 
-    hands: Mapping[Side, Hand]  # that have a key
-    keys: Mapping[Side, ArmKey]  # of these
-    wanted: Mapping[Side, Reach | None]  # of these, in the world
+    hands: Mapping[Side, Hand]  # hands with a key
+    keys: Mapping[Side, ArmKey]  # of these hands
+    targets: Mapping[Side, Reach | None]  # targets of these hands in the world
     keyed: Sequence[bool]  # hinges with a key
 
     @property
     def aiming(self) -> bool:
-        """Whether a hand points from where its shoulder has come to, so that its reach shows only on the way."""
+        """Whether a hand must point along the line from its shoulder.
+
+        Its reach is then known only after the previous key is solved.
+        """
         return any(hand.aim is not None for hand in self.hands.values())
 
     def aimed(self, posture: Floats, robot: Robot) -> "ArmsTask":
-        """The same, reaching from where the arms have come to: (n,) [rad]."""
-        keys, wanted, frames = dict(self.keys), dict(self.wanted), robot.body_frames(posture)
+        """Return the task with pointing targets in line with the actual shoulders.
+
+        Args:
+            posture: (n,) [rad] with the shoulders.
+            robot: the robot.
+        """
+        keys, targets, frames = dict(self.keys), dict(self.targets), robot.body_frames(posture)
         for side, hand in self.hands.items():
             if hand.aim is None or hand.reach is None:
                 continue
             shoulder = frames.origins[robot.arm(side).shoulder]
-            wanted[side] = aim_from_shoulder(hand.reach, hand.aim, side, shoulder, robot)
+            targets[side] = aim_from_shoulder(hand.reach, hand.aim, side, shoulder, robot)
             if keys[side].reach is not None:
-                keys[side] = ArmKey.of(robot, side, hand, wanted[side], frames)
-        return replace(self, keys=keys, wanted=wanted)
+                keys[side] = ArmKey.of(robot, side, hand, targets[side], frames)
+        return replace(self, keys=keys, targets=targets)
 
     @property
     def reaches(self) -> bool:
-        """Whether a hand is anywhere but at rest."""
+        """Whether any hand has a target to reach."""
         return any(hand.reach is not None for hand in self.hands.values())
 
 
 def solve_arms(
     tasks: Sequence[ArmsTask], bodies: Floats, robot: Robot, distances: Distances
 ) -> tuple[Floats, list[Mapping[Side, Reach | None]]]:
-    """Solves the arms of every key, clear of the body.
+    """Solve the arms of all keys without collisions.
 
     Args:
         tasks: of the keys, in their order.
-        bodies: (m, n) [rad] postures whose torso, head and fingers are in place, and whose arms rest.
+        bodies: (m, n) [rad] postures with torso, head and fingers in place and arms at rest.
         robot: the robot.
-        distances: its self-distance.
+        distances: self-distances of the robot.
 
     Returns:
-        (m, n) [rad] inside the ranges, and what each hand was to reach in the world.
+        (m, n) [rad] within the joint limits, and the target of each hand in the world.
     """
     angles, began = np.array(bodies), dict[Side, Floats]()
-    wanted: list[Mapping[Side, Reach | None]] = []
-    most = MOST_AT_ONCE if all(true_arm(robot, side).exact for side in SIDES) else 1
-    done, count = 0, most
-    while done < len(tasks):
-        ahead = _ahead(tasks, done, count, angles[done], robot)
-        rows, beginnings = _solved(ahead, angles[done : done + len(ahead)], began, robot)
-        clear = _cleared(ahead, rows, robot, distances)
-        good = len(rows) if clear is None else clear + 1
-        angles[done : done + good] = rows[:good]
+    targets: list[Mapping[Side, Reach | None]] = []
+    max_count = MAX_KEYS_PER_CALL if all(true_arm(robot, side).exact for side in SIDES) else 1
+    first, count = 0, max_count
+    while first < len(tasks):
+        next_tasks = _ahead(tasks, first, count, angles[first], robot)
+        rows, beginnings = _solved(next_tasks, angles[first : first + len(next_tasks)], began, robot)
+        collision_row = _cleared(next_tasks, rows, robot, distances)
+        solved_count = len(rows) if collision_row is None else collision_row + 1
+        angles[first : first + solved_count] = rows[:solved_count]
         for side in SIDES:
-            _carry(side, ahead[:good], rows[:good], beginnings, began, robot)
+            _carry(side, next_tasks[:solved_count], rows[:solved_count], beginnings, began, robot)
             arm = list(robot.arm(side).joints)
-            angles[done + good :, arm] = rows[good - 1, arm]
-        wanted += [task.wanted for task in ahead[:good]]
-        done += good
-        count = min(2 * count, most) if clear is None else 1
-    return angles, wanted
+            angles[first + solved_count :, arm] = rows[solved_count - 1, arm]
+        targets += [task.targets for task in next_tasks[:solved_count]]
+        first += solved_count
+        count = min(2 * count, max_count) if collision_row is None else 1
+    return angles, targets
 
 
-def _ahead(tasks: Sequence[ArmsTask], done: int, count: int, posture: Floats, robot: Robot) -> list[ArmsTask]:
-    """The next keys, `count` at most, from a posture (n,) [rad]; none but the first aims."""
-    first, rest = tasks[done], tasks[done + 1 : done + count]
-    aiming = next((k for k, task in enumerate(rest) if task.aiming), len(rest))
-    return [first.aimed(posture, robot) if first.aiming else first, *rest[:aiming]]
+def _ahead(tasks: Sequence[ArmsTask], first: int, count: int, posture: Floats, robot: Robot) -> list[ArmsTask]:
+    """Select the next arm tasks that need no later shoulder position.
+
+    Args:
+        tasks: of all keys.
+        first: index of the next task.
+        count: largest number of tasks.
+        posture: (n,) [rad] current posture.
+        robot: the robot.
+    """
+    next_task, others = tasks[first], tasks[first + 1 : first + count]
+    aiming = next((k for k, task in enumerate(others) if task.aiming), len(others))
+    return [next_task.aimed(posture, robot) if next_task.aiming else next_task, *others[:aiming]]
 
 
 def _solved(
     tasks: Sequence[ArmsTask], postures: Floats, began: Mapping[Side, Floats], robot: Robot
 ) -> tuple[Floats, Mapping[Side, Floats]]:
-    """Both arms as if nothing were in their way: (m, n) [rad], and where the path began that each hand is on."""
+    """Solve the inverse kinematics of both arms, ignoring collisions.
+
+    Returns:
+        (m, n) [rad] postures, and the arm at the start of each hand's path.
+    """
     rows, beginnings = postures.copy(), dict[Side, Floats]()
     for side in SIDES:
         arm = np.array(robot.arm(side).joints)
-        own = [k for k, task in enumerate(tasks) if side in task.keys]
-        if not own:
+        rows_of_side = [k for k, task in enumerate(tasks) if side in task.keys]
+        if not rows_of_side:
             continue
-        keys = [tasks[k].keys[side] for k in own]
-        found, beginnings[side] = solve_keys(robot, side, keys, rows[own], began=began.get(side))
-        latest = np.searchsorted(own, np.arange(len(rows)), side="right") - 1  # keys without this hand keep its arm
+        keys = [tasks[k].keys[side] for k in rows_of_side]
+        solution, beginnings[side] = solve_keys(robot, side, keys, rows[rows_of_side], began=began.get(side))
+        latest = np.searchsorted(rows_of_side, np.arange(len(rows)), side="right") - 1  # otherwise the arm stays
         met = np.flatnonzero(latest >= 0)
-        rows[met[:, None], arm] = found[latest[met, None], arm]
+        rows[met[:, None], arm] = solution[latest[met, None], arm]
     return robot.skeleton.clamp(rows), beginnings
 
 
 def _cleared(tasks: Sequence[ArmsTask], rows: Floats, robot: Robot, distances: Distances) -> int | None:
-    """Moves the first arms that are in the way of the body, in place; the key in which that was, or None."""
+    """Move the first colliding arm posture away, and return its index.
+
+    Returns:
+        Index of that key; None if all keys are clear.
+    """
     reaching = [k for k, task in enumerate(tasks) if task.reaches]
     if not reaching:
         return None
     for k, gaps in zip(reaching, distances.gaps(rows[reaching]), strict=True):
-        clear = clear_hands(rows[k], tasks[k].hands, robot, distances, gaps)
-        if not np.array_equal(clear, rows[k]):
-            rows[k] = robot.skeleton.clamp(clear)
+        collision_row = clear_hands(rows[k], tasks[k].hands, robot, distances, gaps)
+        if not np.array_equal(collision_row, rows[k]):
+            rows[k] = robot.skeleton.clamp(collision_row)
             return k
     return None
 
@@ -241,9 +277,9 @@ def _carry(
     began: dict[Side, Floats],
     robot: Robot,
 ) -> None:
-    """Notes where the path began that a hand is on after these keys."""
-    own = [k for k, task in enumerate(tasks) if side in task.keys]
-    if own:
-        on_path = tasks[own[-1]].hands[side].passing and (side in began or len(own) > 1)
+    """Store the arm posture at the start of the current hand path."""
+    rows_of_side = [k for k, task in enumerate(tasks) if side in task.keys]
+    if rows_of_side:
+        on_path = tasks[rows_of_side[-1]].hands[side].passing and (side in began or len(rows_of_side) > 1)
         arm = list(robot.arms[side].indices)
-        began[side] = beginnings[side][len(own) - 1] if on_path else rows[own[-1], arm]
+        began[side] = beginnings[side][len(rows_of_side) - 1] if on_path else rows[rows_of_side[-1], arm]

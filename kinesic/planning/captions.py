@@ -1,4 +1,4 @@
-"""What of a speech is heard when: its text, cut at its marks."""
+"""Captions: the text of speech with its times."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -10,17 +10,17 @@ from kinesic.planning.plan import Plan
 
 @dataclass(frozen=True)
 class Caption:
-    """A piece of speech between two marks."""
+    """Text between two marks of a speech."""
 
     behaviour: str
-    mark: str  # that it follows, or start
+    mark: str  # preceding mark, or "start"
     begin: float  # [s] performance time
     end: float  # [s] performance time
     text: str
 
 
-def captions(plan: Plan) -> Iterator[Caption]:
-    """Cuts every text at its marks, and says when each piece is heard."""
+def make_captions(plan: Plan) -> Iterator[Caption]:
+    """Yield the text between marks of every speech with its times."""
     for timed in plan.timeline.timed:
         name, action = timed.behaviour.id, timed.behaviour.action
         if not isinstance(action, Speech) or name not in plan.utterances:

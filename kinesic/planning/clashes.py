@@ -1,8 +1,8 @@
-"""Finds gestures so near to one another that their strokes would move far apart, and with them all that is about.
+"""Find successive gestures whose strokes are too close for their hand.
 
-What a hand needs from one stroke to the next depends on its joint angles, so that it shows only after these are known.
-An estimate says which neighbours may lack time: every hinge rests where it turns round. For these alone key times are
-searched exactly, for the hinges of the hand alone, so that a quick plan and a better one come to the same verdict.
+The time that a hand needs between strokes depends on joint angles, and is known only after inverse kinematics. An
+estimate with stops at every reversal finds candidates. For these alone, key times are searched exactly, with the hinges
+of the hand only, so that quick and final plans agree.
 """
 
 from collections import defaultdict
@@ -15,195 +15,219 @@ import numpy as np
 from kinesic.bml.block import Gesture, Pointing
 from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.robot import SIDES
-from kinesic.expressivity.hands.engaged import Clash
+from kinesic.expressivity.hands.busy_hands import Clash
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.motion.budget import Budget
 from kinesic.motion.condition import condition
-from kinesic.motion.double_s import Gaps, full_speed, least_rest_times_of
-from kinesic.motion.key_time_lp import KeyTimeProblem, relax_key_times
-from kinesic.motion.keys import HOLD, Choices, KeyPosture, Keys, Pair
+from kinesic.motion.double_s import IntervalDurations, compute_velocity_durations, least_rest_times_of
+from kinesic.motion.key_time_lp import KeyTimeProblem, solve_key_times
+from kinesic.motion.keys import HOLD_TOLERANCE, Choices, KeyPosture, Keys, Pair
 from kinesic.motion.plane_memory import PlaneMemory
 from kinesic.planning.setup import Setup
 
-VISIBLE_CLASH = 0.2  # [s] by which strokes may move apart; more is seen beside a word
-SEARCHES = 12  # of a block; what comes after is judged by the estimate
-MANY = 4 * SEARCHES  # neighbours that may lack time: more are a crowd, which the estimate alone judges
-WORK = 100_000  # pieces of splines that all searches may measure
-NEGLIGIBLE_CLASH = 0.02  # [s] of which nobody needs to give way
+VISIBLE_CLASH = 0.2  # [s] growth of the interval between two strokes above which viewers notice it
+MAX_EXACT_SEARCHES = 12  # exact searches per block; remaining pairs are judged by an estimate
+MAX_EXACT_PAIRS = 4 * MAX_EXACT_SEARCHES  # with more candidate pairs, only the estimate is used
+SEARCH_BUDGET = 100_000  # spline segments that all exact searches of a block may evaluate
+NEGLIGIBLE_CLASH = 0.02  # [s] time error between two strokes that never drops a gesture
 
 
 @dataclass(frozen=True, eq=False)
 class Neighbours:
-    """Two gestures that follow one another on a hand."""
+    """Two successive gestures of one hand, possibly too close in time."""
 
     behaviours: tuple[str, str]
-    strokes: Pair  # their keys
-    hinges: tuple[int, ...]  # of the hands that do both
-    brief: bool = False  # whether each stroke is one key alone
+    strokes: Pair  # key rows of their strokes
+    hinges: tuple[int, ...]  # of the hands that perform both
+    brief: bool = False  # whether each stroke is a single key
 
     @property
-    def known_as(self) -> tuple[tuple[str, str], tuple[int, ...], bool]:
-        """What a search for their times is remembered by."""
+    def cache_key(self) -> tuple[tuple[str, str], tuple[int, ...], bool]:
+        """Cache key for the measured timing conflict of this gesture pair."""
         return self.behaviours, self.hinges, self.brief
 
     def moved_apart(self, keys: Keys, times: Floats) -> float:
-        """By how much the strokes are farther apart than asked [s], at times (m,) [s] of the keys."""
+        """Return the growth of the interval between both strokes [s]."""
         first, second = self.strokes
-        return float((times - keys.asked)[second] - (times - keys.asked)[first])
+        return float((times - keys.requested_times)[second] - (times - keys.requested_times)[first])
 
 
 class ClashFinder:
-    """Finds neighbours whose strokes would have to move, with those before and after, by more than `VISIBLE_CLASH`."""
+    """Finder of gesture pairs whose strokes planning must visibly move apart.
+
+    The threshold is `VISIBLE_CLASH`, summed over neighbours before and after.
+    """
 
     def __init__(self, setup: Setup) -> None:
-        """Nothing is found yet.
+        """Create a finder without any timing conflicts.
 
         Args:
             setup: robot and limits.
         """
         self.clashes: dict[frozenset[str], Clash] = {}
-        self.memory = PlaneMemory()  # of what searches for the times of neighbours have found
-        self.crowded = False  # whether the last look found so many that nothing can be searched exactly
-        self._setup, self._budget = setup, Budget(WORK)
-        self._exactly: dict[tuple[tuple[str, str], tuple[int, ...], bool], float] = {}  # [s], which takes long
+        self.memory = PlaneMemory()  # cutting planes found by the exact searches
+        self.crowded = False  # whether there were too many candidates for exact searches
+        self._setup, self._budget = setup, Budget(SEARCH_BUDGET)
+        self._exact_separations: dict[
+            tuple[tuple[str, str], tuple[int, ...], bool], float
+        ] = {}  # [s] results of exact searches
 
     @property
     def spent(self) -> bool:
-        """Whether more was searched than there is a budget for: from now on the estimate alone decides."""
+        """Whether the budget of exact searches is used up.
+
+        From then on, the estimate decides.
+        """
         return self._budget.spent
 
     def look(self, frames: KeyFrames, postures: Sequence[KeyPosture]) -> frozenset[str]:
-        """Adds clashes to those that were found before, and names their behaviours; none: there are no more.
+        """Search for new timing conflicts and return the ids of their behaviours.
 
-        Of a row of gestures only the worst neighbours count, and those that are farther off: when one of two has given
-        way, the others may have time. In a crowd, on which the budget is spent, every second one of a row gives way at
-        once: a round of its own for each of the worst would take too long. Strokes that became brief are new.
+        Of a chain of gestures only the worst neighbours count, and those far from them: once one gesture yields, the
+        others may have time. With a spent budget, every second gesture of a chain yields at once, as a round for each
+        would take too long. Pairs whose strokes became brief are searched again.
 
         Args:
             frames: of a block.
-            postures: that solve them.
+            postures: solved for these frames.
+
+        Returns:
+            Ids of the new clashing behaviours; empty if there are none.
         """
-        every = _neighbours(frames, postures, self._setup)
-        coming = [each for each in every if not self._is_known(each)]
-        guesses = self._suspects(coming, postures)
-        self.crowded = len(guesses) > MANY
+        pairs = _neighbours(frames, postures, self._setup)
+        new_pairs = [pair for pair in pairs if not self._is_known(pair)]
+        estimates = self._suspects(new_pairs, postures)
+        self.crowded = len(estimates) > MAX_EXACT_PAIRS
         if self.crowded:
-            self._budget.spend(2 * WORK)
-        suspects = [each for each, _ in guesses]
-        apart = [self._search(each, guess, postures) for each, guess in guesses]
-        added, near = set[str](), set[str]()
-        for each, here, whole in sorted(
-            zip(suspects, apart, chain_sums(suspects, apart), strict=True), key=_worst_first
+            self._budget.spend(2 * SEARCH_BUDGET)
+        candidates = [pair for pair, _ in estimates]
+        separations = [self._search(pair, estimate, postures) for pair, estimate in estimates]
+        new_behaviours, handled = set[str](), set[str]()
+        for pair, separation, total in sorted(
+            zip(candidates, separations, sum_chains(candidates, separations), strict=True), key=_worst_first
         ):
-            if here > NEGLIGIBLE_CLASH and whole > VISIBLE_CLASH and near.isdisjoint(each.behaviours):
-                self.clashes[frozenset(each.behaviours)] = Clash(here, each.brief)
-                near |= {*each.behaviours} if self.spent else _beside(each, every)
-                added |= {*each.behaviours}
-        return frozenset(added)
+            if separation > NEGLIGIBLE_CLASH and total > VISIBLE_CLASH and handled.isdisjoint(pair.behaviours):
+                self.clashes[frozenset(pair.behaviours)] = Clash(separation, pair.brief)
+                handled |= {*pair.behaviours} if self.spent else _with_neighbours(pair, pairs)
+                new_behaviours |= {*pair.behaviours}
+        return frozenset(new_behaviours)
 
     def _is_known(self, pair: Neighbours) -> bool:
         clash = self.clashes.get(frozenset(pair.behaviours))
         return clash is not None and (clash.brief or not pair.brief)
 
-    def _suspects(self, coming: Sequence[Neighbours], postures: Sequence[KeyPosture]) -> list[tuple[Neighbours, float]]:
-        """Neighbours that may lack so much time, and how much [s], in the order of their strokes.
+    def _suspects(
+        self, new_pairs: Sequence[Neighbours], postures: Sequence[KeyPosture]
+    ) -> list[tuple[Neighbours, float]]:
+        """Return gesture pairs that may lack time, with the estimated deficit [s].
 
-        There are none where all gaps together lack less: keys move away from where they are asked only as far as gaps
-        that lack time push them, so that no two move apart by more than the sum.
+        There are none if all gaps together lack less: keys move only as far as such gaps push them, so that no two keys
+        move apart by more than the sum.
         """
-        if not coming:
+        if not new_pairs:
             return []
         keys = Keys.of(postures, self._setup.limits)
         problem = KeyTimeProblem(keys, _gaps(keys), lead_in=0.0)
-        if problem.lacking < VISIBLE_CLASH - NEGLIGIBLE_CLASH:
+        if problem.total_deficit < VISIBLE_CLASH - NEGLIGIBLE_CLASH:
             return []
-        times = relax_key_times(problem)
-        apart = [each.moved_apart(keys, times) for each in coming]
-        sums = chain_sums(coming, apart)
-        rows = zip(coming, apart, sums, strict=True)
-        return [(each, here) for each, here, whole in rows if here > NEGLIGIBLE_CLASH and whole > VISIBLE_CLASH]
+        times = solve_key_times(problem)
+        separations = [pair.moved_apart(keys, times) for pair in new_pairs]
+        sums = sum_chains(new_pairs, separations)
+        rows = zip(new_pairs, separations, sums, strict=True)
+        return [
+            (pair, separation)
+            for pair, separation, total in rows
+            if separation > NEGLIGIBLE_CLASH and total > VISIBLE_CLASH
+        ]
 
-    def _search(self, pair: Neighbours, guess: float, postures: Sequence[KeyPosture]) -> float:
-        known, budget = pair.known_as, self._budget
-        if known not in self._exactly:
-            exactly = len(self._exactly) < SEARCHES and not budget.spent
-            found = _search(pair, postures, self._setup, budget, self.memory) if exactly else guess
-            self._exactly[known] = guess if budget.spent else found
-        return self._exactly[known]
+    def _search(self, pair: Neighbours, estimate: float, postures: Sequence[KeyPosture]) -> float:
+        key, budget = pair.cache_key, self._budget
+        if key not in self._exact_separations:
+            is_exact = len(self._exact_separations) < MAX_EXACT_SEARCHES and not budget.spent
+            least_gaps = _search(pair, postures, self._setup, budget, self.memory) if is_exact else estimate
+            self._exact_separations[key] = estimate if budget.spent else least_gaps
+        return self._exact_separations[key]
 
 
-def chain_sums(pairs: Sequence[Neighbours], apart: Sequence[float]) -> list[float]:
-    """Adds up what strokes move apart along each chain of neighbours, from the first that has no time to the last [s].
+def sum_chains(pairs: Sequence[Neighbours], separations: Sequence[float]) -> list[float]:
+    """Sum stroke delays [s] along chains of gestures in timing conflict.
 
     Args:
         pairs: in the order of their strokes.
-        apart: [s] for each; what is less than `NEGLIGIBLE_CLASH` ends a chain.
+        separations: [s] for each pair; values below `NEGLIGIBLE_CLASH` end a chain.
     """
     before, after = defaultdict[str, float](float), defaultdict[str, float](float)
-    lacking = [(*pair.behaviours, here) for pair, here in zip(pairs, apart, strict=True) if here > NEGLIGIBLE_CLASH]
-    for first, second, here in lacking:
-        before[second] = max(before[second], before[first] + here)
-    for first, second, here in reversed(lacking):
-        after[first] = max(after[first], after[second] + here)
+    excesses = [
+        (*pair.behaviours, separation)
+        for pair, separation in zip(pairs, separations, strict=True)
+        if separation > NEGLIGIBLE_CLASH
+    ]
+    for first, second, separation in excesses:
+        before[second] = max(before[second], before[first] + separation)
+    for first, second, separation in reversed(excesses):
+        after[first] = max(after[first], after[second] + separation)
     return [
-        before[pair.behaviours[0]] + here + after[pair.behaviours[1]] for pair, here in zip(pairs, apart, strict=True)
+        before[pair.behaviours[0]] + separation + after[pair.behaviours[1]]
+        for pair, separation in zip(pairs, separations, strict=True)
     ]
 
 
-def _beside(pair: Neighbours, every: Sequence[Neighbours]) -> set[str]:
-    """Two neighbours, and those of either."""
-    return {id for other in every if {*other.behaviours} & {*pair.behaviours} for id in other.behaviours}
+def _with_neighbours(pair: Neighbours, pairs: Sequence[Neighbours]) -> set[str]:
+    """Return both behaviours of a pair and their neighbouring gestures."""
+    return {id for other in pairs if {*other.behaviours} & {*pair.behaviours} for id in other.behaviours}
 
 
 def _worst_first(row: tuple[Neighbours, float, float]) -> float:
     return -row[1]
 
 
-def least_times_between_turns(keys: Keys) -> Gaps:
-    """Computes the time [s] in which each hinge can rest at both ends of each way that it goes in one direction.
+def compute_reversal_times(keys: Keys) -> IntervalDurations:
+    """Compute each hinge's minimum time [s] between reversals, stopping at each.
 
-    That is mostly more than it needs, as it may turn round while it brakes.
+    The result is mostly pessimistic, as a hinge may reverse while it brakes.
     """
-    ways = [
-        (hinge, pair) for hinge, own in enumerate(keys.own) for pair in _ways(keys.angles[own, hinge].tolist(), own)
+    intervals = [
+        (hinge, pair)
+        for hinge, rows in enumerate(keys.exact_rows)
+        for pair in _monotone_intervals(keys.angles[rows, hinge].tolist(), rows)
     ]
-    hinges, begins, ends = np.array([(hinge, i, j) for hinge, (i, j) in ways], dtype=np.intp).reshape(-1, 3).T
+    hinges, begins, ends = np.array([(hinge, i, j) for hinge, (i, j) in intervals], dtype=np.intp).reshape(-1, 3).T
     turns = keys.angles[ends, hinges] - keys.angles[begins, hinges]
-    return dict(zip(ways, least_rest_times_of(hinges, turns, keys.limits).tolist(), strict=True))
+    return dict(zip(intervals, least_rest_times_of(hinges, turns, keys.limits).tolist(), strict=True))
 
 
 def _gaps(keys: Keys) -> dict[Pair, float]:
-    """Least times between keys [s]: rests where hinges turn round, full speed in between."""
+    """Estimate minimum times [s] between keys from velocity limits and reversals."""
     gaps = dict(keys.gaps)
-    for found in (full_speed(keys, keys.limits), least_times_between_turns(keys)):
-        for (_, pair), least in found.items():
+    for least_gaps in (compute_velocity_durations(keys, keys.limits), compute_reversal_times(keys)):
+        for (_, pair), least in least_gaps.items():
             gaps[pair] = max(gaps.get(pair, 0.0), least)
     return gaps
 
 
-def _ways(angles: Sequence[float], rows: Sequence[int]) -> list[Pair]:
-    """The keys between which a hinge goes on in one direction, or is held, from its angles [rad] at some rows."""
+def _monotone_intervals(angles: Sequence[float], rows: Sequence[int]) -> list[Pair]:
+    """Split a hinge's keys where it reverses or holds."""
     steps = [after - before for before, after in pairwise(angles)]
-    ways = [0 if abs(step) < HOLD else 1 if step > 0.0 else -1 for step in steps]
-    turned = (k for k, (before, after) in enumerate(pairwise(ways), 1) if before != after)
+    intervals = [0 if abs(step) < HOLD_TOLERANCE else 1 if step > 0.0 else -1 for step in steps]
+    turned = (k for k, (before, after) in enumerate(pairwise(intervals), 1) if before != after)
     return [(rows[i], rows[j]) for i, j in pairwise([0, *turned, len(steps)]) if i < j]
 
 
 def _neighbours(frames: KeyFrames, postures: Sequence[KeyPosture], setup: Setup) -> list[Neighbours]:
-    """Gestures of each hand, two by two in the order of their strokes."""
+    """Return the pairs of successive gestures of each hand."""
     row_of = {sync: row for row, posture in enumerate(postures) for sync in posture.syncs}
     gestures = [one.behaviour for one in frames.timeline.timed if isinstance(one.behaviour.action, Gesture | Pointing)]
     moving = [gesture.id for gesture in gestures if (gesture.id, "stroke") in row_of]
     sides: dict[tuple[str, str], list[int]] = {}
     for side in SIDES:
-        own = [id for id in moving if f"{side}_hand" in frames.uses[id]]
-        for pair in pairwise(sorted(own, key=lambda id: row_of[id, "stroke"])):
+        rows = [id for id in moving if f"{side}_hand" in frames.uses[id]]
+        for pair in pairwise(sorted(rows, key=lambda id: row_of[id, "stroke"])):
             sides.setdefault(pair, []).extend(setup.robot.arm(side).joints)
-    brief = {
+    brief_ids = {
         id for id in moving if len({row_of.get((id, sync)) for sync in ("strokeStart", "stroke", "strokeEnd")}) == 1
     }
     return [
-        Neighbours((a, b), (row_of[a, "stroke"], row_of[b, "stroke"]), tuple(hinges), {a, b} <= brief)
+        Neighbours((a, b), (row_of[a, "stroke"], row_of[b, "stroke"]), tuple(hinges), {a, b} <= brief_ids)
         for (a, b), hinges in sorted(sides.items(), key=lambda pair: row_of[pair[0][1], "stroke"])
     ]
 
@@ -211,34 +235,40 @@ def _neighbours(frames: KeyFrames, postures: Sequence[KeyPosture], setup: Setup)
 def _search(
     pair: Neighbours, postures: Sequence[KeyPosture], setup: Setup, budget: Budget, memory: PlaneMemory
 ) -> float:
-    """Measures how far two strokes move apart [s] when only their hands move, from rest before to rest after."""
+    """Compute the delay [s] between two strokes by planning their hands alone.
+
+    Only the hands of both gestures move, from rest before to rest after.
+    """
     keyed = np.array([any(posture.keyed[hinge] for hinge in pair.hinges) for posture in postures])
     begin, end = _around(pair, postures, keyed)
     rows = sorted({row for row in range(begin, end + 1) if keyed[row]} | {*pair.strokes})  # some strokes move no hand
     hinges = np.array(pair.hinges, dtype=np.intp)
     part = tuple(_part(postures[row], hinges, whole=row in (rows[0], rows[-1])) for row in rows)
-    known = memory.part(pair.hinges)
-    times = condition(part, setup.limits.part(hinges), budget=budget, memory=known).planned
-    memory.learn(known, pair.hinges, (rows[0] == 0, rows[-1] == len(postures) - 1))
+    cache_key = memory.part(pair.hinges)
+    times = condition(part, setup.limits.part(hinges), budget=budget, memory=cache_key).planned
+    memory.learn(cache_key, pair.hinges, (rows[0] == 0, rows[-1] == len(postures) - 1))
     first, second = (rows.index(row) for row in pair.strokes)
-    asked = [posture.time for posture in part]
-    return float(times[second] - times[first] - (asked[second] - asked[first]))
+    requested = [posture.time for posture in part]
+    return float(times[second] - times[first] - (requested[second] - requested[first]))
 
 
 def _around(pair: Neighbours, postures: Sequence[KeyPosture], keyed: Flags) -> Pair:
-    """The keys of a hand at which the first of two gestures begins and the second has ended, or the nearest without."""
-    rows = [
+    """Return the indices of the exact keys that enclose two gestures."""
+    gesture_rows = [
         row
         for row, posture in enumerate(postures)
         if any(behaviour in pair.behaviours for behaviour, _ in posture.syncs)
     ]
-    own = np.flatnonzero(keyed & np.array([posture.firm for posture in postures]))
-    before, after = own[own <= min(rows)], own[own >= max(rows)]
-    return int(before[-1] if before.size else own[0]), int(after[0] if after.size else own[-1])
+    exact_rows = np.flatnonzero(keyed & np.array([posture.is_exact for posture in postures]))
+    before, after = exact_rows[exact_rows <= min(gesture_rows)], exact_rows[exact_rows >= max(gesture_rows)]
+    return int(before[-1] if before.size else exact_rows[0]), int(after[0] if after.size else exact_rows[-1])
 
 
 def _part(posture: KeyPosture, hinges: Choices, *, whole: bool) -> KeyPosture:
-    """Some hinges of a key, all of them keyed if it is to be whole."""
+    """Restrict a key posture to the given hinges.
+
+    A whole key has all of them.
+    """
     keyed = tuple(whole or posture.keyed[hinge] for hinge in hinges)
     passages = tuple(posture.passages[hinge] for hinge in hinges) if posture.passages else ()
-    return KeyPosture(posture.time, sealed(posture.angles[hinges]), keyed, posture.syncs, passages, posture.firm)
+    return KeyPosture(posture.time, sealed(posture.angles[hinges]), keyed, posture.syncs, passages, posture.is_exact)

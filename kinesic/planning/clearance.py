@@ -1,4 +1,4 @@
-"""Keeps a motion clear of the body by detours, or names the behaviour that must go."""
+"""Collision avoidance of motions by detours and dropped behaviours."""
 
 from collections.abc import Mapping
 from functools import partial
@@ -10,21 +10,22 @@ from kinesic.body.arrays import Floats
 from kinesic.body.dynamics import Clearance, Distances
 from kinesic.body.robot import SIDES, Robot
 from kinesic.expressivity.keyframes import KeyFrames
-from kinesic.motion.budget import ENDLESS, Budget
+from kinesic.motion.budget import UNLIMITED_BUDGET, Budget
 from kinesic.motion.condition import Conditioned
-from kinesic.motion.key_time_lp import KeyTimeProblem, relax_key_times
+from kinesic.motion.key_time_lp import KeyTimeProblem, solve_key_times
 from kinesic.motion.keys import Bond, KeyPosture, Keys
 from kinesic.motion.plane_memory import PlaneMemory
 from kinesic.motion.trajectory import Trajectory, stay
 from kinesic.planning.certify import certify
-from kinesic.planning.detour import SCAN_RATE, ClearPostures, PostureCourse, lead_around
+from kinesic.planning.detour import ClearPostures, add_detours
+from kinesic.planning.posture_course import SCAN_RATE, PostureCourse
 from kinesic.planning.postures import Postures
 from kinesic.planning.setup import Setup
-from kinesic.planning.syncs import on_keys, planned_spans
+from kinesic.planning.syncs import find_planned_spans, list_keyed_syncs
 
 
 class Conditioner(Protocol):
-    """Makes a motion through keys one that the servos can follow."""
+    """Function that fits a motion through keys to the servo limits."""
 
     def __call__(
         self,
@@ -37,16 +38,19 @@ class Conditioner(Protocol):
         budget: Budget = ...,
         memory: PlaneMemory | None = ...,
     ) -> Conditioned:
-        """At `ease` below 1 key times leave room, so that the path is nearer to the desired one."""
+        """Return a motion through the keys within the servo limits.
+
+        `ease` below 1 gives it more time, so that it is nearer to the desired path.
+        """
 
 
-LAG_RESERVE = 0.004  # [m] kept in the plan for what the servos lag behind it
-LEAST_RESERVE = 0.002  # [m] of it that has to be there: less is not worth a behaviour
-REPAIRS = 2  # times that a motion is conditioned again because it comes nearer than it should
-SAMPLE_COST = 3.0  # budget units per sample of a motion that is conditioned and scanned again
-REPAIR = 0.002  # [m] that a second detour keeps over what the first one lacked
-EASIER = 0.8  # times the limits, where no detour helps a motion that strays from the desired one
-TOGETHER = 2.0  # [s] within which one behaviour may be what brings segments too near at all times
+LAG_RESERVE = 0.004  # [m] extra clearance in plans for the tracking lag of the servos
+MIN_LAG_RESERVE = 0.002  # [m] smallest remaining `LAG_RESERVE`; with less, a behaviour is dropped
+MAX_REPAIRS = 2  # largest number of replanning rounds for a motion with too little clearance
+SAMPLE_COST = 3.0  # budget units per replanned and rescanned motion sample
+REPAIR_MARGIN = 0.002  # [m] added to the missing clearance in the next repair
+EASE_FACTOR = 0.8  # factor that lowers the motion limits if no detour helps
+COLLISION_SPAN = 2.0  # [s] time span whose collisions are attributed to one behaviour
 
 
 def keep_clear(
@@ -55,21 +59,21 @@ def keep_clear(
     bonds: tuple[Bond, ...] = (),
     *,
     conditioned: Conditioner = certify,
-    repairs: int = REPAIRS,
-    budget: Budget = ENDLESS,
+    repairs: int = MAX_REPAIRS,
+    budget: Budget = UNLIMITED_BUDGET,
 ) -> tuple[Postures, Conditioned, Floats, Clearance]:
-    """Conditions the postures, and leads the motion around the body where it comes too near.
+    """Plan a motion through postures with detours around the body.
 
-    Detours are looked for in the desired motion, which costs little; only where the conditioned one comes nearer,
-    detours are looked for there, too, and it is conditioned again; with more time where none helps.
+    Detours are first searched in the desired motion, which is cheap. If the conditioned motion comes nearer, detours
+    are searched there and it is conditioned again, with more time if no detour helps.
 
     Args:
         solved: postures of a block.
         setup: robot, limits and distances.
         bonds: between sync points of different behaviours.
-        conditioned: makes a motion one that the servos can follow.
-        repairs: how many times at most it is conditioned again.
-        budget: for the length of all motions; once it is spent, no motion is conditioned again.
+        conditioned: turns keys into a motion within the limits.
+        repairs: largest number of repeated conditionings.
+        budget: for all motions; once it is spent, no motion is conditioned again.
 
     Returns:
         The postures with detours, the motion, performance times (m,) [s] and the clearance at them.
@@ -78,11 +82,11 @@ def keep_clear(
         rest = setup.robot.skeleton.rest
         still = Conditioned(stay(rest), np.zeros(0), np.zeros(0), {}, np.zeros(len(rest)))
         return solved, still, *scan_clearance(still.trajectory, setup.distances)
-    ease, least = 1.0, setup.robot.least_clearance + LAG_RESERVE
-    wanted = least
+    ease, least = 1.0, setup.robot.min_clearance + LAG_RESERVE
+    required = least
     keys = Keys.of(solved.postures, setup.limits)
-    planned = keys.asked if keys.spaced else relax_key_times(KeyTimeProblem(keys, keys.gaps, 0.0))
-    around = partial(lead_around, distances=setup.distances, known=ClearPostures(setup.robot, setup.distances))
+    planned = keys.requested_times if keys.is_spaced else solve_key_times(KeyTimeProblem(keys, keys.gaps, 0.0))
+    around = partial(add_detours, distances=setup.distances, cache=ClearPostures(setup.robot, setup.distances))
     postures = around(_course(solved.postures, planned, setup), least=least).postures
     motion = conditioned(postures, setup, bonds, ease=ease)
     times, clearance = scan_clearance(motion.trajectory, setup.distances)
@@ -94,10 +98,10 @@ def keep_clear(
         if budget.spent:
             break
         course = _course(postures, motion.planned, setup).straying(motion.trajectory)
-        changed = around(course, least=wanted).postures
-        wanted += lacking + REPAIR
-        if changed == postures:  # no detour helps: with more time the motion is nearer to the desired one
-            ease *= EASIER
+        changed = around(course, least=required).postures
+        required += lacking + REPAIR_MARGIN
+        if changed == postures:  # without helpful detours, more time brings the motion nearer to the desired one
+            ease *= EASE_FACTOR
         postures = changed
         motion = conditioned(postures, setup, bonds, ease=ease)
         times, clearance = scan_clearance(motion.trajectory, setup.distances)
@@ -109,37 +113,41 @@ def _course(postures: tuple[KeyPosture, ...], planned: Floats, setup: Setup) -> 
 
 
 def scan_clearance(trajectory: Trajectory, distances: Distances) -> tuple[Floats, Clearance]:
-    """Measures the clearance of a motion at times (m,) [s]."""
+    """Compute the clearance of a motion at 100 Hz times (m,) [s]."""
     times = trajectory.start + np.append(np.arange(0.0, trajectory.duration, 1.0 / SCAN_RATE), trajectory.duration)
     return times, distances.clearance(trajectory.angles(times))
 
 
-def culprits(
+def find_colliding_behaviours(
     frames: KeyFrames, motion: Conditioned, times: Floats, clearance: Clearance, robot: Robot
 ) -> dict[str, str]:
-    """Finds the behaviours that bring two segments too near, and why; empty when the motion is clear.
+    """Find the behaviours to drop because of collisions, with reasons.
 
-    Of near times only the worst counts: when its behaviour is gone, the others may be clear.
+    Of close times only the worst counts, as the others may be clear without its behaviour. The result is empty for a
+    clear motion.
     """
     if not frames.frames:
         return {}
-    close = np.flatnonzero(clearance.distances < robot.least_clearance + LEAST_RESERVE)
+    close = np.flatnonzero(clearance.distances < robot.min_clearance + MIN_LAG_RESERVE)
     close = close[np.argsort(clearance.distances[close], kind="stable")]
-    spans_of = planned_spans((name, planned) for name, _, _, planned in on_keys(frames, motion))
-    found: dict[str, str] = {}
+    spans_of = find_planned_spans((name, planned) for name, _, _, planned in list_keyed_syncs(frames, motion))
+    reasons: dict[str, str] = {}
     while close.size:
         worst = int(close[0])
         pair, at = clearance.pairs[worst], float(times[worst] - motion.trajectory.zero)
         why = f"brings {pair[0]} within {1000 * clearance.distances[worst]:.0f} mm of {pair[1]} at {at:.2f} s"
-        found.setdefault(_culprit(pair, at, spans_of, frames, robot), why)
-        close = close[np.abs(times[close] - times[worst]) > TOGETHER]
-    return found
+        reasons.setdefault(_culprit(pair, at, spans_of, frames, robot), why)
+        close = close[np.abs(times[close] - times[worst]) > COLLISION_SPAN]
+    return reasons
 
 
 def _culprit(
     pair: tuple[str, str], at: float, spans_of: Mapping[str, tuple[float, float]], frames: KeyFrames, robot: Robot
 ) -> str:
-    """The behaviour of these parts that is nearest in time; where none is theirs, the nearest of all."""
+    """Return the behaviour nearest in time that moves the colliding body parts.
+
+    If none moves these parts, the nearest behaviour of all is returned.
+    """
     parts = {f"{side}_hand" for side in SIDES if set(pair) & robot.arm(side).bodies} or {"torso", "head"}
     away = {name: max(start - at, at - end, 0.0) for name, (start, end) in spans_of.items()}
     return min(away, key=lambda name: (not frames.uses.get(name, frozenset()) & parts, away[name], name))

@@ -1,6 +1,6 @@
-"""Puts the keys of fingers among the postures of a block.
+"""Insert finger keys between the postures of a block.
 
-They are keys on a path: the motion follows them as far as its limits allow, and never moves a stroke for them.
+The motion follows them within its limits, without moving strokes.
 """
 
 from bisect import bisect_right
@@ -15,31 +15,34 @@ from kinesic.expressivity.hands.fingers import finger_joints
 from kinesic.expressivity.keyframes import FingerKey
 from kinesic.motion.keys import KeyPosture
 
-KEY_SPACING = 1e-4  # [s] between keys of fingers and others
+KEY_SPACING = 1e-4  # [s] smallest time between finger keys and other keys
 Fingers = Mapping[Side, Sequence[FingerKey]]
 
 
 def set_fingers(angles: Floats, time: float, fingers: Fingers, robot: Robot) -> None:
-    """Bends the fingers in a posture (n,) [rad] as they are at a block time [s]."""
+    """Set the fingers of a posture at a block time [s]."""
     for side, keys in fingers.items():
         after = bisect_right([key.time for key in keys], time)
         here, there = keys[max(after - 1, 0)], keys[min(after, len(keys) - 1)]
-        share = (time - here.time) / (there.time - here.time) if 0 < after < len(keys) else 0.0
-        angles[list(finger_joints(robot, side))] = here.angles + share * (there.angles - here.angles)
+        fraction = (time - here.time) / (there.time - here.time) if 0 < after < len(keys) else 0.0
+        angles[list(finger_joints(robot, side))] = here.angles + fraction * (there.angles - here.angles)
 
 
-def with_finger_keys(postures: Sequence[KeyPosture], fingers: Fingers, robot: Robot) -> tuple[KeyPosture, ...]:
-    """Adds the keys of both hands' fingers between the first and the last posture, none at the time of another one."""
+def add_finger_keys(postures: Sequence[KeyPosture], fingers: Fingers, robot: Robot) -> tuple[KeyPosture, ...]:
+    """Add finger keys between the first and the last posture.
+
+    Their times differ from those of all other keys.
+    """
     if not fingers or len(postures) < 2:
         return tuple(postures)
-    taken = {posture.time for posture in postures}
+    used_times = {posture.time for posture in postures}
     added: dict[float, KeyPosture] = {}
     first, last = postures[0].time, postures[-1].time
     for side, keys in fingers.items():
         joints = list(finger_joints(robot, side))
         for key in keys:
             time = key.time
-            while time in taken:
+            while time in used_times:
                 time += KEY_SPACING
             if first < time < last:
                 added[time] = _keyed(added.get(time), time, joints, key.angles, robot)
@@ -47,8 +50,8 @@ def with_finger_keys(postures: Sequence[KeyPosture], fingers: Fingers, robot: Ro
 
 
 def _keyed(before: KeyPosture | None, time: float, joints: list[int], angles: Floats, robot: Robot) -> KeyPosture:
-    """A key of some fingers, and of those that have one at the same time."""
-    base = before or KeyPosture(time, robot.skeleton.rest, (False,) * len(robot.skeleton.hinges), firm=False)
-    found, keyed = base.angles.copy(), np.array(base.keyed)
-    found[joints], keyed[joints] = angles, True
-    return replace(base, angles=sealed(found), keyed=tuple(bool(key) for key in keyed))
+    """Set finger angles in a key, or make a new key."""
+    base = before or KeyPosture(time, robot.skeleton.rest, (False,) * len(robot.skeleton.hinges), is_exact=False)
+    new_angles, keyed = base.angles.copy(), np.array(base.keyed)
+    new_angles[joints], keyed[joints] = angles, True
+    return replace(base, angles=sealed(new_angles), keyed=tuple(bool(key) for key in keyed))

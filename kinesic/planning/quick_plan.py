@@ -1,7 +1,7 @@
-"""Plans a motion that can begin at once: at rest at every key, so slow that no program has to be solved.
+"""Quick plans: slow motions with stops at every key.
 
-Its times come from closed forms, its path from quintics; limits hold by construction and are checked on the control
-points. A better plan goes on with it while it runs: see `replan`.
+Its times are closed forms, its path quintics; limits hold by construction and are checked on the control points. A
+better plan continues it while it runs: see `replan`.
 """
 
 from collections.abc import Sequence
@@ -14,12 +14,12 @@ import numpy as np
 from kinesic.bml.block import Block
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
-from kinesic.expressivity.hands.engaged import Engaged
-from kinesic.motion.budget import ENDLESS, Budget
+from kinesic.expressivity.hands.busy_hands import BusyHand
+from kinesic.motion.budget import UNLIMITED_BUDGET, Budget
 from kinesic.motion.condition import Conditioned, NearestFinder
 from kinesic.motion.desired import DesiredMotion, join_keys
-from kinesic.motion.double_s import Gaps, Way
-from kinesic.motion.key_time_lp import KeyTimeProblem, relax_key_times
+from kinesic.motion.double_s import IntervalDurations, KeyInterval
+from kinesic.motion.key_time_lp import KeyTimeProblem, solve_key_times
 from kinesic.motion.keys import Bond, KeyPassage, KeyPosture, Keys
 from kinesic.motion.plane_memory import PlaneMemory
 from kinesic.motion.segments import SplineSegment
@@ -27,22 +27,22 @@ from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.setup import Setup
 
-PEAK_SPEED = 1.875  # of a quintic from rest to rest, in distance / duration
-PEAK_ACCELERATION = 5.7735  # in distance / duration^2
-PEAK_JERK = 60.0  # in distance / duration^3
-RESERVE = 1.03  # on its duration, for what the grid makes of it
-LEAST_GAP = 0.06  # [s] of a gap in which something moves
-LONGER = 1.1  # on gaps that do not suffice after all
-STOPPING = KeyPassage(tension=1.0)  # of every key
+PEAK_VELOCITY = 1.875  # peak velocity of a rest-to-rest quintic of unit distance and duration
+PEAK_ACCELERATION = 5.7735  # peak acceleration of a rest-to-rest quintic of unit distance and duration
+PEAK_JERK = 60.0  # peak jerk of a rest-to-rest quintic of unit distance and duration
+DURATION_MARGIN = 1.03  # factor on durations that covers the error of spline approximation
+MIN_MOTION_TIME = 0.06  # [s] shortest time between keys of a moving hinge
+GAP_GROWTH = 1.1  # factor on all times between keys until the limits hold
+STOPPING_PASSAGE = KeyPassage(tension=1.0)  # passage that stops the hinge at its key
 
 
-def plan_quickly(block: Block, setup: Setup, *, engaged: Sequence[Engaged] = ()) -> Plan:
-    """Plans a block so that it can begin at once; nothing of it is late in block zero.
+def plan_quickly(block: Block, setup: Setup, *, busy_hands: Sequence[BusyHand] = ()) -> Plan:
+    """Plan a block with little computation, stopping at every key.
 
     Raises:
-        BmlError: something `required` cannot be performed.
+        BmlError: a `required` behaviour cannot be performed.
     """
-    return plan_block(block, setup, conditioned=rest_at_keys, engaged=engaged)
+    return plan_block(block, setup, conditioned=rest_at_keys, busy_hands=busy_hands)
 
 
 def rest_at_keys(
@@ -51,67 +51,72 @@ def rest_at_keys(
     bonds: tuple[Bond, ...] = (),
     *,
     ease: float = 1.0,
-    budget: Budget = ENDLESS,
+    budget: Budget = UNLIMITED_BUDGET,
     memory: PlaneMemory | None = None,
 ) -> Conditioned:
-    """Makes a motion that rests at every key.
+    """Return a certified motion that stops at every key.
 
     Args:
         postures: at least two, the first and the last keyed in all hinges.
         setup: limits.
         bonds: between sync points of different behaviours.
-        ease: share of the limits that is used.
-        budget: of which this takes hardly any.
-        memory: which this does not need.
+        ease: fraction of the limits that is used.
+        budget: hardly charged.
+        memory: unused.
     """
-    limits = setup.limits.times(ease)
+    limits = setup.limits.scaled(ease)
     keys = Keys.of(postures, limits, bonds)
     gaps, finder = dict(keys.gaps), NearestFinder(keys, limits, _resting)
     for (_, pair), least in _rest_times(keys, limits).items():
         gaps[pair] = max(gaps[pair], least)
     while True:
-        budget.spend(len(keys.asked))
-        times = relax_key_times(KeyTimeProblem(keys, gaps, lead_in=0.0))
-        found = finder.find(times)
-        if not isinstance(found, SplineSegment):
+        budget.spend(len(keys.requested_times))
+        times = solve_key_times(KeyTimeProblem(keys, gaps, lead_in=0.0))
+        result = finder.find(times)
+        if not isinstance(result, SplineSegment):
             break
-        gaps = {pair: LONGER * gap for pair, gap in gaps.items()}
-    motion = Trajectory(sealed(found[1]), -float(times[0]))
-    return Conditioned(motion, keys.asked, sealed(times), {}, sealed(np.zeros(len(limits.lower))))
+        gaps = {pair: GAP_GROWTH * gap for pair, gap in gaps.items()}
+    motion = Trajectory(sealed(result[1]), -float(times[0]))
+    return Conditioned(motion, keys.requested_times, sealed(times), {}, sealed(np.zeros(len(limits.lower))))
 
 
 def _resting(times: Floats, keys: Keys) -> DesiredMotion:
-    """The motion that rests at every key."""
-    return join_keys(times, keys.passed(STOPPING))
+    """Return a motion that stops at each key, at given times."""
+    return join_keys(times, keys.with_passage(STOPPING_PASSAGE))
 
 
-def _rest_times(keys: Keys, limits: Limits) -> Gaps:
-    """The `quintic_duration` of every hinge from each of its keys to the next."""
-    found, every = dict[Way, float](), [_Hinge.of(limits, hinge) for hinge in range(len(limits.lower))]
-    for hinge, own in enumerate(keys.own):
-        angles = keys.angles[own, hinge].tolist()
-        for pair, (before, after) in zip(pairwise(own), pairwise(angles), strict=True):
-            found[hinge, pair] = every[hinge].duration(after - before)
-    return found
+def _rest_times(keys: Keys, limits: Limits) -> IntervalDurations:
+    """Compute each hinge's minimum rest-to-rest time between successive keys."""
+    result, hinge_limits = dict[KeyInterval, float](), [_Hinge.of(limits, hinge) for hinge in range(len(limits.lower))]
+    for hinge, rows in enumerate(keys.exact_rows):
+        angles = keys.angles[rows, hinge].tolist()
+        for pair, (before, after) in zip(pairwise(rows), pairwise(angles), strict=True):
+            result[hinge, pair] = hinge_limits[hinge].duration(after - before)
+    return result
 
 
-def quintic_duration(way: float, limits: Limits, hinge: int) -> float:
-    """Computes the time [s] of a quintic from rest to rest over a way [rad], within all limits of a hinge.
+def compute_quintic_duration(travel: float, limits: Limits, hinge: int) -> float:
+    """Compute the shortest rest-to-rest quintic [s] within all limits.
 
-    Its duty is bounded by that of its greatest speed and its greatest acceleration together.
+    Its duty is bounded by the sum of those of peak velocity and peak acceleration.
+
+    Args:
+        travel: [rad].
+        limits: of all hinges.
+        hinge: index.
     """
-    return _Hinge.of(limits, hinge).duration(way)
+    return _Hinge.of(limits, hinge).duration(travel)
 
 
 @dataclass(frozen=True)
 class _Hinge:
-    """The limits of one hinge, as plain numbers: several times faster than arrays of one."""
+    """Limits of one hinge as plain floats, which are faster than arrays."""
 
-    speed: float  # [rad/s]
-    acceleration: float  # [rad/s^2]
-    jerk: float  # [rad/s^3]
-    inertial: float  # [s^2/rad] share of the duty per acceleration
-    viscous: float  # [s/rad] share of the duty per speed
+    speed: float  # [rad/s] velocity limit
+    acceleration: float  # [rad/s^2] limit
+    jerk: float  # [rad/s^3] limit
+    inertial: float  # [s^2/rad] duty per acceleration
+    viscous: float  # [s/rad] duty per velocity
 
     @classmethod
     def of(cls, limits: Limits, hinge: int) -> "_Hinge":
@@ -119,13 +124,13 @@ class _Hinge:
         speed, acceleration, jerk, inertial, viscous, duty = (float(row[hinge]) for row in rows)
         return cls(speed, acceleration, jerk, inertial / duty, viscous / duty)
 
-    def duration(self, way: float) -> float:
-        """What the function of this name computes."""
-        size = abs(way)
-        if size == 0.0:
+    def duration(self, travel: float) -> float:
+        """Compute the shortest rest-to-rest quintic [s] for a rotation [rad]."""
+        distance = abs(travel)
+        if distance == 0.0:
             return 0.0
-        fast = max(PEAK_SPEED * size / self.speed, float((PEAK_JERK * size / self.jerk) ** (1 / 3)))
-        strong = sqrt(PEAK_ACCELERATION * size / self.acceleration)
-        half = self.viscous * PEAK_SPEED * size / 2
-        loaded = half + sqrt(half**2 + self.inertial * PEAK_ACCELERATION * size)
-        return RESERVE * max(fast, strong, loaded, LEAST_GAP)
+        velocity_time = max(PEAK_VELOCITY * distance / self.speed, float((PEAK_JERK * distance / self.jerk) ** (1 / 3)))
+        acceleration_time = sqrt(PEAK_ACCELERATION * distance / self.acceleration)
+        half_drag = self.viscous * PEAK_VELOCITY * distance / 2
+        duty_time = half_drag + sqrt(half_drag**2 + self.inertial * PEAK_ACCELERATION * distance)
+        return DURATION_MARGIN * max(velocity_time, acceleration_time, duty_time, MIN_MOTION_TIME)

@@ -1,4 +1,4 @@
-"""What planning is given beside the text."""
+"""Planning setup: everything that planning needs besides the document."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -8,31 +8,31 @@ from typing import Literal
 
 from kinesic.bml.block import Dialect
 from kinesic.body.arrays import Floats
-from kinesic.body.choices import Gathering, GrammarName
+from kinesic.body.choices import GrammarName, KeyFrameFilling
 from kinesic.body.dynamics import Distances, Dynamics, Load
 from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
 from kinesic.body.utterance import Voice
 from kinesic.expressivity.context import Context
-from kinesic.expressivity.idle import OFF, Idling
+from kinesic.expressivity.idle import NO_IDLING, Idling
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import Style
-from kinesic.expressivity.variation import EXACT, Variation
+from kinesic.expressivity.variation import NO_VARIATION, Variation
 
 
 @dataclass(frozen=True)
 class IntentionFiles:
-    """Files of Greta that say how intentions are shown; None: kinesic's own way."""
+    """Paths of Greta's intention files, by default kinesic's own."""
 
-    lexicon: Path | None = None  # of intentions
+    lexicon: Path | None = None  # lexicon of intentions
     baseline: Path | None = None  # expressivity of the agent
-    qualifiers: Path | None = None  # what intentions change of it
+    qualifiers: Path | None = None  # changes of the baseline by intentions
 
 
 @dataclass(frozen=True, eq=False)
 class Setup:
-    """The robot, its manner and all else that planning is given beside a document; planning changes none of it."""
+    """Robot, style, lexicon, voice and options used for planning."""
 
     robot: Robot
     style: Style
@@ -40,34 +40,37 @@ class Setup:
     voice: Voice
     dynamics: Dynamics
     distances: Distances
-    targets: Mapping[str, Floats] = field(default_factory=dict)  # named points (3,) [m] beside the robot's own
-    dialect: Dialect | Literal["auto"] = "auto"  # how documents are read
-    gathering: Gathering = "complex"  # how key frames are filled
-    idling: Idling = OFF  # what goes on unasked
-    variation: Variation = EXACT  # how far gestures differ from one another
-    pause: float = 0.0  # [s] longest pause before a word that waits for the body, where documents do not say
-    character: str | None = None  # which of several characters the robot is; None: the one that a block is for
-    language: str = "en"  # of plain text
-    grammar: GrammarName = "rules"  # who finds its phrases and clauses
-    intentions: IntentionFiles = IntentionFiles()  # how they are shown
+    targets: Mapping[str, Floats] = field(default_factory=dict)  # named points (3,) [m] in addition to the robot's own
+    dialect: Dialect | Literal["auto"] = "auto"  # dialect of the documents
+    gathering: KeyFrameFilling = "complex"  # filling of key frames in which some parts have no key
+    idling: Idling = NO_IDLING  # idle motion
+    variation: Variation = NO_VARIATION  # variation between gestures
+    pause: float = 0.0  # [s] default of the longest pause before a word that waits for the body
+    character: str | None = None  # character of the robot in a document for several; None: that of the block
+    language: str = "en"  # language of plain text
+    grammar: GrammarName = "rules"  # parser of phrases and clauses of plain text
+    intentions: IntentionFiles = IntentionFiles()  # behaviours of intentions
+
+    def __repr__(self) -> str:
+        return f"<setup: {self.robot}, {self.style}, {self.lexicon!r}>"
 
     @cached_property
     def limits(self) -> Limits:
-        """The motion limits of every hinge of the robot."""
+        """Motion limits of every hinge."""
         return _limits(self.robot, self.dynamics.load)
 
     @cached_property
     def pace(self) -> Pace:
-        """How fast the robot moves, at ease and at best."""
+        """Rest-to-rest durations of the robot's movements within its servo limits."""
         return _pace(self.robot, self.limits)
 
     @cached_property
     def context(self) -> Context:
-        """What every block is performed with."""
+        """Expressivity settings common to all blocks."""
         return Context(self.style, self.lexicon, self.pace, self.targets, self.gathering, self.idling, self.variation)
 
 
-# Setups that differ in style or voice alone share what was worked out for the robot.
+# Setups that differ only in style or voice use the same cached limits and pace.
 
 
 @lru_cache(maxsize=8)

@@ -1,4 +1,4 @@
-"""Synthesises a block's speech in its style, with pauses before words for which the body would be late."""
+"""Speech synthesis in the style of a block, with pauses."""
 
 import math
 import re
@@ -12,11 +12,11 @@ from kinesic.motion.keys import Sync
 from kinesic.planning.setup import Setup
 from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime, find_bonds
 
-FASTER = 1.25  # rate of temporal 1; its inverse at -1
-HIGHER = 1.5  # [semitones] of power 1, and of activation 1
-PRECISION = 0.002  # [s] of a pause
-NAMED = 24  # characters of a word in a message
-MAX_SOUND_DURATION = 2400.0  # [s] of all speech of a block that is heard: as long as its times can be apart
+MAX_RATE_FACTOR = 1.25  # speech rate factor at style value temporal = 1; its inverse at -1
+SEMITONES_PER_UNIT = 1.5  # [semitones] pitch change per unit of power or activation
+PAUSE_TOLERANCE = 0.002  # [s] accepted shortfall of a speech pause
+MAX_WORD_LENGTH = 24  # longest word quoted in a message, in characters
+MAX_SOUND_DURATION = 2400.0  # [s] longest audible speech of a block
 
 UNHEARD_REMARK = (
     f"nothing is heard: the speeches before it last more than {MAX_SOUND_DURATION:g} s in all, give it to another block"
@@ -25,55 +25,56 @@ UNHEARD_REMARK = (
 
 @dataclass(frozen=True)
 class SpeechPause:
-    """A pause before a mark of a speech."""
+    """Pause before a mark of a speech."""
 
     speech: str
     mark: str
-    until: float  # [s] of the utterance, when the mark is wanted
-    sync: Sync  # that would be late without it
-    later: float = 0.0  # [s] by which the mark is to come later than without it
-    duration: float = 0.0  # [s] of the silence, that of punctuation included
+    until: float  # [s] required time of the mark in the utterance
+    sync: Sync  # sync point that would be late without the pause
+    later: float = 0.0  # [s] required delay of the mark
+    duration: float = 0.0  # [s] of the silence, including that of punctuation
 
 
 def synthesise_block(block: Block, setup: Setup, waiting: tuple[SpeechPause, ...] = ()) -> dict[str, Utterance]:
     """Synthesise each speech of a block, by its id.
 
-    Speech beyond `MAX_SOUND_DURATION` in all, which only speeches at the same time can reach, is timed but not heard.
+    Speech beyond `MAX_SOUND_DURATION` in all is timed but not audible. Only simultaneous speeches can reach it.
 
     Args:
-        block: what was asked.
-        setup: who speaks, in which style.
-        waiting: pauses that are made for the body.
+        block: with the speeches.
+        setup: voice and style.
+        waiting: pauses for the body.
     """
     rate, pitch = choose_rate_and_pitch(setup.style)
-    found: dict[str, Utterance] = {}
-    heard = 0.0  # [s]
+    result: dict[str, Utterance] = {}
+    audible_duration = 0.0  # [s] of all speech before
     for behaviour in block.behaviours:
         if isinstance(behaviour.action, Speech):
-            pauses = tuple(each for each in waiting if each.speech == behaviour.id)
+            pauses = tuple(pause for pause in waiting if pause.speech == behaviour.id)
             script = insert_pauses(behaviour.action.script, pauses)
-            said = setup.voice.say(script, rate=rate, pitch=pitch)
-            if said.sound is not None and heard > MAX_SOUND_DURATION:
-                said = replace(said, sound=None, remarks=(*said.remarks, UNHEARD_REMARK))
-            heard += 0.0 if said.sound is None else said.duration
-            others = behaviour.agent is not None  # who say it themselves
-            found[behaviour.id] = replace(said, sound=None, phonemes=(), remarks=()) if others else said
-    return found
+            utterance = setup.voice.say(script, rate=rate, pitch=pitch)
+            if utterance.sound is not None and audible_duration > MAX_SOUND_DURATION:
+                utterance = replace(utterance, sound=None, remarks=(*utterance.remarks, UNHEARD_REMARK))
+            audible_duration += 0.0 if utterance.sound is None else utterance.duration
+            is_other_agent = behaviour.agent is not None  # other agents speak themselves
+            result[behaviour.id] = (
+                replace(utterance, sound=None, phonemes=(), remarks=()) if is_other_agent else utterance
+            )
+    return result
 
 
 def choose_rate_and_pitch(style: Style) -> tuple[float, float]:
-    """Chooses rate and pitch of a style, in times the voice's own.
+    """Return the rate and pitch factors of a style.
 
-    Who moves faster speaks faster, up to a quarter; who moves with more power, or more at all, speaks higher, up to
-    three semitones: arousal raises tempo and pitch of voices, sadness and calm lower both (Banse and Scherer 1996).
-    A neutral style speaks as the voice does.
+    Faster movement speeds speech up to a quarter; more power or activation raises the pitch up to three semitones.
+    Arousal raises tempo and pitch of voices, sadness and calm lower both (Banse and Scherer 1996).
     """
     manner = style.gesture
-    return FASTER**manner.temporal, 2.0 ** (HIGHER * (manner.power + manner.activation) / 12.0)
+    return MAX_RATE_FACTOR**manner.temporal, 2.0 ** (SEMITONES_PER_UNIT * (manner.power + manner.activation) / 12.0)
 
 
-def remarks(block: Block, utterances: Mapping[str, Utterance]) -> list[Notice]:
-    """Turns the remarks of the voice on each utterance into notices."""
+def convert_remarks(block: Block, utterances: Mapping[str, Utterance]) -> list[Notice]:
+    """Convert the voice's remarks on utterances into notices."""
     return [
         Notice(NoticeType.CANNOT_CREATE_BEHAVIOR, f"{block.id}:{name}", remark)
         for name, utterance in utterances.items()
@@ -81,70 +82,75 @@ def remarks(block: Block, utterances: Mapping[str, Utterance]) -> list[Notice]:
     ]
 
 
-def allowed_pauses(block: Block, usual: float) -> dict[str, float]:
-    """Looks up the longest pause [s] before a word of each speech that may wait; one with given times cannot.
+def find_allowed_pauses(block: Block, usual: float) -> dict[str, float]:
+    """Return the longest allowed pause [s] before words, by speech.
+
+    Speech with given times has none.
 
     Args:
-        block: says so for each speech, or for all.
-        usual: [s] where it says nothing.
+        block: its values, or those of each speech, override the default.
+        usual: [s] default.
     """
     longest = usual if block.pause is None else block.pause
-    found = {
+    result = {
         behaviour.id: longest if behaviour.action.pause is None else behaviour.action.pause
         for behaviour in block.behaviours
-        if isinstance(behaviour.action, Speech) and _may_wait(behaviour.action.script)
+        if isinstance(behaviour.action, Speech) and _can_wait(behaviour.action.script)
     }
-    return {name: most for name, most in found.items() if most > 0.0}
+    return {name: most for name, most in result.items() if most > 0.0}
 
 
-def _may_wait(script: Script) -> bool:
+def _can_wait(script: Script) -> bool:
     return script.recording is None and all(mark.time is None for mark in script.marks)
 
 
-def mark_delays(timeline: Timeline, syncs: tuple[SyncTime, ...]) -> dict[Sync, tuple[float, Sync]]:
-    """Computes by how much [s] the body misses each mark, and the tied sync point that misses it most.
+def compute_mark_delays(timeline: Timeline, syncs: tuple[SyncTime, ...]) -> dict[Sync, tuple[float, Sync]]:
+    """Compute the delay [s] of the gesture at each speech mark.
 
-    Positive when the body is late. Where several are tied to a mark, the latest counts.
+    Returns:
+        Delay, negative if the body is early, and the latest tied sync point, by mark.
     """
-    missed = {(sync.behaviour, sync.sync): sync.planned - sync.asked for sync in syncs}
+    delays = {(sync.behaviour, sync.sync): sync.planned - sync.requested for sync in syncs}
     spoken = {timed.behaviour.id for timed in timeline.timed if isinstance(timed.behaviour.action, Speech)}
-    found: dict[Sync, tuple[float, Sync]] = {}
+    result: dict[Sync, tuple[float, Sync]] = {}
     both = {(bond.earlier, bond.later) for bond in find_bonds(timeline)}
     for mark, sync in both:
-        if mark[0] in spoken and (sync, mark) in both and sync in missed and sync[0] not in spoken:
-            found[mark] = max((missed[sync], sync), found.get(mark, (-math.inf, sync)))
-    return found
+        if mark[0] in spoken and (sync, mark) in both and sync in delays and sync[0] not in spoken:
+            result[mark] = max((delays[sync], sync), result.get(mark, (-math.inf, sync)))
+    return result
 
 
-def required_pauses(
+def find_required_pauses(
     timeline: Timeline, syncs: tuple[SyncTime, ...], most: Mapping[str, float], before: tuple[SpeechPause, ...] = ()
 ) -> tuple[SpeechPause, ...]:
-    """Chooses the marks that must come later for the body to be in time, with those that wait already.
+    """Choose pauses that let the body arrive in time for each word.
 
-    A pause moves all that is said after it; so each mark needs only what it misses more than those before it.
+    A pause delays all following words, so that each mark only needs its additional delay.
 
     Args:
-        timeline: as planned with the pauses before.
-        syncs: when its sync points are asked for and when they will be.
-        most: [s] by which one pause may hold back what follows, of each speech that may wait.
-        before: pauses that are made already.
+        timeline: as planned with the earlier pauses.
+        syncs: requested and planned times.
+        most: [s] longest pause of each speech that may wait.
+        before: earlier pauses.
     """
-    missed = mark_delays(timeline, syncs)
-    made = {(each.speech, each.mark): each for each in before}
-    found: list[SpeechPause] = []
+    delays = compute_mark_delays(timeline, syncs)
+    earlier = {(pause.speech, pause.mark): pause for pause in before}
+    result: list[SpeechPause] = []
     for timed in timeline.timed:
         name, times = timed.behaviour.id, timed.times
-        moved, reached = 0.0, 0.0
+        shift, earlier_delay = 0.0, 0.0
         marks = [mark for mark in _marks(timed.behaviour) if mark in times and name in most]
         for mark in sorted(marks, key=lambda mark: times[mark]):
-            late, sync = missed.get((name, mark), (reached, ("", "")))
-            waiting = made.get((name, mark), SpeechPause(name, mark, 0.0, sync))
-            more = min(late - reached, most[name] - waiting.later) if late - reached > SHIFT_TO_WARN else 0.0
-            moved, reached = moved + more, late
-            if more or waiting.duration:
-                until = times[mark] - times["start"] + moved
-                found.append(replace(waiting, until=until, later=waiting.later + more))
-    return tuple(found)
+            delay, sync = delays.get((name, mark), (earlier_delay, ("", "")))
+            waiting = earlier.get((name, mark), SpeechPause(name, mark, 0.0, sync))
+            extra = (
+                min(delay - earlier_delay, most[name] - waiting.later) if delay - earlier_delay > SHIFT_TO_WARN else 0.0
+            )
+            shift, earlier_delay = shift + extra, delay
+            if extra or waiting.duration:
+                until = times[mark] - times["start"] + shift
+                result.append(replace(waiting, until=until, later=waiting.later + extra))
+    return tuple(result)
 
 
 def _marks(behaviour: Behaviour) -> tuple[str, ...]:
@@ -152,47 +158,47 @@ def _marks(behaviour: Behaviour) -> tuple[str, ...]:
 
 
 def lengthen_pauses(waiting: tuple[SpeechPause, ...], utterances: Mapping[str, Utterance]) -> tuple[SpeechPause, ...]:
-    """Lengthens pauses by what their marks still lack when the speech is said with them.
+    """Lengthen pauses until their marks are spoken late enough.
 
-    A voice may make its own pause at a comma shorter where another one is put.
+    A voice may shorten its own pause at a comma if another pause is inserted.
     """
-    found: list[SpeechPause] = []
-    moved: dict[str, float] = {}
-    for each in waiting:
-        lacking = each.until - utterances[each.speech].marks[each.mark] - moved.get(each.speech, 0.0)
-        longer = each.duration + (math.ceil(1000 * lacking) / 1000 if lacking > PRECISION else 0.0)
-        found.append(replace(each, duration=longer))
-        moved[each.speech] = moved.get(each.speech, 0.0) + found[-1].duration - each.duration
-    return tuple(found)
+    result: list[SpeechPause] = []
+    shift: dict[str, float] = {}
+    for pause in waiting:
+        missing = pause.until - utterances[pause.speech].marks[pause.mark] - shift.get(pause.speech, 0.0)
+        duration = pause.duration + (math.ceil(1000 * missing) / 1000 if missing > PAUSE_TOLERANCE else 0.0)
+        result.append(replace(pause, duration=duration))
+        shift[pause.speech] = shift.get(pause.speech, 0.0) + result[-1].duration - pause.duration
+    return tuple(result)
 
 
 def insert_pauses(script: Script, waiting: tuple[SpeechPause, ...]) -> Script:
-    """Puts pauses before the marks of a script, each beside those that it had."""
+    """Insert additional pauses before the marks of a script."""
     pauses = list(script.pauses)
-    for each in (each for each in waiting if each.duration):
+    for pause in (pause for pause in waiting if pause.duration):
         marks = [mark for mark in script.stops() if isinstance(mark, Mark)]
-        position = next(mark.position for mark in marks if mark.name == each.mark)
+        position = next(mark.position for mark in marks if mark.name == pause.mark)
         here = [mark.name for mark in marks if mark.position == position]
-        pauses.append(Pause(position, each.duration, here.index(each.mark)))
+        pauses.append(Pause(position, pause.duration, here.index(pause.mark)))
     return replace(script, pauses=tuple(pauses))
 
 
-def pause_notices(block: Block, waiting: tuple[SpeechPause, ...]) -> list[Notice]:
-    """Warns of each pause."""
+def describe_pauses(block: Block, waiting: tuple[SpeechPause, ...]) -> list[Notice]:
+    """Return a notice for each pause."""
     scripts = {b.id: b.action.script for b in block.behaviours if isinstance(b.action, Speech)}
     return [
         Notice(
             NoticeType.IMPOSSIBLE_TO_SCHEDULE,
-            f"{block.id}:{each.speech}",
-            f"a pause of {each.later:.3f} s is made before {_word(scripts[each.speech], each.mark)}, "
-            f"so that {each.sync[1]} of '{each.sync[0]}' is in time",
+            f"{block.id}:{pause.speech}",
+            f"a pause of {pause.later:.3f} s is made before {_word(scripts[pause.speech], pause.mark)}, "
+            f"so that {pause.sync[1]} of '{pause.sync[0]}' is in time",
         )
-        for each in waiting
-        if each.duration
+        for pause in waiting
+        if pause.duration
     ]
 
 
 def _word(script: Script, mark: str) -> str:
-    position = next(each.position for each in script.marks if each.name == mark)
-    found = re.search(r"\w[\w'\u2019-]*", script.text[position:])
-    return f"'{found[0][:NAMED]}' (mark {mark})" if found else f"mark {mark}"
+    position = next(pause.position for pause in script.marks if pause.name == mark)
+    result = re.search(r"\w[\w'\u2019-]*", script.text[position:])
+    return f"'{result[0][:MAX_WORD_LENGTH]}' (mark {mark})" if result else f"mark {mark}"

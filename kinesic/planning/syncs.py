@@ -1,4 +1,4 @@
-"""Sync points: what BML ties between them, when each of them will be, and warnings where that is not as asked."""
+"""Sync points: constraints between them, planned times and warnings."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from typing import SupportsIndex, TypeVar, overload
 import numpy as np
 
 from kinesic.bml.block import Block, Notice, NoticeType, Precedence, SyncRef, TimedBehaviour, Timeline
-from kinesic.bml.timing.constraints import point_of, ties
+from kinesic.bml.timing.constraints import find_equalities, get_point
 from kinesic.body.arrays import Floats
 from kinesic.body.config import suggestion
 from kinesic.body.robot import SIDES, Robot, Side
@@ -17,27 +17,32 @@ from kinesic.motion.condition import Conditioned
 from kinesic.motion.infeasibility import Bottleneck
 from kinesic.motion.keys import Bond, KeyPosture
 
-SHIFT_TO_WARN = 0.010  # [s]
-SMALLER_TO_WARN = 0.1  # share of the length of a path
+SHIFT_TO_WARN = 0.010  # [s] larger shifts of a sync point are reported
+MIN_REPORTED_SHORTENING = 0.1  # smallest reported shortening of a hand path / its length
 
 
 @dataclass(frozen=True)
 class SyncTime:
-    """A sync point of a behaviour: when it was asked for, and when it will be."""
+    """Sync point of a behaviour with its requested and planned time."""
 
     behaviour: str
     sync: str
-    asked: float  # [s] block time
+    requested: float  # [s] block time
     planned: float  # [s] block time
 
     @property
+    def asked(self) -> float:
+        """Deprecated alias of `requested` [s]."""
+        return self.requested
+
+    @property
     def name(self) -> str:
-        """Behaviour and sync point: `nod:stroke`."""
+        """Behaviour and sync point, such as `nod:stroke`."""
         return f"{self.behaviour}:{self.sync}"
 
     @property
     def is_stroke(self) -> bool:
-        """Whether it is the stroke, the first or a repeated one."""
+        """Whether the sync point is a first or repeated stroke."""
         return self.sync == "stroke" or self.sync.startswith("stroke:")
 
 
@@ -45,7 +50,7 @@ T_co = TypeVar("T_co", bound=SyncTime, covariant=True)
 
 
 class Syncs(tuple[T_co, ...]):
-    """Sync points in planned order; `syncs["nod:stroke"]` finds one by its name."""
+    """Sync points in planned order, accessible by name: `syncs["nod:stroke"]`."""
 
     __slots__ = ()
 
@@ -56,10 +61,10 @@ class Syncs(tuple[T_co, ...]):
     @overload
     def __getitem__(self, place: str, /) -> T_co: ...
     def __getitem__(self, place: SupportsIndex | slice | str, /) -> T_co | tuple[T_co, ...]:
-        """One by its place or its name, or a part of them.
+        """Return a sync point by index or name, or a slice.
 
         Raises:
-            KeyError: no sync point has this name; names near to it are suggested.
+            KeyError: unknown name; the message suggests similar ones.
         """
         if not isinstance(place, str):
             return super().__getitem__(place)
@@ -75,124 +80,134 @@ class Syncs(tuple[T_co, ...]):
 
 
 def find_bonds(timeline: Timeline) -> tuple[Bond, ...]:
-    """Finds the bonds between different behaviours: both ways for points that coincide, one for an order.
+    """Find the precedence constraints between different behaviours.
 
-    What a behaviour asks of its own points is no bond: its own time gives way.
+    Coinciding points have a constraint in each direction. Constraints within a behaviour are left out, as its own time
+    yields.
     """
-    known = {(timed.behaviour.id, sync) for timed in timeline.timed for sync in timed.times}
-    found: list[Bond] = []
-    for tie in ties(timeline.block):
-        found += [_bond(tie.left, tie.right), _bond(tie.right, tie.left)]
+    scheduled = {(timed.behaviour.id, sync) for timed in timeline.timed for sync in timed.times}
+    results: list[Bond] = []
+    for equality in find_equalities(timeline.block):
+        results += [_bond(equality.left, equality.right), _bond(equality.right, equality.left)]
     for constraint in timeline.block.constraints:
         if isinstance(constraint, Precedence):
-            found += [_bond(constraint.earlier, later) for later in constraint.later]
+            results += [_bond(constraint.earlier, later) for later in constraint.later]
     return tuple(
         bond
-        for bond in dict.fromkeys(found)
-        if bond.earlier in known and bond.later in known and bond.earlier[0] != bond.later[0]
+        for bond in dict.fromkeys(results)
+        if bond.earlier in scheduled and bond.later in scheduled and bond.earlier[0] != bond.later[0]
     )
 
 
 def _bond(earlier: SyncRef, later: SyncRef) -> Bond:
-    """time(earlier) + its offset <= time(later) + its offset."""
-    before, after = point_of(earlier), point_of(later)
+    """Return the precedence constraint between two sync references."""
+    before, after = get_point(earlier), get_point(later)
     return Bond((before.behaviour, before.sync), (after.behaviour, after.sync), earlier.offset - later.offset)
 
 
-def on_keys(frames: KeyFrames, motion: Conditioned) -> list[tuple[str, str, float, float]]:
-    """Lists (behaviour, sync, asked, planned) of every sync point that lies on a key."""
-    at = dict(zip(motion.asked, motion.planned, strict=True))
-    asked = {timed.behaviour.id: timed.times for timed in frames.timeline.timed}
+def list_keyed_syncs(frames: KeyFrames, motion: Conditioned) -> list[tuple[str, str, float, float]]:
+    """List requested and planned times of all sync points in key frames."""
+    at = dict(zip(motion.requested_times, motion.planned, strict=True))
+    requested = {timed.behaviour.id: timed.times for timed in frames.timeline.timed}
     return [
-        (behaviour, sync, asked[behaviour].get(sync, frame.time), float(at[frame.time]))
+        (behaviour, sync, requested[behaviour].get(sync, frame.time), float(at[frame.time]))
         for frame in frames.frames
         for behaviour, sync in frame.syncs
     ]
 
 
-def planned_spans(planned: Iterable[tuple[str, float]]) -> dict[str, tuple[float, float]]:
-    """Finds the first and last planned time [s] of each behaviour, from (behaviour, time) of its sync points."""
-    found: dict[str, tuple[float, float]] = {}
+def find_planned_spans(planned: Iterable[tuple[str, float]]) -> dict[str, tuple[float, float]]:
+    """Return each behaviour's first and last planned sync time [s].
+
+    Args:
+        planned: (behaviour, time) of its sync points.
+    """
+    results: dict[str, tuple[float, float]] = {}
     for behaviour, time in planned:
-        low, high = found.get(behaviour, (time, time))
-        found[behaviour] = (min(low, time), max(high, time))
-    return found
+        first, last = results.get(behaviour, (time, time))
+        results[behaviour] = (min(first, time), max(last, time))
+    return results
 
 
-def sync_times(frames: KeyFrames, motion: Conditioned) -> Syncs[SyncTime]:
-    """Lists every sync point of every performed behaviour, in planned order."""
-    moving = [SyncTime(*row) for row in on_keys(frames, motion)]
-    seen = {sync.behaviour for sync in moving}
+def list_sync_times(frames: KeyFrames, motion: Conditioned) -> Syncs[SyncTime]:
+    """Return the sync points of all performed behaviours in planned order."""
+    moving = [SyncTime(*row) for row in list_keyed_syncs(frames, motion)]
+    moving_ids = {sync.behaviour for sync in moving}
     still = [
         SyncTime(timed.behaviour.id, sync, time, time)
         for timed in frames.timeline.timed
-        if timed.behaviour.id not in seen and frames.outcomes[timed.behaviour.id].kind != "dropped"
+        if timed.behaviour.id not in moving_ids and frames.outcomes[timed.behaviour.id].kind != "dropped"
         for sync, time in timed.times.items()
     ]
     return Syncs(sorted([*moving, *still], key=lambda sync: (sync.planned, sync.behaviour)))
 
 
-def shift_notices(
+def describe_shifts(
     block: Block, syncs: tuple[SyncTime, ...], frames: KeyFrames, motion: Conditioned, robot: Robot
 ) -> list[Notice]:
-    """Warns of each sync point that had to move."""
-    found = []
+    """Return a warning for each sync point that moved."""
+    results = []
     for sync in syncs:
-        if abs(sync.planned - sync.asked) > SHIFT_TO_WARN:
-            met = limit_met(sync, frames, motion, robot)
+        if abs(sync.planned - sync.requested) > SHIFT_TO_WARN:
+            met = find_limit_met(sync, frames, motion, robot)
             why = "" if met is None else f": {met.quantity} of {robot.skeleton.names[met.hinge]}"
-            text = f"{sync.sync} asked at {sync.asked:.3f} s is planned at {sync.planned:.3f} s{why}"
-            found.append(Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, f"{block.id}:{sync.behaviour}", text))
-    return found
+            text = f"{sync.sync} asked at {sync.requested:.3f} s is planned at {sync.planned:.3f} s{why}"
+            results.append(Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, f"{block.id}:{sync.behaviour}", text))
+    return results
 
 
-def limit_met(sync: SyncTime, frames: KeyFrames, motion: Conditioned, robot: Robot) -> Bottleneck | None:
-    """Finds the limit that was met nearest to a sync point, at best by a hinge of its own behaviour."""
+def find_limit_met(sync: SyncTime, frames: KeyFrames, motion: Conditioned, robot: Robot) -> Bottleneck | None:
+    """Find the motion limit binding closest in time to a sync point.
+
+    Limits of the behaviour's own hinges are preferred.
+    """
     parts = frames.uses.get(sync.behaviour, frozenset())
-    own = {joint for part in parts for joint in robot.part_joints(part)}
-    return motion.bottleneck_near(sync.asked, own)
+    own_joints = {joint for part in parts for joint in robot.part_joints(part)}
+    return motion.bottleneck_near(sync.requested, own_joints)
 
 
-def path_notices(
+def describe_path_changes(
     block: Block, postures: Sequence[KeyPosture], frames: KeyFrames, motion: Conditioned, robot: Robot
 ) -> list[Notice]:
-    """Warns of each behaviour with a hand whose path is cut by more than a tenth.
+    """Return a warning for each shortened hand path.
+
+    Paths shortened by up to a tenth are not reported.
 
     Args:
-        block: that is planned.
-        postures: that the motion was to pass.
+        block: being planned.
+        postures: requested postures.
         frames: of the block.
-        motion: what became of them.
-        robot: whose hands.
+        motion: planned motion.
+        robot: with the hands.
     """
     arms = [robot.arm(side).joints[0] for side in SIDES]
-    if all(posture.firm or not any(posture.keyed[arm] for arm in arms) for posture in postures):
+    if all(posture.is_exact or not any(posture.keyed[arm] for arm in arms) for posture in postures):
         return []
-    asked = robot.body_frames(np.array([posture.angles for posture in postures])).origins
+    requested_origins = robot.body_frames(np.array([posture.angles for posture in postures])).origins
     planned = robot.body_frames(motion.trajectory.sample(motion.planned + motion.trajectory.zero)[0]).origins
-    found = []
+    results = []
     for timed in frames.timeline.timed:
-        cut, name = 0.0, timed.behaviour.id
+        shortening, name = 0.0, timed.behaviour.id
         for side in SIDES:
             if f"{side}_hand" in frames.uses.get(name, ()):
                 rows = _on_path(postures, timed, robot, side)
                 hand = robot.arm(side).wrist
-                whole = _length(asked[rows, hand])
-                cut = max(cut, 1.0 - _length(planned[rows, hand]) / whole) if whole else cut
-        if cut > SMALLER_TO_WARN:
-            text = f"its path is made {100 * cut:.0f} % smaller: servos cannot follow it in its time"
-            found.append(Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, f"{block.id}:{name}", text))
-    return found
+                length = _length(requested_origins[rows, hand])
+                shortening = max(shortening, 1.0 - _length(planned[rows, hand]) / length) if length else shortening
+        if shortening > MIN_REPORTED_SHORTENING:
+            text = f"its path is made {100 * shortening:.0f} % smaller: servos cannot follow it in its time"
+            results.append(Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, f"{block.id}:{name}", text))
+    return results
 
 
 def _on_path(postures: Sequence[KeyPosture], timed: TimedBehaviour, robot: Robot, side: Side) -> list[int]:
-    """The keys of a hand on a path in a stroke, with those at its ends; none without a path."""
+    """Return the key indices of a hand path during a stroke."""
     start, end = (timed.times.get(sync, inf) for sync in ("strokeStart", "strokeEnd"))
     arm = robot.arm(side).joints[0]
     rows = [k for k, posture in enumerate(postures) if posture.keyed[arm] and start <= posture.time <= end]
-    return [] if all(postures[k].firm for k in rows) else rows
+    return [] if all(postures[k].is_exact for k in rows) else rows
 
 
 def _length(path: Floats) -> float:
-    """Of a path (m, 3) [m]."""
+    """Compute the length of a path (m, 3) [m]."""
     return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())

@@ -1,9 +1,8 @@
-"""Sets trunk and head by their hinges, and turns the gesture box along with the torso's own key.
+"""Rotations of trunk and head, and of the gesture volume.
 
-Each hinge of trunk and head is named after the axis it serves. The box of sectors goes along with the torso's own
-key (thesis 8.7): its orientation is that of the torso, its size goes with the distance from the first vertebra that
-moves to the shoulders' girdle: 1 on a rigid trunk, less on a spine of several hinges that bends. The lean that
-reaching adds moves no target.
+Each hinge of trunk and head is named after its axis. The gesture volume follows the torso's own key (thesis 8.7) in
+orientation. Its size is the distance from the first moving vertebra to the shoulder girdle, relative to upright: 1 for
+a rigid trunk, less for a bent spine of several hinges. The lean for reaching moves no target.
 """
 
 from dataclasses import dataclass
@@ -16,29 +15,31 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot, Side
 from kinesic.expressivity.keyframes import Turn
-from kinesic.expressivity.turns import AXES, UPRIGHT, turn_angles
+from kinesic.expressivity.turns import TURN_AXES, UPRIGHT_TURN, turn_angles
 
-LEAST_ROOM = 1e-9  # [rad]
+MIN_RANGE = 1e-9  # [rad] smallest assumed hinge range, which avoids division by zero
 
 
-def torso_turn(robot: Robot, chain: str, angles: Floats) -> Floats:
-    """Adds up torsion, tilt and roll (3,) [rad] of a chain, which may have several hinges for one axis.
+def compute_torso_turn(robot: Robot, chain: str, angles: Floats) -> Floats:
+    """Sum a chain's hinge angles to torsion, tilt and roll (3,) [rad].
+
+    Several hinges may have the same axis.
 
     Args:
         robot: the robot.
         chain: `torso` or `neck`.
         angles: (n,) [rad] of all hinges.
     """
-    turn, hinges = np.zeros(len(AXES)), _hinges(robot, chain)
+    turn, hinges = np.zeros(len(TURN_AXES)), _hinges(robot, chain)
     for joint, axis in zip(hinges.joints, hinges.axes, strict=True):
         turn[axis] += angles[joint]
     return turn
 
 
 def set_turn(robot: Robot, chain: str, turn: Floats, angles: Floats) -> None:
-    """Writes the angles of a chain that make a rotation, clipped to their ranges.
+    """Divide a rotation among the hinges of torso or neck.
 
-    Hinges of one axis share it in proportion to how far they go; an axis without hinge is left out.
+    Hinges of one axis divide it in proportion to their ranges. An axis without a hinge is left out.
 
     Args:
         robot: the robot.
@@ -47,68 +48,79 @@ def set_turn(robot: Robot, chain: str, turn: Floats, angles: Floats) -> None:
         angles: (n,) [rad] of all hinges; those of the chain are overwritten.
     """
     hinges = _hinges(robot, chain)
-    asked = np.asarray(turn)[hinges.axes]
-    positive = asked > 0
-    room = np.where(positive, hinges.above, hinges.below)
-    share = asked * room / np.where(positive, hinges.all_above, hinges.all_below)
-    angles[hinges.joints] = np.minimum(np.maximum(share, hinges.lower), hinges.upper)
+    requested = np.asarray(turn)[hinges.axes]
+    positive = requested > 0
+    ranges = np.where(positive, hinges.above, hinges.below)
+    parts = requested * ranges / np.where(positive, hinges.all_above, hinges.all_below)
+    angles[hinges.joints] = np.minimum(np.maximum(parts, hinges.lower), hinges.upper)
 
 
 @dataclass(frozen=True, eq=False)
 class _Hinges:
-    """The hinges of a chain that serve an axis, with their ranges to either side, alone and summed over each axis."""
+    """Hinges of torso or neck, with their ranges."""
 
     joints: list[int]  # in joint order
-    axes: list[int]  # in `AXES`
-    lower: Floats  # (k,) [rad]
-    upper: Floats  # (k,) [rad]
-    below: Floats  # (k,) [rad] from zero
-    above: Floats  # (k,) [rad] from zero
-    all_below: Floats  # (k,) [rad]
-    all_above: Floats  # (k,) [rad]
+    axes: list[int]  # indices in `TURN_AXES`
+    lower: Floats  # (k,) [rad] joint limit
+    upper: Floats  # (k,) [rad] joint limit
+    below: Floats  # (k,) [rad] range below zero
+    above: Floats  # (k,) [rad] range above zero
+    all_below: Floats  # (k,) [rad] range below zero of all hinges of the axis
+    all_above: Floats  # (k,) [rad] range above zero of all hinges of the axis
 
 
 @lru_cache(maxsize=16)
 def _hinges(robot: Robot, chain: str) -> _Hinges:
     names = robot.skeleton.names
-    served = [(j, axis) for j in robot.joints(chain) for axis, name in enumerate(AXES) if names[j].endswith(name)]
+    served = [(j, axis) for j in robot.joints(chain) for axis, name in enumerate(TURN_AXES) if names[j].endswith(name)]
     joints, axes = [joint for joint, _ in served], [axis for _, axis in served]
     lower, upper = robot.skeleton.lower[joints], robot.skeleton.upper[joints]
-    below, above = np.maximum(-lower, LEAST_ROOM), np.maximum(upper, LEAST_ROOM)
-    all_below, all_above = (np.bincount(axes, room, minlength=len(AXES))[axes] for room in (below, above))
+    below, above = np.maximum(-lower, MIN_RANGE), np.maximum(upper, MIN_RANGE)
+    all_below, all_above = (np.bincount(axes, ranges, minlength=len(TURN_AXES))[axes] for ranges in (below, above))
     return _Hinges(joints, axes, *map(sealed, (lower, upper, below, above, all_below, all_above)))
 
 
 @dataclass(frozen=True, eq=False)
 class GestureVolume:
-    """The box of gesture sectors, relative to that of the upright torso."""
+    """Gesture space of a rotated torso, relative to the upright one."""
 
-    pivot: Floats  # (3,) [m] in the world: the torso's first joint
+    pivot: Floats  # (3,) [m] first joint of the torso in the world
     rotation: Floats  # (3, 3)
-    scale: float  # length of the torso over its length upright
+    scale: float  # torso length relative to upright
 
     def placed(self, reach: Reach) -> Reach:
-        """Places a reach that was written for the upright torso in the world."""
+        """Move a hand target from the upright to the turned gesture volume."""
         return turn_reach(reach, self.rotation, self.pivot, self.pivot, self.scale)
 
 
 @lru_cache(maxsize=64)
-def volume(robot: Robot, turn: Turn) -> GestureVolume | None:
-    """Returns the gesture volume of a torso's key, cached; None for an upright torso or a robot without one."""
-    if turn == UPRIGHT or not robot.joints("torso"):
+def find_gesture_volume(robot: Robot, turn: Turn) -> GestureVolume | None:
+    """Return the cached gesture volume for a torso rotation.
+
+    None for an upright torso or a robot without torso hinges.
+    """
+    if turn == UPRIGHT_TURN or not robot.joints("torso"):
         return None
     angles = np.array(robot.skeleton.rest)
     set_turn(robot, "torso", np.array(turn_angles(turn)), angles)
     names = robot.chains["torso"]
     first, last = robot.skeleton.segment(names[0]), robot.skeleton.segment(names[-1])
     girdle = robot.skeleton.segment(robot.arms["l"].base)
-    moved, upright = robot.body_frames(angles), robot.skeleton.resting
+    moved, upright = robot.body_frames(angles), robot.skeleton.rest_frames
     now, before = (float(np.linalg.norm(f.origins[girdle] - f.origins[first])) for f in (moved, upright))
     return GestureVolume(moved.origins[first], moved.rotations[last], now / before)
 
 
 def turn_reach(reach: Reach, rotation: Floats, pivot: Floats, moved: Floats, scale: float = 1.0) -> Reach:
-    """Turns and scales a reach about a pivot, which itself moves."""
+    """Rotate, scale and translate a hand target with its pivot.
+
+    Args:
+        reach: before.
+        rotation: (3, 3).
+        pivot: (3,) [m] before.
+        moved: (3,) [m] pivot after.
+        scale: of distances from the pivot.
+    """
     return Reach(
         sealed(moved + scale * (rotation @ (reach.position - pivot))),
         None if reach.pointing is None else sealed(rotation @ reach.pointing),
@@ -118,15 +130,15 @@ def turn_reach(reach: Reach, rotation: Floats, pivot: Floats, moved: Floats, sca
 
 
 def aim_from_shoulder(reach: Reach, aim: Floats, side: Side, shoulder: Floats, robot: Robot) -> Reach:
-    """Turns a reach so that it points at its aim from where the shoulder has come to.
+    """Turn a pointing target of the resting shoulder to the actual shoulder.
 
     Args:
-        reach: from where the shoulder rests, in the world.
+        reach: for the resting shoulder, in the world.
         aim: (3,) [m] in the world.
         side: of the hand.
         shoulder: (3,) [m] in the world.
-        robot: whose hand it is.
+        robot: with the hand.
     """
-    resting = robot.skeleton.resting.origins[robot.arm(side).shoulder]
+    resting = robot.skeleton.rest_frames.origins[robot.arm(side).shoulder]
     turn = scipy.spatial.transform.Rotation.align_vectors((aim - shoulder)[None], (aim - resting)[None])[0]
     return turn_reach(reach, turn.as_matrix(), resting, shoulder)

@@ -3,21 +3,26 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kinesic.bench.blocks import crowd, passage_text
+from kinesic.bench.blocks import write_overlapping_block, write_passage
 from kinesic.body.arrays import sealed
 from kinesic.body.reach import Reach
 from kinesic.body.robot import SIDES, Robot
-from kinesic.controller.perform import plan, set_up
 from kinesic.expressivity.keyframes import Hand
 from kinesic.ik.arm.swivel import swivel
 from kinesic.planning import arm_postures
 from kinesic.planning import plan as planning
-from kinesic.planning.arm_postures import OPEN, with_arms
-from kinesic.planning.postures import postures
+from kinesic.planning.arm_postures import OPEN_SWIVEL, with_arms
+from kinesic.planning.postures import solve_postures
+from kinesic.session.plan import plan
+from kinesic.session.setup import set_up
 
 ROBOT = Robot.load()
 REST = ROBOT.skeleton.rest
-PLACES = [(0.25, 0.12, 0.75), (0.2, 0.2, 0.9), (0.22, 0.05, 0.85)]  # forward, outward, up [m], all in 80 % of the reach
+HAND_POSITIONS = [
+    (0.25, 0.12, 0.75),
+    (0.2, 0.2, 0.9),
+    (0.22, 0.05, 0.85),
+]  # forward, outward, up [m], all within 80 % of the reach
 
 
 def solved(place, *, side="l", palm=None, **manner):
@@ -32,7 +37,7 @@ def elbow(angles, side="l"):
     return abs(float(origins[ROBOT.skeleton.segment(f"{side}_elbow")][1])) / ROBOT.arm_length
 
 
-@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize("place", HAND_POSITIONS)
 def test_openness_moves_the_elbow_outwards_without_a_jump(place):
     offsets = [elbow(solved(place, openness=share)) for share in np.linspace(0.0, 1.0, 21)]
     steps = np.diff(offsets)
@@ -42,36 +47,36 @@ def test_openness_moves_the_elbow_outwards_without_a_jump(place):
 
 
 @pytest.mark.parametrize("palm", [[0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0]])
-def test_openness_wins_over_the_palm(palm):
+def test_elbow_openness_has_priority_over_the_palm_direction(palm):
     arm = list(ROBOT.joints("l_arm"))
-    found = swivel(ROBOT.arms["l"], solved(PLACES[0], palm=sealed(palm), openness=1.0)[arm])
-    assert found == pytest.approx(OPEN, abs=1e-6)
+    found = swivel(ROBOT.arms["l"], solved(HAND_POSITIONS[0], palm=sealed(palm), openness=1.0)[arm])
+    assert found == pytest.approx(OPEN_SWIVEL, abs=1e-6)
 
 
 @pytest.mark.parametrize("manner", [{}, {"openness": 0.6}, {"effort": 1.0}, {"openness": 1.0, "effort": 1.0}])
-def test_the_hand_stays_and_sides_mirror(manner):
-    angles = [solved(PLACES[1], side=side, **manner) for side in SIDES]
+def test_openness_keeps_hand_position_and_mirrors_sides(manner):
+    angles = [solved(HAND_POSITIONS[1], side=side, **manner) for side in SIDES]
     for side, found in zip(SIDES, angles, strict=True):
         wrist = ROBOT.skeleton.frames(found).origins[ROBOT.skeleton.segment(f"{side}_wrist")]
-        np.testing.assert_allclose(np.abs(wrist), PLACES[1], atol=1e-6)
+        np.testing.assert_allclose(np.abs(wrist), HAND_POSITIONS[1], atol=1e-6)
     left, right = (found[list(ROBOT.joints(f"{side}_arm"))] for side, found in zip(SIDES, angles, strict=True))
     np.testing.assert_allclose(left, right, atol=1e-9)
 
 
-def test_effort_takes_the_shoulder_along():
+def test_shoulder_effort_lets_the_arm_pull_the_collar_bone():
     collar = ROBOT.joints("l_arm")[0]
-    turned = [abs(solved(PLACES[1], effort=share)[collar]) for share in (0.0, 0.5, 1.0)]
+    turned = [abs(solved(HAND_POSITIONS[1], effort=share)[collar]) for share in (0.0, 0.5, 1.0)]
     assert turned[0] == 0.0
     assert np.radians(2) < turned[1] < turned[2]
 
 
-def test_a_hand_without_reach_rests():
-    angles = solved(PLACES[0])
+def test_arm_without_a_hand_target_takes_the_rest_posture():
+    angles = solved(HAND_POSITIONS[0])
     np.testing.assert_array_equal(with_arms(angles, {"l": Hand()}, {"l": None}, ROBOT), REST)
 
 
 @pytest.mark.parametrize("place", [(2.0, 0.5, 1.2), (0.6, 1.5, 2.0), (1.0, -0.3, 0.5)])
-def test_an_arm_points_at_what_is_out_of_reach(place):
+def test_arm_points_at_distant_target(place):
     origins = ROBOT.skeleton.frames(solved(place)).origins
     shoulder, _, wrist = (origins[ROBOT.skeleton.segment(name)] for name in ROBOT.chains["l_arm"][-3:])
     line, wanted = wrist - shoulder, np.array(place) - shoulder
@@ -81,11 +86,11 @@ def test_an_arm_points_at_what_is_out_of_reach(place):
 
 
 @pytest.mark.parametrize("side", SIDES)
-@pytest.mark.parametrize("place", PLACES)
-def test_a_lift_raises_the_shoulder_and_leaves_the_hand_where_it_is(place, side):
+@pytest.mark.parametrize("place", HAND_POSITIONS)
+def test_shoulder_lift_raises_the_shoulder_and_keeps_the_hand(place, side):
     low, high = (solved(place, side=side, lift=lift) for lift in (0.0, 0.2))
     arm = ROBOT.arm(side)
-    (collar,) = arm.lifting
+    (collar,) = arm.shoulder_lift_joints
     assert high[collar] - low[collar] == pytest.approx(0.2)
     below, above = (ROBOT.skeleton.frames(angles).origins for angles in (low, high))
     assert above[arm.shoulder][2] > below[arm.shoulder][2] + 0.01
@@ -94,7 +99,7 @@ def test_a_lift_raises_the_shoulder_and_leaves_the_hand_where_it_is(place, side)
     assert most[collar] == pytest.approx(ROBOT.skeleton.upper[collar])
 
 
-def test_an_arm_does_not_turn_over_for_its_palm():
+def test_arm_does_not_turn_over_to_meet_the_palm_direction():
     angles, arm = np.array(REST), list(ROBOT.arm("l").joints)
     angles[list(ROBOT.joints("torso"))] = np.radians([0.0, -2.6, 0.0])
     angles[arm] = np.radians([14, 99, 39, -50, 89, 31, -21, 30])  # forward and up, elbow out
@@ -109,12 +114,12 @@ KNOWN = set_up()
 
 
 class _EnoughError(Exception):
-    """The key frames are there."""
+    """Signal that the key frames are complete."""
 
 
 @pytest.fixture
 def frames_of(monkeypatch):
-    """Plans a document no further than its key frames."""
+    """Return the key frames of a document."""
     asked = []
 
     def stop(frames, robot, distances):
@@ -122,7 +127,7 @@ def frames_of(monkeypatch):
         raise _EnoughError
 
     def frames_of(text):
-        monkeypatch.setattr(planning, "postures", stop)
+        monkeypatch.setattr(planning, "solve_postures", stop)
         with pytest.raises(_EnoughError):
             plan(text, KNOWN)
         return asked[-1]
@@ -132,7 +137,7 @@ def frames_of(monkeypatch):
 
 @pytest.fixture
 def calls(monkeypatch):
-    """How many keys each call of the kernel gets."""
+    """Record the number of keys in each kernel call."""
     counted, real = [], arm_postures.pose_keys
 
     def count(chain, keys, *rest, **named):
@@ -145,40 +150,40 @@ def calls(monkeypatch):
 
 def _texts():
     lexemes = [form.id for form in KNOWN.lexicon.forms]
-    return [passage_text(1), crowd(3, lexemes), crowd(17, lexemes)]
+    return [write_passage(1), write_overlapping_block(3, lexemes), write_overlapping_block(17, lexemes)]
 
 
 @pytest.mark.parametrize("text", _texts(), ids=["passage", "crowd 3", "crowd 17"])
-def test_many_keys_at_once_are_the_same_bits_as_one_by_one(text, frames_of, monkeypatch):
+def test_arm_keys_solved_together_equal_keys_solved_singly(text, frames_of, monkeypatch):
     frames = frames_of(text)
-    together = postures(frames, KNOWN.robot, KNOWN.distances)
-    monkeypatch.setattr(arm_postures, "MOST_AT_ONCE", 1)
-    alone = postures(frames, KNOWN.robot, KNOWN.distances)
+    together = solve_postures(frames, KNOWN.robot, KNOWN.distances)
+    monkeypatch.setattr(arm_postures, "MAX_KEYS_PER_CALL", 1)
+    alone = solve_postures(frames, KNOWN.robot, KNOWN.distances)
     for one, other in zip(together.postures, alone.postures, strict=True):
         assert np.array_equal(one.angles, other.angles)
     assert together.misses == alone.misses
 
 
-def test_a_passage_takes_one_call_for_each_arm(frames_of, calls):
-    frames = frames_of(passage_text(1))
-    postures(frames, KNOWN.robot, KNOWN.distances)
+def test_ik_of_a_text_passage_needs_one_kernel_call_per_arm(frames_of, calls):
+    frames = frames_of(write_passage(1))
+    solve_postures(frames, KNOWN.robot, KNOWN.distances)
     assert len(calls) == 2
     assert sum(calls) > 10
 
 
-def test_crowds_are_solved_again_no_more_often_than_twice(frames_of, calls):
-    """Windows double while nothing is in the way: of all keys that are solved at least half are kept."""
+def test_ik_solves_at_most_twice_as_many_keys_if_hands_collide(frames_of, calls):
+    """Batches double without collisions, so that at least half of the solved keys are kept."""
     frames = frames_of(_texts()[2])
-    postures(frames, KNOWN.robot, KNOWN.distances)
+    solve_postures(frames, KNOWN.robot, KNOWN.distances)
     asked = sum(side in frame.given for frame in frames.frames for side in ("l_hand", "r_hand"))
-    assert asked <= sum(calls) <= 4 * len(frames.frames) + arm_postures.MOST_AT_ONCE
+    assert asked <= sum(calls) <= 4 * len(frames.frames) + arm_postures.MAX_KEYS_PER_CALL
 
 
-def test_hinges_beside_their_centre_are_finished_key_by_key(frames_of, calls):
+def test_arms_with_offset_joint_axes_are_solved_key_by_key(frames_of, calls):
     skeleton = KNOWN.robot.skeleton
     hinges = tuple(replace(h, at=sealed([0.004, 0.003, -0.005])) for h in skeleton.hinges)
     foreign = replace(KNOWN.robot, skeleton=replace(skeleton, hinges=hinges))
-    frames = frames_of(passage_text(2))
-    found = postures(frames, foreign, KNOWN.distances)
+    frames = frames_of(write_passage(2))
+    found = solve_postures(frames, foreign, KNOWN.distances)
     assert set(calls) == {1}
     assert max(found.misses.values()) < 5e-3

@@ -1,4 +1,4 @@
-"""Which of many clashes count in one round, and what a hand is timed between."""
+"""Clashes of one round, and the keys of their searches."""
 
 import numpy as np
 import pytest
@@ -6,14 +6,21 @@ import pytest
 from kinesic.body.arrays import sealed
 from kinesic.motion.keys import KeyPosture
 from kinesic.planning import clashes
-from kinesic.planning.clashes import MANY, NEGLIGIBLE_CLASH, VISIBLE_CLASH, WORK, ClashFinder, Neighbours
+from kinesic.planning.clashes import (
+    MAX_EXACT_PAIRS,
+    NEGLIGIBLE_CLASH,
+    SEARCH_BUDGET,
+    VISIBLE_CLASH,
+    ClashFinder,
+    Neighbours,
+)
 
 ROW = {"ab": 0.3, "bc": 0.5, "cd": 0.4, "de": 0.45, "ef": 0.3}
 
 
 @pytest.fixture
 def row(monkeypatch, known):
-    """A finder whose neighbours lack the times [s] that are given; nothing is measured."""
+    """Return a clash finder with given separations [s]."""
 
     def of(lacking: dict[str, float], brief: str = "") -> ClashFinder:
         def lack(pair: Neighbours) -> float:
@@ -36,20 +43,20 @@ def look(finder: ClashFinder) -> str:
     return "".join(sorted(finder.look(None, ())))
 
 
-def test_worst_of_a_row_counts_and_what_is_beside_it_waits(row):
+def test_only_the_worst_timing_conflict_in_a_row_of_gestures_is_resolved(row):
     finder = row(ROW)
     assert look(finder) == "bcef"
     assert {"".join(sorted(pair)): clash.late for pair, clash in finder.clashes.items()} == {"bc": 0.5, "ef": 0.3}
 
 
-def test_every_second_one_of_a_row_gives_way_where_the_budget_is_spent(row):
+def test_only_alternate_timing_conflicts_are_resolved_when_the_budget_is_spent(row):
     finder = row(ROW)
-    finder._budget.spend(2 * WORK)
+    finder._budget.spend(2 * SEARCH_BUDGET)
     assert finder.spent
     assert look(finder) == "bcde"
 
 
-def test_what_is_known_to_clash_is_looked_at_again_only_once_it_is_brief(row):
+def test_timing_conflict_is_checked_again_after_its_stroke_was_shortened(row):
     finder = row({"ab": 0.5})
     assert look(finder) == "ab"
     assert look(finder) == ""
@@ -62,15 +69,15 @@ def test_what_is_known_to_clash_is_looked_at_again_only_once_it_is_brief(row):
     assert look(brief) == ""
 
 
-def test_little_is_no_clash_unless_a_chain_adds_up(row):
+def test_small_delays_are_a_timing_conflict_only_if_their_sum_is_visible(row):
     assert look(row({"ab": 0.9 * VISIBLE_CLASH})) == ""
     assert look(row({"ab": 1.1 * VISIBLE_CLASH})) == "ab"
     assert look(row({"ab": 0.6 * VISIBLE_CLASH, "bc": 0.7 * VISIBLE_CLASH})) == "bc"
     assert look(row({"ab": 0.9 * NEGLIGIBLE_CLASH, "bc": VISIBLE_CLASH - NEGLIGIBLE_CLASH / 2})) == ""
 
 
-def test_so_many_are_a_crowd_on_which_no_budget_is_left(row):
-    few = {chr(k) + chr(k + 1): 0.3 for k in range(200, 200 + MANY)}
+def test_too_many_timing_conflict_candidates_spend_the_search_budget(row):
+    few = {chr(k) + chr(k + 1): 0.3 for k in range(200, 200 + MAX_EXACT_PAIRS)}
     finder = row(few)
     look(finder)
     assert not finder.crowded
@@ -81,12 +88,12 @@ def test_so_many_are_a_crowd_on_which_no_budget_is_left(row):
     assert finder.spent
 
 
-def keyed(time: float, *syncs: str, firm: bool = True) -> KeyPosture:
-    return KeyPosture(time, sealed([0.0]), (True,), tuple((id, "stroke") for id in syncs), (), firm)
+def keyed(time: float, *syncs: str, is_exact: bool = True) -> KeyPosture:
+    return KeyPosture(time, sealed([0.0]), (True,), tuple((id, "stroke") for id in syncs), (), is_exact)
 
 
 @pytest.mark.parametrize(
-    ("moving", "firm", "around"),
+    ("moving", "exact_flags", "around"),
     [
         ("1111111", "1111111", (2, 4)),
         ("1101011", "1111111", (1, 5)),
@@ -95,16 +102,16 @@ def keyed(time: float, *syncs: str, firm: bool = True) -> KeyPosture:
         ("0001000", "1111111", (3, 3)),
     ],
 )
-def test_hand_is_timed_between_the_nearest_keys_that_hold_it(moving: str, firm: str, around: tuple[int, int]):
+def test_timing_conflict_search_spans_the_nearest_exact_keys(moving: str, exact_flags: str, around: tuple[int, int]):
     strokes = {2: "a", 4: "b"}
-    postures = [keyed(float(k), *strokes.get(k, ""), firm=each == "1") for k, each in enumerate(firm)]
+    postures = [keyed(float(k), *strokes.get(k, ""), is_exact=flag == "1") for k, flag in enumerate(exact_flags)]
     own = np.array([each == "1" for each in moving])
     assert clashes._around(Neighbours(("a", "b"), (2, 4), (0,)), postures, own) == around
 
 
-def test_part_of_a_key_has_the_hinges_of_one_hand_alone():
-    whole = KeyPosture(1.5, sealed([0.1, 0.2, 0.3]), (True, False, False), (("a", "stroke"),), (), firm=False)
+def test_key_posture_can_be_reduced_to_the_joints_of_one_hand():
+    whole = KeyPosture(1.5, sealed([0.1, 0.2, 0.3]), (True, False, False), (("a", "stroke"),), (), is_exact=False)
     part = clashes._part(whole, np.array([2, 0]), whole=False)
     assert (part.time, part.angles.tolist(), part.keyed) == (1.5, [0.3, 0.1], (False, True))
-    assert (part.syncs, part.passages, part.firm) == ((("a", "stroke"),), (), False)
+    assert (part.syncs, part.passages, part.is_exact) == ((("a", "stroke"),), (), False)
     assert clashes._part(whole, np.array([2, 0]), whole=True).keyed == (True, True)

@@ -1,4 +1,4 @@
-"""Of two gestures that are too near for their hand one gives way by name, and the rest keeps its times."""
+"""One of two gestures too close for their hand yields, the rest keeps its times."""
 
 import pytest
 
@@ -6,7 +6,7 @@ from kinesic.bml.block import BmlError
 from kinesic.bml.parse import parse
 from kinesic.motion.keys import KeyPosture, Keys
 from kinesic.planning import clashes
-from kinesic.planning.clashes import NEGLIGIBLE_CLASH, VISIBLE_CLASH, Neighbours, chain_sums, least_times_between_turns
+from kinesic.planning.clashes import NEGLIGIBLE_CLASH, VISIBLE_CLASH, Neighbours, compute_reversal_times, sum_chains
 from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.quick_plan import plan_quickly
 
@@ -22,7 +22,10 @@ NEXT = '<gesture id="next" lexeme="{}" {} stroke="{}"/>'
 
 
 def document(first: str, second: str, later: float, mode: str) -> tuple[str, str, str]:
-    """Both gestures, the first alone, and the second alone, beside speech, gaze and torso."""
+    """Return documents with both gestures, the first and the second alone.
+
+    Each has speech, gaze and torso motion in addition.
+    """
     one, two = ASK.format(first, mode), NEXT.format(second, mode, 1.8 + later)
     a, b, c = (ROOT.format(OTHERS + inside) for inside in (one + two, one, two))
     return a, b, c
@@ -52,7 +55,7 @@ BOTH, RIGHT = 'mode="BOTH_HANDS"', 'mode="RIGHT_HAND"'
         ("usher", "victory", 0.33, RIGHT),
     ],
 )
-def test_the_later_of_two_gestures_too_near_gives_way_and_the_rest_keeps_its_times(planned, first, second, later, mode):
+def test_later_of_two_gestures_in_timing_conflict_is_dropped(planned, first, second, later, mode):
     both, alone, _ = document(first, second, later, mode)
     found, without = planned(both), planned(alone)
     assert found.keyframes.outcomes["next"].kind == "dropped"
@@ -61,7 +64,7 @@ def test_the_later_of_two_gestures_too_near_gives_way_and_the_rest_keeps_its_tim
     assert times(found) == pytest.approx(times(without), abs=1e-3)
 
 
-def test_what_would_have_worked_works(planned):
+def test_notice_of_a_timing_conflict_suggests_a_feasible_stroke_time(planned):
     both, _, _ = document("love", "contrast_left_right", 0.55, BOTH)
     why = planned(both).keyframes.outcomes["next"].why
     at = float(why.split("with its stroke at ")[1].split(" s")[0])
@@ -70,15 +73,15 @@ def test_what_would_have_worked_works(planned):
     assert abs(times(later)["ask:stroke"] - 1.8) < VISIBLE_CLASH
 
 
-def test_a_beat_gives_way_to_what_comes_later(planned):
+def test_beat_is_dropped_for_a_later_more_important_gesture(planned):
     both, _, alone = document("beat_fist_palm", "large", 0.3, BOTH)
     found = planned(both)
     assert fates(found)["ask"] == "dropped"
-    assert "gives way to next, which counts for more" in found.keyframes.outcomes["ask"].why
+    assert "gives way to next, which is more important" in found.keyframes.outcomes["ask"].why
     assert times(found) == pytest.approx(times(planned(alone)), abs=1e-3)
 
 
-def test_gestures_that_follow_closely_are_both_performed(planned):
+def test_close_gestures_are_both_performed(planned):
     for later in (0.6, 0.8):
         found = planned(document("offer", "large", later, BOTH)[0])
         assert "dropped" not in fates(found).values()
@@ -86,19 +89,20 @@ def test_gestures_that_follow_closely_are_both_performed(planned):
         assert strokes[1] - strokes[0] - later < VISIBLE_CLASH
 
 
-def test_an_open_hand_is_taken_before_one_gives_way(planned):
+def test_gesture_in_timing_conflict_moves_to_the_free_hand(planned):
     found = planned(document("usher", "no_wag", 0.33, "")[0])
     assert fates(found)["next"] == "substituted"
     assert found.keyframes.uses["next"] == {"l_hand"}
 
 
-def test_a_quick_plan_and_a_better_one_drop_the_same(known):
+def test_quick_and_final_plans_drop_the_same_conflicting_gestures(known):
     for case in (("love", "contrast_left_right", 0.55, BOTH), ("offer", "large", 0.6, BOTH)):
         block = parse(document(*case)[0])
         assert fates(plan_quickly(block, known)) == fates(plan_block(block, known))
 
 
-def test_a_row_of_gestures_that_lack_a_little_each_does_not_drift(planned):
+@pytest.mark.soak
+def test_dropping_few_gestures_stops_small_delays_from_adding_up(planned):
     names = ("offer", "large", "love", "contrast_left_right", "air_quotes", "sorry", "ask_open", "run")
     row = "".join(
         f'<gesture id="g{k}" lexeme="{name}" mode="BOTH_HANDS" stroke="{1 + 0.6 * k:.1f}"/>'
@@ -107,20 +111,20 @@ def test_a_row_of_gestures_that_lack_a_little_each_does_not_drift(planned):
     found = planned(ROOT.format(row))
     kinds = [outcome.kind for outcome in found.keyframes.outcomes.values()]
     assert 1 <= kinds.count("dropped") <= 3
-    drift = max(abs(sync.planned - sync.asked) for sync in found.syncs if sync.sync == "stroke")
+    drift = max(abs(sync.planned - sync.requested) for sync in found.syncs if sync.sync == "stroke")
     assert drift <= 1.25 * VISIBLE_CLASH  # no pair lacks more than `VISIBLE_CLASH`, and a row no more than a pair
 
 
-def test_sums_are_those_of_the_longest_chain_without_gaps():
+def test_delays_add_up_over_the_longest_unbroken_chain_of_gestures():
     def near(first: str, second: str) -> Neighbours:
         return Neighbours((first, second), (0, 1), ())
 
     pairs = [near("a", "b"), near("b", "c"), near("a", "d"), near("c", "e"), near("e", "f")]
-    found = chain_sums(pairs, [0.1, 0.15, 0.12, NEGLIGIBLE_CLASH / 2, 0.3])
+    found = sum_chains(pairs, [0.1, 0.15, 0.12, NEGLIGIBLE_CLASH / 2, 0.3])
     assert found == pytest.approx([0.25, 0.25, 0.12, 0.25 + NEGLIGIBLE_CLASH / 2 + 0.3, 0.3])
 
 
-def test_a_rest_pose_waits_for_the_hands_to_go_back(planned):
+def test_conflicting_rest_pose_is_deferred_to_the_gesture_retraction(planned):
     pose = '<gesture id="next" lexeme="hands_low" start="1.95" end="2.2"/>'
     ask = ASK.format("offer", 'relax="2.6"')
     found, alone = planned(ROOT.format(OTHERS + ask + pose)), planned(ROOT.format(OTHERS + ask))
@@ -130,34 +134,34 @@ def test_a_rest_pose_waits_for_the_hands_to_go_back(planned):
         assert times(found)[sync] == pytest.approx(times(alone)[sync], abs=1e-3)
 
 
-def test_a_required_gesture_never_gives_way(planned):
+def test_required_gesture_is_never_dropped_for_a_timing_conflict(planned):
     one, two = ASK.format("love", BOTH), NEXT.format("contrast_left_right", BOTH, 2.35)
     assert fates(planned(ROOT.format(f"{one}<required>{two}</required>"))) == {"ask": "dropped", "next": "realised"}
     with pytest.raises(BmlError, match="next is required"):
         planned(ROOT.format(f"<required>{one}{two}</required>"))
 
 
-def test_a_hinge_needs_time_from_turn_to_turn_alone(known):
+def test_minimum_gesture_time_is_computed_between_reversals(known):
     rest, hinge = known.robot.skeleton.rest, known.robot.arm("r").joints[0]
     rows = []
     for k, angle in enumerate((0.0, 0.1, 0.3, 0.3, 0.2)):
         angles = rest.copy()
         angles[hinge] += angle
         rows.append(KeyPosture.whole(float(k), angles))
-    found = least_times_between_turns(Keys.of(rows, known.limits))
+    found = compute_reversal_times(Keys.of(rows, known.limits))
     own = {pair: least for (joint, pair), least in found.items() if joint == hinge}
     assert own.keys() == {(0, 2), (2, 3), (3, 4)}
     assert own[0, 2] > own[3, 4] > own[2, 3] == 0.0
 
 
-def test_a_stroke_that_moves_no_hand_is_timed_all_the_same(planned):
+def test_stroke_without_hand_motion_is_timed(planned):
     lexemes = {"own_mouth": 7.78, "hands_ready": 8.09, "crossed_fingers": 8.61}
     lines = [f'<gesture id="{name}" lexeme="{name}" stroke="{stroke}"/>' for name, stroke in lexemes.items()]
     outcomes = planned(ROOT.format("".join(lines))).keyframes.outcomes.values()
     assert all(found.kind != "dropped" for found in outcomes)
 
 
-def test_exact_searches_are_counted_and_then_the_estimate_decides(planned, monkeypatch):
+def test_timing_conflicts_are_estimated_after_the_maximum_of_exact_searches(planned, monkeypatch):
     searched: list[Neighbours] = []
     exactly = clashes._search
 
@@ -172,12 +176,12 @@ def test_exact_searches_are_counted_and_then_the_estimate_decides(planned, monke
     every = planned(crowd)
     assert len(searched) > 1
     searched.clear()
-    monkeypatch.setattr(clashes, "SEARCHES", 1)
+    monkeypatch.setattr(clashes, "MAX_EXACT_SEARCHES", 1)
     assert planned(crowd).duration <= every.duration + 0.5  # an estimate asks for more time, so that more give way
     assert len(searched) == 1
 
 
-def test_a_crowd_is_judged_by_the_estimate_alone_and_loses_the_newest_half_at_once(planned, monkeypatch):
+def test_block_of_too_many_gestures_drops_some_by_estimated_timing_conflicts(planned, monkeypatch):
     rounds = []
     look = clashes.ClashFinder.look
 
@@ -191,7 +195,7 @@ def test_a_crowd_is_judged_by_the_estimate_alone_and_loses_the_newest_half_at_on
 
     monkeypatch.setattr(clashes.ClashFinder, "look", counted)
     monkeypatch.setattr(clashes, "_search", search)
-    monkeypatch.setattr(clashes, "MANY", 3)
+    monkeypatch.setattr(clashes, "MAX_EXACT_PAIRS", 3)
     lines = (f'<gesture id="g{k}" lexeme="large" {BOTH} stroke="{1 + 0.3 * k}"/>' for k in range(12))
     outcomes = planned(ROOT.format("".join(lines))).keyframes.outcomes
     thinned = {id for id, found in outcomes.items() if found.why.startswith("12 behaviours overlap")}
@@ -208,29 +212,29 @@ def counted(apart: float) -> str:
 
 
 @pytest.mark.parametrize("apart", [0.24, 0.28, 0.3, 0.32])
-def test_numbers_that_clash_are_shown_once_before_one_is_left_out(planned, apart):
+def test_conflicting_finger_counts_become_brief_before_any_is_dropped(planned, apart):
     found = planned(counted(apart))
     assert "dropped" not in {outcome.kind for outcome in found.keyframes.outcomes.values()}
     strokes = [times(found)[f"g{k}:stroke"] for k in range(5)]
     assert strokes == pytest.approx([1 + apart * k for k in range(5)], abs=0.01)
 
 
-def test_numbers_too_near_even_when_shown_once_are_dropped_by_name(planned):
+def test_finger_counts_that_still_conflict_are_dropped_with_their_names(planned):
     outcomes = planned(counted(0.06)).keyframes.outcomes
     dropped = [outcome.why for outcome in outcomes.values() if outcome.kind == "dropped"]
     assert 0 < len(dropped) < 5
     assert all("s late" in why or "is busy" in why for why in dropped)
 
 
-def test_gestures_that_lack_little_together_are_told_without_a_program(known, monkeypatch):
-    monkeypatch.setattr(clashes, "relax_key_times", lambda problem: pytest.fail("nothing can move so far apart"))
+def test_timing_conflict_search_skips_the_linear_program_for_small_delays(known, monkeypatch):
+    monkeypatch.setattr(clashes, "solve_key_times", lambda problem: pytest.fail("nothing can move so far apart"))
     found = plan_quickly(parse(passage_text(1)), known)
     assert {outcome.kind for outcome in found.keyframes.outcomes.values()} == {"realised"}
 
 
-def test_a_search_that_spends_the_budget_leaves_the_estimate(planned, monkeypatch):
+def test_timing_conflict_search_beyond_its_budget_keeps_the_estimate(planned, monkeypatch):
     def search(pair, postures, setup, budget, memory):
-        budget.spend(10 * clashes.WORK)
+        budget.spend(10 * clashes.SEARCH_BUDGET)
         return 99.0
 
     monkeypatch.setattr(clashes, "_search", search)
@@ -240,7 +244,7 @@ def test_a_search_that_spends_the_budget_leaves_the_estimate(planned, monkeypatc
     assert float(found.keyframes.outcomes["next"].why.split(" s late")[0].rsplit(" ", 1)[1]) < 1.0
 
 
-def test_of_a_row_no_gesture_is_in_two_clashes_of_one_round(planned, monkeypatch):
+def test_gesture_is_in_at_most_one_resolved_timing_conflict_per_round(planned, monkeypatch):
     look, rounds = clashes.ClashFinder.look, []
 
     def spied(finder, frames, postures):

@@ -1,4 +1,4 @@
-"""The plan keeps clear of the body: touches hover, crossing hands go round, and what cannot be mended is named."""
+"""Clearance of plans: hover distance, detours and dropped behaviours."""
 
 import re
 from dataclasses import replace
@@ -8,17 +8,17 @@ import pytest
 
 from kinesic.bml.parse import parse
 from kinesic.body.dynamics import Clearance
-from kinesic.controller.perform import set_up
 from kinesic.expressivity.lexicon.lexicon import mirror_form
 from kinesic.expressivity.style.style import Expressivity, Style
-from kinesic.motion.budget import ENDLESS
+from kinesic.motion.budget import UNLIMITED_BUDGET
 from kinesic.planning.certify import certify
-from kinesic.planning.clearance import LAG_RESERVE, culprits
+from kinesic.planning.clearance import LAG_RESERVE, find_colliding_behaviours
 from kinesic.planning.plan import plan_block
+from kinesic.session.setup import set_up
 
 SETUP = set_up()
 ROBOT = SETUP.robot
-LEAST = ROBOT.least_clearance + LAG_RESERVE
+LEAST = ROBOT.min_clearance + LAG_RESERVE
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 WILD = Style.uniform(
     Expressivity(spatial=1, temporal=1, fluidity=1, power=1, tension=-1, repetition=1, openness=1), "wild"
@@ -48,7 +48,7 @@ def at_sync(made, sync):
 
 @pytest.mark.parametrize("style", [Style(), WILD, TIGHT], ids=lambda style: style.name)
 @pytest.mark.parametrize("lexeme", TOUCHES)
-def test_a_touch_is_a_hover(lexeme, style):
+def test_hand_that_touches_the_body_hovers_10_to_25_mm_away(lexeme, style):
     made = planned(f'<gesture id="g" lexeme="{lexeme}" start="0.5"/>', style=style)
     assert made.keyframes.outcomes["g"].kind == "realised"
     for sync in ("stroke", "relax"):
@@ -59,7 +59,7 @@ def test_a_touch_is_a_hover(lexeme, style):
 
 
 @pytest.mark.parametrize("lexeme", TOUCHES)
-def test_a_touch_is_held(lexeme):
+def test_touching_arm_posture_is_held_until_relax(lexeme):
     body = (
         f'<gesture id="g" lexeme="{lexeme}" start="0" relax="4"/><head id="h" lexeme="NOD" start="2.5" amount="0.2"/>'
     )
@@ -73,7 +73,7 @@ def test_a_touch_is_held(lexeme):
 
 
 @pytest.mark.parametrize("lexeme", TOUCHES)
-def test_left_and_right_are_mirror_images(lexeme):
+def test_touching_postures_of_left_and_right_are_mirror_images(lexeme):
     turned = SETUP.lexicon.changed(lambda form: mirror_form(form) if form.id == lexeme else form)
     body = f'<gesture id="g" lexeme="{lexeme}" start="0"/>'
     one = at_sync(planned(body), "stroke")
@@ -85,7 +85,7 @@ def test_left_and_right_are_mirror_images(lexeme):
 
 
 @pytest.mark.parametrize(("first", "second"), [("arms_crossed", "hands_together"), ("chin", "hands_low")])
-def test_one_touch_leads_into_another(first, second):
+def test_hands_move_between_two_touching_poses_without_collision(first, second):
     body = '<gesture id="a" lexeme="{}" start="0" stroke="1.2"/><gesture id="g" lexeme="{}" stroke="3.0"/>'
     for names in ((first, second), (second, first)):
         made = planned(body.format(*names))
@@ -93,7 +93,7 @@ def test_one_touch_leads_into_another(first, second):
         assert made.clearance.distances.min() >= LEAST
 
 
-def test_hands_that_change_places_go_round_one_another():
+def test_hands_that_exchange_positions_avoid_each_other():
     body = (
         '<gesture id="a" lexeme="arms_crossed" stroke="1.6"/>'
         '<gesture id="g" lexeme="write" mode="LEFT_HAND" stroke="4"/>'
@@ -104,30 +104,30 @@ def test_hands_that_change_places_go_round_one_another():
     assert made.clearance.distances.min() >= LEAST
 
 
-def test_what_cannot_be_mended_is_dropped_by_name_pair_and_time():
-    made = planned('<gesture id="g" lexeme="offer" start="0"/>', robot=replace(ROBOT, least_clearance=0.2))
+def test_unavoidable_collision_drops_behaviour_with_reason():
+    made = planned('<gesture id="g" lexeme="offer" start="0"/>', robot=replace(ROBOT, min_clearance=0.2))
     why = made.keyframes.outcomes["g"].why
     assert re.fullmatch(r"brings \w+ within -?\d+ mm of \w+ at -?\d+\.\d\d s", why)
 
 
-def test_behaviours_far_from_one_another_are_dropped_at_once():
-    """And the one that is clear stays."""
+def test_behaviours_of_distant_collisions_are_dropped_in_one_planning_round():
+    """The clear behaviour is kept."""
     conditioned: list[int] = []
 
-    def counted(keys, setup, bonds=(), /, *, ease=1.0, budget=ENDLESS, memory=None):
+    def counted(keys, setup, bonds=(), /, *, ease=1.0, budget=UNLIMITED_BUDGET, memory=None):
         conditioned.append(len(keys))
         return certify(keys, setup, bonds, ease=ease, budget=budget, memory=memory)
 
     body = "".join(f'<gesture id="g{k}" lexeme="offer" start="{10 * k}"/>' for k in range(4))
-    tight = replace(SETUP, robot=replace(ROBOT, least_clearance=0.2))
+    tight = replace(SETUP, robot=replace(ROBOT, min_clearance=0.2))
     made = plan_block(parse(ROOT.format(body)), tight, conditioned=counted)
     assert {outcome.kind for outcome in made.keyframes.outcomes.values()} == {"dropped"}
     rounds = len([keys for before, keys in zip([0, *conditioned], conditioned, strict=False) if keys < before])
     assert rounds <= 1
 
 
-def test_a_detour_that_was_too_narrow_is_made_wider():
-    """Crossed arms in a calm manner stray by 1 mm, and the first detour there helps as good as nothing."""
+def test_detour_that_gives_too_little_clearance_is_widened():
+    """Crossed arms in a calm style deviate by 1 mm, and the first detour hardly helps."""
     found = plan_block(
         parse(ROOT.format('<gesture id="g" lexeme="arms_crossed" stroke="2"/>')),
         replace(SETUP, style=Style.load("calm")),
@@ -137,11 +137,11 @@ def test_a_detour_that_was_too_narrow_is_made_wider():
 
 
 def named(pair, at, body):
-    """Names of behaviours that are blamed where two segments are too near at a time [s] of the block."""
+    """Return the behaviours dropped for a pair of segments at a block time [s]."""
     made = planned(body)
     times = np.array([at + made.trajectory.zero])
     close = Clearance(np.array([0.0]), [pair])
-    return list(culprits(made.keyframes, made.motion, times, close, ROBOT))
+    return list(find_colliding_behaviours(made.keyframes, made.motion, times, close, ROBOT))
 
 
 BUSY = (
@@ -166,10 +166,10 @@ BUSY = (
         (("skullbase", "humanoid_root"), 7.1, "aim"),  # of two at that time the first by name
     ],
 )
-def test_a_behaviour_of_the_parts_that_are_too_near_is_blamed(pair, at, name):
+def test_nearest_behaviour_that_moves_the_colliding_segments_is_dropped(pair, at, name):
     assert named(pair, at, BUSY) == [name]
 
 
-def test_where_no_behaviour_moves_the_parts_the_nearest_one_is_blamed():
+def test_nearest_behaviour_is_dropped_if_none_moves_the_colliding_segments():
     gestures = "".join(part + "/>" for part in BUSY.split("/>") if "gesture" in part)
     assert named(("skullbase", "humanoid_root"), 3.5, gestures) == ["left"]

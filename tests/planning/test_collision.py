@@ -5,11 +5,11 @@ from kinesic.body.robot import Robot
 from kinesic.expressivity.hands.poses import resting_hands
 from kinesic.expressivity.keyframes import Hand
 from kinesic.planning.collision import (
-    EXACT,
-    HOVER,
-    NEAR_ENOUGH,
-    SLACK,
-    STRIDE,
+    GAP_TOLERANCE,
+    HOVER_DISTANCE,
+    MAX_HINGE_STEP,
+    MAX_TOUCH_DISTANCE,
+    TOUCH_TOLERANCE,
     Spacing,
     _smallest,
     clear_hands,
@@ -23,11 +23,11 @@ ROBOT = Robot.load()
 DISTANCES = CapsuleDistances(ROBOT)
 ARMS = [*ROBOT.joints("l_arm"), *ROBOT.joints("r_arm")]
 LEAST = 0.015
-GAPS = DISTANCES.gaps(ROBOT.skeleton.rest[None])[0]  # [m] of all counted pairs at rest
+REST_GAPS = DISTANCES.gaps(ROBOT.skeleton.rest[None])[0]  # [m] of all counted pairs at rest
 
 
 def near_ones(count):
-    """Random postures that come too near, not deep inside themselves."""
+    """Return random postures with slight collisions."""
     postures = random_postures(ROBOT.skeleton, 40 * count, seed=5)
     least = DISTANCES.clearance(postures).distances
     return postures[(least < LEAST - 0.002) & (least > -0.02)][:count]
@@ -37,7 +37,7 @@ def gaps(posture):
     return DISTANCES.gaps(posture[None])[0]
 
 
-def test_nearly_every_posture_finds_room_in_its_ranges():
+def test_nearly_every_posture_has_a_collision_free_neighbour():
     found = [separate(posture, ARMS, ROBOT, DISTANCES, Spacing(LEAST)) for posture in near_ones(25)]
     clear = [posture for posture in found if posture is not None]
     assert len(clear) >= 23
@@ -47,21 +47,21 @@ def test_nearly_every_posture_finds_room_in_its_ranges():
         assert np.all(posture <= ROBOT.skeleton.upper)
 
 
-def test_it_goes_no_farther_than_needed():
+def test_collision_free_posture_is_the_nearest_one():
     for posture in near_ones(10):
         clear = separate(posture, ARMS, ROBOT, DISTANCES, Spacing(LEAST))
         if clear is not None:
-            assert gaps(clear).min() <= LEAST + 5 * EXACT
+            assert gaps(clear).min() <= LEAST + 5 * GAP_TOLERANCE
             assert np.array_equal(np.delete(clear, ARMS), np.delete(posture, ARMS))
 
 
-def test_a_clear_posture_stays_as_it_is():
+def test_collision_free_posture_is_unchanged():
     rest = ROBOT.skeleton.rest
     assert np.array_equal(separate(rest, ARMS, ROBOT, DISTANCES, Spacing(LEAST)), rest)
 
 
-def test_elbows_swing_before_hands_move():
-    """An upper arm that grazes the shoulder girdle clears it with less than half of the way at the hand."""
+def test_elbows_move_before_hands():
+    """An upper arm at the shoulder girdle moves the hand by less than half of its own path."""
     wrist = ROBOT.skeleton.segment("r_wrist")
     elbow = ROBOT.skeleton.segment("r_elbow")
     posture = ROBOT.skeleton.rest.copy()
@@ -72,7 +72,7 @@ def test_elbows_swing_before_hands_move():
     assert 0 < ways[wrist] < 0.5 * ways[elbow]
 
 
-def test_a_pair_that_touches_comes_near():
+def test_segments_that_should_touch_approach_each_other():
     posture = ROBOT.skeleton.rest.copy()
     bent = np.radians([0, 20, 0, -15, 80, 0, -20, 0])
     for side in ("l", "r"):
@@ -80,12 +80,12 @@ def test_a_pair_that_touches_comes_near():
     pair = next(k for k, pair in enumerate(ROBOT.counted_pairs) if set(pair) == {"l_wrist", "r_wrist"})
     assert gaps(posture)[pair] > 0.05
     laid = separate(posture, ARMS, ROBOT, DISTANCES, Spacing(LEAST, touching=(pair,)))
-    assert LEAST <= gaps(laid)[pair] <= LEAST + SLACK
+    assert LEAST <= gaps(laid)[pair] <= LEAST + TOUCH_TOLERANCE
     left, right = (laid[list(ROBOT.joints(f"{side}_arm"))] for side in ("l", "r"))
     np.testing.assert_allclose(left, right, atol=1e-9)
 
 
-def test_what_no_joint_moves_is_left_alone():
+def test_collision_of_segments_that_the_given_joints_do_not_move_is_ignored():
     posture = ROBOT.skeleton.rest.copy()
     posture[ROBOT.skeleton.joint("l_shoulder_abduct")] = np.radians(-13)
     assert gaps(posture).min() < LEAST
@@ -93,7 +93,7 @@ def test_what_no_joint_moves_is_left_alone():
 
 
 @pytest.mark.parametrize("room", [0.02, 0.03])
-def test_room_is_what_pairs_in_the_way_get(room):
+def test_colliding_pairs_get_the_target_distance(room):
     for posture in near_ones(6):
         clear = separate(posture, ARMS, ROBOT, DISTANCES, Spacing(LEAST, room))
         if clear is not None:
@@ -102,7 +102,7 @@ def test_room_is_what_pairs_in_the_way_get(room):
             assert np.all(gaps(clear)[~short] >= np.minimum(gaps(posture)[~short], room) - 1e-9)
 
 
-REST = resting_hands(ROBOT)
+REST_HAND = resting_hands(ROBOT)
 
 
 @pytest.mark.parametrize(
@@ -116,35 +116,37 @@ REST = resting_hands(ROBOT)
         ("lap", "humanoid_root"),
     ],
 )
-def test_words_name_segments(touch, segment):
-    pair = touched_pair("l", touch, ROBOT, GAPS)
+def test_touched_body_parts_correspond_to_robot_segments(touch, segment):
+    pair = touched_pair("l", touch, ROBOT, REST_GAPS)
     assert set(ROBOT.counted_pairs[pair]) == {"l_wrist", segment}
 
 
-def test_a_hand_far_from_what_it_touches_stays():
+def test_hand_far_from_the_touched_body_part_is_not_moved():
     angles = ROBOT.skeleton.rest
-    assert DISTANCES.gaps(angles[None])[0][touched_pair("l", "hand", ROBOT, GAPS)] > NEAR_ENOUGH
-    hands = {side: Hand(REST[side], touch="hand") for side in ("l", "r")}
+    assert DISTANCES.gaps(angles[None])[0][touched_pair("l", "hand", ROBOT, REST_GAPS)] > MAX_TOUCH_DISTANCE
+    hands = {side: Hand(REST_HAND[side], touch="hand") for side in ("l", "r")}
     assert np.array_equal(clear_hands(angles, hands, ROBOT, DISTANCES), angles)
 
 
-def test_a_hand_in_the_way_moves_and_the_other_does_not():
+def test_collision_correction_moves_only_the_colliding_hand():
     angles = ROBOT.skeleton.rest.copy()
     angles[ROBOT.skeleton.joint("l_shoulder_abduct")] = np.radians(-13)
-    clear = clear_hands(angles, {"l": Hand(REST["l"])}, ROBOT, DISTANCES)
-    assert DISTANCES.clearance(angles[None]).distances[0] < HOVER <= DISTANCES.clearance(clear[None]).distances[0]
+    clear = clear_hands(angles, {"l": Hand(REST_HAND["l"])}, ROBOT, DISTANCES)
+    assert (
+        DISTANCES.clearance(angles[None]).distances[0] < HOVER_DISTANCE <= DISTANCES.clearance(clear[None]).distances[0]
+    )
     right = list(ROBOT.joints("r_arm"))
     assert np.array_equal(clear[right], angles[right])
 
 
-def test_arms_that_hang_are_left_alone():
+def test_hanging_arms_are_unchanged():
     angles = np.zeros(22)
     assert np.array_equal(clear_hands(angles, {"l": Hand(), "r": Hand()}, ROBOT, DISTANCES), angles)
 
 
 @pytest.mark.parametrize("touch", ["hand", "forearm", "chest", "head"])
 @pytest.mark.parametrize("seed", range(3))
-def test_a_hand_with_fingers_touches_with_what_is_nearer(touch, seed):
+def test_hand_touches_the_body_with_its_nearest_part(touch, seed):
     robot = Robot.load("upper36")
     gaps = np.random.default_rng(seed).uniform(0.0, 0.1, len(robot.counted_pairs))
     pair = touched_pair("l", touch, robot, gaps)
@@ -156,7 +158,7 @@ def test_a_hand_with_fingers_touches_with_what_is_nearer(touch, seed):
     assert gaps[pair] == gaps[counted].min()
 
 
-def test_smallest_step_meets_its_rows_and_no_more():
+def test_cheapest_joint_step_satisfies_its_distance_constraints():
     step = _smallest(np.array([[1.0, 1.0]]), np.array([0.2]), np.eye(2))
     np.testing.assert_allclose(step, [0.1, 0.1], atol=1e-9)
     dear = _smallest(np.array([[1.0, 1.0]]), np.array([0.2]), np.diag([4.0, 1.0]))
@@ -165,18 +167,18 @@ def test_smallest_step_meets_its_rows_and_no_more():
 
 
 @pytest.mark.parametrize(("most", "share"), [(0.6, 0.5), (0.3, 0.25), (0.15, 0.125)])
-def test_rows_that_contradict_a_bound_are_met_by_halves(most: float, share: float):
-    """A hinge has to turn by 1 rad and may turn by less."""
+def test_contradictory_distance_constraints_are_violated_equally(most: float, share: float):
+    """A hinge must turn by 1 rad and may turn by less."""
     rows, needed = np.array([[1.0], [-1.0]]), np.array([1.0, -most])
     np.testing.assert_allclose(_smallest(rows, needed, np.eye(1)), [share], atol=1e-6)
 
 
-def test_rows_that_no_eighth_meets_have_no_step():
+def test_infeasible_distance_constraints_have_no_joint_step():
     assert _smallest(np.array([[1.0], [-1.0]]), np.array([1.0, -0.1]), np.eye(1)) is None
 
 
-def test_no_hinge_turns_farther_in_a_round_than_a_stride():
-    """A long step is made shorter as a whole, so that it keeps its direction; a short one is made whole."""
+def test_joint_step_is_limited_per_hinge():
+    """A long step is scaled down as a whole; a short one is taken fully."""
     seen = []
 
     class Watched:
@@ -192,4 +194,4 @@ def test_no_hinge_turns_farther_in_a_round_than_a_stride():
         separate(posture, ARMS, ROBOT, Watched(), Spacing(LEAST))
         steps = np.abs(np.diff(seen, axis=0)).max(axis=1)
         longest = max(longest, float(steps.max()))
-    assert longest == pytest.approx(STRIDE)
+    assert longest == pytest.approx(MAX_HINGE_STEP)

@@ -1,20 +1,26 @@
-"""The face on the line."""
+"""Face of planned performances."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from kinesic.body.action_units import ASIDE, UPWARD
-from kinesic.body.command import NO_FACE
+from kinesic.body.action_units import MAX_EYE_ELEVATION, MAX_EYE_YAW
+from kinesic.body.command import NO_FACE, command_times
 from kinesic.controller.feedforward import FeedForward
-from kinesic.controller.perform import plan
-from kinesic.controller.play import command_times, commands, pace
+from kinesic.controller.play import commands, pace_commands
 from kinesic.expressivity.idle import Idling
 from kinesic.expressivity.style.style import Style
-from kinesic.planning.face_track import asks_face, commands_with_face, faces, heads, shown_units
+from kinesic.planning.face_track import (
+    commands_with_face,
+    compute_action_units,
+    compute_faces,
+    compute_head_directions,
+    needs_face,
+)
 from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
+from kinesic.session.plan import plan
 
 BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 SMILE = '<faceLexeme id="f" lexeme="smile" amount="1" start="1" attackPeak="1.5" relax="3" end="3.5"/>'
@@ -31,9 +37,9 @@ def smiling(known: Setup) -> Plan:
     )
 
 
-def test_faces_follow_block_time_on_the_clock_of_the_performance(smiling: Plan):
-    times = command_times(smiling.duration)
-    rows = faces(smiling, times)
+def test_facial_expression_times_are_relative_to_the_block_start(smiling: Plan):
+    times = smiling.command_times
+    rows = compute_faces(smiling, times)
     assert len(rows) == len(times)
     zero = smiling.trajectory.zero
     smile = np.array([row.get("L12", 0.0) for row in rows])
@@ -42,11 +48,11 @@ def test_faces_follow_block_time_on_the_clock_of_the_performance(smiling: Plan):
     assert times[np.argmax(smile > 0)] == pytest.approx(zero + 1.0, abs=0.1)
 
 
-def test_commands_carry_their_face(smiling: Plan):
-    times = command_times(smiling.duration)
+def test_servo_commands_contain_the_facial_action_units_of_their_time(smiling: Plan):
+    times = smiling.command_times
     setup = smiling.setup
-    setpoints = FeedForward(setup.robot, setup.dynamics, terms="none").lead(smiling.trajectory, times)
-    rows = faces(smiling, times)
+    setpoints = FeedForward(setup.robot, setup.dynamics, terms="none").compute_setpoints(smiling.trajectory, times)
+    rows = compute_faces(smiling, times)
     told = list(commands(smiling.trajectory, times, setpoints, rows))
     assert [command.face for command in told] == list(rows)
     assert all(command.face is NO_FACE for command in commands(smiling.trajectory, times, setpoints))
@@ -57,54 +63,56 @@ def test_commands_carry_their_face(smiling: Plan):
         np.testing.assert_array_equal(one.angles, other.angles)
 
 
-def test_the_lips_close_on_p_and_m(smiling: Plan):
+def test_lips_close_on_p_and_m(smiling: Plan):
     said, zero = smiling.utterances["s"], smiling.trajectory.zero
     sounds = [sound for sound in said.phonemes if sound.symbol in ("p", "m")]
     assert len(sounds) >= 4
     for sound in sounds:
         middle = zero + smiling.keyframes.timeline.timed[0].times["start"] + sound.start + sound.duration / 2
-        assert shown_units(smiling, np.array([middle - 0.01, middle]))["24"][1] > 0.95
+        assert compute_action_units(smiling, np.array([middle - 0.01, middle]))["24"][1] > 0.95
 
 
-def test_the_style_of_the_face_is_used(known: Setup):
+def test_face_expressivity_of_the_style_scales_facial_expressions(known: Setup):
     wide = planned(SMILE, replace(known, style=Style.load("neutral").changed(["face.spatial=-1"])))
     plain = planned(SMILE, known)
     moments = np.array([0.0, 2.0])
-    assert shown_units(wide, moments + wide.trajectory.zero)["L12"][1] == pytest.approx(
-        0.5 * shown_units(plain, moments + plain.trajectory.zero)["L12"][1]
+    assert compute_action_units(wide, moments + wide.trajectory.zero)["L12"][1] == pytest.approx(
+        0.5 * compute_action_units(plain, moments + plain.trajectory.zero)["L12"][1]
     )
 
 
-def test_an_expression_that_is_tied_to_a_late_point_comes_with_it(known: Setup):
+def test_facial_expression_is_delayed_with_the_sync_point_that_it_refers_to(known: Setup):
     found = planned(
         '<head id="a" lexeme="NOD" amount="1" start="0" stroke="0.1" end="0.2"/>'
         '<faceLexeme id="f" lexeme="smile" amount="1" attackPeak="a:end" relax="a:end+1" end="a:end+2"/>',
         known,
     )
     (late,) = [sync for sync in found.syncs if (sync.behaviour, sync.sync) == ("a", "end")]
-    assert late.planned > late.asked + 0.1
+    assert late.planned > late.requested + 0.1
     times = command_times(found.duration + 3.0)
-    smile = np.asarray(shown_units(found, times)["L12"])
+    smile = np.asarray(compute_action_units(found, times)["L12"])
     peak = times[np.argmax(smile >= smile.max() - 1e-9)]
     assert peak == pytest.approx(found.trajectory.zero + late.planned, abs=0.015)
 
 
-def test_eyes_hold_on_while_the_head_nods(known: Setup):
+def test_eyes_stay_on_the_gaze_target_while_the_head_nods(known: Setup):
     found = planned('<head id="h" lexeme="NOD" amount="1" stroke="1.5"/>', replace(known, idling=Idling(1.0, 3)))
-    times = command_times(found.duration)
-    told, stands = shown_units(found, times), heads(found, times)
+    times = found.command_times
+    told, stands = compute_action_units(found, times), compute_head_directions(found, times)
     assert stands[:, 1].min() < -0.2
-    up = told["63"] * UPWARD
+    up = told["63"] * MAX_EYE_ELEVATION
     assert np.corrcoef(up, -stands[:, 1])[0, 1] > 0.9
-    aside = (told.get("61", 0.0) - told.get("62", 0.0)) * ASIDE + stands[:, 0]
+    aside = (told.get("61", 0.0) - told.get("62", 0.0)) * MAX_EYE_YAW + stands[:, 0]
     assert np.abs(aside).max() < 0.12  # what the eyes flit
 
 
-def test_a_robot_without_a_neck_looks_ahead(known: Setup):
+def test_head_direction_of_a_robot_without_neck_is_straight_ahead(known: Setup):
     robot = known.robot
     stiff = replace(robot, chains={name: parts for name, parts in robot.chains.items() if name != "neck"})
     found = planned(SMILE, known)
-    np.testing.assert_array_equal(heads(replace(found, setup=replace(known, robot=stiff)), command_times(1.0)), 0.0)
+    np.testing.assert_array_equal(
+        compute_head_directions(replace(found, setup=replace(known, robot=stiff)), command_times(1.0)), 0.0
+    )
 
 
 @pytest.mark.parametrize(
@@ -116,11 +124,11 @@ def test_a_robot_without_a_neck_looks_ahead(known: Setup):
         ('<faceLexeme id="f" lexeme="Qwrtz" start="0" end="2"/>', False),
     ],
 )
-def test_what_asks_for_a_face(known: Setup, inside: str, asked: bool):
-    assert asks_face(planned(inside, known)) == asked
+def test_face_is_needed_for_known_expressions_and_gaze_but_not_for_nods(known: Setup, inside: str, asked: bool):
+    assert needs_face(planned(inside, known)) == asked
 
 
-def test_paced_commands_come_at_their_times(smiling: Plan):
+def test_delayed_command_stream_is_paced_without_losing_commands(smiling: Plan):
     now = [100.0]
 
     def clock() -> float:
@@ -128,4 +136,4 @@ def test_paced_commands_come_at_their_times(smiling: Plan):
         return now[0]
 
     stream = list(commands_with_face(smiling, np.array([0.0, 0.01, 0.02])))
-    assert list(pace(stream, clock=clock)) == stream
+    assert list(pace_commands(stream, clock=clock)) == stream

@@ -1,4 +1,4 @@
-"""By how much words wait for the body, one after the other."""
+"""Speech pauses of successive marks."""
 
 import pytest
 
@@ -6,7 +6,7 @@ from kinesic.bml.block import TimedBehaviour, Timeline
 from kinesic.bml.parse import parse
 from kinesic.body.utterance import Utterance
 from kinesic.planning import speech
-from kinesic.planning.speech import SpeechPause, lengthen_pauses, required_pauses
+from kinesic.planning.speech import SpeechPause, find_required_pauses, lengthen_pauses
 from kinesic.planning.syncs import SHIFT_TO_WARN
 
 TEXT = (
@@ -19,15 +19,15 @@ MARKS = {"a": 1.0, "b": 2.0, "c": 3.0}
 
 @pytest.fixture
 def pauses(monkeypatch):
-    """Pauses of a speech that begins at 10 s, whose marks are missed by some seconds."""
+    """Return the pauses of a speech from 10 s on with given delays."""
 
     def of(missed: dict[str, float], most: float = 9.0, before: tuple[SpeechPause, ...] = ()):
         block = parse(TEXT)
         times = {"start": 10.0, "end": 14.0} | {mark: 10.0 + time for mark, time in MARKS.items()}
         timeline = Timeline(block, (TimedBehaviour(block.behaviours[0], times),))
         delays = {("s", mark): (late, STROKE) for mark, late in missed.items()}
-        monkeypatch.setattr(speech, "mark_delays", lambda *_: delays)
-        return required_pauses(timeline, (), {"s": most}, before)
+        monkeypatch.setattr(speech, "compute_mark_delays", lambda *_: delays)
+        return find_required_pauses(timeline, (), {"s": most}, before)
 
     return of
 
@@ -36,30 +36,30 @@ def told(found: tuple[SpeechPause, ...]) -> dict[str, tuple[float, float]]:
     return {each.mark: (pytest.approx(each.until), pytest.approx(each.later)) for each in found}
 
 
-def test_each_mark_waits_for_what_those_before_it_do_not_give(pauses):
+def test_pause_before_a_speech_mark_covers_only_delay_beyond_earlier_pauses(pauses):
     assert told(pauses({"a": 0.5, "b": 0.7, "c": 0.6})) == {"a": (1.5, 0.5), "b": (2.7, 0.2)}
     assert told(pauses({"b": 0.4})) == {"b": (2.4, 0.4)}
     assert pauses({}) == ()
 
 
-def test_new_pause_is_begun_without_a_duration(pauses):
+def test_new_speech_pause_starts_with_zero_duration(pauses):
     (found,) = pauses({"b": 0.4})
     assert (found.speech, found.mark, found.duration) == ("s", "b", 0.0)
 
 
-def test_little_is_not_waited_for(pauses):
+def test_delay_below_the_warning_threshold_needs_no_speech_pause(pauses):
     assert pauses({"a": SHIFT_TO_WARN}) == ()
     assert len(pauses({"a": 1.01 * SHIFT_TO_WARN})) == 1
 
 
-def test_no_pause_holds_back_more_than_it_may(pauses):
+def test_speech_pause_is_limited(pauses):
     assert told(pauses({"a": 0.5, "b": 1.5}, most=0.3)) == {"a": (1.3, 0.3), "b": (2.6, 0.3)}
     (first,) = pauses({"a": 0.5}, most=0.6)
     (again,) = pauses({"a": 0.5}, most=0.6, before=(first,))
     assert again.later == pytest.approx(0.6)
 
 
-def test_pause_that_was_made_stays_though_its_mark_is_in_time(pauses):
+def test_existing_speech_pause_is_kept(pauses):
     made = SpeechPause("s", "b", 2.4, STROKE, later=0.4, duration=0.4)
     assert told(pauses({}, before=(made,))) == {"b": (2.0, 0.4)}
 
@@ -68,12 +68,12 @@ def lengthened(waiting: tuple[SpeechPause, ...], **marks: float) -> list[float]:
     return [each.duration for each in lengthen_pauses(waiting, {"s": Utterance(5.0, marks=marks)})]
 
 
-def test_pauses_get_longer_by_what_their_marks_lack_in_whole_milliseconds():
+def test_speech_pauses_grow_in_whole_milliseconds():
     waiting = tuple(SpeechPause("s", mark, until, STROKE, duration=0.1) for mark, until in (("a", 1.5), ("b", 2.75)))
     assert lengthened(waiting, a=1.0, b=2.0) == pytest.approx([0.6, 0.35])
     assert lengthened(waiting, a=1.4921, b=2.75) == pytest.approx([0.108, 0.1])
 
 
-def test_pause_of_a_mark_that_comes_late_enough_is_not_made_shorter():
+def test_speech_pause_before_a_late_mark_is_not_shortened():
     waiting = (SpeechPause("s", "a", 1.5, STROKE, duration=0.1),)
     assert lengthened(waiting, a=1.5) == lengthened(waiting, a=1.9) == [0.1]

@@ -1,4 +1,4 @@
-"""Whole plans: paths of hands, and gestures that overlap."""
+"""Plans with hand paths and overlapping gestures."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from kinesic.bml.parse import parse
-from kinesic.controller.perform import set_up
 from kinesic.expressivity.hands.poses import poses
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.planning import plan as plan_module
 from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.setup import Setup
+from kinesic.session.setup import set_up
 
 HAND = 'palm = "forward", pointing = "forward up"'
 LEXICON = f"""category = "iconic"
@@ -66,7 +66,7 @@ def hand_in_world(made: Plan, times: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize(("lexeme", "settings"), [("circling", ()), ("waving", ()), ("circling", ("spatial=-1",))])
-def test_the_planned_hand_follows_the_path_that_was_asked(planned, lexeme, settings):
+def test_planned_hand_follows_requested_path(planned, lexeme, settings):
     made = planned(f'<gesture id="g" lexeme="{lexeme}" mode="RIGHT_HAND" stroke="4"/>', *settings)
     syncs = times_of(made, "g")
     assert syncs["stroke"] == pytest.approx(4.0, abs=0.01)
@@ -81,13 +81,13 @@ def test_the_planned_hand_follows_the_path_that_was_asked(planned, lexeme, setti
     assert ways[0] == pytest.approx(ways[1], rel=0.06)
 
 
-def test_a_wave_in_too_short_a_time_has_fewer_turns_and_its_stroke_in_time(planned):
+def test_waving_in_a_short_time_has_fewer_swings_and_a_punctual_stroke(planned):
     made = planned('<gesture id="g" lexeme="waving" mode="RIGHT_HAND" strokeStart="3" stroke="4"/>')
     assert times_of(made, "g")["stroke"] == pytest.approx(4.0, abs=0.01)
     assert any("of its 3 turns" in notice.text for notice in made.notices)
 
 
-def test_repetition_keeps_the_first_stroke_and_numbers_the_others(planned):
+def test_sync_points_of_repeated_strokes_are_numbered(planned):
     asked = '<gesture id="g" lexeme="beating" stroke="2"/><head id="h" lexeme="NOD" stroke="g:stroke:2"/>'
     once, thrice = (planned(asked, f"repetition={r}") for r in (0, 1))
     assert times_of(once, "g")["stroke"] == pytest.approx(times_of(thrice, "g")["stroke"], abs=0.01)
@@ -108,7 +108,7 @@ def test_two_overlapping_gestures_of_one_hand_are_both_performed_in_time(planned
     assert times_of(made, "a")["strokeEnd"] <= times_of(made, "b")["strokeStart"]
 
 
-def test_gestures_of_both_hands_merge(planned):
+def test_simultaneous_gestures_of_both_hands_are_both_performed(planned):
     made = planned(
         '<gesture id="a" lexeme="beating" mode="RIGHT_HAND" stroke="2"/>'
         '<gesture id="b" lexeme="circling" mode="LEFT_HAND" stroke="2.2"/>'
@@ -117,8 +117,8 @@ def test_gestures_of_both_hands_merge(planned):
     assert made.keyframes.uses == {"a": {"r_hand"}, "b": {"l_hand"}}
 
 
-def test_a_held_pose_is_not_frozen_where_the_body_idles():
-    """Breath and drift go on beneath a posture that is held."""
+def test_held_posture_moves_slightly_by_breath_and_drift():
+    """Breath and drift continue during a hold."""
     pose = '<pose part="ARMS" lexeme="ARMS_CROSSED"/>'
     text = f'<bml id="b"><posture id="p" start="0" ready="1" relax="11" end="12">{pose}</posture></bml>'
     found = plan_block(parse(text), set_up(idle=1.0))
@@ -128,15 +128,15 @@ def test_a_held_pose_is_not_frozen_where_the_body_idles():
     assert np.abs(speeds).max() < 0.3
 
 
-def test_plan_answers_for_a_time_and_for_a_sync_point(planned):
+def test_plan_returns_state_at_time_or_sync_point(planned):
     made = planned('<head id="h" lexeme="NOD" stroke="1"/>')
     np.testing.assert_array_equal(made.at(0.7).angles, made.trajectory.at(0.7).angles)
     at = made.trajectory.zero + made.syncs["h:stroke"].planned
     np.testing.assert_array_equal(made.at("h:stroke").angles, made.trajectory.at(at).angles)
 
 
-@pytest.mark.parametrize(("work", "repairs"), [(-1, 0), (300_000, plan_module.REPAIRS)])
-def test_motion_is_repaired_as_long_as_there_is_a_budget(planned, monkeypatch, work, repairs):
+@pytest.mark.parametrize(("work", "repairs"), [(-1, 0), (300_000, plan_module.MAX_REPAIRS)])
+def test_collisions_are_repaired_only_within_the_planning_budget(planned, monkeypatch, work, repairs):
     usual, asked = plan_module.keep_clear, []
 
     def spied(*given, **named):
@@ -144,17 +144,19 @@ def test_motion_is_repaired_as_long_as_there_is_a_budget(planned, monkeypatch, w
         return usual(*given, **named)
 
     monkeypatch.setattr(plan_module, "keep_clear", spied)
-    monkeypatch.setattr(plan_module, "WORK", work)
+    monkeypatch.setattr(plan_module, "WORK_BUDGET", work)
     planned('<head id="h" lexeme="NOD" stroke="1"/>')
     assert asked == [repairs]
 
 
 @pytest.mark.parametrize(("work", "gone"), [(300_000, {"b"}), (-1, {"b", "c"})])
-def test_what_cannot_be_kept_clear_is_dropped_by_name_and_the_rest_planned_again(planned, monkeypatch, work, gone):
-    """Where the budget is spent, half of those that overlap it go, too."""
-    monkeypatch.setattr(plan_module, "WORK", work)
+def test_colliding_behaviour_is_dropped_and_the_block_is_planned_again(planned, monkeypatch, work, gone):
+    """With a spent budget, half of the overlapping behaviours are dropped, too."""
+    monkeypatch.setattr(plan_module, "WORK_BUDGET", work)
     monkeypatch.setattr(
-        plan_module, "culprits", lambda frames, *_: {"b": "it is in the way"} if frames.uses.get("b") else {}
+        plan_module,
+        "find_colliding_behaviours",
+        lambda frames, *_: {"b": "it is in the way"} if frames.uses.get("b") else {},
     )
     nods = (f'<head id="{id}" lexeme="NOD" start="{k}" end="{k + 2}"/>' for k, id in enumerate("abc"))
     outcomes = planned("".join(nods) + '<head id="z" lexeme="NOD" start="9"/>').keyframes.outcomes
@@ -171,37 +173,37 @@ SPOKEN = (
 
 @pytest.fixture
 def rounds(monkeypatch) -> list[bool]:
-    """Whether clashes are weighed in each round of planning."""
+    """Record whether each planning round resolves clashes."""
     once, found = plan_module._plan_once, []
 
-    def spied(*given, weighing=True):
-        found.append(weighing)
-        return once(*given, weighing=weighing)
+    def spied(*given, resolve_clashes=True):
+        found.append(resolve_clashes)
+        return once(*given, resolve_clashes=resolve_clashes)
 
     monkeypatch.setattr(plan_module, "_plan_once", spied)
     return found
 
 
-def test_no_gesture_gives_way_while_words_may_still_wait(planned, rounds):
+def test_speech_pauses_are_inserted_before_timing_conflicts_are_resolved(planned, rounds):
     made = planned(SPOKEN)
     assert any(notice.text.startswith("a pause of") for notice in made.notices)
     assert len(rounds) >= 3
     assert rounds == [False] * (len(rounds) - 1) + [True]
 
 
-def test_no_word_waits_where_the_budget_is_spent(planned, rounds, monkeypatch):
-    monkeypatch.setattr(plan_module, "WORK", -1)
+def test_speech_pause_is_not_inserted_after_the_planning_budget_is_spent(planned, rounds, monkeypatch):
+    monkeypatch.setattr(plan_module, "WORK_BUDGET", -1)
     made = planned(SPOKEN)
     assert not any(notice.text.startswith("a pause of") for notice in made.notices)
     assert rounds == [False, True]
 
 
-def test_words_that_need_not_wait_are_planned_twice(planned, rounds):
+def test_block_that_needs_no_speech_pause_is_planned_twice(planned, rounds):
     planned('<speech id="s" kinesic:pause="true"><text>See <sync id="a"/>this.</text></speech>')
     assert rounds == [False, True]
 
 
-def test_planning_again_is_counted_as_work(planned, monkeypatch):
+def test_replanning_is_charged_to_budget(planned, monkeypatch):
     usual, asked = plan_module.keep_clear, []
 
     def spied(*given, **named):
@@ -211,13 +213,34 @@ def test_planning_again_is_counted_as_work(planned, monkeypatch):
     monkeypatch.setattr(plan_module, "keep_clear", spied)
     monkeypatch.setattr(plan_module, "REPLAN_COST_PER_BEHAVIOUR", 10**9)
     monkeypatch.setattr(
-        plan_module, "culprits", lambda frames, *_: {"b": "it is in the way"} if frames.uses.get("b") else {}
+        plan_module,
+        "find_colliding_behaviours",
+        lambda frames, *_: {"b": "it is in the way"} if frames.uses.get("b") else {},
     )
     planned('<head id="a" lexeme="NOD" start="0"/><head id="b" lexeme="NOD" start="4"/>')
-    assert asked == [plan_module.REPAIRS, 0]
+    assert asked == [plan_module.MAX_REPAIRS, 0]
 
 
-def test_motion_that_nothing_asks_for_is_rest(planned):
+def test_empty_block_is_planned_as_rest(planned):
     motion = planned("").desired
-    assert motion.duration == pytest.approx(plan_module.STILL)
+    assert motion.duration == pytest.approx(plan_module.EMPTY_PLAN_DURATION)
     np.testing.assert_allclose(motion.angles(np.array([0.0]))[0], planned("").setup.robot.skeleton.rest, atol=1e-12)
+
+
+def test_long_speech_has_more_planning_work_in_proportion(planned):
+    words = "and so we went along the river " * 20
+    utterances = planned(f'<speech id="s"><text>{words}</text></speech>').utterances
+    seconds = utterances["s"].duration
+    assert seconds > 2.0 * plan_module.BUDGETED_SPEECH
+    expected = plan_module.WORK_BUDGET * seconds / plan_module.BUDGETED_SPEECH
+    assert plan_module._allowed_work(utterances) == pytest.approx(expected)
+    assert plan_module._allowed_work({}) == plan_module.WORK_BUDGET
+
+
+def test_style_parameters_are_resolved_for_each_behaviour_that_moves_the_body(planned):
+    nod_and_words = '<head id="h" lexeme="NOD" start="0"/><speech id="s"><text>Yes</text></speech>'
+    gesture = '<gesture id="g" lexeme="BEAT" start="0" kinesic:power="0.8" xmlns:kinesic="urn:kinesic"/>'
+    made = planned(nod_and_words + gesture)
+    assert set(made.numbers) == {"h", "g"}
+    assert made.numbers["g"].expressivity.power == 0.8
+    assert made.numbers["h"].expressivity == made.setup.style.of("head")

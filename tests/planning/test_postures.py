@@ -17,11 +17,11 @@ from kinesic.body.reach import Reach
 from kinesic.expressivity.context import BlockContext, Context
 from kinesic.expressivity.keyframes import Hand, KeyFrame, KeyFrames, Turn
 from kinesic.expressivity.lexicon.lexicon import Lexicon
-from kinesic.expressivity.realise import keyframes
+from kinesic.expressivity.realise import make_keyframes
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import Style
-from kinesic.planning.collision import HOVER
-from kinesic.planning.postures import postures
+from kinesic.planning.collision import HOVER_DISTANCE
+from kinesic.planning.postures import solve_postures
 from kinesic.sim.distances import CapsuleDistances
 
 from ..performances import LIMITS, ROBOT
@@ -38,14 +38,14 @@ def solved(*actions, start: float = 1.0):
     )
     timeline = Timeline(Block("b", tuple(one.behaviour for one in timed)), timed)
     context = BlockContext(timeline.block, Context(Style(), LEXICON, PACE))
-    return postures(keyframes(timeline, context), ROBOT, DISTANCES)
+    return solve_postures(make_keyframes(timeline, context), ROBOT, DISTANCES)
 
 
 def at_sync(found, sync: str):
     return next(posture for posture in found.postures if any(name == sync for _, name in posture.syncs))
 
 
-def test_begins_at_the_blocks_start_and_ends_at_rest():
+def test_key_postures_begin_and_end_with_the_rest_posture():
     keys = solved(Gesture("offer", "both")).postures
     assert keys[0].time == 0.0
     for key in (keys[0], keys[-1]):
@@ -53,7 +53,7 @@ def test_begins_at_the_blocks_start_and_ends_at_rest():
         assert all(key.keyed)
 
 
-def test_only_the_hand_that_gestures_is_keyed():
+def test_only_gesturing_hand_has_keys():
     stroke = at_sync(solved(Gesture("beat", "left")), "stroke")
     keyed = {name for name, key in zip(ROBOT.skeleton.names, stroke.keyed, strict=True) if key}
     assert {"l_elbow_flexion", "l_wrist_pivot"} <= keyed
@@ -61,11 +61,11 @@ def test_only_the_hand_that_gestures_is_keyed():
 
 
 @pytest.mark.parametrize("lexeme", ["belly", "arms_crossed", "hands_together", "chin", "rub_hands"])
-def test_touches_hover(lexeme):
+def test_hand_in_a_touching_posture_keeps_the_hover_distance(lexeme):
     for posture in solved(Gesture(lexeme)).postures:
         if all(posture.keyed):
             continue
-        assert DISTANCES.clearance(posture.angles[None]).distances[0] >= HOVER - 1e-6
+        assert DISTANCES.clearance(posture.angles[None]).distances[0] >= HOVER_DISTANCE - 1e-6
 
 
 def line_of_arm(angles, side: str = "l"):
@@ -85,7 +85,7 @@ def test_pointing_meets_its_target_even_from_a_leaning_torso(leaning):
     assert np.linalg.norm(arm) > 0.95 * ROBOT.arm_length
 
 
-def test_the_head_stays_level_while_the_torso_leans():
+def test_head_stays_level_while_the_torso_leans():
     found = solved(Posture(poses=(("WHOLEBODY", "LEANING_FORWARD"),)))
     angles = max((posture.angles for posture in found.postures), key=lambda a: a[ROBOT.skeleton.joint("vl5_tilt")])
     assert angles[ROBOT.skeleton.joint("vl5_tilt")] > 0.1
@@ -93,20 +93,23 @@ def test_the_head_stays_level_while_the_torso_leans():
     np.testing.assert_allclose(head[:, 0], [1, 0, 0], atol=1e-6)
 
 
-def test_left_and_right_are_mirror_images():
+def test_gesture_postures_of_left_and_right_are_mirror_images():
     left, right = solved(Gesture("greet_wave", "left")), solved(Gesture("greet_wave", "right"))
     indices = [list(ROBOT.joints(chain)) for chain in ("l_arm", "r_arm")]
     for one, other in zip(left.postures, right.postures, strict=True):
         np.testing.assert_allclose(one.angles[indices[0]], other.angles[indices[1]], atol=1e-9)
 
 
-def test_what_is_out_of_reach_is_said():
+def test_unreachable_target_is_reported():
     found = solved(Gesture("offer", "both"))
     assert max(found.misses.values()) < 1e-6
 
 
 def frames_of_left_hand(*places, uses=frozenset({"l_hand"})) -> KeyFrames:
-    """One key a second of the left hand alone, at places [m] or at rest (None)."""
+    """Return key frames of the left hand, one per second.
+
+    Positions are in [m], or None for rest.
+    """
     timeline = Timeline(Block("b", ()), ())
     frames = [
         KeyFrame(
@@ -122,9 +125,9 @@ def frames_of_left_hand(*places, uses=frozenset({"l_hand"})) -> KeyFrames:
     return KeyFrames(timeline, tuple(frames), {}, {"b0": uses})
 
 
-def test_the_torso_leans_for_a_far_hand_and_is_keyed_before_and_after():
+def test_torso_leans_only_at_the_key_with_a_far_hand_target():
     near, far = (0.3, 0.2, 0.8), (0.55, 0.2, 0.8)
-    found = postures(frames_of_left_hand(None, near, near, far, near, near, None), ROBOT, DISTANCES).postures
+    found = solve_postures(frames_of_left_hand(None, near, near, far, near, near, None), ROBOT, DISTANCES).postures
     torso = list(ROBOT.joints("torso"))
     assert [bool(np.any(posture.angles[torso])) for posture in found] == [
         False,
@@ -138,19 +141,53 @@ def test_the_torso_leans_for_a_far_hand_and_is_keyed_before_and_after():
     assert [posture.keyed[torso[0]] for posture in found] == [True, False, True, True, True, False, True]
 
 
-def test_what_no_lean_reaches_is_missed_by_the_behaviour_that_moves_the_hand():
+def test_distance_to_an_unreachable_target_is_assigned_to_the_behaviour():
     away = (3.0, 0.2, 0.8)
-    found = postures(frames_of_left_hand(None, (0.3, 0.2, 0.8), away, None), ROBOT, DISTANCES)
+    found = solve_postures(frames_of_left_hand(None, (0.3, 0.2, 0.8), away, None), ROBOT, DISTANCES)
     at = next(posture for posture in found.postures if posture.time == 2.0)
     wrist = ROBOT.skeleton.frames(at.angles).origins[ROBOT.arm("l").wrist]
     assert found.misses == {"b0": pytest.approx(np.linalg.norm(wrist - away))}
     assert found.misses["b0"] > 1.0
-    assert postures(frames_of_left_hand(None, away, None, uses=frozenset({"r_hand"})), ROBOT, DISTANCES).misses == {}
+    assert (
+        solve_postures(frames_of_left_hand(None, away, None, uses=frozenset({"r_hand"})), ROBOT, DISTANCES).misses == {}
+    )
 
 
 @pytest.mark.parametrize(("start", "begins"), [(0.0, False), (0.001, False), (0.5, True)])
-def test_the_rest_pose_at_the_start_is_no_second_key_there(start, begins):
+def test_rest_pose_at_start_is_not_duplicated(start, begins):
     found = solved(Gesture("offer", "left"), start=start).postures
     times = [posture.time for posture in found]
     assert times == sorted(set(times))
     assert bool(times[0] == 0.0 and times[1] == start) is begins
+
+
+def left_arms(*reaches: Reach) -> list[np.ndarray]:
+    """Return the left arm [rad] at consecutive keys that reach one after the other, after a key at rest."""
+    hands = [Hand(), *(Hand(reach) for reach in reaches), Hand()]
+    frames = tuple(
+        KeyFrame(float(k), Turn(), Turn(), {"l": hand, "r": Hand()}, frozenset({"l_hand"}), ())
+        for k, hand in enumerate(hands)
+    )
+    given = KeyFrames(Timeline(Block("b", ()), ()), frames, {}, {})
+    found = solve_postures(given, ROBOT, DISTANCES).postures
+    return [posture.angles[list(ROBOT.joints("l_arm"))] for posture in found[1:-1]]
+
+
+PLACE = sealed([0.3, 0.2, 0.8])
+TURNED = {
+    "swivel": {"swivel": 0.5},
+    "palm": {"palm": sealed([0.0, 0.0, 1.0])},
+    "pointing": {"pointing": sealed([1.0, 0.0, 0.0])},
+}
+
+
+@pytest.mark.parametrize("field", TURNED)
+def test_hand_at_the_same_place_turns_if_its_orientation_changes(field: str):
+    plain, turned, again = left_arms(Reach(PLACE), Reach(PLACE, **TURNED[field]), Reach(PLACE, **TURNED[field]))
+    assert np.abs(turned - plain).max() > 0.05
+    np.testing.assert_array_equal(turned, again)
+
+
+def test_arm_posture_follows_a_changed_hand_target():
+    first, second = left_arms(Reach(PLACE), Reach(sealed([0.3, 0.25, 0.8])))
+    assert np.abs(first - second).max() > 0.02

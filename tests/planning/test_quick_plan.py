@@ -12,7 +12,7 @@ from kinesic.motion.keys import KeyPosture
 from kinesic.motion.limit_check import check_limits
 from kinesic.motion.segments import SplineSegment
 from kinesic.planning import quick_plan
-from kinesic.planning.quick_plan import RESERVE, plan_quickly, quintic_duration
+from kinesic.planning.quick_plan import DURATION_MARGIN, compute_quintic_duration, plan_quickly
 
 from ..passage import passage_text
 
@@ -27,13 +27,13 @@ def slow(known):
 
 
 def largest(trajectory, limits) -> float:
-    return max(float(peak.ratios.max()) for peak in check_limits(trajectory, limits).shares.values())
+    return max(float(peak.ratios.max()) for peak in check_limits(trajectory, limits).by_quantity.values())
 
 
-def test_a_quintic_of_its_duration_keeps_every_limit():
+def test_quintic_duration_keeps_all_limits():
     s = np.linspace(0, 1, 2001)
     for way in (0.001, 0.03, 0.4, -0.4, 3.9):
-        t = quintic_duration(way, LIMITS, 0)
+        t = compute_quintic_duration(way, LIMITS, 0)
         speed = way / t * 30 * (s**2 - 2 * s**3 + s**4)
         acceleration = way / t**2 * (60 * s - 180 * s**2 + 120 * s**3)
         jerk = way / t**3 * (60 - 360 * s + 360 * s**2)
@@ -41,7 +41,7 @@ def test_a_quintic_of_its_duration_keeps_every_limit():
         rows = (speed, acceleration, jerk, duty)
         used = [np.abs(values).max() / limit for values, limit in zip(rows, (4, 40, 1e3, 0.7), strict=True)]
         assert 0.2 < max(used) <= 1.0, "and not much longer than some limit asks for"
-    assert quintic_duration(0.0, LIMITS, 0) == 0.0
+    assert compute_quintic_duration(0.0, LIMITS, 0) == 0.0
 
 
 @pytest.mark.parametrize("way", [0.4, 3.9])
@@ -49,12 +49,15 @@ def test_a_quintic_of_its_duration_keeps_every_limit():
     ("binding", "peak", "order"),
     [("speed", 1.875, 1), ("acceleration", 10 / 3**0.5, 2), ("jerk", 60.0, 3), ("duty", None, 0)],
 )
-def test_a_quintic_takes_just_as_long_as_the_limit_that_binds_it_asks_for(way, binding, peak, order):
-    """Its greatest speed, acceleration or jerk, or the duty of the first two together, is at its limit."""
+def test_quintic_duration_meets_binding_limit(way, binding, peak, order):
+    """Peak velocity, acceleration, jerk or duty is at its limit."""
     wide = {
         name: sealed(np.full_like(getattr(LIMITS, name), 1e9)) for name in ("speed", "acceleration", "jerk", "duty")
     }
-    found = quintic_duration(way, replace(LIMITS, **wide | {binding: getattr(LIMITS, binding)}), 0) / RESERVE
+    found = (
+        compute_quintic_duration(way, replace(LIMITS, **wide | {binding: getattr(LIMITS, binding)}), 0)
+        / DURATION_MARGIN
+    )
     if binding == "duty":
         used = LIMITS.viscous[0] * 1.875 * way / found + LIMITS.inertial[0] * 10 / 3**0.5 * way / found**2
         assert used == pytest.approx(LIMITS.duty[0], rel=1e-3)
@@ -62,27 +65,27 @@ def test_a_quintic_takes_just_as_long_as_the_limit_that_binds_it_asks_for(way, b
         assert peak * way / found**order == pytest.approx(getattr(LIMITS, binding)[0], rel=1e-3)
 
 
-def test_the_opening_is_certified_and_begins_with_the_block(slow, known):
+def test_quick_plan_is_certified_and_begins_with_block(slow, known):
     assert largest(slow.trajectory, known.limits) <= 1.001
     assert slow.trajectory.zero == pytest.approx(-slow.timeline.start)
-    assert slow.clearance.distances.min() >= known.robot.least_clearance
+    assert slow.clearance.distances.min() >= known.robot.min_clearance
 
 
-def test_the_opening_rests_at_every_key(slow):
+def test_quick_plan_stops_at_every_key(slow):
     times = slow.motion.planned + slow.trajectory.zero
     speeds = slow.trajectory.sample(times)[1]
     for row, posture in enumerate(slow.postures.postures):
         assert np.abs(speeds[row, list(posture.keyed)]).max(initial=0.0) < 0.05
 
 
-def test_what_it_says_about_times_is_so(slow):
+def test_quick_plan_reports_correct_times(slow):
     reached = slow.trajectory.sample(slow.motion.planned + slow.trajectory.zero)[0]
     for row, posture in enumerate(slow.postures.postures):
         keyed = list(posture.keyed)
         np.testing.assert_allclose(reached[row, keyed], posture.angles[keyed], atol=1.1e-3)
 
 
-def test_all_hinges_are_solved_in_one_call_for_each_try(known, monkeypatch):
+def test_quick_plan_solves_all_hinges_in_one_call(known, monkeypatch):
     solved = []
 
     def find(*given):
@@ -95,13 +98,13 @@ def test_all_hinges_are_solved_in_one_call_for_each_try(known, monkeypatch):
     assert 1 <= len(solved) <= 3
 
 
-def test_what_was_asked_for_passes_its_keys(slow):
-    asked = slow.asked[3]
-    there = slow.desired.angles(np.array([asked.time + slow.desired.zero]))[0]
-    np.testing.assert_allclose(there[list(asked.keyed)], asked.angles[list(asked.keyed)], atol=1.1e-3)
+def test_desired_motion_of_a_quick_plan_passes_through_all_keys(slow):
+    requested = slow.requested_postures[3]
+    there = slow.desired.angles(np.array([requested.time + slow.desired.zero]))[0]
+    np.testing.assert_allclose(there[list(requested.keyed)], requested.angles[list(requested.keyed)], atol=1.1e-3)
 
 
-def test_motion_that_misses_its_limits_gets_longer_gaps_until_it_keeps_them(known, monkeypatch):
+def test_quick_plan_lengthens_key_intervals_until_limits_are_kept(known, monkeypatch):
     rest, away = known.robot.skeleton.rest, known.robot.skeleton.rest.copy()
     away[known.robot.joints("neck")[0]] += 0.5
     keys = tuple(KeyPosture.whole(0.01 * k, sealed(each)) for k, each in enumerate((rest, away, rest)))
@@ -117,6 +120,6 @@ def test_motion_that_misses_its_limits_gets_longer_gaps_until_it_keeps_them(know
     gaps = [np.diff(times) for times in tried]
     assert len(gaps) == 3
     for before, after in pairwise(gaps):
-        assert after == pytest.approx(quick_plan.LONGER * before)
+        assert after == pytest.approx(quick_plan.GAP_GROWTH * before)
     np.testing.assert_array_equal(found.planned, tried[-1])
     assert largest(found.trajectory, known.limits) <= 1.001

@@ -4,7 +4,7 @@ from kinesic.expressivity.style.style import Style
 from kinesic.planning.setup import Setup
 
 
-def test_another_style_moves_the_same_robot(known: Setup):
+def test_changing_the_style_keeps_the_cached_motion_limits(known: Setup):
     glad, sad = (replace(known, style=Style.load(style)) for style in ("joyful", "sad"))
     assert sad.limits is glad.limits
     assert sad.pace is glad.pace

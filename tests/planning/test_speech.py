@@ -9,7 +9,6 @@ import pytest
 from kinesic.bml.block import Speech
 from kinesic.bml.parse import parse
 from kinesic.body.utterance import Mark, Pause, Script, Sound, Utterance
-from kinesic.controller.perform import plan, set_up
 from kinesic.expressivity.style.style import Expressivity, Style
 from kinesic.planning import speech
 from kinesic.planning.plan import Plan, plan_block
@@ -17,6 +16,8 @@ from kinesic.planning.setup import Setup
 from kinesic.planning.speech import SpeechPause, choose_rate_and_pitch, insert_pauses
 from kinesic.planning.syncs import SHIFT_TO_WARN
 from kinesic.report.report import feedback
+from kinesic.session.plan import plan
+from kinesic.session.setup import set_up
 from kinesic.speech.espeak_pool import espeak_fault
 
 HURRIED = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:kinesic="urn:kinesic" id="b" {block}>
@@ -40,7 +41,7 @@ def hurried(known: Setup, *, block: str = "", speech: str = "") -> Plan:
 
 
 def missed(planned: Plan) -> Iterator[float]:
-    """[s] between each stroke and its word."""
+    """Return the time between each stroke and its word [s]."""
     said = planned.utterances["s"].marks
     start = next(t.times["start"] for t in planned.timeline.timed if isinstance(t.behaviour.action, Speech))
     for sync in planned.syncs:
@@ -64,19 +65,19 @@ def waiting(known: Setup) -> Plan:
     return hurried(known, speech='kinesic:pause="true"')
 
 
-def test_the_word_waits_for_the_body_where_it_may(known: Setup, waiting: Plan):
+def test_speech_pauses_until_the_gesture_is_ready_if_allowed(known: Setup, waiting: Plan):
     assert max(missed(hurried(known))) > 5 * SHIFT_TO_WARN
     assert max(missed(waiting)) <= SHIFT_TO_WARN
     assert pauses(waiting)
 
 
-def test_each_pause_is_told_with_its_word_and_its_gesture(waiting: Plan):
+def test_pause_notice_names_word_and_gesture(waiting: Plan):
     assert any("before 'that' (mark c), so that stroke of 'g3' is in time" in text for text in pauses(waiting))
     warnings = [text for text in feedback(waiting) if "a pause of" in text]
     assert len(warnings) == len(pauses(waiting))
 
 
-def test_the_prediction_has_the_times_with_the_pauses(waiting: Plan):
+def test_prediction_feedback_includes_pauses(waiting: Plan):
     prediction = next(iter(feedback(waiting)))
     said = waiting.utterances["s"]
     start = next(t.times["start"] for t in waiting.timeline.timed if t.behaviour.id == "s")
@@ -84,13 +85,13 @@ def test_the_prediction_has_the_times_with_the_pauses(waiting: Plan):
 
 
 @ONE_VOICE
-def test_nothing_waits_unless_it_may(known: Setup):
+def test_speech_pauses_are_inserted_only_if_allowed(known: Setup):
     without = hurried(known)
     assert pauses(without) == []
     assert hurried(known, block='kinesic:pause="0.3"', speech='kinesic:pause="false"').utterances == without.utterances
 
 
-def test_no_pause_is_longer_than_it_may_be(known: Setup):
+def test_speech_pause_never_exceeds_its_limit(known: Setup):
     planned = hurried(known, block='kinesic:pause="0.12"')
     assert pauses(planned)
     assert all(float(text.split()[3]) <= 0.12 for text in pauses(planned))
@@ -100,13 +101,14 @@ def test_no_pause_is_longer_than_it_may_be(known: Setup):
     assert said["c"] - usual["c"] <= 0.24 + 0.06
 
 
-def test_the_facts_say_so_for_documents_that_do_not():
+@pytest.mark.soak
+def test_setup_option_pause_is_the_default_maximum_speech_pause():
     usual = set_up(voice="durations", pause=2.0)
     assert max(missed(hurried(usual))) <= SHIFT_TO_WARN
     assert pauses(hurried(usual, block='kinesic:pause="false"')) == []
 
 
-def test_a_speech_that_is_in_time_is_said_as_it_is(known: Setup):
+def test_speech_whose_gesture_is_on_time_has_no_pause(known: Setup):
     text = (
         '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b" kinesic:pause="true">'
         '<speech id="s"><text>My two hands can do <sync id="m"/>this</text></speech>'
@@ -117,13 +119,13 @@ def test_a_speech_that_is_in_time_is_said_as_it_is(known: Setup):
     assert planned.utterances["s"].marks == plan(text.replace("true", "false"), known).utterances["s"].marks
 
 
-def test_an_utterance_that_is_decided_stays(known: Setup, waiting: Plan):
+def test_planning_keeps_utterances_given_by_the_caller(known: Setup, waiting: Plan):
     again = plan_block(waiting.timeline.block, known, utterances=waiting.utterances)
     assert again.utterances == waiting.utterances
     assert pauses(again) == []
 
 
-def test_a_pause_goes_right_before_its_mark():
+def test_speech_pause_is_inserted_before_its_mark():
     script = Script("one two", (Mark("a", 4), Mark("b", 4)), pauses=(Pause(4, 0.1),))
     found = insert_pauses(
         script, (SpeechPause("s", "b", 0.0, ("g", "stroke"), 0.2, 0.2), SpeechPause("s", "a", 0.0, ("g", "stroke")))
@@ -132,7 +134,7 @@ def test_a_pause_goes_right_before_its_mark():
 
 
 @ONE_VOICE
-def test_a_recording_does_not_wait(known: Setup, tmp_path: Path):
+def test_recorded_speech_gets_no_pause(known: Setup, tmp_path: Path):
     text = HURRIED.format(block='kinesic:pause="true"', speech="").replace(
         "</speech>", '<description type="audio/wav" ref="missing.wav"/></speech>'
     )
@@ -142,13 +144,13 @@ def test_a_recording_does_not_wait(known: Setup, tmp_path: Path):
 
 
 class LongVoice:
-    """A voice that takes 700 s for each speech, at a low rate."""
+    """Voice with 700 s for each speech, at a low rate."""
 
     def say(self, script: Script, /, *, rate: float = 1.0, pitch: float = 1.0) -> Utterance:
         return Utterance(700.0, sound=Sound.of(10, np.zeros(7000)))
 
 
-def test_speech_at_the_same_time_takes_no_more_memory_than_the_longest_block_can_need(known: Setup):
+def test_simultaneous_speech_has_bounded_memory(known: Setup):
     speeches = "".join(f'<speech id="s{k}" start="0"><text>Yes.</text></speech>' for k in range(40))
     text = f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{speeches}</bml>'
     planned = plan_block(parse(text), replace(known, voice=LongVoice()))
@@ -160,7 +162,7 @@ def test_speech_at_the_same_time_takes_no_more_memory_than_the_longest_block_can
 
 
 class SilentThenLoudVoice(LongVoice):
-    """A voice whose first hundred speeches are silent."""
+    """Voice whose first hundred speeches are silent."""
 
     def __init__(self) -> None:
         self.said = 0
@@ -170,7 +172,7 @@ class SilentThenLoudVoice(LongVoice):
         return Utterance(700.0) if self.said <= 100 else super().say(script, rate=rate, pitch=pitch)
 
 
-def test_speech_that_makes_no_sound_takes_none_of_the_room(known: Setup, monkeypatch: pytest.MonkeyPatch):
+def test_silent_speech_does_not_count_as_audible(known: Setup, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(speech, "MAX_SOUND_DURATION", 50.0)
     speeches = "".join(f'<speech id="s{k}" start="0"><text>Yes.</text></speech>' for k in range(103))
     block = parse(f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{speeches}</bml>')
@@ -178,7 +180,7 @@ def test_speech_that_makes_no_sound_takes_none_of_the_room(known: Setup, monkeyp
     assert [id for id, utterance in said.items() if utterance.sound is not None] == ["s100"]
 
 
-def test_quick_styles_speak_up_to_a_quarter_faster_and_forceful_ones_up_to_three_semitones_higher(known):
+def test_style_changes_speech_rate_and_pitch(known):
     def spoken(**numbers) -> tuple[float, float]:
         return choose_rate_and_pitch(Style.uniform(Expressivity(**numbers)))
 

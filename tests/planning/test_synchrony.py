@@ -1,4 +1,4 @@
-"""Nods end on their words, and hands that follow one another closely give up their swing, not their strokes."""
+"""Punctual nods, and crowded gestures without overshoot."""
 
 import numpy as np
 import pytest
@@ -21,7 +21,7 @@ def planned(known):
 
 
 def down_strokes(plan):
-    """Block times [s] at which the head has come down and turns to go up."""
+    """Return the block times [s] of the lowest head positions."""
     times = np.arange(0.0, plan.trajectory.duration, 0.005)
     robot = plan.setup.robot
     head = robot.skeleton.segment(robot.chains["neck"][-1])
@@ -31,35 +31,35 @@ def down_strokes(plan):
 
 
 def crowd(gap):
-    """Ten strokes of one hand, so many seconds apart."""
+    """Write ten strokes of one hand at a given interval [s]."""
     return "".join(
         f'<gesture id="g{k}" lexeme="{lexeme}" mode="RIGHT_HAND" stroke="{1.5 + gap * k:.2f}"/>'
         for k, lexeme in enumerate(GESTURES)
     )
 
 
-def test_a_nod_has_come_down_when_its_word_sounds(planned):
+def test_nod_is_lowest_at_the_word_of_its_stroke(planned):
     plan = planned(NOD.format('stroke="s:m"'))
     assert down_strokes(plan) == pytest.approx([plan.syncs["s:m"].planned], abs=0.02)
     assert plan.syncs["h:strokeEnd"].planned > plan.syncs["s:m"].planned  # it comes up after the word
 
 
-def test_each_of_two_nods_has_come_down_when_its_own_word_sounds(planned):
+def test_two_nods_are_lowest_at_the_words_of_their_strokes(planned):
     tie = '<constraint><synchronize><sync ref="s:n"/><sync ref="h:stroke:2"/></synchronize></constraint>'
     plan = planned(NOD.format('repetition="2" stroke="s:m"') + tie)
     assert down_strokes(plan) == pytest.approx([plan.syncs[f"s:{mark}"].planned for mark in "mn"], abs=0.06)
 
 
-def test_a_crowd_of_gestures_gives_up_its_swing_and_loses_no_stroke(planned):
+def test_gestures_close_in_time_lose_overshoot_but_no_stroke(planned):
     roomy, near = planned(crowd(2.0)), planned(crowd(0.75))
     for plan in (roomy, near):
         assert {outcome.kind for outcome in plan.keyframes.outcomes.values()} <= {"realised", "partly"}
-        late = {sync.name: sync.planned - sync.asked for sync in plan.syncs if sync.sync == "stroke"}
+        late = {sync.name: sync.planned - sync.requested for sync in plan.syncs if sync.sync == "stroke"}
         assert len(late) == len(GESTURES)
         assert max(map(abs, late.values())) <= SHIFT_TO_WARN, late
     assert swinging(near) < 0.5 * swinging(roomy)
 
 
 def swinging(plan):
-    """Of all hinges at all keys, how many swing through."""
+    """Return the fraction of hinges that overshoot their keys."""
     return sum(passage.swing > 0.0 for posture in plan.postures.postures for passage in posture.passages)

@@ -6,21 +6,22 @@ import pytest
 from kinesic.bml.block import TimedBehaviour
 from kinesic.bml.parse import parse
 from kinesic.bml.schedule import schedule
-from kinesic.controller.perform import plan, set_up
-from kinesic.controller.performance import Performance
+from kinesic.metrics.dry_run import DryRun
 from kinesic.motion.infeasibility import Bottleneck
 from kinesic.motion.keys import Bond, KeyPosture
 from kinesic.planning.syncs import (
+    MIN_REPORTED_SHORTENING,
     SHIFT_TO_WARN,
-    SMALLER_TO_WARN,
     SyncTime,
     _on_path,
+    describe_path_changes,
+    describe_shifts,
     find_bonds,
-    limit_met,
-    path_notices,
-    planned_spans,
-    shift_notices,
+    find_limit_met,
+    find_planned_spans,
 )
+from kinesic.session.plan import plan
+from kinesic.session.setup import set_up
 
 BLOCK = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">
   <gesture id="one" lexeme="BEAT" start="0" stroke="1" end="3"/>
@@ -30,29 +31,29 @@ BLOCK = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">
 </bml>"""
 
 
-def test_every_shift_is_warned_and_nothing_else(hurried: Performance, calm: Performance) -> None:
+def test_only_shifted_sync_points_are_reported(hurried: DryRun, calm: DryRun) -> None:
     for performance in (hurried, calm):
         plan = performance.plan
         robot = plan.setup.robot
-        notices = shift_notices(plan.timeline.block, plan.syncs, plan.keyframes, plan.motion, robot)
-        moved = [sync for sync in plan.syncs if abs(sync.planned - sync.asked) > SHIFT_TO_WARN]
+        notices = describe_shifts(plan.timeline.block, plan.syncs, plan.keyframes, plan.motion, robot)
+        moved = [sync for sync in plan.syncs if abs(sync.planned - sync.requested) > SHIFT_TO_WARN]
         assert [notice.text.split()[0] for notice in notices] == [sync.sync for sync in moved]
         assert all(any(name in notice.text for name in robot.skeleton.names) for notice in notices)
 
 
-def test_of_two_limits_as_near_that_of_the_own_hinge_counts(calm: Performance) -> None:
+def test_delay_is_explained_first_by_limits_of_joints_that_the_behaviour_moves(calm: DryRun) -> None:
     plan = calm.plan
     robot = plan.setup.robot
     own, other = robot.joints("r_arm")[2], robot.joints("neck")[0]
-    last = len(plan.motion.asked) - 1
+    last = len(plan.motion.requested_times) - 1
     met = {(0, last): Bottleneck(other, "jerk", 2.0), (0, last - 1): Bottleneck(own, "duty", 1.5)}
     motion = replace(plan.motion, bottlenecks=met)
     sync = next(sync for sync in plan.syncs if sync.sync == "stroke")
-    assert plan.motion.asked[0] <= sync.asked <= plan.motion.asked[last - 1]
-    assert limit_met(sync, plan.keyframes, motion, robot) == met[0, last - 1]
-    assert limit_met(sync, plan.keyframes, replace(motion, bottlenecks={}), robot) is None
-    late = replace(sync, asked=float(np.max(plan.motion.asked)))
-    assert limit_met(late, plan.keyframes, motion, robot) == met[0, last], "the nearer one comes first"
+    assert plan.motion.requested_times[0] <= sync.requested <= plan.motion.requested_times[last - 1]
+    assert find_limit_met(sync, plan.keyframes, motion, robot) == met[0, last - 1]
+    assert find_limit_met(sync, plan.keyframes, replace(motion, bottlenecks={}), robot) is None
+    late = replace(sync, requested=float(np.max(plan.motion.requested_times)))
+    assert find_limit_met(late, plan.keyframes, motion, robot) == met[0, last], "the nearer one comes first"
 
 
 SETUP = set_up()
@@ -69,13 +70,13 @@ def said(made) -> list[str]:
 
 
 @pytest.mark.parametrize("lexeme", ["stir", "crazy"])
-def test_a_hurried_circle_shrinks_before_its_stroke_is_late(lexeme):
+def test_rushed_circular_gesture_shrinks_instead_of_delaying_its_stroke(lexeme):
     made = planned(lexeme, 0.15)
-    assert all(abs(sync.planned - sync.asked) <= SHIFT_TO_WARN for sync in made.syncs)
+    assert all(abs(sync.planned - sync.requested) <= SHIFT_TO_WARN for sync in made.syncs)
     assert [notice.id for notice in made.notices if " % smaller" in notice.text] == ["b:g"]
 
 
-def test_a_path_at_ease_is_followed():
+def test_slow_hand_path_is_followed_completely():
     made = planned("stir", 2.0)
     assert not said(made)
     hand = SETUP.robot.skeleton.segment("r_wrist")
@@ -86,27 +87,27 @@ def test_a_path_at_ease_is_followed():
             made.trajectory.sample(made.motion.planned + made.trajectory.zero)[0],
         )
     )
-    soft = [not posture.firm for posture in made.postures.postures]
+    soft = [not posture.is_exact for posture in made.postures.postures]
     assert sum(soft) >= 8
     assert np.linalg.norm(asked - found, axis=1).max() <= 0.01
 
 
-def test_how_much_smaller_is_the_share_of_the_length():
+def test_only_hand_path_shortenings_above_a_tenth_are_reported():
     made = planned("stir", 2.0)
-    middle = np.mean([posture.angles for posture in made.postures.postures if not posture.firm], axis=0)
+    middle = np.mean([posture.angles for posture in made.postures.postures if not posture.is_exact], axis=0)
 
     def wider(share: float):
         postures = tuple(
-            posture if posture.firm else replace(posture, angles=middle + (posture.angles - middle) * share)
+            posture if posture.is_exact else replace(posture, angles=middle + (posture.angles - middle) * share)
             for posture in made.postures.postures
         )
-        return path_notices(made.timeline.block, postures, made.keyframes, made.motion, SETUP.robot)
+        return describe_path_changes(made.timeline.block, postures, made.keyframes, made.motion, SETUP.robot)
 
-    assert not wider(1.0 + SMALLER_TO_WARN / 2)
+    assert not wider(1.0 + MIN_REPORTED_SHORTENING / 2)
     assert wider(2.0)
 
 
-def test_ties_between_behaviours_bind_both_ways_and_orders_one_way():
+def test_sync_points_with_equal_times_have_precedences_in_both_directions():
     block = parse(BLOCK)
     natural = {name: {"ready": 0.3, "stroke": 0.2, "relax": 0.1, "end": 0.3} for name in ("one", "two", "three")}
     found = set(find_bonds(schedule(block, {}, natural)))
@@ -119,7 +120,7 @@ def test_ties_between_behaviours_bind_both_ways_and_orders_one_way():
     assert not [bond for bond in found if bond.earlier[0] == bond.later[0]]
 
 
-def test_a_wrong_name_is_told_the_points_of_its_own_behaviour_alone(known) -> None:
+def test_unknown_sync_point_error_suggests_points_of_its_behaviour(known) -> None:
     face = '<faceLexeme id="f" lexeme="smile" start="0" attackPeak="1" relax="2" end="3"/>'
     text = f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD"/>{face}</bml>'
     syncs = plan(text, known).syncs
@@ -130,7 +131,7 @@ def test_a_wrong_name_is_told_the_points_of_its_own_behaviour_alone(known) -> No
     assert "attackPeak" not in str(refused.value)
 
 
-def test_points_of_one_behaviour_are_not_bound_to_one_another():
+def test_sync_points_of_one_behaviour_have_no_precedence_constraint():
     block = parse(
         ROOT.format(
             '<gesture id="one" lexeme="BEAT" start="0" relax="one:stroke+0.5"/><head id="h" lexeme="NOD" '
@@ -145,18 +146,18 @@ def test_points_of_one_behaviour_are_not_bound_to_one_another():
     }
 
 
-def test_span_of_a_behaviour_is_from_its_first_point_to_its_last():
+def test_time_span_of_a_behaviour_covers_first_to_last_sync_point():
     points = [("a", 1.0), ("b", 5.0), ("a", 3.0), ("a", -2.0), ("a", 0.5)]
-    assert planned_spans(points) == {"a": (-2.0, 3.0), "b": (5.0, 5.0)}
-    assert planned_spans([]) == {}
+    assert find_planned_spans(points) == {"a": (-2.0, 3.0), "b": (5.0, 5.0)}
+    assert find_planned_spans([]) == {}
 
 
-def test_keys_of_a_path_are_those_of_its_stroke_with_both_ends(known):
+def test_path_keys_include_both_ends_of_stroke(known):
     rest, arm = known.robot.skeleton.rest, known.robot.arm("r").joints[0]
     keyed = tuple(hinge == arm for hinge in range(len(rest)))
 
-    def postures(*firm: bool) -> list[KeyPosture]:
-        return [KeyPosture(float(k), rest, keyed, (), (), each) for k, each in enumerate(firm)]
+    def postures(*is_exact: bool) -> list[KeyPosture]:
+        return [KeyPosture(float(k), rest, keyed, (), (), each) for k, each in enumerate(is_exact)]
 
     action = parse(ROOT.format('<gesture id="g" lexeme="stir"/>')).behaviours[0]
     timed = TimedBehaviour(action, {"strokeStart": 1.0, "strokeEnd": 3.0})
@@ -169,5 +170,5 @@ def test_keys_of_a_path_are_those_of_its_stroke_with_both_ends(known):
     ("point", "is_stroke"),
     [("stroke", True), ("stroke:2", True), ("strokeStart", False), ("strokeEnd", False), ("ready", False)],
 )
-def test_strokes_are_the_first_and_its_repetitions(point: str, is_stroke: bool):
+def test_first_and_repeated_stroke_sync_points_are_recognised(point: str, is_stroke: bool):
     assert SyncTime("g", point, 1.0, 1.0).is_stroke is is_stroke

@@ -1,4 +1,4 @@
-"""Touches by the tip that is meant: it hovers, and nothing of the hand is nearer."""
+"""Touches with a requested fingertip."""
 
 from dataclasses import replace
 
@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from kinesic.body.config import ConfigError
-from kinesic.controller.perform import set_up
 from kinesic.expressivity.hands.poses import resting_hands
 from kinesic.expressivity.keyframes import Hand
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.planning import collision
-from kinesic.planning.collision import EXACT, HOVER, SLACK, TipTouch
+from kinesic.planning.collision import GAP_TOLERANCE, HOVER_DISTANCE, TOUCH_TOLERANCE, TipTouch
+from kinesic.session.setup import set_up
 from kinesic.sim.worst_postures import random_postures
 from kinesic.studies.gestures.isolated import plan_gesture
 
@@ -22,7 +22,7 @@ def known():
 
 
 @pytest.mark.parametrize("name", ["hush", "own_mouth", "think", "phone_call", "steeple", "watch_time"])
-def test_the_tip_that_is_meant_hovers_and_the_rest_stays_away(known, name):
+def test_requested_fingertip_hovers_at_its_target_and_other_parts_keep_distance(known, name):
     form, robot = known.lexicon.forms_by_id[name], known.robot
     planned = plan_gesture(form, known)
     keyed = np.array([posture.angles for posture in planned.postures.postures])
@@ -32,18 +32,18 @@ def test_the_tip_that_is_meant_hovers_and_the_rest_stays_away(known, name):
                 touch = TipTouch.of(side, Hand(touch=pose.touch, tip=pose.tip), robot)
                 assert touch is not None
                 gaps = touch.gaps(keyed)
-                assert HOVER - EXACT <= gaps.min() <= HOVER + SLACK + EXACT
-                assert known.distances.gaps(keyed[gaps.argmin()][None]).min() >= HOVER - EXACT
+                assert HOVER_DISTANCE - GAP_TOLERANCE <= gaps.min() <= HOVER_DISTANCE + TOUCH_TOLERANCE + GAP_TOLERANCE
+                assert known.distances.gaps(keyed[gaps.argmin()][None]).min() >= HOVER_DISTANCE - GAP_TOLERANCE
 
 
-def test_a_hand_without_that_finger_or_without_a_touch_has_no_tip(known):
+def test_fingertip_contact_requires_fingers_and_a_touched_body_part(known):
     plain = set_up("upper22").robot
     assert TipTouch.of("r", Hand(touch="head", tip="index"), plain) is None
     assert TipTouch.of("r", Hand(tip="index"), known.robot) is None
     assert TipTouch.of("r", Hand(touch="head"), known.robot) is None
 
 
-def test_a_tip_needs_something_to_touch(tmp_path):
+def test_fingertip_needs_a_touched_part(tmp_path):
     file = tmp_path / "mine.toml"
     hand = '{ right = { at = [0.3, 0.2, 0.5], tip = "index" } }'
     file.write_text(f'category = "emblem"\n[[gesture]]\nid = "poke"\nkeys = [{hand}]\n', encoding="utf-8")
@@ -52,7 +52,7 @@ def test_a_tip_needs_something_to_touch(tmp_path):
 
 
 @pytest.mark.parametrize("touch", ["chest", "head", "forearm", "upper_arm", "hand"])
-def test_the_gap_of_a_tip_is_its_distance_from_the_nearest_capsule(known, touch):
+def test_fingertip_gap_is_the_distance_to_the_nearest_capsule_of_the_touched_part(known, touch):
     robot = known.robot
     postures = random_postures(robot.skeleton, 12, seed=3)
     found = TipTouch.of("l", Hand(touch=touch, tip="index"), robot)
@@ -77,23 +77,23 @@ def test_the_gap_of_a_tip_is_its_distance_from_the_nearest_capsule(known, touch)
     np.testing.assert_allclose(found.gaps(postures), np.min(apart, axis=0) - found.tip.radius, atol=2e-4)
 
 
-def test_tip_has_nothing_to_touch_where_the_robot_lacks_the_part(known):
+def test_fingertip_has_no_target_if_the_robot_lacks_the_body_part(known):
     robot = replace(known.robot, chains={name: each for name, each in known.robot.chains.items() if name != "neck"})
     assert TipTouch.of("r", Hand(touch="head", tip="index"), robot) is None
     assert TipTouch.of("r", Hand(touch="chest", tip="index"), robot) is not None
 
 
 @pytest.mark.parametrize("touch", ["head", "hand", "chest"])
-def test_tip_leads_first_and_then_the_hand_and_then_nothing_touches(known, monkeypatch, touch):
+def test_touch_by_fingertip_then_by_hand_then_without_contact_is_tried(known, monkeypatch, touch):
     robot, rest = known.robot, known.robot.skeleton.rest
     tried = []
     monkeypatch.setattr(collision, "separate", lambda *given: tried.append(given[-1]))
-    near = np.full(len(robot.counted_pairs), HOVER / 2)
+    near = np.full(len(robot.counted_pairs), HOVER_DISTANCE / 2)
     hand = Hand(resting_hands(robot)["r"], touch=touch, tip="index")
     np.testing.assert_array_equal(collision.clear_hands(rest, {"r": hand}, robot, known.distances, near), rest)
     pair = collision.touched_pair("r", touch, robot, near)
     assert [(spacing.least, spacing.touching, len(spacing.tips)) for spacing in tried] == [
-        (HOVER, (), 1),
-        (HOVER, (pair,), 0),
-        (HOVER, (), 0),
+        (HOVER_DISTANCE, (), 1),
+        (HOVER_DISTANCE, (pair,), 0),
+        (HOVER_DISTANCE, (), 0),
     ]

@@ -8,85 +8,86 @@ from kinesic.body.arrays import sealed
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot
 from kinesic.expressivity.keyframes import Turn
-from kinesic.planning.torso import set_turn, torso_turn, volume
+from kinesic.planning.torso import compute_torso_turn, find_gesture_volume, set_turn
 
 UPPER22 = Robot.load()
-NAMES = ("vl5_tilt", "vl5_roll", "vl5_torsion")  # another robot's order, one body
+SHUFFLED_NAMES = ("vl5_tilt", "vl5_roll", "vl5_torsion")  # another order of one body's hinges
 REORDERED = replace(
     UPPER22,
     skeleton=replace(
         UPPER22.skeleton,
         hinges=tuple(
-            replace(hinge, name=NAMES[k]) if k < 3 else hinge for k, hinge in enumerate(UPPER22.skeleton.hinges)
+            replace(hinge, name=SHUFFLED_NAMES[k]) if k < 3 else hinge
+            for k, hinge in enumerate(UPPER22.skeleton.hinges)
         ),
     ),
 )
 
 
-def test_a_turn_is_written_and_read_back():
+def test_rotation_written_to_neck_joints_is_read_back():
     angles = np.array(UPPER22.skeleton.rest)
     set_turn(UPPER22, "neck", np.array([0.3, -0.2, 0.1]), angles)
-    assert torso_turn(UPPER22, "neck", angles) == pytest.approx([0.3, -0.2, 0.1])
+    assert compute_torso_turn(UPPER22, "neck", angles) == pytest.approx([0.3, -0.2, 0.1])
 
 
-def test_hinges_are_found_by_name_whatever_their_order():
+def test_torso_hinges_are_found_by_name():
     angles = np.array(REORDERED.skeleton.rest)
     set_turn(REORDERED, "torso", np.array([0.3, 0.2, 0.1]), angles)
     assert angles[:3] == pytest.approx([0.2, 0.1, 0.3])
 
 
-def test_hinges_of_one_axis_share_it_by_their_room():
+def test_torso_joints_with_one_axis_divide_a_rotation_by_their_ranges():
     skeleton = UPPER22.skeleton
     hinges = (replace(skeleton.hinges[0], name="vt1_tilt", lower=-0.2, upper=0.2), *skeleton.hinges[1:])
     robot = replace(UPPER22, skeleton=replace(skeleton, hinges=hinges))
     angles = np.array(robot.skeleton.rest)
     set_turn(robot, "torso", np.array([0.5, 0.3, 0.0]), angles)
     assert angles[0] / angles[1] == pytest.approx(0.2 / skeleton.upper[1])
-    assert torso_turn(robot, "torso", angles) == pytest.approx([0.0, 0.3, 0.0])
+    assert compute_torso_turn(robot, "torso", angles) == pytest.approx([0.0, 0.3, 0.0])
 
 
-def test_ranges_hold():
+def test_torso_turn_keeps_joint_ranges():
     angles = np.array(UPPER22.skeleton.rest)
     set_turn(UPPER22, "neck", np.array([9.0, -9.0, 9.0]), angles)
     assert np.all(angles == UPPER22.skeleton.clamp(angles))
 
 
-def test_a_chain_that_the_robot_lacks_turns_nothing():
+def test_torso_rotation_of_a_robot_without_torso_chain_moves_no_joint():
     robot, angles = replace(UPPER22, chains={}), np.array(UPPER22.skeleton.rest)
     set_turn(robot, "torso", np.array([0.3, 0.2, 0.1]), angles)
     assert np.array_equal(angles, UPPER22.skeleton.rest)
-    assert torso_turn(robot, "torso", angles).tolist() == [0.0, 0.0, 0.0]
+    assert compute_torso_turn(robot, "torso", angles).tolist() == [0.0, 0.0, 0.0]
 
 
 ROBOT = Robot.load()
 PLACE = Reach(sealed([0.3, 0.1, 0.8]), pointing=sealed([1.0, 0.0, 0.0]))
 
 
-def test_an_upright_torso_moves_nothing():
-    assert volume(ROBOT, Turn()) is None
+def test_upright_torso_needs_no_transformed_gesture_space():
+    assert find_gesture_volume(ROBOT, Turn()) is None
 
 
-def test_the_box_turns_with_the_torso_about_its_first_joint():
-    placed = volume(ROBOT, Turn(torsion=np.pi / 6)).placed(PLACE)
+def test_gesture_space_turns_about_the_first_torso_joint():
+    placed = find_gesture_volume(ROBOT, Turn(torsion=np.pi / 6)).placed(PLACE)
     cosine, sine = np.cos(np.pi / 6), np.sin(np.pi / 6)
     np.testing.assert_allclose(placed.position, [0.3 * cosine - 0.1 * sine, 0.3 * sine + 0.1 * cosine, 0.8])
     np.testing.assert_allclose(placed.pointing, [cosine, sine, 0.0])
 
 
 @pytest.mark.parametrize("turn", [Turn(torsion=0.5), Turn(tilt=0.4), Turn(roll=-0.3)])
-def test_a_rigid_trunk_keeps_the_boxs_size(turn):
-    assert volume(ROBOT, turn).scale == pytest.approx(1.0, abs=1e-12)
+def test_gesture_space_of_a_rigid_trunk_keeps_its_size(turn):
+    assert find_gesture_volume(ROBOT, turn).scale == pytest.approx(1.0, abs=1e-12)
 
 
-def test_a_box_of_another_scale_is_smaller_about_the_pivot():
-    box = volume(ROBOT, Turn(tilt=0.3))
+def test_gesture_space_scales_about_its_pivot():
+    box = find_gesture_volume(ROBOT, Turn(tilt=0.3))
     half = type(box)(box.pivot, box.rotation, 0.5)
     np.testing.assert_allclose(
         half.placed(PLACE).position - box.pivot, 0.5 * (box.placed(PLACE).position - box.pivot), atol=1e-12
     )
 
 
-def test_a_spine_that_bends_in_two_places_is_shorter_and_so_is_the_box(tmp_path):
+def test_bent_spine_shrinks_the_gesture_space(tmp_path):
     text = resources.files("kinesic").joinpath("configs/robots/upper22.toml").read_text()
     body = '[[body]]\nname = "vt10"\nparent = "vl5"\npos = [0, 0, 0.15]\nmass = 0.3\ncapsules = []\n\n'
     hinge = (
@@ -99,7 +100,7 @@ def test_a_spine_that_bends_in_two_places_is_shorter_and_so_is_the_box(tmp_path)
     text = text.replace(neck, hinge + neck).replace('torso = ["vl5"]', 'torso = ["vl5", "vt10"]')
     path = tmp_path / "bending.toml"
     path.write_text(text)
-    box = volume(Robot.load(path), Turn(tilt=0.8))
+    box = find_gesture_volume(Robot.load(path), Turn(tilt=0.8))
     lower, upper = 0.15, 0.14  # [m] of the spine, bent by half of the tilt where they meet
     length = np.sqrt(lower**2 + upper**2 + 2 * lower * upper * np.cos(0.4))
     assert box.scale == pytest.approx(length / (lower + upper))

@@ -1,1 +1,1 @@
-"""Secondary motion: what a body does beneath all that is asked of it, while it gestures and speaks, too."""
+"""Secondary motion: breath, drift, speech movements, head arcs and follow-through."""

@@ -1,4 +1,4 @@
-"""Lays secondary motion, and what is late, on a certified motion, as far as limits, torques and clearance allow it."""
+"""Add secondary motion to a certified motion within limits, torques and clearance."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -15,21 +15,21 @@ from kinesic.body.utterance import Utterance
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.motion.condition import Conditioned
 from kinesic.motion.trajectory import Trajectory
-from kinesic.planning.certify import overloaded_times
+from kinesic.planning.certify import find_overloaded_times
 from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
-from kinesic.planning.secondary.arcs import arcs
-from kinesic.planning.secondary.arm_times import arm_courses
-from kinesic.planning.secondary.breath import breaths
-from kinesic.planning.secondary.changes import Changes, lessened
-from kinesic.planning.secondary.drift import drifts
-from kinesic.planning.secondary.homeward import ways_home
-from kinesic.planning.secondary.succession import later_hinges
-from kinesic.planning.secondary.swells import MotionChange, Swell
-from kinesic.planning.secondary.talking import talking
+from kinesic.planning.secondary.arcs import make_head_arcs
+from kinesic.planning.secondary.arm_times import find_arm_courses
+from kinesic.planning.secondary.breath import make_breaths
+from kinesic.planning.secondary.changes import Changes, reduce_amounts
+from kinesic.planning.secondary.drift import make_drifts
+from kinesic.planning.secondary.homeward import vary_returns
+from kinesic.planning.secondary.offset_bumps import MotionChange, OffsetBump
+from kinesic.planning.secondary.succession import delay_hinges
+from kinesic.planning.secondary.talking import make_speech_motion
 from kinesic.planning.setup import Setup
 
-NEARER = 1e-6  # [m] by which clearance may shrink where it is scarce
-LIVELIEST = 1.5  # times a style's share of the body
+MAX_CLEARANCE_LOSS = 1e-6  # [m] tolerated loss where the clearance is already too small
+MAX_BODY_WEIGHT = 1.5  # largest whole-body weight of a style that scales secondary motion
 
 
 def add_secondary_motion(
@@ -40,19 +40,18 @@ def add_secondary_motion(
     utterances: Mapping[str, Utterance],
     setup: Setup,
 ) -> tuple[Conditioned, Floats, Clearance]:
-    """Lets the body breathe, stray from poses that it holds, and move its head as it speaks; wrists follow shoulders.
+    """Add breath, drift, head motion while speaking, and follow-through of the arms.
 
-    No sync point comes at another time, and what leads is at its key at every stroke. What brings a hinge beyond a
-    limit, or a segment too near to another one, becomes less, and is left out where that is not enough: first what arms
-    do, then the rest.
+    No sync point moves, and leading hinges are at their keys at every stroke. Changes that violate a limit or the
+    clearance are reduced, then left out: those of the arms first.
 
     Args:
         motion: certified and clear.
         times: (m,) [s] performance time.
         clearance: of the motion, at these times.
         frames: of the block.
-        utterances: of its speeches, by their ids.
-        setup: robot, limits, and how lively it is.
+        utterances: by speech id.
+        setup: robot, limits and amount of idle motion.
 
     Returns:
         The motion, and times (k,) [s] with its clearance.
@@ -60,58 +59,70 @@ def add_secondary_motion(
     changes = _changes(motion, frames, utterances, setup)
     if not changes:
         return motion, times, clearance
-    alone, every = motion.trajectory, _Every(Changes(motion.trajectory, changes), setup.robot)
-    amounts = every.of.within_limits(np.ones(len(changes)), np.ones(len(changes), dtype=np.bool_), setup.limits)
-    laid = every.of.added(amounts)
-    times, found = scan_clearance(laid, setup.distances)
+    alone, spans = motion.trajectory, _ChangeSpans(Changes(motion.trajectory, changes), setup.robot)
+    amounts = spans.changes.within_limits(np.ones(len(changes)), np.ones(len(changes), dtype=np.bool_), setup.limits)
+    laid = spans.changes.added(amounts)
+    times, changed_clearance = scan_clearance(laid, setup.distances)
     chosen = np.ones(len(times), dtype=np.bool_)
-    bad = _hindered(alone, laid, times, (found, clearance), chosen, setup)
-    while np.any(met := (amounts > 0.0) & every.met(times, bad)):
-        less = met & every.of_arms if np.any(met & every.of_arms) else met
-        amounts = every.of.within_limits(lessened(amounts, less), less, setup.limits)
-        laid = every.of.added(amounts)
-        chosen = every.touched(times, less)
-        found = _measure_again(found, chosen, laid.sample(times[chosen])[0], setup)
-        bad = np.where(chosen, _hindered(alone, laid, times, (found, clearance), chosen, setup), bad)
-    return replace(motion, trajectory=laid), times, found
+    bad = _hindered(alone, laid, times, (changed_clearance, clearance), chosen, setup)
+    while np.any(met := (amounts > 0.0) & spans.met(times, bad)):
+        less = met & spans.moves_arm if np.any(met & spans.moves_arm) else met
+        amounts = spans.changes.within_limits(reduce_amounts(amounts, less), less, setup.limits)
+        laid = spans.changes.added(amounts)
+        chosen = spans.touched(times, less)
+        changed_clearance = _measure_again(changed_clearance, chosen, laid.sample(times[chosen])[0], setup)
+        bad = np.where(chosen, _hindered(alone, laid, times, (changed_clearance, clearance), chosen, setup), bad)
+    return replace(motion, trajectory=laid), times, changed_clearance
 
 
 @dataclass(frozen=True, eq=False)
-class _Every:
-    """The changes of a motion, by the joints that they move and the times at which they do."""
+class _ChangeSpans:
+    """Joints and time spans of the secondary motion offsets."""
 
-    of: Changes
+    changes: Changes
     robot: Robot
 
     @cached_property
-    def of_arms(self) -> Flags:
-        """(c,) which of them move an arm."""
+    def moves_arm(self) -> Flags:
+        """Whether each offset moves an arm, (c,)."""
         joints = [joint for side in SIDES for joint in self.robot.arm(side).joints]
-        return np.asarray(self.of.moved[:, joints].any(axis=1))
+        return np.asarray(self.changes.moved[:, joints].any(axis=1))
 
     def under_way(self, times: Floats) -> Indices:
-        """(c, 2) at which of times (m,) [s], in order, each begins to be under way, and at which it no longer is."""
-        begins, ends = np.array([(change.begin, change.end) for change in self.of.every]).T
+        """Return first and last time index of each offset, (c, 2)."""
+        begins, ends = np.array([(change.begin, change.end) for change in self.changes.offsets]).T
         return np.stack([times.searchsorted(begins, side="right"), times.searchsorted(ends)], axis=1)
 
     def met(self, times: Floats, bad: Flags) -> Flags:
-        """(c,) which of them are under way when they must not: (m,) at (m,) times [s]."""
+        """Return flags (c,) of the offsets that are active at any flagged time.
+
+        Args:
+            times: (m,) [s].
+            bad: (m,) whether a time is bad.
+        """
         first, last = self.under_way(times).T
         before = np.append(0, np.cumsum(bad))
         return np.asarray(before[np.maximum(first, last)] > before[first])
 
     def touched(self, times: Floats, chosen: Flags) -> Flags:
-        """(m,) at which times (m,) [s] any of some changes (c,) is under way."""
-        found: Flags = np.zeros(len(times), dtype=np.bool_)
+        """Return flags (m,) of the times at which any chosen offset is active."""
+        changed_clearance: Flags = np.zeros(len(times), dtype=np.bool_)
         for first, last in self.under_way(times)[chosen].tolist():
-            found[first:last] = True
-        return found
+            changed_clearance[first:last] = True
+        return changed_clearance
 
 
-def _measure_again(found: Clearance, changed: Flags, angles: Floats, setup: Setup) -> Clearance:
-    """The clearance where it changed at some times, with angles (k, n) [rad] at them."""
+def _measure_again(before: Clearance, changed: Flags, angles: Floats, setup: Setup) -> Clearance:
+    """Recompute the clearance at times with changed motion.
+
+    Args:
+        before: clearance before.
+        changed: (m,) whether a time changed.
+        angles: (k, n) [rad] at the changed times.
+        setup: with the distances.
+    """
     now = setup.distances.clearance(angles)
-    distances, pairs = np.array(found.distances), list(found.pairs)
+    distances, pairs = np.array(before.distances), list(before.pairs)
     distances[changed] = now.distances
     for k, pair in zip(np.flatnonzero(changed).tolist(), now.pairs, strict=True):
         pairs[k] = pair
@@ -121,40 +132,44 @@ def _measure_again(found: Clearance, changed: Flags, angles: Floats, setup: Setu
 def _changes(
     motion: Conditioned, frames: KeyFrames, utterances: Mapping[str, Utterance], setup: Setup
 ) -> tuple[MotionChange, ...]:
-    """Makes the changes that a block leaves room for; none while an arm points at something."""
+    """Collect the secondary motion offsets of a block, except during pointing."""
     timeline, trajectory = frames.timeline, motion.trajectory
-    zero, courses = trajectory.zero, tuple(arm_courses(frames, motion, setup.robot))
-    found: tuple[MotionChange, ...] = (
-        *later_hinges(courses, trajectory, setup.robot),
-        *ways_home(courses, trajectory, setup.variation, timeline.block.id, setup.robot),
-        *_swells(trajectory, timeline, utterances, setup),
+    zero, courses = trajectory.zero, tuple(find_arm_courses(frames, motion, setup.robot))
+    changed_clearance: tuple[MotionChange, ...] = (
+        *delay_hinges(courses, trajectory, setup.robot),
+        *vary_returns(courses, trajectory, setup.variation, timeline.block.id, setup.robot),
+        *_idle_offsets(trajectory, timeline, utterances, setup),
     )
     aiming = [
         (zero + timed.times["start"], zero + timed.times["end"])
         for timed in timeline.timed
         if isinstance(timed.behaviour.action, Pointing)
     ]
-    return tuple(each for each in found if not any(begin < each.end and each.begin < end for begin, end in aiming))
+    return tuple(
+        change
+        for change in changed_clearance
+        if not any(begin < change.end and change.begin < end for begin, end in aiming)
+    )
 
 
-def _swells(
+def _idle_offsets(
     motion: Trajectory, timeline: Timeline, utterances: Mapping[str, Utterance], setup: Setup
-) -> Iterator[Swell]:
+) -> Iterator[OffsetBump]:
     idling, robot, zero = setup.idling, setup.robot, motion.zero
     if idling.amount == 0.0:
         return
     chance = np.random.default_rng((idling.seed, crc32(timeline.block.id.encode())))
-    part = idling.amount * min(setup.style.whole_body, LIVELIEST)
+    part = idling.amount * min(setup.style.whole_body, MAX_BODY_WEIGHT)
     whole = max(zero + timeline.start, motion.start), max(zero + timeline.end, motion.end)
-    yield from breaths(whole, idling.amount, robot, chance)
-    yield from drifts(motion, idling.amount, robot, chance)
-    yield from (each.later(zero) for each in talking(timeline, utterances, part, robot, chance))
+    yield from make_breaths(whole, idling.amount, robot, chance)
+    yield from make_drifts(motion, idling.amount, robot, chance)
+    yield from (change.later(zero) for change in make_speech_motion(timeline, utterances, part, robot, chance))
     nods = [
         (zero + min(timed.times.values()), zero + max(timed.times.values()))
         for timed in timeline.timed
         if isinstance(timed.behaviour.action, Head)
     ]
-    yield from arcs(motion, nods, part, robot, chance)
+    yield from make_head_arcs(motion, nods, part, robot, chance)
 
 
 def _hindered(
@@ -165,11 +180,11 @@ def _hindered(
     chosen: Flags,
     setup: Setup,
 ) -> Flags:
-    """Finds at which times (m,) a motion with changes is too near to itself or overloads a drive, and alone is not.
+    """Return times (m,) with too little clearance or overloaded servos.
 
-    Drives are looked at where that is `chosen`.
+    Times that violate without the changes do not count. Drives are checked at the `chosen` times.
     """
     now, before = clearances
     distances = before.distances[np.minimum(np.arange(len(times)), len(before.distances) - 1)]
-    least = np.minimum(setup.robot.least_clearance + LAG_RESERVE, distances - NEARER)
-    return (now.distances < least) | np.isin(times, overloaded_times(alone, laid, times[chosen], setup))
+    least = np.minimum(setup.robot.min_clearance + LAG_RESERVE, distances - MAX_CLEARANCE_LOSS)
+    return (now.distances < least) | np.isin(times, find_overloaded_times(alone, laid, times[chosen], setup))

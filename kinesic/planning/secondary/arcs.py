@@ -1,4 +1,4 @@
-"""Arcs: a head that turns aside dips and leans a little on its way, and does not go straight from pose to pose."""
+"""Arcs of the head: it dips and leans during a turn."""
 
 from collections.abc import Iterator, Sequence
 from math import radians
@@ -7,42 +7,50 @@ import numpy as np
 
 from kinesic.body.robot import Robot
 from kinesic.expressivity.idle import Span
-from kinesic.motion.trajectory import STEP, Trajectory
-from kinesic.planning.secondary.swells import CONTROL_LEAD, Swell
+from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
+from kinesic.planning.secondary.offset_bumps import CONTROL_LEAD, OffsetBump
 from kinesic.planning.torso import set_turn
 
-LEAST_TURN, LEAST_TIME = radians(6.0), 0.2  # [rad] and [s] of a turn that is worth an arc
-DIP, LEAN = (0.06, 0.16), (-0.04, 0.14)  # of a turn, that the head goes down, and leans to where it turns
-LARGEST_BEND = radians(4.0)  # of both
-LOWEST_AT = 0.35, 0.6  # share of the time, at which it is lowest
-MOVING = radians(2.0)  # [rad/s] of a head that turns
+MIN_TURN_ANGLE = radians(6.0)  # [rad] smallest head turn that gets an arc
+MIN_TURN_TIME = 0.2  # [s] shortest head turn that gets an arc
+DIP_FRACTIONS = (0.06, 0.16)  # range of the head's dip angle / turn angle
+LEAN_FRACTIONS = (-0.04, 0.14)  # range of the head's lean angle / turn angle
+MAX_ARC_ANGLE = radians(4.0)  # [rad] largest dip or lean of the head
+PEAK_FRACTIONS = (0.35, 0.6)  # range of the time of the largest dip, as a fraction of the turn's duration
+MIN_TURN_VELOCITY = radians(2.0)  # [rad/s] velocity above which the head counts as turning
 
 
-def arcs(
+def make_head_arcs(
     motion: Trajectory, taken: Sequence[Span], amount: float, robot: Robot, chance: np.random.Generator
-) -> Iterator[Swell]:
-    """Bends the ways of the head.
+) -> Iterator[OffsetBump]:
+    """Yield offsets that let the head dip and lean while it turns.
 
     Args:
-        motion: in which it turns.
-        taken: when a document asks nods and shakes of it, which stay as they are [s].
-        amount: 0 not at all .. 1 as people do.
-        robot: of the motion; one without a neck has no arcs.
-        chance: how far.
+        motion: with the turns.
+        taken: spans of requested nods and shakes [s], which stay unchanged.
+        amount: 0 none .. 1 like a person.
+        robot: without a neck there are no arcs.
+        chance: random generator.
     """
     if amount == 0.0 or not robot.joints("neck"):
         return
-    for begin, end, turn in head_turns(motion, robot):
-        away = np.zeros(len(robot.skeleton.hinges))
-        dip, lean = (amount * min(abs(turn) * float(chance.uniform(*share)), LARGEST_BEND) for share in (DIP, LEAN))
-        set_turn(robot, "neck", np.array([0.0, dip, -np.sign(turn) * lean]), away)
-        peak = begin + float(chance.uniform(*LOWEST_AT)) * (end - begin)
+    for begin, end, turn in find_head_turns(motion, robot):
+        offsets = np.zeros(len(robot.skeleton.hinges))
+        dip, lean = (
+            amount * min(abs(turn) * float(chance.uniform(*fractions)), MAX_ARC_ANGLE)
+            for fractions in (DIP_FRACTIONS, LEAN_FRACTIONS)
+        )
+        set_turn(robot, "neck", np.array([0.0, dip, -np.sign(turn) * lean]), offsets)
+        peak = begin + float(chance.uniform(*PEAK_FRACTIONS)) * (end - begin)
         if not any(a < end and begin < b for a, b in taken):
-            yield Swell(begin, peak, end, away)
+            yield OffsetBump(begin, peak, end, offsets)
 
 
-def head_turns(motion: Trajectory, robot: Robot) -> Iterator[tuple[float, float, float]]:
-    """Finds when the head turns to one side for a while: from, to [s] and how far [rad], + left."""
+def find_head_turns(motion: Trajectory, robot: Robot) -> Iterator[tuple[float, float, float]]:
+    """Yield start [s], end [s] and angle [rad] of head turns.
+
+    Turns to the left are positive.
+    """
     hinges = [
         joint
         for chain in ("torso", "neck")
@@ -50,9 +58,13 @@ def head_turns(motion: Trajectory, robot: Robot) -> Iterator[tuple[float, float,
         if "torsion" in robot.skeleton.names[joint]
     ]
     torsion = motion.controls[:, hinges].sum(axis=1)
-    sides = np.sign(np.where(np.abs(np.diff(torsion)) > MOVING * STEP, np.diff(torsion), 0.0))
+    sides = np.sign(np.where(np.abs(np.diff(torsion)) > MIN_TURN_VELOCITY * KNOT_INTERVAL, np.diff(torsion), 0.0))
     edges = np.flatnonzero(np.diff(np.concatenate([[0.0], sides, [0.0]])))
     for first, last in zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True):
         turn = float(torsion[last] - torsion[first])
-        if sides[first] and abs(turn) >= LEAST_TURN and (last - first) * STEP >= LEAST_TIME:
-            yield motion.start + (first - CONTROL_LEAD) * STEP, motion.start + (last - CONTROL_LEAD) * STEP, turn
+        if sides[first] and abs(turn) >= MIN_TURN_ANGLE and (last - first) * KNOT_INTERVAL >= MIN_TURN_TIME:
+            yield (
+                motion.start + (first - CONTROL_LEAD) * KNOT_INTERVAL,
+                motion.start + (last - CONTROL_LEAD) * KNOT_INTERVAL,
+                turn,
+            )

@@ -1,4 +1,4 @@
-"""When each arm does its strokes in a planned motion, and when it stands still between them."""
+"""Times of strokes and rests of each arm in a planned motion."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -11,28 +11,28 @@ from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.expressivity.idle import Span
 from kinesic.expressivity.keyframes import NO_SUCCESSION, KeyFrames, Succession
 from kinesic.motion.condition import Conditioned
-from kinesic.motion.trajectory import STEP, Trajectory
-from kinesic.planning.secondary.swells import CONTROL_LEAD
-from kinesic.planning.syncs import on_keys
+from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
+from kinesic.planning.secondary.offset_bumps import CONTROL_LEAD
+from kinesic.planning.syncs import list_keyed_syncs
 
-LEAST_REST = 0.03  # [s]
-STILL_ARM = 5e-5  # [rad] from knot to knot
+MIN_REST_TIME = 0.03  # [s] shorter standstills of an arm do not count as rests
+STILL_THRESHOLD = 5e-5  # [rad] change per knot below which an arm stands still
 
 
 @dataclass(frozen=True)
 class ArmStroke:
-    """The span in which an arm has to be where its behaviour asks, and by how much its hand and wrist lag."""
+    """Time span of an arm's stroke, with its follow-through delays."""
 
     id: str  # of the behaviour
-    begin: float  # [s]
-    end: float  # [s]
-    behind: float = 0.0  # [s]
-    loose: float = 0.0  # [s]
+    begin: float  # [s] performance time
+    end: float  # [s] performance time
+    behind: float = 0.0  # [s] delay of the whole hand
+    loose: float = 0.0  # [s] delay of the wrist after the shoulder
 
 
 @dataclass(frozen=True, eq=False)
 class Gap:
-    """The time of an arm before, between or after strokes, and when it stands still in it [s]."""
+    """Time span of an arm between strokes, with its rest periods [s]."""
 
     begin: float
     end: float
@@ -40,7 +40,7 @@ class Gap:
 
     @property
     def way_home(self) -> Span | None:
-        """From the hold after a stroke, or its end, to where the arm stands still next; None: it goes on at once."""
+        """Time span of the return to rest, or None."""
         if not self.rests or (len(self.rests) == 1 and self.end < inf):
             return None
         return (self.rests[0][1] if len(self.rests) > 1 else self.begin), self.rests[-1][0]
@@ -48,20 +48,20 @@ class Gap:
 
 @dataclass(frozen=True, eq=False)
 class ArmCourse:
-    """The strokes of one arm through a block, and the gaps between them."""
+    """Alternating strokes and gaps of one arm in a block."""
 
     side: Side
     strokes: Sequence[ArmStroke]  # in time order
-    gaps: Sequence[Gap]  # before, between and after them
+    gaps: Sequence[Gap]  # before, between and after the strokes
 
 
-def arm_courses(frames: KeyFrames, motion: Conditioned, robot: Robot) -> Iterator[ArmCourse]:
-    """Finds what arms do through a block; those without a stroke do nothing.
+def find_arm_courses(frames: KeyFrames, motion: Conditioned, robot: Robot) -> Iterator[ArmCourse]:
+    """Yield the course of each arm with a stroke.
 
     Args:
         frames: of the block.
         motion: through its keys.
-        robot: whose arms they are.
+        robot: with the arms.
     """
     spans = _stroke_spans(frames, motion)
     for side in SIDES:
@@ -70,38 +70,45 @@ def arm_courses(frames: KeyFrames, motion: Conditioned, robot: Robot) -> Iterato
 
 
 def _stroke_spans(frames: KeyFrames, motion: Conditioned) -> Mapping[str, Span]:
-    """Finds the span from the first to the last stroke point of each behaviour [s]."""
-    found: dict[str, list[float]] = {}
-    for behaviour, sync, _, planned in on_keys(frames, motion):
+    """Return each behaviour's first and last stroke time [s]."""
+    strokes_of_side: dict[str, list[float]] = {}
+    for behaviour, sync, _, planned in list_keyed_syncs(frames, motion):
         if sync.startswith("stroke"):
-            found.setdefault(behaviour, []).append(motion.trajectory.zero + planned)
-    return {behaviour: (min(times), max(times)) for behaviour, times in found.items()}
+            strokes_of_side.setdefault(behaviour, []).append(motion.trajectory.zero + planned)
+    return {behaviour: (min(times), max(times)) for behaviour, times in strokes_of_side.items()}
 
 
 def _strokes(side: Side, spans: Mapping[str, Span], frames: KeyFrames) -> list[ArmStroke]:
-    """Lists the strokes of one arm in time order; strokes that overlap are joined to one that does not lag."""
-    found: list[ArmStroke] = []
-    for id, (begin, end) in sorted(spans.items(), key=lambda row: row[1]):
+    """Return the strokes of one arm in time order.
+
+    Overlapping strokes are joined to one without delay.
+    """
+    strokes_of_side: list[ArmStroke] = []
+    for id, (begin, end) in sorted(spans.items(), key=lambda spans: spans[1]):
         if f"{side}_hand" not in frames.uses.get(id, ()):
             continue
-        asked: Succession = frames.successions.get(id, NO_SUCCESSION)
-        if found and begin <= found[-1].end:
-            found[-1] = ArmStroke(id, found[-1].begin, max(end, found[-1].end))
+        succession: Succession = frames.successions.get(id, NO_SUCCESSION)
+        if strokes_of_side and begin <= strokes_of_side[-1].end:
+            strokes_of_side[-1] = ArmStroke(id, strokes_of_side[-1].begin, max(end, strokes_of_side[-1].end))
         else:
-            found.append(ArmStroke(id, begin, end, STEP * round(asked.behind_of(side) / STEP), asked.loose))
-    return found
+            strokes_of_side.append(
+                ArmStroke(
+                    id, begin, end, KNOT_INTERVAL * round(succession.behind_of(side) / KNOT_INTERVAL), succession.loose
+                )
+            )
+    return strokes_of_side
 
 
 def _gaps(motion: Trajectory, joints: list[int], strokes: Sequence[ArmStroke]) -> list[Gap]:
-    """The times before, between and after the strokes of an arm."""
-    turned = np.abs(np.diff(motion.controls[:, joints], axis=0)).max(axis=1) >= STILL_ARM
-    edges = np.flatnonzero(np.diff(np.concatenate([[True], turned, [True]]).astype(np.int8)))
-    times = motion.start + (edges.astype(np.float64) - CONTROL_LEAD) * STEP
+    """Return the gaps before, between and after the strokes of an arm."""
+    is_moving = np.abs(np.diff(motion.controls[:, joints], axis=0)).max(axis=1) >= STILL_THRESHOLD
+    edges = np.flatnonzero(np.diff(np.concatenate([[True], is_moving, [True]]).astype(np.int8)))
+    times = motion.start + (edges.astype(np.float64) - CONTROL_LEAD) * KNOT_INTERVAL
     still = list(zip(times[::2].tolist(), times[1::2].tolist(), strict=True))
     still[0], still[-1] = (-inf, still[0][1]), (still[-1][0], inf)
     ends = [(-inf, strokes[0].begin), *((a.end, b.begin) for a, b in pairwise(strokes)), (strokes[-1].end, inf)]
     rests = [tuple((max(a, begin), min(b, end)) for a, b in still) for begin, end in ends]
     return [
-        Gap(begin, end, tuple((a, b) for a, b in row if b - a >= LEAST_REST))
-        for (begin, end), row in zip(ends, rests, strict=True)
+        Gap(begin, end, tuple((a, b) for a, b in spans if b - a >= MIN_REST_TIME))
+        for (begin, end), spans in zip(ends, rests, strict=True)
     ]

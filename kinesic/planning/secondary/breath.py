@@ -1,6 +1,6 @@
-"""Breath: the trunk goes back and the collar bones rise with every breath, from the first moment to the last.
+"""Breathing: periodic motion of trunk and collar bones.
 
-The neck turns back by as much, so that the face stays level.
+The neck compensates, so that the face stays level.
 """
 
 from collections.abc import Iterator
@@ -10,48 +10,48 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import SIDES, Robot
-from kinesic.expressivity.idle import BREATH, IDLE_MARGIN, LEAST_PAUSE, RISE, Span
-from kinesic.planning.secondary.swells import Swell
+from kinesic.expressivity.idle import BREATH_PERIOD, IDLE_MARGIN, MIN_PAUSE, RISE_ANGLE, Span
+from kinesic.planning.secondary.offset_bumps import OffsetBump
 from kinesic.planning.torso import set_turn
 
-LIFT = radians(0.5)  # that collar bones rise with a breath at most
-IN = 0.4  # share of a breath that goes in
-SHALLOW = 0.7  # of the deepest breath
-UNEVEN = 0.15  # by which breaths differ in time at most
+MAX_COLLAR_BONE_LIFT = radians(0.5)  # [rad] rise of the collar bones in the deepest breath
+INHALATION_FRACTION = 0.4  # fraction of a breath spent inhaling
+MIN_BREATH_DEPTH = 0.7  # depth of the shallowest breath, relative to the deepest
+PERIOD_VARIATION = 0.15  # relative variation of the breath duration
 
 
-def breaths(span: Span, amount: float, robot: Robot, chance: np.random.Generator) -> Iterator[Swell]:
-    """Breathes through a span; trunk and collar bones each have their own swells.
+def make_breaths(span: Span, amount: float, robot: Robot, chance: np.random.Generator) -> Iterator[OffsetBump]:
+    """Yield the breathing offsets of trunk and collar bones.
 
     Args:
-        span: [s] of the motion; no breath is worth it where there is too little.
-        amount: 0 none .. 1 as people do.
-        robot: whose trunk breathes; what it lacks of trunk and collar bones stays still.
-        chance: how long and how deep each breath is.
+        span: [s] of the motion; short spans have no breath.
+        amount: 0 none .. 1 like a person.
+        robot: parts that it lacks are left out.
+        chance: random generator of lengths and depths.
     """
     begin, end = span[0] + IDLE_MARGIN, span[1] - IDLE_MARGIN
-    if end - begin < LEAST_PAUSE:
+    if end - begin < MIN_PAUSE:
         return
-    parts = [_trunk(robot), *(_collar_bone(robot.arm(side).lifting, robot) for side in SIDES)]
-    count = max(1, round((end - begin) / BREATH))
-    shares = 1.0 + UNEVEN * chance.uniform(-1.0, 1.0, count)
-    times = begin + (end - begin) * np.append(0.0, np.cumsum(shares)) / shares.sum()
-    for one, other in zip(times[:-1].tolist(), times[1:].tolist(), strict=True):
-        depth = amount * float(chance.uniform(SHALLOW, 1.0))
-        for away in parts:
-            if away.any():
-                yield Swell(one, one + IN * (other - one), other, depth * away)
+    parts = [_trunk(robot), *(_collar_bone(robot.arm(side).shoulder_lift_joints, robot) for side in SIDES)]
+    count = max(1, round((end - begin) / BREATH_PERIOD))
+    lengths = 1.0 + PERIOD_VARIATION * chance.uniform(-1.0, 1.0, count)
+    times = begin + (end - begin) * np.append(0.0, np.cumsum(lengths)) / lengths.sum()
+    for start, stop in zip(times[:-1].tolist(), times[1:].tolist(), strict=True):
+        depth = amount * float(chance.uniform(MIN_BREATH_DEPTH, 1.0))
+        for offsets in parts:
+            if offsets.any():
+                yield OffsetBump(start, start + INHALATION_FRACTION * (stop - start), stop, depth * offsets)
 
 
 def _trunk(robot: Robot) -> Floats:
-    away = np.zeros(len(robot.skeleton.hinges))
+    offsets = np.zeros(len(robot.skeleton.hinges))
     if robot.joints("torso"):
-        set_turn(robot, "torso", np.array([0.0, -RISE, 0.0]), away)
-        set_turn(robot, "neck", np.array([0.0, RISE, 0.0]), away)
-    return away
+        set_turn(robot, "torso", np.array([0.0, -RISE_ANGLE, 0.0]), offsets)
+        set_turn(robot, "neck", np.array([0.0, RISE_ANGLE, 0.0]), offsets)
+    return offsets
 
 
 def _collar_bone(lifting: tuple[int, ...], robot: Robot) -> Floats:
-    away = np.zeros(len(robot.skeleton.hinges))
-    away[list(lifting)] = LIFT
-    return away
+    offsets = np.zeros(len(robot.skeleton.hinges))
+    offsets[list(lifting)] = MAX_COLLAR_BONE_LIFT
+    return offsets

@@ -1,4 +1,4 @@
-"""Changes that are laid on a motion together, each as much as limits allow it."""
+"""Sum of secondary motion offsets, scaled down to fit the limits."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,132 +8,153 @@ import numpy as np
 
 from kinesic.body.arrays import Flags, Floats, Indices, sealed
 from kinesic.body.limits import Limits
-from kinesic.motion.bspline import WIDTHS
+from kinesic.motion.bspline import STENCIL_WIDTHS
 from kinesic.motion.limit_check import find_beyond
-from kinesic.motion.trajectory import EARLY, FEWEST, STEP, Trajectory
-from kinesic.planning.secondary.swells import CONTROL_LEAD, MotionChange
+from kinesic.motion.trajectory import KNOT_INTERVAL, KNOT_TOLERANCE, MIN_CONTROLS, Trajectory
+from kinesic.planning.secondary.offset_bumps import CONTROL_LEAD, MotionChange
 
-FULL_LIMIT = 1.0 + 1e-9  # share of a limit
-MOST_CONTROLS = max(WIDTHS)  # control points that one limit depends on
-LESS = 0.4  # of a change that hinders, before it is left out
-NO_ROWS = sealed([])
+FULL_LIMIT = 1.0 + 1e-9  # limit ratio of a motion at its limits, with a tolerance for rounding
+MAX_LIMIT_CONTROLS = max(STENCIL_WIDTHS)  # control points that one limit depends on
+REDUCED_AMOUNT = 0.4  # amount of a secondary motion that violates a limit, tried before it is dropped
+EMPTY_ROW = sealed([])  # empty array for concatenation if there are no offsets
 
 
-def lessened(amounts: Floats, less: Flags) -> Floats:
-    """Takes from (c,) amounts where there is to be less: first a part, then the rest."""
-    return np.where(less, np.where(amounts == 1.0, LESS, 0.0), amounts)
+def reduce_amounts(amounts: Floats, less: Flags) -> Floats:
+    """Reduce flagged offset amounts from 1 to `REDUCED_AMOUNT` and then to 0."""
+    return np.where(less, np.where(amounts == 1.0, REDUCED_AMOUNT, 0.0), amounts)
 
 
 @dataclass(frozen=True, eq=False)
 class _Cells:
-    """The amounts that changes add to single control points, sorted by change."""
+    """Contributions of the offsets to single control points, sorted by offset."""
 
-    change: Indices  # (p,) whose it is
-    hinge: Indices  # (p,)
-    row: Indices  # (p,) of the control point
-    added: Floats  # (p,) [rad]
+    change: Indices  # (p,) index of the change
+    hinge: Indices  # (p,) index of the hinge
+    row: Indices  # (p,) index of the control point
+    added: Floats  # (p,) [rad] offset
 
 
 @dataclass(frozen=True, eq=False)
 class Changes:
-    """All changes of a motion, each worked out once, however often they are added to it with other amounts."""
+    """Secondary motion offsets of a motion, evaluated once, with adjustable amounts."""
 
     motion: Trajectory  # at rest before its start and after its end
-    every: Sequence[MotionChange]  # they begin no sooner than the motion
+    offsets: Sequence[MotionChange]  # none starts before the motion
 
     @cached_property
     def moved(self) -> Flags:
-        """(c, n) which hinges each moves."""
-        found: Flags = np.zeros((len(self.every), self.motion.controls.shape[1]), dtype=np.bool_)
+        """Whether each offset moves each hinge, (c, n)."""
+        moved: Flags = np.zeros((len(self.offsets), self.motion.controls.shape[1]), dtype=np.bool_)
         changes, hinges, _ = self._parts.T
-        found[changes, hinges] = True
-        return found
+        moved[changes, hinges] = True
+        return moved
 
     @cached_property
     def _parts(self) -> Indices:
-        """(h, 3) every hinge of every change: change, hinge, and how many control points the change moves."""
+        """Offset index, hinge and number of control points, (h, 3)."""
         counts = (self._spans[:, 1] - self._spans[:, 0]).tolist()
-        rows = ((k, hinge, counts[k]) for k, change in enumerate(self.every) for hinge in change.hinges)
+        rows = ((k, hinge, counts[k]) for k, change in enumerate(self.offsets) for hinge in change.hinges)
         return np.array([*rows], dtype=np.intp).reshape(-1, 3)
 
     @cached_property
     def _cells(self) -> _Cells:
-        """The amounts that all changes add at full size."""
+        """Contributions of all offsets at full amount to single control points."""
         change, hinge, count = self._parts.T
         row = np.arange(count.sum()) + np.repeat(self._spans[change, 0] - (np.cumsum(count) - count), count)
-        added = np.concatenate([NO_ROWS, *(own.ravel(order="F") for own in self._rows)])
+        added = np.concatenate([EMPTY_ROW, *(columns_of_motion.ravel(order="F") for columns_of_motion in self._rows)])
         return _Cells(np.repeat(change, count), np.repeat(hinge, count), row, added)
 
     @cached_property
     def _spans(self) -> Indices:
-        """(c, 2) the first control point that each moves, and the one after the last."""
+        """First and one past the last control point of each offset."""
         (begins, ends), start = self._times.T, self.motion.start
-        first = np.maximum(FEWEST - 1, ((begins - start) / STEP).astype(np.intp))  # before it the motion is at rest
-        last = np.minimum(np.ceil((ends - start) / STEP) + CONTROL_LEAD, self._sizes - FEWEST + 1).astype(np.intp)
+        first = np.maximum(
+            MIN_CONTROLS - 1, ((begins - start) / KNOT_INTERVAL).astype(np.intp)
+        )  # before, the motion is at rest
+        last = np.minimum(
+            np.ceil((ends - start) / KNOT_INTERVAL) + CONTROL_LEAD, self._sizes - MIN_CONTROLS + 1
+        ).astype(np.intp)
         return np.stack([first, np.maximum(first, last)], axis=1)
 
     @cached_property
     def _times(self) -> Floats:
-        """(c, 2) [s] when each begins, and when it is over."""
-        return np.array([(change.begin, change.end) for change in self.every]).reshape(-1, 2)
+        """Start and end of each offset, (c, 2) [s]."""
+        return np.array([(change.begin, change.end) for change in self.offsets]).reshape(-1, 2)
 
     @cached_property
     def _sizes(self) -> Floats:
-        """(c,) how many control points there are where each is over."""
-        beyond = np.ceil((self._times[:, 1] - self.motion.end) / STEP - EARLY)
+        """Number of control points (c,) that the motion needs for each offset."""
+        beyond = np.ceil((self._times[:, 1] - self.motion.end) / KNOT_INTERVAL - KNOT_TOLERANCE)
         return len(self.motion.controls) + np.maximum(0.0, beyond)
 
     @cached_property
     def _rows(self) -> Sequence[Floats]:
-        """The (r, h) [rad] by which each change moves its control points."""
-        times: Floats = np.asarray(self.motion.start + (np.arange(self._alone.shape[1]) - CONTROL_LEAD) * STEP)
+        """Angles (r, h) [rad] that each offset adds to control points."""
+        times: Floats = np.asarray(self.motion.start + (np.arange(self._alone.shape[1]) - CONTROL_LEAD) * KNOT_INTERVAL)
         spans = self._spans.tolist()
-        return [change.added(times[first:last]) for change, (first, last) in zip(self.every, spans, strict=True)]
+        return [change.added(times[first:last]) for change, (first, last) in zip(self.offsets, spans, strict=True)]
 
     def _whole_size(self, amounts: Floats) -> int:
-        """Counts the control points of the motion with changes of these amounts (c,)."""
+        """Return the motion length, in control points, for given amounts (c,)."""
         return int(self._sizes[amounts > 0.0].max(initial=len(self.motion.controls)))
 
     def _window(self, amounts: Floats, changed: Flags) -> slice:
-        """Control points that limits have to be looked at after some changes (c,): elsewhere all is as it was."""
+        """Return the control points near changed amounts, whose limits need rechecking."""
         size, (first, last) = self._whole_size(amounts), self._spans[changed].T
-        return slice(max(0, min(int(first.min()), size) - MOST_CONTROLS), min(int(last.max()) + MOST_CONTROLS, size))
+        return slice(
+            max(0, min(int(first.min()), size) - MAX_LIMIT_CONTROLS), min(int(last.max()) + MAX_LIMIT_CONTROLS, size)
+        )
 
     @cached_property
     def _alone(self) -> Floats:
-        """(n, k) [rad] the motion alone, which rests on after its end until all changes are over."""
-        own = self.motion.controls.T
-        beyond = self._whole_size(np.ones(len(self.every))) - own.shape[1]
-        return np.hstack([own, np.repeat(own[:, -1:], beyond, axis=1)])
+        """Spline control points (n, k) [rad] of the motion without offsets.
+
+        The last one is repeated until all changes are over.
+        """
+        columns_of_motion = self.motion.controls.T
+        beyond = self._whole_size(np.ones(len(self.offsets))) - columns_of_motion.shape[1]
+        return np.hstack([columns_of_motion, np.repeat(columns_of_motion[:, -1:], beyond, axis=1)])
 
     def _laid(self, amounts: Floats) -> Floats:
-        """(n, k) [rad] the same with so much (c,) of each change."""
+        """Return the spline control points (n, k) [rad] with scaled offsets added.
+
+        Args:
+            amounts: (c,) of each change.
+        """
         columns, cells = self._alone.copy(), self._cells
         np.add.at(columns.reshape(-1), self._places, amounts[cells.change] * cells.added)
         return columns
 
     @cached_property
     def _places(self) -> Indices:
-        """(p,) where each cell is in what `_laid` returns, when it is flat."""
+        """Flat index of each contribution in the control-point array, (p,)."""
         return np.asarray(self._cells.hinge * self._alone.shape[1] + self._cells.row)
 
     def added(self, amounts: Floats) -> Trajectory:
-        """The motion with so much (c,) of each change; it goes on until the last of them is over."""
+        """Return the motion plus the offsets scaled by amounts (c,).
+
+        It lasts until the last of them is over.
+        """
         controls = self._laid(amounts)[:, : self._whole_size(amounts)].T
         return Trajectory(sealed(np.ascontiguousarray(controls)), self.motion.zero, self.motion.start)
 
     def within_limits(self, amounts: Floats, changed: Flags, limits: Limits) -> Floats:
-        """Finds how much of each change hinges can follow: of given amounts (c,), some of which changed.
+        """Reduce the offsets' amounts (c,) until the motion keeps its limits.
 
-        A limit that the motion alone breaks is no reason against what leaves it as it is. Wherever else a limit is
-        broken, all changes of the control points on which it depends become less, so that none is broken in the end.
+        A limit that the motion alone violates does not count against changes that leave it unchanged. All changes of
+        the control points of a violated limit are reduced together.
+
+        Args:
+            amounts: (c,) of each change.
+            changed: (c,) whether an amount is new.
+            limits: of the hinges.
         """
         while np.any(changed):
             hinges, window = np.flatnonzero(self.moved[changed].any(axis=0)), self._window(amounts, changed)
             broken = np.zeros(self._alone.shape, dtype=np.bool_)
-            laid, alone = (every[hinges, window] for every in (self._laid(amounts), self._alone))
+            laid, alone = (offsets[hinges, window] for offsets in (self._laid(amounts), self._alone))
             broken[hinges, window] = find_beyond(laid, alone, limits, hinges, full=FULL_LIMIT)
             met = self._cells.change[broken.reshape(-1)[self._places]]
             changed = (np.bincount(met, minlength=len(amounts)) > 0) & (amounts > 0.0)
-            amounts = lessened(amounts, changed)
+            amounts = reduce_amounts(amounts, changed)
         return amounts

@@ -1,9 +1,8 @@
-"""Succession in a motion: wrists come later than shoulders on the ways there and back, and one hand of two follows.
+"""Follow-through: wrists lag behind shoulders, one hand behind the other.
 
-A hinge that is late is where the motion had it a moment before. How late it is changes while its arm stands still,
-where nothing is seen of it, and else along a way, so that at the stroke every hinge of a hand is where it was; of two
-hands that need not meet one does all of it a little later. A whole number of knots shifts a motion as it is: no limit
-is nearer than before.
+A delayed hinge is where the motion had it before. The delay changes during rests, unnoticed, or along a path, so that
+at the stroke every hinge of a hand is in place. Of two hands that need not meet, one may do everything later. A delay
+of a whole number of knots shifts the motion exactly, which keeps the distance to all limits.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -16,56 +15,57 @@ import scipy
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import Robot
 from kinesic.motion.easing import minimum_jerk
-from kinesic.motion.trajectory import STEP, Trajectory
+from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
 from kinesic.planning.secondary.arm_times import ArmCourse, ArmStroke, Gap
-from kinesic.planning.secondary.swells import CONTROL_LEAD
+from kinesic.planning.secondary.offset_bumps import CONTROL_LEAD
 
-LEAD = 0.5  # of what the wrist is later than the shoulder, that the shoulder is sooner than the elbow
-CAUGHT_UP = 0.15  # of a way, that a hinge makes up for at most
-REST = 0.35  # of the time that an arm stands still, in which it may become so much sooner or later
-BEYOND = 30  # knots after its end, that a motion may go on where something is late
-SEEN, SAME = 1e-3, 1e-9  # [rad] that is worth it, and that is nothing
+SHOULDER_LEAD_FRACTION = 0.5  # shoulder advance before the elbow, relative to the wrist delay
+MAX_CATCH_UP = 0.15  # largest delay of a joint made up along a path / duration of the path
+MAX_DELAY_RATE = 0.35  # largest delay of a joint built up in a rest / duration of the rest
+MAX_TRAILING_KNOTS = 30  # knots by which delays may prolong the motion
+MIN_VISIBLE_OFFSET = 1e-3  # [rad] angle offset below which a joint's delay is not applied
+OFFSET_TOLERANCE = 1e-9  # [rad] smaller angle offsets count as zero
 
-ON_TIME = (0.0, 1.0, 0.0, 0.0)  # a part of `_late_at`
+NO_DELAY = (0.0, 1.0, 0.0, 0.0)  # row of `_late_at` without a delay
 
-Lateness = Sequence[tuple[float, float]]  # times [s], and how late a hinge is at them [s]; smooth in between
+Lateness = Sequence[tuple[float, float]]  # times [s] and delays [s], smoothly interpolated
 
 
 @dataclass(frozen=True, eq=False)
 class Delay:
-    """A change that has some hinges come later than in the motion; times [s] are those of the motion."""
+    """Delay of some hinges, expressed as angle offsets over time."""
 
     begin: float
     end: float
     hinges: tuple[int, ...]
-    away: Floats  # (r, h) [rad] from where the motion has them, at each knot from the first on
+    away: Floats  # (r, h) [rad] offset at each knot from the first on
 
     def added(self, times: Floats) -> Floats:
-        """(m, h) [rad] what it adds to the angles of its hinges at (m,) times [s], which are one knot apart."""
-        first = round((self.begin - float(times[0])) / STEP)
-        found, own = np.zeros((len(times), len(self.hinges))), self.away[max(0, -first) :]
-        end = max(0, first) + len(own)
-        found[max(0, first) : end] = own[: max(0, len(times) - max(0, first))]
-        return found
+        """Return the angle offsets (m, h) [rad] at successive knots."""
+        first = round((self.begin - float(times[0])) / KNOT_INTERVAL)
+        offsets, values = np.zeros((len(times), len(self.hinges))), self.away[max(0, -first) :]
+        end = max(0, first) + len(values)
+        offsets[max(0, first) : end] = values[: max(0, len(times) - max(0, first))]
+        return offsets
 
 
-def later_hinges(courses: Iterable[ArmCourse], motion: Trajectory, robot: Robot) -> Iterator[Delay]:
-    """Finds what each arm does later than a motion has it, as the gestures of a block ask.
+def delay_hinges(courses: Iterable[ArmCourse], motion: Trajectory, robot: Robot) -> Iterator[Delay]:
+    """Yield the follow-through delays of a block's gestures.
 
     Args:
         courses: of arms through the block.
         motion: through its keys.
-        robot: whose arms they are.
+        robot: with the arms.
     """
-    wanted = [shift for course in courses for shift in _shifts(course, motion.start, robot)]
-    if wanted:
-        joints = tuple(sorted({joint for shift in wanted for joint in shift.joints}))
-        yield from _Curves(motion, joints).later(wanted)
+    requested = [shift for course in courses for shift in _shifts(course, motion.start, robot)]
+    if requested:
+        joints = tuple(sorted({joint for shift in requested for joint in shift.joints}))
+        yield from _Curves(motion, joints).later(requested)
 
 
 @dataclass(frozen=True, eq=False)
 class _Shift:
-    """The lateness that some joints are to have, judged for each joint alone or for all together."""
+    """Requested time delay of some joints relative to the gesture."""
 
     joints: Sequence[int]
     lateness: Lateness
@@ -73,24 +73,36 @@ class _Shift:
 
 
 def _shifts(course: ArmCourse, start: float, robot: Robot) -> Iterator[_Shift]:
-    """Yields the shifts of one arm in a motion that begins at a start [s]."""
+    """Yield the requested follow-through delays of one arm.
+
+    Args:
+        course: of the arm.
+        start: [s] of the motion.
+        robot: with the arm.
+    """
     arm = robot.arm(course.side)
     hand, forearm = (robot.skeleton.joints_of((name,)) for name in arm.segments[:-3:-1])
     upper = [joint for joint in arm.joints if joint not in (*forearm, *hand)]
     for stroke, (before, after) in zip(course.strokes, pairwise(course.gaps), strict=True):
-        every = [_Shift(arm.moving, _behind(stroke, before, after), together=True)] if stroke.behind else []
-        for joints, late in ((upper, -LEAD * stroke.loose), ((*hand, *arm.fingers), (1.0 - LEAD) * stroke.loose)):
-            every += [_Shift(joints, _coming(late, before, start)), _Shift(joints, _going(late, after))]
-        yield from (shift for shift in every if shift.joints and shift.lateness)
+        shifts = [_Shift(arm.all_joints, _behind(stroke, before, after), together=True)] if stroke.behind else []
+        for joints, late in (
+            (upper, -SHOULDER_LEAD_FRACTION * stroke.loose),
+            ((*hand, *arm.fingers), (1.0 - SHOULDER_LEAD_FRACTION) * stroke.loose),
+        ):
+            shifts += [_Shift(joints, _coming(late, before, start)), _Shift(joints, _going(late, after))]
+        yield from (shift for shift in shifts if shift.joints and shift.lateness)
 
 
 def _behind(stroke: ArmStroke, before: Gap, after: Gap) -> Lateness:
-    """Delays a stroke, with the ways there and back, against the other hand; empty where it could not catch up."""
-    rest_needed = stroke.behind / REST
+    """Return the time course of a hand's delay behind the other.
+
+    It is empty if the arm could not catch up.
+    """
+    rest_needed = stroke.behind / MAX_DELAY_RATE
     come = next(((a, b) for a, b in reversed(before.rests) if b - a >= rest_needed), None)
     gone = next(((a, b) for a, b in reversed(after.rests) if b - a >= rest_needed), None)
-    if (come is None and before.end - before.begin < stroke.behind / CAUGHT_UP) or (
-        gone is None and after.end - after.begin < stroke.behind / CAUGHT_UP
+    if (come is None and before.end - before.begin < stroke.behind / MAX_CATCH_UP) or (
+        gone is None and after.end - after.begin < stroke.behind / MAX_CATCH_UP
     ):
         return ()
     begin, leave = (come[1] - rest_needed, come[1]) if come else (before.begin, before.end)
@@ -99,47 +111,57 @@ def _behind(stroke: ArmStroke, before: Gap, after: Gap) -> Lateness:
 
 
 def _coming(late: float, gap: Gap, start: float) -> Lateness:
-    """Sooner or later on the way to a stroke, and there in time."""
+    """Return a wrist's delay over time during the approach to a stroke.
+
+    It is zero at the stroke.
+    """
     if not gap.rests:
         return ()
     one, leave = gap.rests[-1]
-    room = leave - (max(one, start) if late < 0.0 else one)
-    late = np.sign(late) * min(abs(late), REST * room, CAUGHT_UP * (gap.end - leave))
-    return ((max(one, leave - abs(late) / REST), 0.0), (leave, late), (gap.end, 0.0)) if late else ()
+    available = leave - (max(one, start) if late < 0.0 else one)
+    late = np.sign(late) * min(abs(late), MAX_DELAY_RATE * available, MAX_CATCH_UP * (gap.end - leave))
+    return ((max(one, leave - abs(late) / MAX_DELAY_RATE), 0.0), (leave, late), (gap.end, 0.0)) if late else ()
 
 
 def _going(late: float, gap: Gap) -> Lateness:
-    """Sooner or later on the way back to rest."""
+    """Return a wrist's delay over time during the return to rest."""
     if gap.way_home is None:
         return ()
     leave, there = gap.way_home
     begin, until = (gap.rests[0][0] if len(gap.rests) > 1 else gap.begin), gap.rests[-1][1]
     leave = leave if leave > begin else there
-    late = np.sign(late) * min(abs(late), REST * (leave - begin), REST * (until - there))
-    return ((begin, 0.0), (leave, late), (there, late), (min(until, there + abs(late) / REST), 0.0)) if late else ()
+    late = np.sign(late) * min(abs(late), MAX_DELAY_RATE * (leave - begin), MAX_DELAY_RATE * (until - there))
+    return (
+        ((begin, 0.0), (leave, late), (there, late), (min(until, there + abs(late) / MAX_DELAY_RATE), 0.0))
+        if late
+        else ()
+    )
 
 
 @dataclass(frozen=True, eq=False)
 class _Curves:
-    """Some joints of a motion, as smooth curves through its control points."""
+    """Joint angles of a motion as cubic splines, for delayed sampling."""
 
     motion: Trajectory
     joints: tuple[int, ...]
 
     def later(self, shifts: Sequence[_Shift]) -> Iterator[Delay]:
-        """Moves joints later, wherever they are not on time."""
+        """Yield joint delays as angle offsets, omitting invisible ones."""
         start, last = self.motion.start, len(self.motion.controls) - 1
         spans = [
-            [int(min(max((shift.lateness[k][0] - start) / STEP, 0.0), last + BEYOND)) for k in (0, -1)]
+            [
+                int(min(max((shift.lateness[k][0] - start) / KNOT_INTERVAL, 0.0), last + MAX_TRAILING_KNOTS))
+                for k in (0, -1)
+            ]
             for shift in shifts
         ]
         rows = np.concatenate([np.arange(first, end + CONTROL_LEAD + 2) for first, end in spans])
-        times = np.asarray(start + (rows - CONTROL_LEAD) * STEP, dtype=np.float64)
+        times = np.asarray(start + (rows - CONTROL_LEAD) * KNOT_INTERVAL, dtype=np.float64)
         edges = np.cumsum([0, *(end + CONTROL_LEAD + 2 - first for first, end in spans)]).tolist()
         late = _late_at([times[one:other] for one, other in pairwise(edges)], [shift.lateness for shift in shifts])
-        places = np.minimum(np.maximum(rows - late / STEP, 0.0), last)
-        own = self.motion.controls[:, list(self.joints)]
-        away = _spline(own)(places) - own.take(np.minimum(rows, last), axis=0)
+        places = np.minimum(np.maximum(rows - late / KNOT_INTERVAL, 0.0), last)
+        values = self.motion.controls[:, list(self.joints)]
+        away = _spline(values)(places) - values.take(np.minimum(rows, last), axis=0)
         columns = {joint: k for k, joint in enumerate(self.joints)}
         blocks = [
             sealed(away[one:other].take([columns[joint] for joint in shift.joints], axis=1))
@@ -148,12 +170,15 @@ class _Curves:
         moments: list[float] = times.tolist()
         for shift, hinge, first, end in _seen_runs(shifts, blocks):
             which = slice(None) if shifts[shift].together else slice(hinge, hinge + 1)
-            begin, until = moments[edges[shift] + first], moments[edges[shift] + end] + 2 * STEP
+            begin, until = moments[edges[shift] + first], moments[edges[shift] + end] + 2 * KNOT_INTERVAL
             yield Delay(begin, until, tuple(shifts[shift].joints[which]), blocks[shift][first : end + 1, which])
 
 
 def _spline(points: Floats) -> "scipy.interpolate.PPoly":
-    """The cubic spline through (k, h) points that are 1 apart; its third derivative goes on at the first and last."""
+    """Return the cubic spline through equidistant points (k, h).
+
+    The third derivative is continuous at the second and the last but one point (not-a-knot).
+    """
     steps = np.diff(points, axis=0)
     ends = np.array([5.0, 1.0]) / 2.0
     pull = np.vstack([ends @ steps[:2], 3.0 * (steps[:-1] + steps[1:]), ends @ steps[:-3:-1]])
@@ -167,26 +192,29 @@ def _spline(points: Floats) -> "scipy.interpolate.PPoly":
 
 
 def _seen_runs(shifts: Sequence[_Shift], blocks: Sequence[Floats]) -> Iterator[tuple[int, int, int, int]]:
-    """Finds runs of rows in which joints are away, at least once far enough to be seen: shift, joint, first, last.
+    """Yield the sample ranges in which a delay visibly changes an angle.
 
-    Each joint counts by itself, or all of a shift together as its first.
+    Each joint counts alone, or all joints of a shift together as its first.
 
     Args:
         shifts: of the joints.
-        blocks: (r, h) [rad] by which the joints of each are away.
+        blocks: (r, h) [rad] offsets of the joints of each shift.
     """
     far = [np.abs(block).T for block in blocks]
-    far = [own.max(axis=0, keepdims=True) if shift.together else own for shift, own in zip(shifts, far, strict=True)]
-    owners = [(k, hinge) for k, own in enumerate(far) for hinge in range(len(own))]
-    starts = np.cumsum([0, *(own.shape[1] for own in far for _ in own)])
-    flat = np.concatenate([own.ravel() for own in far])
-    away, edge = flat > SAME, np.zeros(len(flat) + 1, dtype=np.bool_)
+    far = [
+        values.max(axis=0, keepdims=True) if shift.together else values
+        for shift, values in zip(shifts, far, strict=True)
+    ]
+    owners = [(k, hinge) for k, values in enumerate(far) for hinge in range(len(values))]
+    starts = np.cumsum([0, *(values.shape[1] for values in far for _ in values)])
+    flat = np.concatenate([values.ravel() for values in far])
+    away, edge = flat > OFFSET_TOLERANCE, np.zeros(len(flat) + 1, dtype=np.bool_)
     edge[starts] = True
     firsts = np.flatnonzero(away & (edge[:-1] | ~np.append(False, away[:-1])))
     lasts = np.flatnonzero(away & (edge[1:] | ~np.append(away[1:], False)))
     if not firsts.size:
         return
-    seen = np.maximum.reduceat(flat, firsts) > SEEN
+    seen = np.maximum.reduceat(flat, firsts) > MIN_VISIBLE_OFFSET
     columns = np.searchsorted(starts, firsts[seen], side="right") - 1
     rows = np.stack([firsts[seen], lasts[seen]]) - starts[columns]
     for column, first, last in zip(columns.tolist(), *rows.tolist(), strict=True):
@@ -194,16 +222,16 @@ def _seen_runs(shifts: Sequence[_Shift], blocks: Sequence[Floats]) -> Iterator[t
 
 
 def _late_at(times: Sequence[Floats], latenesses: Sequence[Lateness]) -> Floats:
-    """Computes how late hinges are [s], each at its own times (m,) [s]; their results are joined."""
-    parts: list[tuple[float, float, float, float]] = []  # begin [s], how long [s], lateness and how it grows [s]
+    """Evaluate time-varying delays [s] at the times given for each."""
+    parts: list[tuple[float, float, float, float]] = []  # start, duration, delay and its growth [s]
     counts: list[int] = []
-    for own, lateness in zip(times, latenesses, strict=True):
-        edges = np.searchsorted(own, [time for time, _ in lateness]).tolist()
+    for values, lateness in zip(times, latenesses, strict=True):
+        edges = np.searchsorted(values, [time for time, _ in lateness]).tolist()
         parts += [
-            ON_TIME,
+            NO_DELAY,
             *((begin, end - begin, one, other - one) for (begin, one), (end, other) in pairwise(lateness)),
-            ON_TIME,
+            NO_DELAY,
         ]
-        counts += [other - one for one, other in pairwise((0, *edges, len(own)))]
+        counts += [other - one for one, other in pairwise((0, *edges, len(values)))]
     begin, lasts, late, growth = np.repeat(np.array(parts).T, counts, axis=1)
     return np.asarray(late + minimum_jerk((np.concatenate(times) - begin) / lasts) * growth)

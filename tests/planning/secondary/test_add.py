@@ -3,11 +3,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kinesic.controller.perform import plan, set_up
 from kinesic.expressivity.idle import Idling
 from kinesic.expressivity.style.style import Style
 from kinesic.motion.limit_check import check_limits
-from kinesic.planning.certify import FULL, duties
+from kinesic.planning.certify import MAX_DUTY, compute_peak_duties
+from kinesic.session.plan import plan
+from kinesic.session.setup import set_up
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 TOLD = ROOT.format(
@@ -16,7 +17,7 @@ TOLD = ROOT.format(
     '<gesture id="large" lexeme="large" stroke="s:h" relax="s:h+1.5"/>'
     '<gesture id="think" lexeme="think" stroke="s:t" relax="s:t+1.4" mode="RIGHT_HAND"/>'
 )
-ASIDE = (0.1, 30.0)  # [deg/s] what moves a head or trunk at all, and what nobody would call small
+VELOCITY_RANGE = (0.1, 30.0)  # [deg/s] of a moving head or trunk, from noticeable to large
 
 
 @pytest.fixture(scope="module")
@@ -35,27 +36,27 @@ def alive(known):
 
 
 def moving(planned, chain, span=None):
-    """Share of the time of speech in which a chain moves."""
+    """Return the fraction of speech time in which a chain moves."""
     begin, end = span or next(
         (t.times["start"], t.times["end"]) for t in planned.timeline.timed if t.behaviour.id == "s"
     )
     times = planned.trajectory.zero + np.arange(begin, end, 0.02)
     speeds = np.degrees(np.abs(planned.trajectory.sample(times)[1][:, list(planned.setup.robot.joints(chain))]))
-    return float(np.mean(speeds.max(axis=1) > ASIDE[0]))
+    return float(np.mean(speeds.max(axis=1) > VELOCITY_RANGE[0]))
 
 
-def test_trunk_and_head_live_through_speech_and_gestures(still, alive):
+def test_trunk_and_head_move_during_speech_and_gestures(still, alive):
     assert moving(still, "torso") < 0.6
     assert moving(alive, "torso") > 0.9
     assert moving(alive, "neck") > 0.9
 
 
-def test_no_sync_point_comes_at_another_time(still, alive):
+def test_secondary_motion_moves_no_sync_point(still, alive):
     planned = {(sync.behaviour, sync.sync): sync.planned for sync in still.syncs}
     assert {(sync.behaviour, sync.sync): sync.planned for sync in alive.syncs} == pytest.approx(planned, abs=1e-9)
 
 
-def test_held_hands_stray_by_millimetres(still, alive):
+def test_held_hands_drift_by_millimetres(still, alive):
     def swept(planned, span):
         times = planned.trajectory.zero + np.arange(*span, 0.02)
         origins = planned.setup.robot.skeleton.frames(planned.trajectory.sample(times)[0]).origins
@@ -67,30 +68,30 @@ def test_held_hands_stray_by_millimetres(still, alive):
     assert 2.0 < swept(alive, held) < 25.0
 
 
-def test_limits_torques_and_distances_hold(known, alive):
-    peaks = check_limits(alive.trajectory, known.limits).shares.values()
+def test_secondary_motion_keeps_limits_torques_and_distances(known, alive):
+    peaks = check_limits(alive.trajectory, known.limits).by_quantity.values()
     assert all(peak.ratios.max() <= 1.0 + 1e-6 for peak in peaks)
-    assert duties(alive.trajectory, known).max() <= FULL
-    assert alive.clearance.distances.min() >= known.robot.least_clearance
+    assert compute_peak_duties(alive.trajectory, known).max() <= MAX_DUTY
+    assert alive.clearance.distances.min() >= known.robot.min_clearance
     again = known.distances.clearance(alive.trajectory.sample(alive.clearance_times)[0])
     np.testing.assert_allclose(alive.clearance.distances, again.distances, atol=1e-6)
     assert [*alive.clearance.pairs] == [*again.pairs]
 
 
-def test_the_same_seed_lives_the_same_way_and_another_does_not(known, alive):
+def test_secondary_motion_depends_only_on_seed(known, alive):
     again, other = (plan(TOLD, replace(known, idling=Idling(1.0, seed))) for seed in (2, 3))
     np.testing.assert_array_equal(again.trajectory.controls, alive.trajectory.controls)
     assert np.abs(other.trajectory.controls[: len(alive.trajectory.controls)] - alive.trajectory.controls).max() > 1e-3
 
 
-def test_a_hand_near_the_body_breathes_less_where_that_would_bring_it_too_near(known):
+def test_breath_is_reduced_near_collisions(known):
     tight = ROOT.format('<gesture id="g" lexeme="hands_together" stroke="2" relax="9"/>')
     still, alive = (plan(tight, replace(known, idling=idling)) for idling in (Idling(), Idling(2.0, 1)))
-    least = min(float(still.clearance.distances.min()), known.robot.least_clearance + 0.004)
+    least = min(float(still.clearance.distances.min()), known.robot.min_clearance + 0.004)
     assert alive.clearance.distances.min() >= least - 1e-6
 
 
-def test_while_an_arm_points_nothing_moves_beneath_it(known):
+def test_no_secondary_motion_while_pointing(known):
     aimed = ROOT.format(
         '<pointing id="p" target="left" start="4" ready="5" relax="7" end="8"/><wait id="w" duration="14"/>'
     )
@@ -102,7 +103,7 @@ def test_while_an_arm_points_nothing_moves_beneath_it(known):
     assert moving(alive, "torso", (8.5, 13.0)) > 0.8
 
 
-def test_a_style_without_a_body_breathes_and_does_no_more(known):
+def test_style_without_body_weight_only_breathes(known):
     def turned(whole_body):
         style = replace(Style.load("neutral"), whole_body=whole_body)
         planned = plan(

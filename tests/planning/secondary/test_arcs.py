@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from kinesic.body.robot import Robot
-from kinesic.controller.perform import plan, set_up
 from kinesic.expressivity.idle import Idling
-from kinesic.planning.secondary.arcs import DIP, LARGEST_BEND, arcs, head_turns
+from kinesic.planning.secondary.arcs import DIP_FRACTIONS, MAX_ARC_ANGLE, find_head_turns, make_head_arcs
+from kinesic.session.plan import plan
+from kinesic.session.setup import set_up
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 LOOK = '<gaze id="g" target="left" start="1" ready="1.6" relax="2.5" end="3.1"/><wait id="w" duration="4"/>'
@@ -25,23 +26,23 @@ def looked(known):
 
 
 def found(planned, taken=(), amount=1.0, seed=1):
-    return [*arcs(planned.trajectory, taken, amount, planned.setup.robot, np.random.default_rng(seed))]
+    return [*make_head_arcs(planned.trajectory, taken, amount, planned.setup.robot, np.random.default_rng(seed))]
 
 
-def test_a_look_aside_is_a_turn_there_and_one_back(looked):
-    there, back = head_turns(looked.trajectory, ROBOT)
+def test_gaze_to_the_side_gives_two_head_turns(looked):
+    there, back = find_head_turns(looked.trajectory, ROBOT)
     assert there[2] > np.radians(15)
     assert back[2] == pytest.approx(-there[2], abs=np.radians(2))
     assert 0.9 < there[0] - looked.trajectory.zero < there[1] - looked.trajectory.zero < 1.7
 
 
-def test_the_head_dips_on_its_way_and_is_where_it_was_at_both_ends(looked):
-    turns = [*head_turns(looked.trajectory, ROBOT)]
+def test_head_dips_only_during_head_turns(looked):
+    turns = [*find_head_turns(looked.trajectory, ROBOT)]
     swells = found(looked)
     assert len(swells) == len(turns) == 2
     for swell, (begin, end, turn) in zip(swells, turns, strict=True):
         assert begin == swell.begin < swell.peak < swell.end == end
-        assert min(DIP[0] * abs(turn), LARGEST_BEND) - 1e-9 <= swell.away[TILT] <= LARGEST_BEND + 1e-9
+        assert min(DIP_FRACTIONS[0] * abs(turn), MAX_ARC_ANGLE) - 1e-9 <= swell.away[TILT] <= MAX_ARC_ANGLE + 1e-9
         assert np.flatnonzero(swell.away).tolist() == [TILT, ROLL]
     assert all(
         np.abs(half.away - whole.away / 2).max() < np.radians(1)
@@ -50,7 +51,7 @@ def test_the_head_dips_on_its_way_and_is_where_it_was_at_both_ends(looked):
     assert not found(looked, amount=0.0)
 
 
-def test_nods_and_shakes_stay_as_they_are_asked(known):
+def test_head_dips_leave_requested_head_shakes_unchanged(known):
     shake = '<head id="h" lexeme="SHAKE" amount="1" start="1" end="3"/><wait id="w" duration="4"/>'
     planned = plan(ROOT.format(shake), known)
     assert len(found(planned)) > 1
@@ -61,7 +62,9 @@ def test_nods_and_shakes_stay_as_they_are_asked(known):
     np.testing.assert_allclose(done, asked, atol=1e-6)
 
 
-def test_a_robot_without_a_neck_has_no_arcs(looked):
+def test_robot_without_neck_has_no_head_dips_during_turns(looked):
     assert not [
-        *arcs(looked.trajectory, (), 1.0, replace(ROBOT, chains={**ROBOT.chains, "neck": ()}), np.random.default_rng(1))
+        *make_head_arcs(
+            looked.trajectory, (), 1.0, replace(ROBOT, chains={**ROBOT.chains, "neck": ()}), np.random.default_rng(1)
+        )
     ]

@@ -3,11 +3,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kinesic.controller.perform import plan, set_up
 from kinesic.expressivity.variation import Variation
-from kinesic.planning.secondary.arm_times import arm_courses
+from kinesic.planning.secondary.arm_times import find_arm_courses
 from kinesic.planning.secondary.changes import Changes
-from kinesic.planning.secondary.homeward import BOW, SETTLED, ways_home
+from kinesic.planning.secondary.homeward import MAX_BOW, MAX_REST_OFFSET, vary_returns
+from kinesic.session.plan import plan
+from kinesic.session.setup import set_up
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 OFFERS = "".join(
@@ -19,17 +20,17 @@ OFFERS = "".join(
 
 @pytest.fixture(scope="module")
 def exact():
-    """One gesture three times, exactly alike."""
+    """Plan one gesture three times without variation."""
     return plan(ROOT.format(OFFERS), set_up())
 
 
 @pytest.fixture(scope="module")
 def courses(exact):
-    return tuple(arm_courses(exact.keyframes, exact.motion, exact.setup.robot))
+    return tuple(find_arm_courses(exact.keyframes, exact.motion, exact.setup.robot))
 
 
 def found(exact, courses, seed=4, amount=1.0):
-    return [*ways_home(courses, exact.trajectory, Variation(amount, seed), "b", exact.setup.robot)]
+    return [*vary_returns(courses, exact.trajectory, Variation(amount, seed), "b", exact.setup.robot)]
 
 
 def wrists(exact, trajectory, times):
@@ -37,7 +38,7 @@ def wrists(exact, trajectory, times):
     return robot.skeleton.frames(trajectory.sample(trajectory.zero + times)[0]).origins[:, robot.arm("r").wrist]
 
 
-def test_an_arm_is_known_to_hold_to_go_home_and_to_hang(exact, courses):
+def test_return_motion_of_each_gesture_lies_between_relax_and_end(exact, courses):
     (course,) = courses
     assert (course.side, [stroke.id for stroke in course.strokes]) == ("r", ["g0", "g1", "g2"])
     for k, gap in enumerate(course.gaps[1:]):
@@ -46,7 +47,7 @@ def test_an_arm_is_known_to_hold_to_go_home_and_to_hang(exact, courses):
         assert there == pytest.approx(exact.syncs[f"g{k}:end"].planned, abs=0.05)
 
 
-def test_ways_home_differ_and_end_where_they_did(exact, courses):
+def test_successive_hand_return_paths_differ_but_end_equally(exact, courses):
     laid = Changes(exact.trajectory, found(exact, courses)).added(np.ones(5))
     ways = []
     for k in range(3):
@@ -59,7 +60,7 @@ def test_ways_home_differ_and_end_where_they_did(exact, courses):
     np.testing.assert_array_equal(laid.controls[-3:], exact.trajectory.controls[-3:])
 
 
-def test_a_hand_hangs_beside_its_rest_until_its_next_stroke_and_not_after_the_last_one(exact, courses):
+def test_rest_posture_of_the_hand_varies_until_the_next_stroke(exact, courses):
     laid = Changes(exact.trajectory, found(exact, courses)).added(np.ones(5))
     hanging = np.array([exact.syncs[f"g{k}:end"].planned + 0.1 for k in (0, 1)])
     away = wrists(exact, laid, hanging) - wrists(exact, exact.trajectory, hanging)
@@ -69,16 +70,16 @@ def test_a_hand_hangs_beside_its_rest_until_its_next_stroke_and_not_after_the_la
     np.testing.assert_allclose(wrists(exact, laid, strokes), wrists(exact, exact.trajectory, strokes), atol=1e-5)
 
 
-def test_it_is_small_follows_from_the_seed_and_is_none_where_nothing_varies(exact, courses):
+def test_return_variation_is_small_and_seeded(exact, courses):
     swells = found(exact, courses)
     assert len(swells) == 3 + 2
-    assert all(np.abs(swell.away).max() <= max(*BOW, *SETTLED) + 1e-9 for swell in swells)
+    assert all(np.abs(swell.away).max() <= max(*MAX_BOW, *MAX_REST_OFFSET) + 1e-9 for swell in swells)
     assert [*map(repr, (s.away for s in found(exact, courses)))] == [*map(repr, (s.away for s in swells))]
     other = found(exact, courses, seed=5)
     assert all(np.abs(a.away - b.away).max() > 1e-3 for a, b in zip(swells, other, strict=True))
     assert not found(exact, courses, amount=0.0)
 
 
-def test_what_is_planned_keeps_clear(exact):
+def test_varied_return_paths_keep_clearance(exact):
     varied = plan(ROOT.format(OFFERS), replace(exact.setup, variation=Variation(2.0, 4)))
-    assert varied.clearance.distances.min() >= exact.setup.robot.least_clearance
+    assert varied.clearance.distances.min() >= exact.setup.robot.min_clearance

@@ -1,8 +1,9 @@
 import numpy as np
 import pytest
 
-from kinesic.controller.perform import plan, set_up
-from kinesic.planning.secondary.talking import DIP, HEAD_STRAY, TRUNK, talking
+from kinesic.planning.secondary.talking import DIP_ANGLES, MAX_HEAD_DRIFT, MAX_TRUNK_DRIFT, make_speech_motion
+from kinesic.session.plan import plan
+from kinesic.session.setup import set_up
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 WORDS = "There was a garden, and a man who came to it every morning, and he talked to all of its trees in turn."
@@ -18,11 +19,11 @@ def swells(known, document, amount=1.0, seed=1):
     planned = plan(ROOT.format(document), known)
     chance = np.random.default_rng(seed)
     names = known.robot.skeleton.names
-    found = [*talking(planned.timeline, planned.utterances, amount, known.robot, chance)]
+    found = [*make_speech_motion(planned.timeline, planned.utterances, amount, known.robot, chance)]
     return planned, found, [{names[k] for k in np.flatnonzero(swell.away)} for swell in found]
 
 
-def test_head_and_trunk_move_through_all_that_is_said(known):
+def test_head_and_trunk_move_during_speech(known):
     planned, found, moved = swells(known, SPEECH)
     begin, end = planned.timeline.timed[0].times["start"], planned.timeline.timed[0].times["end"]
     assert min(swell.begin for swell in found) >= begin - 1e-9
@@ -33,7 +34,7 @@ def test_head_and_trunk_move_through_all_that_is_said(known):
         assert np.mean(np.any([(times > swell.begin) & (times < swell.end) for swell in own], axis=0)) > 0.9
 
 
-def test_the_head_dips_on_accented_syllables_and_not_too_often(known):
+def test_head_dips_on_accents_with_minimum_spacing(known):
     planned, found, moved = swells(known, SPEECH)
     dips = [swell for swell, names in zip(found, moved, strict=True) if names == {"skullbase_tilt"}]
     vowels = [1.0 + p.start + p.duration / 2 for p in planned.utterances["s"].phonemes if p.symbol in "aeiou"]
@@ -41,10 +42,10 @@ def test_the_head_dips_on_accented_syllables_and_not_too_often(known):
     peaks = [swell.peak for swell in dips]
     assert len(peaks) >= 3
     assert min(np.diff(peaks)) >= 0.9
-    assert all(DIP[0] <= swell.away.max() <= DIP[1] for swell in dips)
+    assert all(DIP_ANGLES[0] <= swell.away.max() <= DIP_ANGLES[1] for swell in dips)
 
 
-def test_what_a_document_asks_of_the_head_is_left_alone(known):
+def test_speech_motion_of_the_head_is_omitted_during_a_requested_nod(known):
     nod = '<head id="n" lexeme="NOD" start="s:start+1" end="s:start+3"/>'
     planned, found, _ = swells(known, SPEECH + nod)
     taken = next(timed.times for timed in planned.timeline.timed if timed.behaviour.id == "n")
@@ -52,13 +53,13 @@ def test_what_a_document_asks_of_the_head_is_left_alone(known):
     assert all(swell.end <= taken["start"] + 1e-9 or swell.begin >= taken["end"] - 1e-9 for swell in found)
 
 
-def test_it_is_small_and_grows_with_its_amount(known):
-    most = max(*HEAD_STRAY, *TRUNK, *DIP)
+def test_speech_motion_scales_with_amount(known):
+    most = max(*MAX_HEAD_DRIFT, *MAX_TRUNK_DRIFT, *DIP_ANGLES)
     _, one, _ = swells(known, SPEECH)
     _, two, _ = swells(known, SPEECH, 2.0)
     assert max(np.abs(swell.away).max() for swell in one) <= most
     assert all(np.allclose(b.away, 2.0 * a.away) for a, b in zip(one, two, strict=True))
 
 
-def test_without_speech_nothing_talks(known):
+def test_no_speech_gives_no_speech_motion(known):
     assert not swells(known, '<wait id="w" duration="8"/>')[1]

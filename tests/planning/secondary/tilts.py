@@ -1,11 +1,11 @@
-"""Swells of one hinge of a robot that stands still."""
+"""Offsets of one hinge of a still robot."""
 
 import numpy as np
 
 from kinesic.body.arrays import sealed
 from kinesic.body.robot import Robot
 from kinesic.motion.trajectory import stay
-from kinesic.planning.secondary.swells import Swell
+from kinesic.planning.secondary.offset_bumps import OffsetBump
 
 ROBOT = Robot.load()
 REST = ROBOT.skeleton.rest
@@ -16,4 +16,4 @@ STILL = stay(REST, 5.0)
 def swell(begin, peak, end, *, degrees=1.0, hinge=TILT):
     away = np.zeros(len(REST))
     away[hinge] = np.radians(degrees)
-    return Swell(begin, peak, end, sealed(away))
+    return OffsetBump(begin, peak, end, sealed(away))

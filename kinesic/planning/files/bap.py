@@ -1,7 +1,7 @@
-"""Reads and writes MPEG-4 body animation parameters as text (the BAP file format, ISO/IEC 14496-2 annex C).
+"""Read and write MPEG-4 body animation parameters (BAP, ISO/IEC 14496-2 annex C).
 
-A header `version name rate frames`, then two lines per frame: a mask of 296 flags, and the frame's number with one
-whole number for each flag that is set. A parameter whose flag is not set stays as it was.
+A header `version name rate frames`, then two lines per frame: a mask of 296 flags, and the frame number with one
+integer for each set flag. A parameter whose flag is not set keeps its value.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -16,13 +16,13 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 
-SUFFIX = ".bap"
-FRAME_RATE = 25  # [frames/s]
-PARAMETERS = 296
-OLDER = 186  # parameters of files without extensions
-PER_RADIAN = 1e5  # the unit of angles is 1e-5 rad
-VERSION = "3.2"
-FASTEST = 1000.0  # [frames/s]
+BAP_SUFFIX = ".bap"  # suffix of MPEG-4 body animation files
+FRAME_RATE = 25  # [frames/s] frame rate of written BAP files
+PARAMETER_COUNT = 296  # parameters per BAP frame in the standard, with extensions
+BASE_PARAMETER_COUNT = 186  # parameters per BAP frame without extensions
+UNITS_PER_RADIAN = 1e5  # BAP angle units per radian
+FORMAT_VERSION = "3.2"  # BAP version in the header of written files
+MAX_FRAME_RATE = 1000.0  # [frames/s] highest accepted frame rate of a BAP file
 
 _PAIRS = (
     ("sternoclavicular_abduct", 24),
@@ -46,7 +46,7 @@ _SPINE = (
 )
 
 # Number of each parameter, from 1: pairs left then right, then the spine from the skull down (roll, torsion, tilt).
-NUMBERS = (
+PARAMETER_NUMBERS = (
     {f"l_{name}": number for name, number in _PAIRS}
     | {f"r_{name}": number + 1 for name, number in _PAIRS}
     | {
@@ -56,8 +56,8 @@ NUMBERS = (
     }
 )
 
-# What a positive angle turns about, in the robot's axes (x forward, y left, z up) with the arms hanging; both sides
-# alike, so that mirror images differ in sign where the axis is not lateral.
+# Axis of a positive angle, in the robot's axes (x forward, y left, z up) with the arms hanging. Both sides have the
+# same axes, so that mirror images differ in sign unless the axis is lateral.
 _AXES: Mapping[str, tuple[float, float, float]] = {
     "wrist_flexion": (-1.0, 0.0, 0.0),
     "flexion": (0.0, -1.0, 0.0),
@@ -72,29 +72,29 @@ _AXES: Mapping[str, tuple[float, float, float]] = {
 
 
 class Sampled(Protocol):
-    """A motion as a function of time, planned or measured."""
+    """Planned or measured motion as a function of time."""
 
     @property
     def duration(self) -> float:
-        """[s]."""
+        """Duration of the motion [s]."""
 
     def sample(self, times: Floats) -> tuple[Floats, Floats, Floats]:
-        """Angles, speeds and accelerations, each (m, n), at (m,) times."""
+        """Return angles, velocities and accelerations, each (m, n), at (m,) times."""
 
 
 @dataclass(frozen=True, eq=False)
 class BapFrames:
-    """A motion as a BAP file has it, for the hinges of one robot."""
+    """Motion of a BAP file for the hinges of one robot."""
 
-    times: Floats  # (m,) [s] from the start of the file's clock
-    angles: Floats  # (m, n) [rad] in joint order, with the robot's signs; beyond its ranges where the file is
-    given: tuple[str, ...]  # hinges that the file speaks of, the others rest
-    strangers: tuple[int, ...]  # numbers of parameters that no hinge of the robot has
+    times: Floats  # (m,) [s] from the start of the file
+    angles: Floats  # (m, n) [rad] in joint order, with the signs of the robot; not clipped to its ranges
+    given: tuple[str, ...]  # hinges with a parameter in the file; the others rest
+    strangers: tuple[int, ...]  # numbers of parameters without a hinge of the robot
 
 
 @dataclass(frozen=True)
 class _Column:
-    """A parameter and the hinge that it turns."""
+    """BAP parameter and the hinge that it drives."""
 
     number: int
     hinge: int
@@ -103,47 +103,51 @@ class _Column:
 
 @lru_cache(maxsize=8)
 def _columns(robot: Robot) -> tuple[_Column, ...]:
-    found = []
+    parameters = []
     for k, hinge in enumerate(robot.skeleton.hinges):
-        if hinge.name in NUMBERS:
+        if hinge.name in PARAMETER_NUMBERS:
             axis = next(axis for kind, axis in _AXES.items() if hinge.name.endswith(kind))
-            found.append(_Column(NUMBERS[hinge.name], k, -1.0 if float(np.dot(hinge.axis, axis)) < 0.0 else 1.0))
-    return tuple(sorted(found, key=lambda column: column.number))
+            parameters.append(
+                _Column(PARAMETER_NUMBERS[hinge.name], k, -1.0 if float(np.dot(hinge.axis, axis)) < 0.0 else 1.0)
+            )
+    return tuple(sorted(parameters, key=lambda column: column.number))
 
 
 def write_bap(trajectory: Sampled, robot: Robot, path: Path, *, called: Path | None = None) -> None:
-    """Writes a motion frame by frame, with the signs of the standard; hinges without a BAP name are left out.
+    """Write a motion as BAP text at 25 frames/s.
+
+    Angles have the signs of the standard. Hinges without a BAP name are left out.
 
     Args:
         trajectory: planned or measured.
-        robot: whose it is.
+        robot: with the hinges.
         path: of the file.
-        called: the path that it will have, whose name stands in it; None: the same.
+        called: final path of the file, whose name is in the header; None: `path`.
     """
     columns = _columns(robot)
     numbers = {column.number for column in columns}
-    mask = " ".join("1" if number in numbers else "0" for number in range(1, PARAMETERS + 1))
+    mask = " ".join("1" if number in numbers else "0" for number in range(1, PARAMETER_COUNT + 1))
     count = int(np.ceil(trajectory.duration * FRAME_RATE)) + 1
     angles = trajectory.sample(np.arange(count) / FRAME_RATE)[0]
-    turned = angles[:, [column.hinge for column in columns]] * [column.sign for column in columns]
-    lines = [f"{bap_heading(called or path)}{count}"]
-    for frame, row in enumerate(np.rint(turned * PER_RADIAN).astype(int).tolist()):
+    signed_angles = angles[:, [column.hinge for column in columns]] * [column.sign for column in columns]
+    lines = [f"{make_bap_heading(called or path)}{count}"]
+    for frame, row in enumerate(np.rint(signed_angles * UNITS_PER_RADIAN).astype(int).tolist()):
         lines += [mask, " ".join(str(value) for value in (frame, *row))]
     path.write_text("\n".join(lines) + "\n", encoding="ascii")
 
 
-def bap_heading(path: Path) -> str:
-    """Gives what a file of this name begins with, up to the number of its frames."""
-    return f"{VERSION} {_name(path)} {FRAME_RATE} "
+def make_bap_heading(path: Path) -> str:
+    """Return the BAP file header without its last number, the frame count."""
+    return f"{FORMAT_VERSION} {_name(path)} {FRAME_RATE} "
 
 
 def read_bap(path: Path, robot: Robot) -> BapFrames:
-    """Reads a motion as far as the robot has the hinges for it.
+    """Read a motion for the hinges that the robot has.
 
-    Angles are those of the file, exactly. A parameter that no frame has set yet is at rest.
+    Angles are those of the file, exactly. A parameter is at rest until a frame sets it.
 
     Raises:
-        ConfigError: no such file, or a line of it is wrong; named with its number.
+        ConfigError: the file is missing or a line is invalid; the message names the line.
     """
     try:
         lines = path.read_text(encoding="ascii", errors="replace").splitlines()
@@ -152,28 +156,33 @@ def read_bap(path: Path, robot: Robot) -> BapFrames:
     rate, count = _header(path, lines[0] if lines else "")
     columns = {column.number: column for column in _columns(robot)}
     times, rows, row = [], [], robot.skeleton.rest.copy()
-    seen: set[int] = set()
+    used_parameters: set[int] = set()
     for number, values in _frames(path, lines):
         for parameter, value in values.items():
             if parameter in columns:
-                row[columns[parameter].hinge] = columns[parameter].sign * value / PER_RADIAN
-        seen |= values.keys()
+                row[columns[parameter].hinge] = columns[parameter].sign * value / UNITS_PER_RADIAN
+        used_parameters |= values.keys()
         times.append(number / rate)
         rows.append(row.copy())
     if len(rows) < max(1, count):
         raise ConfigError(f"{path}:{len(lines)}: ends after {len(rows)} of {max(1, count)} frames")
-    given = tuple(robot.skeleton.names[columns[number].hinge] for number in sorted(seen & columns.keys()))
-    return BapFrames(sealed(times), sealed(rows), given, tuple(sorted(seen - columns.keys())))
+    given_hinges = tuple(
+        robot.skeleton.names[columns[number].hinge] for number in sorted(used_parameters & columns.keys())
+    )
+    return BapFrames(sealed(times), sealed(rows), given_hinges, tuple(sorted(used_parameters - columns.keys())))
 
 
 def _name(path: Path) -> str:
-    """The animation's name: one word of ASCII."""
+    """Return a motion name as one ASCII word."""
     word = "".join(letter if letter.isascii() and letter.isprintable() else "_" for letter in path.stem)
     return "_".join(word.split()) or "motion"
 
 
 def _header(path: Path, line: str) -> tuple[float, int]:
-    """Rate [frames/s] and number of frames; the name between may have blanks."""
+    """Parse the frame rate and frame count of a BAP file.
+
+    The name between may have blanks.
+    """
     words = line.split()
     try:
         rate, count = float(words[-2]), int(words[-1])
@@ -181,29 +190,33 @@ def _header(path: Path, line: str) -> tuple[float, int]:
         raise ConfigError(
             f"{path}:1: {line[:40]!r} is no header; write VERSION NAME RATE FRAMES: 3.2 wave 25 100"
         ) from None
-    if not 0.0 < rate <= FASTEST:
-        raise ConfigError(f"{path}:1: {words[-2]} frames/s; must be above 0 and at most {FASTEST:g}, such as 25")
+    if not 0.0 < rate <= MAX_FRAME_RATE:
+        raise ConfigError(f"{path}:1: {words[-2]} frames/s; must be above 0 and at most {MAX_FRAME_RATE:g}, such as 25")
     return rate, count
 
 
 def _frames(path: Path, lines: Sequence[str]) -> Iterator[tuple[int, dict[int, int]]]:
-    """Frame numbers, increasing, and what each sets: parameter -> value."""
+    """Yield frame numbers with the parameters that each frame sets."""
     last = -1
     numbered = [(number, line) for number, line in enumerate(lines[1:], start=2) if line.strip()]
     for (at, mask), (below, values) in zip(numbered[::2], numbered[1::2], strict=False):
         flags = mask.split()
-        if len(flags) not in (OLDER, PARAMETERS) or not set(flags) <= {"0", "1"}:
-            raise ConfigError(f"{path}:{at}: a mask of {len(flags)} words; must be {PARAMETERS} flags, each 0 or 1")
-        set_here = [number for number, flag in enumerate(flags, start=1) if flag == "1"]
+        if len(flags) not in (BASE_PARAMETER_COUNT, PARAMETER_COUNT) or not set(flags) <= {"0", "1"}:
+            raise ConfigError(
+                f"{path}:{at}: a mask of {len(flags)} words; must be {PARAMETER_COUNT} flags, each 0 or 1"
+            )
+        set_numbers = [number for number, flag in enumerate(flags, start=1) if flag == "1"]
         try:
-            frame, *found = (int(word) for word in values.split())
+            frame, *parameters = (int(word) for word in values.split())
         except ValueError:
             raise ConfigError(f"{path}:{below}: only whole numbers may stand here (angles in 1e-5 rad)") from None
-        if len(found) != len(set_here):
-            raise ConfigError(f"{path}:{below}: {len(found)} values for {len(set_here)} parameters of the mask above")
+        if len(parameters) != len(set_numbers):
+            raise ConfigError(
+                f"{path}:{below}: {len(parameters)} values for {len(set_numbers)} parameters of the mask above"
+            )
         if frame <= last:
             raise ConfigError(f"{path}:{below}: frame {frame} after frame {last}; numbers must increase, from 0")
         last = frame
-        yield frame, dict(zip(set_here, found, strict=True))
+        yield frame, dict(zip(set_numbers, parameters, strict=True))
     if len(numbered) % 2:
         raise ConfigError(f"{path}:{numbered[-1][0]}: a mask without a frame below it")

@@ -5,8 +5,8 @@ import pytest
 
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
-from kinesic.planning.bap import NUMBERS, PARAMETERS
-from kinesic.planning.motion_files import replace_motion, save_motion, write_motion
+from kinesic.planning.files.bap import PARAMETER_COUNT, PARAMETER_NUMBERS
+from kinesic.planning.files.motion_files import replace_motion, save_motion, write_motion
 
 ROBOT = Robot.load()
 
@@ -17,7 +17,7 @@ def motion(through):
     return through(np.array([0.0, 1.0]), angles)
 
 
-def test_npz_holds_the_samples(motion, tmp_path):
+def test_motion_npz_file_contains_joint_names_times_and_angles(motion, tmp_path):
     write_motion(motion, ROBOT, tmp_path / "m.npz")
     with np.load(tmp_path / "m.npz") as data:
         assert tuple(data["names"]) == ROBOT.skeleton.names
@@ -25,7 +25,7 @@ def test_npz_holds_the_samples(motion, tmp_path):
         assert data["times"][-1] == pytest.approx(1.0)
 
 
-def test_csv_has_a_column_for_each_hinge(motion, tmp_path):
+def test_csv_has_one_column_per_hinge(motion, tmp_path):
     write_motion(motion, ROBOT, tmp_path / "m.csv")
     with (tmp_path / "m.csv").open() as file:
         rows = list(csv.reader(file))
@@ -34,37 +34,37 @@ def test_csv_has_a_column_for_each_hinge(motion, tmp_path):
     np.testing.assert_allclose([float(cell) for cell in rows[-1][1:]], ROBOT.skeleton.rest + 0.1, atol=1e-8)
 
 
-def test_bap_writes_angles_in_its_unit(motion, tmp_path):
+def test_bap_file_contains_angles_in_units_of_10_microradians(motion, tmp_path):
     write_motion(motion, ROBOT, tmp_path / "m.bap")
     header, mask, first, *_ = (tmp_path / "m.bap").read_text().splitlines()
     assert header.split()[2:] == ["25", "26"]
     flags = mask.split()
-    assert len(flags) == PARAMETERS
+    assert len(flags) == PARAMETER_COUNT
     assert flags.count("1") == 22
     values = dict(zip([k for k, flag in enumerate(flags, start=1) if flag == "1"], first.split()[1:], strict=True))
     elbow = ROBOT.skeleton.rest[ROBOT.skeleton.joint("l_elbow_flexion")]
-    assert int(values[NUMBERS["l_elbow_flexion"]]) == round(elbow * 1e5)
+    assert int(values[PARAMETER_NUMBERS["l_elbow_flexion"]]) == round(elbow * 1e5)
 
 
-def test_numbers_of_the_standard():
-    assert NUMBERS["l_shoulder_flexion"] == 32
-    assert NUMBERS["r_wrist_twisting"] == 47
-    assert NUMBERS["skullbase_roll"] == 48
-    assert NUMBERS["vt1_roll"] == 72
-    assert NUMBERS["vl5_tilt"] == 122
+def test_bap_parameter_numbers_follow_the_standard():
+    assert PARAMETER_NUMBERS["l_shoulder_flexion"] == 32
+    assert PARAMETER_NUMBERS["r_wrist_twisting"] == 47
+    assert PARAMETER_NUMBERS["skullbase_roll"] == 48
+    assert PARAMETER_NUMBERS["vt1_roll"] == 72
+    assert PARAMETER_NUMBERS["vl5_tilt"] == 122
 
 
-def test_an_unknown_suffix_names_the_known_ones(motion, tmp_path):
+def test_unknown_suffix_error_names_known_suffixes(motion, tmp_path):
     with pytest.raises(ConfigError, match=r"m\.txt.*\.npz, \.csv, \.bap"):
         write_motion(motion, ROBOT, tmp_path / "m.txt")
 
 
 @pytest.mark.parametrize("ending", ["csv", "npz", "bap"])
-def test_only_what_was_written_so_before_is_replaced_unforced(ending: str, motion, tmp_path):
+def test_only_files_written_by_kinesic_are_replaced_without_force(ending: str, motion, tmp_path):
     path = tmp_path / f"m.{ending}"
     for somebodys in (b"dear", b"", b"PK\3\4", b"3.2 other 25 1\n", b"time,x\n", b"\xff"):
         path.write_bytes(somebodys)
-        with pytest.raises(ConfigError, match=r"no motion that kinesic wrote; force=True replaces it"):
+        with pytest.raises(ConfigError, match=r"is no motion written by kinesic; use force=True"):
             replace_motion(motion, ROBOT, path, force=False)
         assert path.read_bytes() == somebodys
     for force in (True, False):
@@ -73,11 +73,11 @@ def test_only_what_was_written_so_before_is_replaced_unforced(ending: str, motio
     assert replace_motion(motion, ROBOT, other, force=False) == other
 
 
-def test_an_archive_of_other_arrays_stays(motion, tmp_path):
+def test_other_npz_archives_are_not_replaced(motion, tmp_path):
     np.savez(tmp_path / "m.npz", times=[1.0])
     with pytest.raises(ConfigError, match="no motion"):
         replace_motion(motion, ROBOT, tmp_path / "m.npz", force=False)
 
 
-def test_a_bap_file_has_its_own_name_inside(motion, tmp_path):
+def test_bap_header_contains_file_name(motion, tmp_path):
     assert save_motion(motion, ROBOT, tmp_path / "wave.bap", force=False).read_text().startswith("3.2 wave 25 26\n")

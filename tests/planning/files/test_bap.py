@@ -3,20 +3,20 @@ import pytest
 
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
-from kinesic.planning.bap import FRAME_RATE, NUMBERS, PARAMETERS, read_bap, write_bap
+from kinesic.planning.files.bap import FRAME_RATE, PARAMETER_COUNT, PARAMETER_NUMBERS, read_bap, write_bap
 
 ROBOT = Robot.load()
 NAMES = ROBOT.skeleton.names
 HEADER = "3.2 made 25 {}"
 
 
-def mask(*numbers: int, of: int = PARAMETERS) -> str:
+def mask(*numbers: int, of: int = PARAMETER_COUNT) -> str:
     return " ".join("1" if number in numbers else "0" for number in range(1, of + 1))
 
 
 @pytest.fixture
 def written(tmp_path):
-    """Writes lines into a file."""
+    """Write lines into a file."""
 
     def write(*lines: str):
         path = tmp_path / "made.bap"
@@ -30,7 +30,7 @@ def angle(frames, name: str) -> list[float]:
     return frames.angles[:, NAMES.index(name)].tolist()
 
 
-def test_what_was_written_is_read_again(through, tmp_path):
+def test_written_bap_is_read_back(through, tmp_path):
     angles = np.stack([ROBOT.skeleton.rest, ROBOT.skeleton.clamp(ROBOT.skeleton.rest + 0.3)])
     motion = through(np.array([0.0, 1.0]), angles)
     write_bap(motion, ROBOT, tmp_path / "m.bap")
@@ -41,21 +41,21 @@ def test_what_was_written_is_read_again(through, tmp_path):
     assert frames.strangers == ()
 
 
-def test_signs_are_those_of_the_standard(written):
+def test_bap_angle_signs_follow_the_standard(written):
     """Arms forward, elbows bent, arms outward: a positive angle turns both sides about the same axis."""
-    numbers = [NUMBERS[f"{side}_shoulder_{turn}"] for turn in ("flexion", "abduct") for side in "lr"]
+    numbers = [PARAMETER_NUMBERS[f"{side}_shoulder_{turn}"] for turn in ("flexion", "abduct") for side in "lr"]
     frames = read_bap(written(HEADER.format(1), mask(*numbers), "0 10000 10000 20000 -20000"), ROBOT)
     assert angle(frames, "l_shoulder_flexion") == angle(frames, "r_shoulder_flexion") == [0.1]
     assert angle(frames, "l_shoulder_abduct") == angle(frames, "r_shoulder_abduct") == [0.2]  # mirror images
 
 
 def test_leaning_forward_is_negative_tilt(written):
-    frames = read_bap(written(HEADER.format(1), mask(NUMBERS["vl5_tilt"]), "0 -5000"), ROBOT)
+    frames = read_bap(written(HEADER.format(1), mask(PARAMETER_NUMBERS["vl5_tilt"]), "0 -5000"), ROBOT)
     assert angle(frames, "vl5_tilt") == [0.05]
 
 
-def test_a_parameter_that_is_masked_out_stays_as_it_was(written):
-    elbow, neck = NUMBERS["l_elbow_flexion"], NUMBERS["skullbase_torsion"]
+def test_masked_bap_parameter_keeps_its_previous_value(written):
+    elbow, neck = PARAMETER_NUMBERS["l_elbow_flexion"], PARAMETER_NUMBERS["skullbase_torsion"]
     frames = read_bap(
         written(HEADER.format(3), mask(elbow), "0 50000", mask(neck), "1 20000", mask(), "4"),
         ROBOT,
@@ -68,7 +68,7 @@ def test_a_parameter_that_is_masked_out_stays_as_it_was(written):
     assert set(frames.given) == {"l_elbow_flexion", "skullbase_torsion"}
 
 
-def test_parameters_of_legs_and_of_older_files(written):
+def test_bap_files_of_version_2_and_leg_parameters_are_read(written):
     frames = read_bap(written("2.1 old name 30 1", mask(4, 38, of=186), "0 7 60000"), ROBOT)
     assert frames.strangers == (4,)
     assert angle(frames, "l_elbow_flexion") == [0.6]
@@ -91,17 +91,17 @@ def test_parameters_of_legs_and_of_older_files(written):
         ((HEADER.format(4), mask(38), "0 1"), r":3: ends after 1 of 4 frames"),
     ],
 )
-def test_errors_name_the_line(written, lines, message):
+def test_bap_errors_name_the_line(written, lines, message):
     with pytest.raises(ConfigError, match=message):
         read_bap(written(*lines), ROBOT)
 
 
-def test_a_missing_file(tmp_path):
+def test_missing_bap_file_is_refused(tmp_path):
     with pytest.raises(ConfigError, match=r"none\.bap: No such file"):
         read_bap(tmp_path / "none.bap", ROBOT)
 
 
-def test_the_name_of_a_motion_is_one_word_of_ascii(through, tmp_path):
+def test_motion_name_in_a_bap_file_is_one_ascii_word(through, tmp_path):
     motion = through(np.array([0.0, 0.5]), np.stack([ROBOT.skeleton.rest] * 2))
     path = tmp_path / "gr\u00fc\u00df dich.bap"
     write_bap(motion, ROBOT, path)

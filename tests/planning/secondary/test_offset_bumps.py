@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from kinesic.motion.trajectory import STEP, stay
+from kinesic.motion.trajectory import KNOT_INTERVAL, stay
 from kinesic.planning.secondary.changes import Changes
 
 from .tilts import REST, STILL, TILT, swell
@@ -11,7 +11,7 @@ def laid_on(motion, swells):
     return Changes(motion, [swell for swell, _ in swells]).added(np.array([amount for _, amount in swells]))
 
 
-def test_a_swell_goes_out_to_its_peak_and_back_to_nothing():
+def test_smooth_offset_rises_to_its_peak_and_returns_to_zero():
     laid = laid_on(STILL, [(swell(1.0, 2.0, 4.0), 1.0)])
     angles, speeds, _ = laid.sample(np.array([0.0, 0.99, 2.0, 4.02, 5.0]))
     np.testing.assert_allclose(np.degrees(angles[:, TILT]), [0.0, 0.0, 1.0, 0.0, 0.0], atol=1e-3)
@@ -19,21 +19,21 @@ def test_a_swell_goes_out_to_its_peak_and_back_to_nothing():
     np.testing.assert_allclose(np.delete(angles, TILT, axis=1), np.tile(np.delete(REST, TILT), (5, 1)), atol=1e-12)
 
 
-def test_the_sum_is_the_motion_wherever_no_swell_is():
+def test_motion_is_unchanged_outside_offsets():
     laid = laid_on(STILL, [(swell(1.0, 1.5, 2.0), 1.0), (swell(3.0, 3.5, 4.0), 0.5), (swell(2.2, 2.4, 2.6), 0.0)])
     outside = np.array([0.5, 0.97, 2.03, 2.4, 2.97, 4.03, 4.9])
     np.testing.assert_allclose(laid.sample(outside)[0], STILL.sample(outside)[0], atol=1e-12)
     assert np.degrees(laid.at(3.5).angles[TILT]) == pytest.approx(0.5, abs=1e-2)
 
 
-def test_a_motion_that_is_over_goes_on_until_the_last_swell_is():
+def test_motion_is_extended_until_last_offset_ends():
     laid = laid_on(stay(REST, 0.1), [(swell(0.3, 1.0, 2.0), 1.0)])
-    assert laid.end == pytest.approx(2.0, abs=2 * STEP)
+    assert laid.end == pytest.approx(2.0, abs=2 * KNOT_INTERVAL)
     np.testing.assert_array_equal(laid.controls[:3], np.tile(REST, (3, 1)))
     np.testing.assert_array_equal(laid.controls[-3:], np.tile(REST, (3, 1)))
 
 
-def test_a_swell_is_smooth_up_to_the_acceleration():
+def test_offset_is_smooth_up_to_acceleration():
     laid = laid_on(STILL, [(swell(1.0, 2.0, 4.0), 1.0)])
-    accelerations = laid.sample(np.arange(0.0, 5.0, STEP))[2][:, TILT]
+    accelerations = laid.sample(np.arange(0.0, 5.0, KNOT_INTERVAL))[2][:, TILT]
     assert np.abs(np.diff(accelerations)).max() < 0.08 * np.ptp(accelerations)

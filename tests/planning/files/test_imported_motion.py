@@ -3,11 +3,12 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.config import ConfigError
-from kinesic.controller.perform import dry_run, plan
-from kinesic.controller.performance import Performance
-from kinesic.planning.bap import BapFrames, read_bap, write_bap
-from kinesic.planning.imported_motion import plan_imported
+from kinesic.controller.dry_run import dry_run
+from kinesic.metrics.dry_run import DryRun
+from kinesic.planning.files.bap import BapFrames, read_bap, write_bap
+from kinesic.planning.files.imported_motion import plan_imported
 from kinesic.report.checks import checks
+from kinesic.session.plan import plan
 
 WAVE = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">'
@@ -17,7 +18,7 @@ WAVE = (
 
 @pytest.fixture(scope="module")
 def wave(known, tmp_path_factory) -> BapFrames:
-    """A motion within all limits, as a file has it."""
+    """Return frames of a motion within all limits."""
     path = tmp_path_factory.mktemp("bap") / "wave.bap"
     write_bap(plan(WAVE, known).trajectory, known.robot, path)
     return read_bap(path, known.robot)
@@ -27,21 +28,21 @@ def at_frames(planned, frames: BapFrames) -> np.ndarray:
     return planned.trajectory.sample(frames.times + planned.trajectory.zero)[0]
 
 
-def violations(performed: Performance) -> int:
+def violations(performed: DryRun) -> int:
     found = [check for check in checks(performed) if check.name.startswith("limits.")]
     return sum(check.status == "fail" for check in found)
 
 
-def test_a_motion_that_servos_can_follow_comes_back_within_two_degrees(known, wave):
+def test_feasible_motion_is_kept_within_two_degrees(known, wave):
     planned = plan_imported(wave, known, source="wave.bap")
     away = np.degrees(np.abs(at_frames(planned, wave) - wave.angles))
     assert away.max() < 2.0
     assert np.sqrt((away**2).mean()) < 0.3
     assert planned.notices == ()
-    np.testing.assert_allclose(planned.motion.planned, planned.motion.asked)
+    np.testing.assert_allclose(planned.motion.planned, planned.motion.requested_times)
 
 
-def test_it_begins_and_ends_at_rest(known, wave):
+def test_imported_motion_begins_and_ends_at_rest(known, wave):
     late = BapFrames(wave.times + 5.0, sealed(wave.angles + 0.2), wave.given, ())
     planned = plan_imported(late, known, source="late.bap")
     motion = planned.trajectory
@@ -49,21 +50,21 @@ def test_it_begins_and_ends_at_rest(known, wave):
     np.testing.assert_allclose(motion.at(motion.duration).angles, known.robot.skeleton.rest, atol=2e-3)
 
 
-def test_the_twin_performs_it(known, wave):
+def test_twin_performs_imported_motion(known, wave):
     performed = dry_run(plan_imported(wave, known, source="wave.bap"))
     apart = np.abs(performed.measured.angles - performed.reference.angles).max()
     assert np.degrees(apart) < 1.0
     assert violations(performed) == 0
 
 
-def test_a_motion_too_fast_is_slowed_and_says_so(known, wave):
+def test_too_fast_motion_is_slowed_with_a_notice(known, wave):
     fast = BapFrames(sealed(wave.times / 4), wave.angles, wave.given, ())
     planned = plan_imported(fast, known, source="fast.bap")
     assert any("faster than the servos" in notice.text for notice in planned.notices)
     assert violations(dry_run(planned)) == 0
 
 
-def test_angles_beyond_a_range_stop_there_and_are_named(known, wave):
+def test_angles_beyond_range_are_clipped_and_reported(known, wave):
     elbow = known.robot.skeleton.joint("l_elbow_flexion")
     angles = wave.angles.copy()
     angles[:, elbow] = -0.1
@@ -72,7 +73,7 @@ def test_angles_beyond_a_range_stop_there_and_are_named(known, wave):
     assert "l_elbow_flexion is asked for 5.7 deg beyond its range" in notice.text
 
 
-def test_one_frame_is_a_posture(known):
+def test_imported_motion_with_a_single_frame_is_a_posture(known):
     posture = known.robot.skeleton.rest.copy()
     posture[known.robot.skeleton.joint("skullbase_torsion")] = 0.3
     planned = plan_imported(
@@ -81,7 +82,7 @@ def test_one_frame_is_a_posture(known):
     np.testing.assert_allclose(planned.trajectory.at(planned.trajectory.zero).angles, posture, atol=2e-3)
 
 
-def test_what_the_robot_lacks_is_named(known, wave):
+def test_parameters_without_hinge_are_reported(known, wave):
     legs = BapFrames(wave.times, wave.angles, wave.given, (4, 5))
     (notice,) = plan_imported(legs, known, source="legs.bap").notices
     assert notice.text == "the robot has no hinge for the parameters 4, 5"

@@ -1,0 +1,1 @@
+"""Motions read from and written to files."""

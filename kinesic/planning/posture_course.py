@@ -1,0 +1,154 @@
+"""Key postures with planned times, and edits of them."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.limits import Limits
+from kinesic.body.robot import SIDES, Robot
+from kinesic.motion.desired import DesiredMotion, join_keys
+from kinesic.motion.keys import KeyPassage, KeyPosture, Keys
+from kinesic.motion.trajectory import Trajectory
+
+ArmHinges = tuple[int, ...]  # joints of an arm
+
+SCAN_RATE = 100  # [Hz] sampling rate of the clearance check
+MIN_KEY_INTERVAL = 0.06  # [s] smallest time between a detour's key and other keys of its arm
+KEY_SPACING = 1e-4  # [s] smallest difference between the requested times of two keys
+
+
+@dataclass(frozen=True, eq=False)
+class PostureCourse:
+    """Key postures with planned times, as input of detours."""
+
+    postures: tuple[KeyPosture, ...]  # in the order of their times
+    planned: Floats  # (k,) [s] block time
+    robot: Robot
+    limits: Limits
+    stray: Floats | None = None  # (m, n) [rad] at `SCAN_RATE`: deviation of the actual from the desired motion
+
+    @cached_property
+    def motion(self) -> DesiredMotion:
+        """Requested motion through the keys, starting at performance time zero."""
+        return join_keys(self.planned, Keys.of(self.postures, self.limits, margin=0.0))
+
+    def at(self, time: float) -> Floats:
+        """Return the angles (n,) [rad] at a block time."""
+        angles: Floats = self.motion.angles(np.array([time + self.motion.zero]))[0]
+        if self.stray is None:
+            return angles
+        last = len(self.stray) - 1  # the last sample lies up to one period before the last key
+        return np.asarray(angles + self.stray[min(round((time + self.motion.zero) * SCAN_RATE), last)])
+
+    def samples(self) -> Floats:
+        """Sample the joint angles (m, n) [rad] at `SCAN_RATE`."""
+        angles = self.motion.angles(np.arange(0.0, self.motion.duration, 1.0 / SCAN_RATE))
+        return angles if self.stray is None else np.asarray(angles + self.stray)
+
+    def straying(self, trajectory: Trajectory) -> "PostureCourse":
+        """Return the course offset by a trajectory's deviation from the requested motion.
+
+        Detours then start from the actual motion.
+        """
+        times = np.arange(0.0, self.motion.duration, 1.0 / SCAN_RATE)
+        performed = trajectory.angles(times - self.motion.zero + trajectory.zero)
+        return replace(self, stray=sealed(performed - self.motion.angles(times)))
+
+    def near(self, arm: ArmHinges, time: float) -> int | None:
+        """Return an arm's nearest key within `MIN_KEY_INTERVAL` of a time."""
+        keys = [k for k, posture in enumerate(self.postures) if posture.keyed[arm[0]]]
+        nearest = min(keys, key=lambda k: abs(self.planned[k] - time))
+        return nearest if abs(self.planned[nearest] - time) < MIN_KEY_INTERVAL else None
+
+    def detours(self, time: float, arms: list[ArmHinges]) -> set[int]:
+        """Find the detour keys next to a block time."""
+        matches = set[int]()
+        for arm in arms:
+            keys = [k for k, posture in enumerate(self.postures) if posture.keyed[arm[0]]]
+            after = int(np.searchsorted(self.planned[keys], time))
+            matches |= {k for k in keys[max(after - 1, 0) : after + 1] if self._is_detour(k, list(arm))}
+        return matches
+
+    def _is_detour(self, key: int, joints: list[int]) -> bool:
+        """Return whether a key was added by a detour."""
+        here = self.postures[key].angles[joints]
+        return not any(posture.syncs and np.array_equal(posture.angles[joints], here) for posture in self.postures)
+
+    def moved(self, key: int, angles: Floats, arm: ArmHinges) -> "PostureCourse":
+        """Replace an arm's posture at a key and at its holds.
+
+        Holds remain holds.
+        """
+        joints, old = list(arm), self.postures[key].angles[list(arm)]
+        is_arm = np.zeros(len(angles), dtype=bool)
+        is_arm[joints] = True
+        return replace(
+            self,
+            postures=tuple(
+                replace(posture, angles=sealed(np.where(is_arm, angles, posture.angles)))
+                if posture.keyed[joints[0]] and np.array_equal(posture.angles[joints], old)
+                else posture
+                for posture in self.postures
+            ),
+        )
+
+    def keyed_alike(self, arms: list[ArmHinges]) -> list[ArmHinges]:
+        """Group arms with equal key times, so that detours move them together."""
+        matches: dict[tuple[bool, ...], ArmHinges] = {}
+        for arm in arms:
+            keys = tuple(posture.keyed[arm[0]] for posture in self.postures)
+            matches[keys] = (*matches.get(keys, ()), *arm)
+        return list(matches.values())
+
+    def calmed(self, time: float) -> "PostureCourse":
+        """Remove overshoot and accents from arm keys near a block time.
+
+        The course itself is returned if there are none.
+        """
+        calm_keys = set[tuple[int, int]]()
+        for joints in (self.robot.arm(side).joints for side in SIDES):
+            lively_keys = [k for k, posture in enumerate(self.postures) if joints and _is_lively(posture, joints[0])]
+            before, after = ([k for k in lively_keys if (self.planned[k] <= time) == early] for early in (True, False))
+            calm_keys |= {(k, joint) for k in (*before[-1:], *after[:1]) for joint in joints}
+        if not calm_keys:
+            return self
+        return replace(
+            self,
+            postures=tuple(
+                replace(posture, passages=_calmed(posture.passages, {j for key, j in calm_keys if key == k}))
+                for k, posture in enumerate(self.postures)
+            ),
+        )
+
+    def extended(self, time: float, angles: Floats, arm: ArmHinges) -> "PostureCourse":
+        """Insert a key for one arm, or for two with equal keys.
+
+        Args:
+            time: block time of the key.
+            angles: (n,) [rad].
+            arm: joints of the arms.
+        """
+        rows = [k for k, posture in enumerate(self.postures) if posture.keyed[arm[0]]]
+        requested = float(np.interp(time, self.planned[rows], [self.postures[k].time for k in rows]))
+        while requested in {posture.time for posture in self.postures}:
+            requested += KEY_SPACING
+        keyed = tuple(joint in arm for joint in range(len(angles)))
+        k = sum(posture.time < requested for posture in self.postures)
+        return replace(
+            self,
+            postures=(*self.postures[:k], KeyPosture(requested, sealed(angles), keyed), *self.postures[k:]),
+            planned=sealed(np.insert(self.planned, k, time)),
+        )
+
+
+def _is_lively(posture: KeyPosture, joint: int) -> bool:
+    """Return whether a hinge overshoots or accents its key."""
+    if not posture.passages or not posture.keyed[joint]:
+        return False
+    return posture.passages[joint] != posture.passages[joint].without_accent
+
+
+def _calmed(passages: tuple[KeyPassage, ...], joints: set[int]) -> tuple[KeyPassage, ...]:
+    return tuple(passage.without_accent if k in joints else passage for k, passage in enumerate(passages))

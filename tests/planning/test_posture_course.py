@@ -1,0 +1,107 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinesic.body.arrays import sealed
+from kinesic.motion.keys import KeyPassage
+from kinesic.planning.posture_course import MIN_KEY_INTERVAL
+
+from .courses import CROSSING, HIGHER, IN_FRONT, LEFT, REST, RIGHT, course, key
+
+
+def test_moving_a_hold_key_moves_all_keys_of_the_hold():
+    held = course(key(0.0), key(1.0, right=IN_FRONT), key(2.0, right=IN_FRONT), key(3.0))
+    aside = held.at(1.0)
+    aside[RIGHT] += 0.05
+    moved = held.moved(1, aside, tuple(RIGHT))
+    np.testing.assert_array_equal(moved.postures[1].angles, moved.postures[2].angles)
+    np.testing.assert_array_equal(moved.postures[3].angles, REST)
+
+
+def test_new_key_has_interpolated_requested_time():
+    late = replace(CROSSING, planned=sealed([0.0, 1.5, 3.0, 4.0]))
+    longer = late.extended(2.25, late.at(2.25), tuple(LEFT))
+    (added,) = set(longer.postures) - set(late.postures)
+    assert added.time == pytest.approx(1.5)
+    assert longer.planned[list(longer.postures).index(added)] == 2.25
+    assert [joint for joint, keyed in enumerate(added.keyed) if keyed] == LEFT
+
+
+def synced(posture, name):
+    """Return a key with a sync point."""
+    return replace(posture, syncs=((name, "stroke"),))
+
+
+def test_detour_keys_have_no_sync_point():
+    made = course(
+        key(0.0),
+        synced(key(1.0, right=IN_FRONT), "g"),
+        key(1.5, right=HIGHER),
+        key(2.0, right=IN_FRONT),
+        key(2.5, right=REST[RIGHT]),
+        key(3.0),
+    )
+    assert made.detours(1.7, [tuple(RIGHT)]) == {2}  # the key at 2.0 is a hold of the stroke
+    assert made.detours(1.2, [tuple(RIGHT)]) == {2}
+    assert made.detours(0.0, [tuple(RIGHT)]) <= {0}
+
+
+@pytest.mark.parametrize(("away", "is_near"), [(0.0, True), (0.9, True), (1.1, False)])
+def test_arm_key_within_the_minimum_interval_of_a_time_is_found(away, is_near):
+    only_left = course(key(0.0), key(1.0, left=IN_FRONT), key(2.0, right=IN_FRONT), key(3.0))
+    for side in (-1, 1):
+        time = 1.0 + side * away * MIN_KEY_INTERVAL
+        assert only_left.near(tuple(LEFT), time) == (1 if is_near else None)
+        assert only_left.near(tuple(RIGHT), time) is None
+
+
+def test_requested_key_times_are_distinct_and_ordered():
+    longer = CROSSING
+    for time, arm in ((1.5, LEFT), (1.5, RIGHT), (0.5, LEFT)):
+        longer = longer.extended(time, longer.at(time), tuple(arm))
+    times = [posture.time for posture in longer.postures]
+    assert times == sorted(set(times))
+    assert len(times) == len(CROSSING.postures) + 3
+    assert np.all(np.diff(longer.planned) >= 0.0)
+
+
+def test_arms_are_moved_together_only_if_they_have_equal_key_times():
+    arms = [tuple(LEFT), tuple(RIGHT)]
+    assert CROSSING.keyed_alike(arms) == [(*LEFT, *RIGHT)]
+    apart = course(key(0.0), key(1.0, left=IN_FRONT), key(3.0))
+    assert apart.keyed_alike(arms) == arms
+
+
+def test_moving_an_arm_keeps_other_arm_and_postures():
+    moved = CROSSING.moved(1, CROSSING.postures[1].angles + 0.1, tuple(LEFT))
+    for k, (before, after) in enumerate(zip(CROSSING.postures, moved.postures, strict=True)):
+        np.testing.assert_allclose(after.angles[LEFT] - before.angles[LEFT], 0.1 if k == 1 else 0.0)
+        np.testing.assert_array_equal(after.angles[RIGHT], before.angles[RIGHT])
+
+
+def test_existing_detour_keys_before_and_after_a_time_are_found():
+    made = course(
+        key(0.0), key(1.0, right=HIGHER), key(2.0, right=IN_FRONT), synced(key(2.5, right=REST[RIGHT]), "g"), key(3.0)
+    )
+    assert made.detours(1.5, [tuple(RIGHT)]) == {1, 2}
+    assert made.detours(2.2, [tuple(RIGHT)]) == {2}
+    assert made.detours(1.5, []) == set()
+
+
+def test_overshoot_is_removed_only_from_keys_adjacent_to_a_time():
+    def lively(time):
+        return replace(key(time, left=IN_FRONT), passages=(KeyPassage(swing=1.0),) * len(REST))
+
+    made = course(key(0.0), *map(lively, (0.5, 1.0, 2.0, 3.0, 4.0)), key(5.0))
+    calm = made.calmed(2.5)
+    assert [bool(each.passages) and each.passages[LEFT[0]].swing for each in calm.postures] == [
+        False,
+        1.0,
+        1.0,
+        0.0,
+        0.0,
+        1.0,
+        False,
+    ]
+    assert all(calm.postures[3].passages[joint] == KeyPassage(swing=1.0) for joint in RIGHT)
