@@ -1,1 +1,1 @@
-"""Realizes several blocks over time, as pure functions of a scene and a time."""
+"""Scheduling and merging of several BML blocks, as pure functions."""

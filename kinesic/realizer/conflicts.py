@@ -1,73 +1,83 @@
-"""Checks a block that was laid over a running motion: the body may come too near to itself, or a drive be overloaded.
+"""Checks of merged motions for collisions and drive overload.
 
-Each of both motions is clear of the body by itself, so that only what is neither of them is measured; inertia and
-gravity couple the hinges, so that the load of a drive is known only from both together.
+Both motions are free of collisions separately, so that only configurations from both together are checked. Inertia and
+gravity couple the joints, so that drive loads depend on the sum of both motions.
 """
 
 import numpy as np
 
 from kinesic.body.arrays import Flags, Floats
 from kinesic.body.robot import SIDES
-from kinesic.motion.trajectory import STEP, Trajectory
-from kinesic.motion.transition import FEWEST_PIECES, SAME_ANGLE, lengthen
-from kinesic.planning.certify import duties
-from kinesic.planning.clearance import LEAST_RESERVE, scan_clearance
+from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
+from kinesic.motion.transition import FEWEST_PIECES, SAME_ANGLE, extend_controls
+from kinesic.planning.certify import compute_peak_duties
+from kinesic.planning.clearance import MIN_LAG_RESERVE, scan_clearance
 from kinesic.planning.setup import Setup
 from kinesic.realizer.occupancy import MergeFailure, Occupancy, Overlay
-from kinesic.realizer.release import from_knot
+from kinesic.realizer.release import motion_from_knot
 
-FULL_DUTY = 1.0  # of a drive's duty
+MAX_DUTY = 1.0  # largest accepted duty of a drive, as a fraction of its rated duty
 
 
-def find_conflict(work: Overlay, found: Floats, setup: Setup) -> MergeFailure | None:
-    """Names the behaviour of a block that brings the body too near to itself or overloads a drive; None: there is none.
+def find_conflict(work: Overlay, controls: Floats, setup: Setup) -> MergeFailure | None:
+    """Return the behaviour that causes a collision or overload, or None.
 
     Args:
-        work: the block and the running motion.
-        found: (k + 3, n) [rad] control points of both together.
+        work: block and running motion.
+        controls: (k + 3, n) [rad] control points of the merged motion.
         setup: distances and dynamics.
     """
-    apart = [np.abs(found - lengthen(each, len(found))).max(axis=1) > SAME_ANGLE for each in (work.base, work.coming)]
+    apart = [
+        np.abs(controls - extend_controls(source, len(controls))).max(axis=1) > SAME_ANGLE
+        for source in (work.base, work.coming)
+    ]
     rows = np.flatnonzero(apart[0] & apart[1])
     if not len(rows) or rows[-1] < work.cut + FEWEST_PIECES:
         return None
-    coming = from_knot(found[: rows[-1] + FEWEST_PIECES], work.cut)
-    return _too_near(coming, work, setup) or _too_heavy(coming, work, setup)
+    coming = motion_from_knot(controls[: rows[-1] + FEWEST_PIECES], work.cut)
+    return _find_collision(coming, work, setup) or _find_overload(coming, work, setup)
 
 
-def _too_near(coming: Trajectory, work: Overlay, setup: Setup) -> MergeFailure | None:
+def _find_collision(coming: Trajectory, work: Overlay, setup: Setup) -> MergeFailure | None:
     times, clearance = scan_clearance(coming, setup.distances)
     worst, robot = clearance.worst, setup.robot
     distance = float(clearance.distances[worst])
-    if distance >= robot.least_clearance + LEAST_RESERVE:
+    if distance >= robot.min_clearance + MIN_LAG_RESERVE:
         return None
-    pair, at = clearance.pairs[worst], float(times[worst]) + work.cut * STEP
+    pair, at = clearance.pairs[worst], float(times[worst]) + work.cut * KNOT_INTERVAL
     hinges = np.zeros(len(robot.skeleton.hinges), dtype=np.bool_)
     for side in SIDES:
         if set(pair) & robot.arm(side).bodies:
-            hinges[list(robot.arm(side).moving)] = True
-    name = _nearest(work, hinges, at)
-    return MergeFailure(name, f"brings {pair[0]} within {1000 * distance:.0f} mm of {pair[1]} beside what runs")
+            hinges[list(robot.arm(side).all_joints)] = True
+    name = _nearest_behaviour(work, hinges, at)
+    return MergeFailure(
+        name, f"brings {pair[0]} within {1000 * distance:.0f} mm of {pair[1]} in combination with the running motion"
+    )
 
 
-def _too_heavy(coming: Trajectory, work: Overlay, setup: Setup) -> MergeFailure | None:
-    peaks = duties(coming, setup)
-    if peaks.max() <= FULL_DUTY:
+def _find_overload(coming: Trajectory, work: Overlay, setup: Setup) -> MergeFailure | None:
+    peaks = compute_peak_duties(coming, setup)
+    if peaks.max() <= MAX_DUTY:
         return None
-    before = duties(from_knot(work.base[: work.cut + len(coming.controls)], work.cut), setup)
-    over = (peaks > FULL_DUTY) & (peaks > before)
+    before = compute_peak_duties(motion_from_knot(work.base[: work.cut + len(coming.controls)], work.cut), setup)
+    over = (peaks > MAX_DUTY) & (peaks > before)
     if not over.any():
         return None
     worst = int(np.where(over, peaks, 0.0).argmax())
     joint = setup.robot.skeleton.names[worst]
-    name = _nearest(work, np.arange(len(peaks)) == worst, work.cut * STEP)
-    return MergeFailure(name, f"asks {100 * peaks[worst]:.0f} % of the duty of {joint} beside what runs")
+    name = _nearest_behaviour(work, np.arange(len(peaks)) == worst, work.cut * KNOT_INTERVAL)
+    return MergeFailure(
+        name, f"needs {100 * peaks[worst]:.0f} % of the duty of {joint} in combination with the running motion"
+    )
 
 
-def _nearest(work: Overlay, hinges: Flags, at: float) -> str:
-    """Names the behaviour that moves some hinges (n,) nearest to a time [s]; empty where the block performs none."""
+def _nearest_behaviour(work: Overlay, hinges: Flags, at: float) -> str:
+    """Return the behaviour of given hinges (n,) closest to a time [s].
 
-    def away(each: Occupancy) -> tuple[bool, float]:
-        return not (each.hinges & hinges).any(), max(each.begin - at, at - each.end, 0.0)
+    The result is empty if the block performs no behaviour.
+    """
 
-    return min(work.performed, key=away).behaviour if work.performed else ""
+    def distance(entry: Occupancy) -> tuple[bool, float]:
+        return not (entry.hinges & hinges).any(), max(entry.begin - at, at - entry.end, 0.0)
+
+    return min(work.performed, key=distance).behaviour if work.performed else ""

@@ -1,28 +1,28 @@
-"""Finds speech and parts of the body that other blocks occupy when a block begins, unless it interrupts them."""
+"""Conflicts of a new block with speech and body parts of others."""
 
 from collections.abc import Mapping
 from dataclasses import replace
 
 from kinesic.bml.block import Composition, Interrupt, Notice, NoticeType
 from kinesic.body.robot import SIDES
-from kinesic.expressivity.hands.engaged import Engaged
+from kinesic.expressivity.hands.busy_hands import BusyHand
 from kinesic.realizer.occupancy import Occupancy
-from kinesic.realizer.request import LEAD, TimedRequest
+from kinesic.realizer.request import PLANNING_TIME, TimedRequest
 from kinesic.realizer.running_block import PlayingSpeech, RunningBlock
 from kinesic.realizer.scene import Scene
 
-Interruptions = Mapping[tuple[str, str], float]  # block and behaviour -> [s] global time at which it is interrupted
+Interruptions = Mapping[tuple[str, str], float]  # block and behaviour -> global time [s] of its interruption
 TimedBlock = RunningBlock | TimedRequest
 
 
 def interrupted_by(action: Interrupt, running: RunningBlock) -> frozenset[str]:
-    """Names the behaviours of a block that an interrupt stops."""
+    """Return the behaviours of a block that an interrupt stops."""
     return (frozenset(action.include) or frozenset(running.times)) & running.times.keys() - frozenset(action.exclude)
 
 
 def planned_interruptions(scene: Scene, coming: TimedBlock) -> Interruptions:
-    """Finds the behaviours that blocks that play, and one that comes, are going to interrupt."""
-    found: dict[tuple[str, str], float] = {}
+    """Return the behaviours that running blocks and a new one will interrupt."""
+    interruptions: dict[tuple[str, str], float] = {}
     blocks: tuple[TimedBlock, ...] = (*scene.playing, coming)
     for by in blocks:
         for behaviour in by.block.behaviours:
@@ -31,44 +31,51 @@ def planned_interruptions(scene: Scene, coming: TimedBlock) -> Interruptions:
             if isinstance(action, Interrupt) and target is not None and behaviour.id in by.times:
                 time = by.zero + by.times[behaviour.id]["start"]
                 for id in interrupted_by(action, target):
-                    found[target.id, id] = min(time, found.get((target.id, id), time))
-    return found
+                    interruptions[target.id, id] = min(time, interruptions.get((target.id, id), time))
+    return interruptions
 
 
 def occupancy_of_others(scene: Scene, coming: TimedBlock) -> tuple[Occupancy, ...]:
-    """Finds which hinges other blocks occupy, each until it is interrupted."""
+    """Return the hinges occupied by other blocks, up to their interruption."""
     ends = {f"{block}:{id}": time for (block, id), time in planned_interruptions(scene, coming).items()}
-    return tuple(_until(each, ends[each.behaviour]) if each.behaviour in ends else each for each in scene.occupancy)
+    return tuple(
+        _until(entry, ends[entry.behaviour]) if entry.behaviour in ends else entry for entry in scene.occupancy
+    )
 
 
-def with_engaged_hands(scene: Scene, request: TimedRequest) -> TimedRequest:
-    """Adds to a request the hands that other blocks need meanwhile, so that planning takes the free one.
+def with_busy_hands(scene: Scene, request: TimedRequest) -> TimedRequest:
+    """Add the hands used by other blocks to a request.
 
-    The block may begin later than expected by the time to plan it. One that takes the place of others, or stops them,
-    finds their hands free; nobody knows when a block begins that waits to be activated.
+    Planning then uses the free hands.
+
+    The start time is uncertain by the planning time. The result is unchanged for a block that replaces or interrupts
+    others, because their hands are free then, and for a preplanned block, whose start time is unknown.
     """
-    succession, zero = request.block.succession, request.zero
-    if request.block.composition is Composition.REPLACE or succession.preplanned:
+    order, zero = request.block.order, request.zero
+    if request.block.composition is Composition.REPLACE or order.preplanned:
         return request
-    engaged = [
-        Engaged(side, each.ready - zero - LEAD, each.relax - zero, each.behaviour)
-        for each in occupancy_of_others(scene, request)
-        if each.relax > zero + request.timeline.start and each.behaviour.partition(":")[0] not in succession.interrupts
+    busy_hands = [
+        BusyHand(side, entry.ready - zero - PLANNING_TIME, entry.relax - zero, entry.behaviour)
+        for entry in occupancy_of_others(scene, request)
+        if entry.relax > zero + request.timeline.start and entry.behaviour.partition(":")[0] not in order.interrupts
         for side in SIDES
-        if f"{side}_hand" in each.roles
+        if f"{side}_hand" in entry.roles
     ]
-    return replace(request, engaged=tuple(engaged))
+    return replace(request, busy_hands=tuple(busy_hands))
 
 
-def silence_overlap(scene: Scene, coming: RunningBlock) -> tuple[RunningBlock, tuple[Notice, ...]]:
-    """Leaves out speech of a block that would sound while another block speaks, and says so in notices."""
+def drop_overlapping_speech(scene: Scene, coming: RunningBlock) -> tuple[RunningBlock, tuple[Notice, ...]]:
+    """Drop speech of a new block that overlaps speech of others.
+
+    Return notices.
+    """
     ends = planned_interruptions(scene, coming)
     overlaps: dict[str, PlayingSpeech] = {}
-    for own in coming.speeches:
+    for speech in coming.speeches:
         for other in scene.speeches:
             until = min(other.end, ends.get((other.block, other.behaviour), other.end))
-            if other.block != coming.id and own.begin < until and other.begin < own.end:
-                overlaps[own.behaviour] = other
+            if other.block != coming.id and speech.begin < until and other.begin < speech.end:
+                overlaps[speech.behaviour] = other
     notices = tuple(
         Notice(
             NoticeType.IMPOSSIBLE_TO_SCHEDULE,

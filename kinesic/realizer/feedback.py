@@ -1,4 +1,4 @@
-"""Schedules the feedback of blocks that play: which message is sent when."""
+"""Scheduled feedback of running blocks."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -7,34 +7,34 @@ from math import inf
 from operator import attrgetter
 
 from kinesic.bml.composition import BlockState
-from kinesic.bml.feedback import block_progress, sync_point_progress
+from kinesic.bml.feedback import write_block_progress, write_sync_point_progress
 from kinesic.bml.timing.constraints import Point
 from kinesic.planning.syncs import SyncTime
 
-BLOCK_START: tuple[str | None, str] = (None, "start")
-BLOCK_END: tuple[str | None, str] = (None, "end")
-Times = Mapping[str, Mapping[str, float]]  # behaviour -> sync point -> [s] block time, each behaviour's in their order
+BLOCK_START: tuple[str | None, str] = (None, "start")  # behaviour (none) and sync point of a block's start
+BLOCK_END: tuple[str | None, str] = (None, "end")  # behaviour (none) and sync point of a block's end
+Times = Mapping[str, Mapping[str, float]]  # behaviour -> sync point -> block time [s], in order
 
 
 @dataclass(frozen=True)
 class Progress:
-    """A point that a block passes, as block progress or sync point progress is sent of it."""
+    """Sync point or block point that is reported when it is passed."""
 
     block: str
-    behaviour: str | None  # None: the block itself
+    behaviour: str | None  # None for the block itself
     point: str
     time: float  # [s] block time
     character: str | None = None
-    state: BlockState | None = None  # of a block that ended before its time
-    run: int = 0  # number of the running block; another block of the same id has another one
+    state: BlockState | None = None  # of an interrupted block
+    run: int = 0  # number of the running block, unique even for equal ids
 
     @property
     def key(self) -> tuple[str | None, str]:
-        """Behaviour and point: unique in a block."""
+        """Behaviour and point name, unique within a block."""
         return self.behaviour, self.point
 
     def interrupted(self, time: float) -> "Progress":
-        """Return the point as interrupted at a block time [s]."""
+        """Return a copy of the point, marked as interrupted at a time."""
         return replace(self, time=time, state=BlockState.INTERRUPTED)
 
 
@@ -43,98 +43,103 @@ FeedbackKey = tuple[int, str | None, str] | tuple[float, str, int]
 
 @dataclass(frozen=True)
 class ScheduledFeedback:
-    """A message for the sender of a block."""
+    """Feedback message with its send time and receiver."""
 
-    time: float  # [s] global
-    content: Progress | str  # a point, or a message that is written already
+    time: float  # [s] global send time
+    content: Progress | str  # progress, or a complete message
     sender: int = 0
-    measured: float | None = None  # [s] global time at which the point was seen to be passed
-    unless_improved: str | None = None  # id of a block: not sent when that one gets a better plan
+    measured: float | None = None  # [s] global time of the measured arrival
+    unless_improved: str | None = None  # block id; the message is dropped when this block gets a refined plan
 
     @cached_property
     def xml(self) -> str:
-        """The message as XML."""
+        """Message as XML."""
         point = self.content
         if isinstance(point, str):
             return point
         state = point.state.value if point.state else None
         if point.behaviour is None:
-            return block_progress(
+            return write_block_progress(
                 point.block, point.point, self.time, character=point.character, state=state, measured=self.measured
             )
         passed = Point(point.block, point.behaviour, point.point)
-        return sync_point_progress(passed, point.time, self.time, character=point.character, measured=self.measured)
+        return write_sync_point_progress(
+            passed, point.time, self.time, character=point.character, measured=self.measured
+        )
 
     def measured_at(self, time: float) -> "ScheduledFeedback":
-        """Adds the global time [s] at which servos or twin were there."""
+        """Add the global time [s] at which the body measurably arrived."""
         return replace(self, measured=time)
 
     @property
     def block(self) -> str | None:
-        """Id of the block that passes a point."""
+        """Id of the block for progress messages, or None."""
         return None if isinstance(self.content, str) else self.content.block
 
     @cached_property
     def key(self) -> FeedbackKey:
-        """Identity of the message, independent of the time of its point."""
+        """Identity of the message, for progress messages independent of their time."""
         if isinstance(self.content, str):
             return self.time, self.content, self.sender
         return self.content.run, *self.content.key
 
     def belongs_to(self, run: int) -> bool:
-        """Whether a running block passes the point."""
+        """Return whether the message reports progress of a given running block."""
         return isinstance(self.content, Progress) and self.content.run == run
 
     @property
     def is_block_start(self) -> bool:
-        """Whether a block passes its start."""
+        """Whether the message reports a block start."""
         return isinstance(self.content, Progress) and self.content.key == BLOCK_START
 
     @property
     def is_block_end(self) -> bool:
-        """Whether a block passes its end."""
+        """Whether the message reports a block end."""
         return isinstance(self.content, Progress) and self.content.key == BLOCK_END
 
     def interrupted_at(self, time: float) -> "ScheduledFeedback":
-        """Return the message as interrupted at a global time [s]."""
+        """Return a copy of the message, marked as interrupted at a time."""
         if isinstance(self.content, str):
             raise TypeError("a written message cannot be interrupted")
         return replace(self, time=time, content=self.content.interrupted(self.content.time + time - self.time))
 
 
-def span(times: Times) -> tuple[float, float, float]:
-    """Finds start, subsiding and end of a block, block time [s]: the start is no later than 0, the end no earlier."""
-    points = [time for own in times.values() for time in own.values()]
-    relaxed = [own.get("relax", max(own.values())) for own in times.values() if own]
+def block_span(times: Times) -> tuple[float, float, float]:
+    """Return start, relax and end of a block in block time [s].
+
+    The start is at most 0 and the end at least 0.
+    """
+    points = [time for sync_times in times.values() for time in sync_times.values()]
+    relaxed = [sync_times.get("relax", max(sync_times.values())) for sync_times in times.values() if sync_times]
     return min([0.0, *points]), max([0.0, *relaxed]), max([0.0, *points])
 
 
-def agenda(
+def schedule_feedback(
     block: str, times: Times, zero: float, *, sender: int, character: str | None = None, run: int = 0
 ) -> tuple[ScheduledFeedback, ...]:
-    """Schedules feedback of all points of a block, in order.
+    """Schedule progress feedback for all points of a block, sorted by time.
 
     Args:
-        block: its id.
-        times: of its sync points.
-        zero: [s] global time of its time 0.
-        sender: who gets it.
-        character: that performs.
+        block: id of the block.
+        times: times of its sync points.
+        zero: global time [s] of block time 0.
+        sender: number of the client that receives the feedback.
+        character: character that performs.
         run: number of the running block.
     """
-    start, relax, end = span(times)
+    start, relax, end = block_span(times)
 
     def progress(behaviour: str | None, point: str, time: float) -> ScheduledFeedback:
         return ScheduledFeedback(zero + time, Progress(block, behaviour, point, time, character, run=run), sender)
 
-    points = [progress(behaviour, sync, time) for behaviour, at in times.items() for sync, time in _forward(at)]
+    points = [progress(behaviour, sync, time) for behaviour, at in times.items() for sync, time in _monotonic(at)]
     subsides = progress(None, "relax", relax)
     inner = sorted([*points, subsides], key=attrgetter("time"))
     return progress(None, "start", start), *inner, progress(None, "end", end)
 
 
-def _forward(at: Mapping[str, float]) -> Iterator[tuple[str, float]]:
-    """Sync points of a behaviour in their order, none before its predecessor."""
+def _monotonic(at: Mapping[str, float]) -> Iterator[tuple[str, float]]:
+    """Yield the sync points of a behaviour with non-decreasing times."""
     latest = -inf
     for sync, time in at.items():
         latest = max(latest, time)
@@ -142,20 +147,23 @@ def _forward(at: Mapping[str, float]) -> Iterator[tuple[str, float]]:
 
 
 def order_feedback(*agendas: Sequence[ScheduledFeedback]) -> tuple[ScheduledFeedback, ...]:
-    """Joins agendas into one in order of time; messages of the same time keep their order."""
-    return tuple(sorted((message for each in agendas for message in each), key=attrgetter("time")))
+    """Merge lists of scheduled feedback by time.
+
+    Messages at equal times keep their order.
+    """
+    return tuple(sorted((message for agenda in agendas for message in agenda), key=attrgetter("time")))
 
 
-def without(
+def withdraw_feedback(
     agenda: Sequence[ScheduledFeedback], run: int, behaviours: frozenset[str] | None = None, *, after: float = -inf
 ) -> tuple[ScheduledFeedback, ...]:
-    """Withdraw points of a running block from an agenda.
+    """Remove a running block's progress messages from scheduled feedback.
 
     Args:
-        agenda: in order of time.
+        agenda: messages sorted by time.
         run: number of the running block.
-        behaviours: whose points are withdrawn; None: all points, those of the block too.
-        after: [s] global time until which points are passed in any case.
+        behaviours: behaviours whose points are removed; None removes all points of the block.
+        after: global time [s] up to which points are kept.
     """
 
     def is_withdrawn(message: ScheduledFeedback) -> bool:
@@ -167,30 +175,30 @@ def without(
     return tuple(message for message in agenda if not is_withdrawn(message))
 
 
-def without_provisional(agenda: Sequence[ScheduledFeedback], block: str) -> tuple[ScheduledFeedback, ...]:
-    """Removes from an agenda the messages that are due only if a block gets no better plan."""
+def withdraw_provisional(agenda: Sequence[ScheduledFeedback], block: str) -> tuple[ScheduledFeedback, ...]:
+    """Remove the provisional warnings of a block."""
     return tuple(message for message in agenda if message.unless_improved != block)
 
 
 def retime_feedback(
     agenda: Sequence[ScheduledFeedback], run: int, fresh: Sequence[ScheduledFeedback], change: float
 ) -> tuple[ScheduledFeedback, ...]:
-    """Give the points of a running block new times in an agenda.
+    """Move the pending points of a running block to new times.
 
     Args:
-        agenda: in order of time.
+        agenda: messages sorted by time.
         run: number of the running block.
-        fresh: all its points, with new times.
-        change: [s] global time of the earliest change: points until then stay as they are, others come no earlier.
+        fresh: all points of the block with new times.
+        change: global time [s] of the earliest change; earlier points stay, others move to this time at the earliest.
     """
-    kept = without(agenda, run, after=change)
+    kept = withdraw_feedback(agenda, run, after=change)
     pending = {message.key for message in agenda} - {message.key for message in kept}
     retimed = [replace(message, time=max(message.time, change)) for message in fresh if message.key in pending]
     return order_feedback(kept, retimed)
 
 
-def times_of(syncs: tuple[SyncTime, ...]) -> dict[str, dict[str, float]]:
-    """Sorts sync points by behaviour, each behaviour's in their order."""
+def times_by_behaviour(syncs: tuple[SyncTime, ...]) -> dict[str, dict[str, float]]:
+    """Group sync point times by behaviour, in their order."""
     times: dict[str, dict[str, float]] = {}
     for sync in syncs:
         times.setdefault(sync.behaviour, {})[sync.sync] = sync.planned

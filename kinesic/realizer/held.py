@@ -1,10 +1,10 @@
 """Held postures of gaze shifts, head directions and posture shifts.
 
-Each of them holds a value that does not depend on what came before.
+Each behaviour of these types holds a value that does not depend on earlier behaviours.
 
-Looks and postures are two roles of the trunk, and their values add up. Of each role the last behaviour holds its own
-value, so that the trunk always ends at rest plus one value of each role. Where a block is laid over a running motion,
-`held_ramps` takes out of the sum of both motions whatever another behaviour of the same role has superseded.
+Looks and postures are two roles of the trunk whose values add up. In each role the last behaviour determines the held
+value, so that the trunk always ends at rest plus one value per role. When a block is merged into a running motion,
+`held_ramps` removes superseded values of the same role from the sum of both motions.
 """
 
 from collections.abc import Iterable, Sequence
@@ -18,59 +18,59 @@ from kinesic.body.arrays import Flags, Floats
 from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
 from kinesic.motion.easing import minimum_jerk
-from kinesic.motion.trajectory import STEP
-from kinesic.planning.quick_plan import quintic_duration
+from kinesic.motion.trajectory import KNOT_INTERVAL
+from kinesic.planning.quick_plan import compute_quintic_duration
 from kinesic.planning.setup import Setup
-from kinesic.realizer.occupancy import ARMS, STILL, Occupancy, Overlay, Role, arm_hinges
+from kinesic.realizer.occupancy import ARM_ROLES, MOTION_TOLERANCE, Occupancy, Overlay, Role, arm_hinges
 
-HELD_ROLES: tuple[Role, ...] = ("look", "trunk")
-GIVING_WAY = 1.5  # times the minimum time, in which a held posture gives way
-END_TOLERANCE = np.radians(1.0)  # [rad] from where a behaviour would end alone, beyond which its sender is warned
+HELD_ROLES: tuple[Role, ...] = ("look", "trunk")  # gaze and trunk posture, which are held after their behaviour
+STEP_DURATION_FACTOR = 1.5  # duration of a change of the held posture / minimum duration
+HELD_POSTURE_TOLERANCE = np.radians(1.0)  # [rad] deviation from a held posture above which the client is warned
 
 _Source = Literal["running", "performed", "left out"]
 
 
 @dataclass(frozen=True, eq=False)
 class HeldRamp:
-    """A smooth step of the trunk to another sum of held values."""
+    """Smooth transition of the trunk between two held postures."""
 
     change: Floats  # (n,) [rad]
     begin: float  # [s]
     end: float  # [s]
 
     def at(self, count: int, lead: int) -> Floats:
-        """Sample the step at control points, (count, n) [rad].
+        """Sample the trunk step at control points, (count, n) [rad].
 
         Args:
-            count: of control points.
-            lead: knots by which the first of them is early.
+            count: number of control points.
+            lead: number of knots before the start of the motion.
         """
-        times = np.asarray((np.arange(count) - lead) * STEP, dtype=np.float64)
-        return rise(times, self.begin, self.end)[:, None] * self.change
+        times = np.asarray((np.arange(count) - lead) * KNOT_INTERVAL, dtype=np.float64)
+        return smooth_step(times, self.begin, self.end)[:, None] * self.change
 
 
-def rise(times: Floats, begin: float, end: float) -> Floats:
+def smooth_step(times: Floats, begin: float, end: float) -> Floats:
     """Return a smooth step from 0 to 1 between two times [s].
 
     Args:
         times: (m,) [s] at which the step is sampled.
-        begin: [s] until which it is 0.
-        end: [s] from which it is 1.
+        begin: [s] start of the step.
+        end: [s] end of the step.
     """
-    return minimum_jerk((times - begin) / max(end - begin, STEP))
+    return minimum_jerk((times - begin) / max(end - begin, KNOT_INTERVAL))
 
 
 def trunk_hinges(robot: Robot) -> Flags:
     """Return the hinges (n,) that belong to no arm."""
-    found = np.ones(len(robot.skeleton.hinges), dtype=np.bool_)
-    for role in ARMS:
-        found[list(arm_hinges(role, robot))] = False
-    return found
+    hinges = np.ones(len(robot.skeleton.hinges), dtype=np.bool_)
+    for role in ARM_ROLES:
+        hinges[list(arm_hinges(role, robot))] = False
+    return hinges
 
 
 def last_held(role: Role, occupancy: Iterable[Occupancy], hinges: Flags) -> Floats:
-    """Return the last held value (n,) [rad] of a role."""
-    last = max((each for each in occupancy if each.holds(role)), key=lambda each: each.end, default=None)
+    """Return the last trunk offset (n,) [rad] held in a trunk role."""
+    last = max((entry for entry in occupancy if entry.holds(role)), key=lambda entry: entry.end, default=None)
     return np.zeros(len(hinges)) if last is None or last.offset is None else np.where(hinges, last.offset, 0.0)
 
 
@@ -81,181 +81,194 @@ def held_posture(occupancy: Sequence[Occupancy], robot: Robot) -> Floats:
     return np.asarray(np.clip(total, skeleton.lower, skeleton.upper))
 
 
-def lacking_change(controls: Floats, occupancy: Sequence[Occupancy], robot: Robot) -> Floats:
-    """Return the offset (n,) [rad] from the final to the held posture.
+def offset_to_held_posture(controls: Floats, occupancy: Sequence[Occupancy], robot: Robot) -> Floats:
+    """Return the offset (n,) [rad] from a motion's end to the held posture.
 
     Args:
-        controls: (k + 3, n) [rad] of the motion.
-        occupancy: of all that it does.
-        robot: whose trunk counts; the change of the arms is 0.
+        controls: (k + 3, n) [rad] control points of the motion.
+        occupancy: occupancies of all its behaviours.
+        robot: robot; the offset is 0 for its arms.
     """
     return np.where(trunk_hinges(robot), held_posture(occupancy, robot) - controls[-1], 0.0)
 
 
-def lead_to_held(controls: Floats, occupancy: Sequence[Occupancy], robot: Robot) -> Floats:
+def add_step_to_held_posture(controls: Floats, occupancy: Sequence[Occupancy], robot: Robot) -> Floats:
     """Add a step that ends a motion in the held posture.
 
-    The step comes with the last behaviour that holds.
+    The step coincides with the last holding behaviour.
 
     Args:
-        controls: (k + 3, n) [rad] from whose first knot the occupancies count.
-        occupancy: of all that the motion does.
-        robot: whose trunk is changed.
+        controls: (k + 3, n) [rad] control points; occupancy times count from their first knot.
+        occupancy: occupancies of all behaviours of the motion.
+        robot: robot whose trunk is changed.
     """
-    change = lacking_change(controls, occupancy, robot)
-    if np.abs(change).max() <= STILL:
+    change = offset_to_held_posture(controls, occupancy, robot)
+    if np.abs(change).max() <= MOTION_TOLERANCE:
         return controls
-    holding = [each for each in occupancy if any(each.holds(role) for role in HELD_ROLES)]
+    holding = [entry for entry in occupancy if any(entry.holds(role) for role in HELD_ROLES)]
     if not holding:
         return np.asarray(controls + change)
-    last = max(holding, key=lambda each: each.end)
+    last = max(holding, key=lambda entry: entry.end)
     return np.asarray(controls + HeldRamp(change, last.begin, last.ready).at(len(controls), lead=3))
 
 
-def taking_over(performed: Sequence[Occupancy], others: Sequence[Occupancy], robot: Robot) -> list[Occupancy]:
-    """Add the hinges of superseded behaviours to those that supersede them."""
+def with_superseded_hinges(
+    performed: Sequence[Occupancy], others: Sequence[Occupancy], robot: Robot
+) -> list[Occupancy]:
+    """Let superseding behaviours also release the hinges of superseded ones."""
     hinges = trunk_hinges(robot)
     return [
-        replace(each, hinges=np.any([each.hinges, *(hinges & other.hinges for other in _same(each, others))], axis=0))
-        for each in performed
+        replace(
+            entry,
+            hinges=np.any([entry.hinges, *(hinges & other.hinges for other in _superseded(entry, others))], axis=0),
+        )
+        for entry in performed
     ]
 
 
-def _same(each: Occupancy, others: Sequence[Occupancy]) -> list[Occupancy]:
-    return [other for other in others if any(other.holds(role) for role in each.roles & set(HELD_ROLES))]
+def _superseded(entry: Occupancy, others: Sequence[Occupancy]) -> list[Occupancy]:
+    return [other for other in others if any(other.holds(role) for role in entry.roles & set(HELD_ROLES))]
 
 
 def end_warnings(
     controls: Floats, performed: Sequence[Occupancy], others: Sequence[Occupancy], robot: Robot
 ) -> list[tuple[str, str]]:
-    """Name behaviours whose held posture exceeds a joint's range.
+    """Return warnings on held postures that exceed a joint's range.
 
     Args:
-        controls: (k + 3, n) [rad] of the merged motion.
+        controls: (k + 3, n) [rad] control points of the merged motion.
         performed: behaviours of the block.
-        others: what else the motion does.
-        robot: whose trunk counts.
+        others: other behaviours of the motion.
+        robot: robot whose trunk is checked.
     """
-    holding = [each for each in performed if any(each.holds(role) for role in HELD_ROLES)]
+    holding = [entry for entry in performed if any(entry.holds(role) for role in HELD_ROLES)]
     if not holding:
         return []
     hinges, everything = trunk_hinges(robot), (*others, *performed)
     total = robot.skeleton.rest + sum(last_held(role, everything, hinges) for role in HELD_ROLES)
     away = np.where(hinges, np.abs(controls[-1] - total), 0.0)
     worst = int(away.argmax())
-    if away[worst] <= END_TOLERANCE:
+    if away[worst] <= HELD_POSTURE_TOLERANCE:
         return []
     joint = robot.skeleton.names[worst]
     far = f"{np.degrees(away[worst]):.0f} deg"
-    text = f"ends {far} from where it would end alone: with what others hold, {joint} is beyond its range"
-    return [(each.behaviour, text) for each in holding[-1:]]
+    text = f"ends {far} off its held posture: with the postures of other behaviours, {joint} would exceed its range"
+    return [(entry.behaviour, text) for entry in holding[-1:]]
 
 
 def held_ramps(work: Overlay, setup: Setup, limits: Limits) -> list[HeldRamp]:
-    """Find the steps that remove superseded held values.
+    """Return the trunk steps that remove held angles of superseded behaviours.
 
     Args:
-        work: the block and the running motion.
-        setup: the robot.
-        limits: of its hinges.
+        work: block and running motion.
+        setup: setup with the robot.
+        limits: limits of its hinges.
     """
     hinges = trunk_hinges(setup.robot)
     stated = [last_held(role, work.holding, hinges) for role in HELD_ROLES]
-    unexplained = np.where(hinges, work.base[-1] - setup.robot.skeleton.rest - sum(stated), 0.0)  # as limits cut sums
-    found: list[HeldRamp] = []
+    # The remainder stems from sums that were cut by limits.
+    unexplained = np.where(hinges, work.base[-1] - setup.robot.skeleton.rest - sum(stated), 0.0)
+    ramps: list[HeldRamp] = []
     for role in HELD_ROLES:
-        if any(role in each.roles for each in (*work.performed, *work.dropped)):
-            found += _Succession(work, role, hinges, unexplained, limits).ramps()
+        if any(role in entry.roles for entry in (*work.performed, *work.dropped)):
+            ramps += _Succession(work, role, hinges, unexplained, limits).ramps()
             unexplained = np.zeros(len(hinges))
-    return found
+    return ramps
 
 
 @dataclass(frozen=True, eq=False)
 class _Succession:
-    """Succession of behaviours of one role, in both motions."""
+    """Time-ordered behaviours of one trunk role in running and new motion."""
 
     work: Overlay
     role: Role
-    hinges: Flags  # (n,) of the trunk
-    unexplained: Floats  # (n,) [rad] beyond the values that the running motion's behaviours hold
+    hinges: Flags  # (n,) trunk hinges
+    unexplained: Floats  # (n,) [rad] difference between the running motion and its held values
     limits: Limits
 
     def ramps(self) -> list[HeldRamp]:
-        """List the steps, behaviour by behaviour.
+        """Return the trunk steps in the order of the behaviours.
 
-        The sum of both motions shows the values of both sides. After a behaviour that holds, only its value is to show;
-        during one that goes back, nothing that the other side holds. One that begins before another has gone back takes
-        over from it.
+        The sum of both motions contains the held values of both. After a holding behaviour only its value may remain;
+        during a returning behaviour, no value of the other motion. A behaviour that begins before another has returned
+        takes over from it.
         """
-        shown = {"running": self._value_before, "own": np.zeros(len(self.hinges))}
+        shown = {"running": self._value_before, "block": np.zeros(len(self.hinges))}
         desired, level = shown["running"], np.zeros(len(self.hinges))
-        found: list[HeldRamp] = []
-        back: HeldRamp | None = None  # after a behaviour that goes back
-        for each, source in self._behaviours:
-            if back is not None and each.begin >= back.end:
-                found, level = [*found, back], level + back.change
+        steps: list[HeldRamp] = []
+        back: HeldRamp | None = None  # step after a returning behaviour
+        for entry, source in self._behaviours:
+            if back is not None and entry.begin >= back.end:
+                steps, level = [*steps, back], level + back.change
             back = None
-            side = "running" if source == "running" else "own"
-            if each.offset is not None:
-                shown[side] = self._value(each)
+            side = "running" if source == "running" else "block"
+            if entry.offset is not None:
+                shown[side] = self._value(entry)
                 desired = desired if source == "left out" else shown[side]
-                steady = desired - shown["running"] - shown["own"]
-                found, level = [*found, self._step(each, source, steady - level)], steady
+                steady = desired - shown["running"] - shown["block"]
+                steps, level = [*steps, self._step(entry, source, steady - level)], steady
             elif source != "left out":
-                steady = desired - shown["running"] - shown["own"]
-                during = -shown["own" if source == "running" else "running"]
-                found, level = [*found, self._step(each, source, during - level)], during
-                back = self._step_back(each, steady - level)
-        return found if back is None else [*found, back]
+                steady = desired - shown["running"] - shown["block"]
+                during = -shown["block" if source == "running" else "running"]
+                steps, level = [*steps, self._step(entry, source, during - level)], during
+                back = self._step_back(entry, steady - level)
+        return steps if back is None else [*steps, back]
 
     @cached_property
     def _running(self) -> list[Occupancy]:
-        """Behaviours of the running motion, in order."""
-        return sorted((each for each in self.work.holding if self.role in each.roles), key=_order)
+        """Behaviours of the running motion, sorted by time."""
+        return sorted((entry for entry in self.work.holding if self.role in entry.roles), key=_sort_key)
 
     @cached_property
     def _behaviours(self) -> list[tuple[Occupancy, _Source]]:
-        """Behaviours in order, from the first of the block on."""
-        own: list[tuple[Occupancy, _Source]] = [(each, "performed") for each in self.work.performed]
-        own += [(each, "left out") for each in self.work.dropped]
-        own = [(each, source) for each, source in own if self.role in each.roles]
-        first = min(each.ready for each, _ in own)
-        coming: list[tuple[Occupancy, _Source]] = [(each, "running") for each in self._running if each.ready >= first]
-        return sorted((*own, *coming), key=lambda pair: _order(pair[0]))
+        """Running and new behaviours by time, from the block's first one on."""
+        block_behaviours: list[tuple[Occupancy, _Source]] = [(entry, "performed") for entry in self.work.performed]
+        block_behaviours += [(entry, "left out") for entry in self.work.dropped]
+        block_behaviours = [(entry, source) for entry, source in block_behaviours if self.role in entry.roles]
+        first = min(entry.ready for entry, _ in block_behaviours)
+        coming: list[tuple[Occupancy, _Source]] = [
+            (entry, "running") for entry in self._running if entry.ready >= first
+        ]
+        return sorted((*block_behaviours, *coming), key=lambda pair: _sort_key(pair[0]))
 
     @cached_property
     def _value_before(self) -> Floats:
-        """Value (n,) [rad] that the running motion holds when the block begins."""
-        coming = {id(each) for each, _ in self._behaviours}
-        before = [each for each in self._running if each.offset is not None and id(each) not in coming]
+        """Trunk offset (n,) [rad] held by the running motion at block start."""
+        coming = {id(entry) for entry, _ in self._behaviours}
+        before = [entry for entry in self._running if entry.offset is not None and id(entry) not in coming]
         if before:
             return self._value(before[-1])
-        return self.unexplained if not any(each.stays for each in self._running) else np.zeros(len(self.hinges))
+        return self.unexplained if not any(entry.is_held for entry in self._running) else np.zeros(len(self.hinges))
 
-    def _value(self, each: Occupancy) -> Floats:
-        """Value (n,) [rad] that a behaviour shows while it holds."""
-        value = np.zeros(len(self.hinges)) if each.offset is None else np.where(self.hinges, each.offset, 0.0)
-        holding = [other for other in self._running if other.stays]
-        return value + self.unexplained if holding and each is holding[-1] else value
+    def _value(self, entry: Occupancy) -> Floats:
+        """Return the trunk offset (n,) [rad] that a behaviour holds."""
+        value = np.zeros(len(self.hinges)) if entry.offset is None else np.where(self.hinges, entry.offset, 0.0)
+        holding = [other for other in self._running if other.is_held]
+        return value + self.unexplained if holding and entry is holding[-1] else value
 
-    def _step(self, each: Occupancy, source: _Source, change: Floats) -> HeldRamp:
-        """Step that a behaviour makes when it comes."""
-        begin = each.begin if source != "running" else max(each.begin, self._begin)
-        return HeldRamp(change, begin, max(each.ready, begin + self._least(change)))
+    def _step(self, entry: Occupancy, source: _Source, change: Floats) -> HeldRamp:
+        """Return the trunk step at the start of a behaviour."""
+        begin = entry.begin if source != "running" else max(entry.begin, self._begin)
+        return HeldRamp(change, begin, max(entry.ready, begin + self._least(change)))
 
-    def _step_back(self, each: Occupancy, change: Floats) -> HeldRamp:
-        """Step that a behaviour makes when it goes back."""
-        return HeldRamp(change, min(each.relax, each.end - self._least(change)), each.end)
+    def _step_back(self, entry: Occupancy, change: Floats) -> HeldRamp:
+        """Return the trunk step at the end of a returning behaviour."""
+        return HeldRamp(change, min(entry.relax, entry.end - self._least(change)), entry.end)
 
     @cached_property
     def _begin(self) -> float:
-        """Time [s] at which the block first needs the role."""
-        return min(each.begin for each, source in self._behaviours if source != "running")
+        """Start [s] of the block's first behaviour with this trunk role.
+
+        The role is gaze or trunk posture.
+        """
+        return min(entry.begin for entry, source in self._behaviours if source != "running")
 
     def _least(self, change: Floats) -> float:
-        """Shortest time [s] in which a held posture gives way."""
-        return GIVING_WAY * max(quintic_duration(float(way), self.limits, hinge) for hinge, way in enumerate(change))
+        """Return the minimum duration [s] of a trunk step."""
+        return STEP_DURATION_FACTOR * max(
+            compute_quintic_duration(float(angle), self.limits, hinge) for hinge, angle in enumerate(change)
+        )
 
 
-def _order(each: Occupancy) -> tuple[float, float, float]:
-    return each.ready, each.relax, each.end
+def _sort_key(entry: Occupancy) -> tuple[float, float, float]:
+    return entry.ready, entry.relax, entry.end

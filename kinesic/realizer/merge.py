@@ -1,8 +1,8 @@
-"""Lays the motion of a block over a running one, or puts it in its place, under all limits and clear of the body.
+"""Collision-free merging of a block's motion with a running motion.
 
-Movements of the trunk add up: a nod goes over a gaze, and the lean of one hand's reach over that of the other. A hand
-does one work after the other: it leaves a hold or a retraction for what comes, and a work that meets another one of
-the same hand, or one gaze another gaze, is left out by name.
+Movements of the trunk add up: a nod is added to a gaze, the lean of one reach to that of the other. A hand performs one
+behaviour after the other: it leaves a hold or a retraction for the next one. A behaviour that overlaps another one of
+the same hand, or a gaze that overlaps another gaze, is dropped and reported.
 """
 
 from collections.abc import Mapping, Sequence
@@ -14,158 +14,166 @@ import numpy as np
 
 from kinesic.bml.block import Notice, NoticeType
 from kinesic.body.arrays import Floats, sealed
-from kinesic.motion.trajectory import EARLY, STEP, Trajectory
-from kinesic.motion.transition import delay_controls, knot_at, lengthen, roomy, shorten
+from kinesic.motion.trajectory import KNOT_INTERVAL, KNOT_TOLERANCE, Trajectory
+from kinesic.motion.transition import delay_controls, extend_controls, knot_at, trim_final_rest, widen_limits
 from kinesic.planning.plan import Plan
 from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime
 from kinesic.realizer.conflicts import find_conflict
-from kinesic.realizer.held import end_warnings, taking_over
-from kinesic.realizer.occupancy import MergeFailure, Occupancy, Overlay, occupancy_of, still_occupied
-from kinesic.realizer.overlay import overlay
+from kinesic.realizer.held import end_warnings, with_superseded_hinges
+from kinesic.realizer.occupancy import MergeFailure, Occupancy, Overlay, occupancy_of, remaining_occupancy
+from kinesic.realizer.overlay import overlay_motions
 from kinesic.realizer.release import release_motion
 
-WAITS = (0, 10, 20, 40)  # knots from one attempt to the next
-MOST_LATER = 60  # knots by which a block may come later
+DELAY_STEPS = (0, 10, 20, 40)  # [knots] extra delays tried after the shortest one
+MAX_BLOCK_DELAY = 60  # [knots] maximum delay of a silent block
 
 
 @dataclass(frozen=True, eq=False)
 class MergedMotion:
-    """A block that was laid over a running motion."""
+    """Result of merging a block with a running motion."""
 
-    trajectory: Trajectory  # from the running motion's start on, the same before the cut
+    trajectory: Trajectory  # starts with the running motion, equal to it before the cut
     zero: float  # [s] of the block's zero
-    layer: Trajectory  # what the block adds to the running motion, from the same start on
-    occupancy: tuple[Occupancy, ...]  # of its behaviours that move
-    syncs: tuple[SyncTime, ...]  # as performed, in block time; of dropped behaviours none
-    dropped: tuple[str, ...]  # behaviours that are left out
+    layer: Trajectory  # offsets that the block adds to the running motion
+    occupancy: tuple[Occupancy, ...]  # of its moving behaviours
+    syncs: tuple[SyncTime, ...]  # as performed, in block time, without dropped behaviours
+    dropped: tuple[str, ...]  # names of dropped behaviours
     notices: tuple[Notice, ...]
 
     def since(self, time: float) -> "MergedMotion":
-        """Forgets what both motions did before a time [s]."""
+        """Remove merged motion and block offsets before a time [s]."""
         return replace(self, trajectory=self.trajectory.since(time), layer=self.layer.since(time))
 
 
 def merge(
     running: Trajectory, time: float, coming: Plan, *, begin: float, occupied: Sequence[Occupancy] = ()
 ) -> MergedMotion:
-    """Lays a block over a running motion.
+    """Merge a block with a running motion.
 
-    A silent block in which something has no place comes later by up to `MOST_LATER` where it then has; else, and in
-    a block that speaks, what has none is left out.
+    A silent block with a conflicting behaviour is delayed by up to `MAX_BLOCK_DELAY` knots if that resolves all
+    conflicts. Otherwise, and in a block with speech, conflicting behaviours are dropped.
 
     Args:
-        running: the motion, within the limits and clear of the body.
-        time: [s] from which it may change, at the next knot.
-        coming: the block.
-        begin: [s] at which the block's zero is desired.
-        occupied: what the running motion does.
+        running: running motion, within limits and without collisions.
+        time: time [s] from which it may change, rounded up to a knot.
+        coming: plan of the block.
+        begin: desired time [s] of the block's zero.
+        occupied: occupancies of the running motion.
     """
     laid = _Merge.of(running, time, coming, occupied)
     return laid.merged(begin - running.start, waits=not coming.utterances)
 
 
 def replace_motion(running: Trajectory, time: float, coming: Plan, *, begin: float | None = None) -> MergedMotion:
-    """Puts a block in the place of all that runs.
+    """Replace the running motion by a block.
 
-    What the block does not move comes to rest. The block comes later where it has no way else.
+    Hinges that the block does not move come to rest. The block is delayed if necessary.
 
     Args:
-        running: the motion, within the limits and clear of the body.
-        time: [s] from which it may be left, at the next knot.
-        coming: the block.
-        begin: [s] at which the block's zero is desired; at once by default.
+        running: running motion, within limits and without collisions.
+        time: time [s] from which it may change, rounded up to a knot.
+        coming: plan of the block.
+        begin: desired time [s] of the block's zero; immediately by default.
     """
-    every = np.ones(len(coming.setup.limits.lower), dtype=np.bool_)
-    leaving = release_motion(running, time, every, coming.setup)
+    all_hinges = np.ones(len(coming.setup.limits.lower), dtype=np.bool_)
+    leaving = release_motion(running, time, all_hinges, coming.setup)
     desired = time + coming.trajectory.zero if begin is None else begin
     return _Merge.of(leaving, time, coming, ()).merged(desired - leaving.start, waits=True)
 
 
 @dataclass(frozen=True, eq=False)
 class _Attempt:
-    """A block laid over what runs, beginning at one knot."""
+    """Result of merging a block that begins at a certain knot."""
 
-    offset: int  # knot at which its own motion begins
-    every: Sequence[Occupancy]  # of its behaviours
-    base: Floats  # (k + 3, n) [rad] control points of what runs
-    controls: Floats  # (k + 3, n) [rad] of both
+    offset: int  # knot at which the block's motion begins
+    occupancies: Sequence[Occupancy]  # of all its behaviours
+    base: Floats  # (k + 3, n) [rad] control points of the running motion
+    controls: Floats  # (k + 3, n) [rad] control points of the merged motion
     performed: Sequence[Occupancy]
-    left_out: Mapping[str, str]  # behaviours that are left out, and why
+    left_out: Mapping[str, str]  # dropped behaviours with reasons
 
 
 @dataclass(frozen=True, eq=False)
 class _Merge:
-    """A plan that is laid over the running motion; times [s] are since that motion's start."""
+    """Merge of a planned block with a running motion.
+
+    Times [s] count from the start of the running motion.
+    """
 
     running: Trajectory
     coming: Plan
-    cut: int  # knot until which nothing may change
-    others: Sequence[Occupancy]  # what the running motion does, where it has not given way at the cut
+    cut: int  # first knot that may change
+    others: Sequence[Occupancy]  # occupancies of the running motion after the cut
 
     @classmethod
     def of(cls, running: Trajectory, time: float, coming: Plan, occupied: Sequence[Occupancy]) -> "_Merge":
         cut = knot_at(time - running.start)
-        others = still_occupied([each.later(-running.start) for each in occupied], cut * STEP)
+        others = remaining_occupancy([entry.shifted(-running.start) for entry in occupied], cut * KNOT_INTERVAL)
         return cls(running, coming, cut, others)
 
     @cached_property
-    def own(self) -> tuple[Occupancy, ...]:
-        """What the behaviours of the block need, in its plan's own time."""
+    def block_occupancy(self) -> tuple[Occupancy, ...]:
+        """Occupancies of the block's behaviours, in the time of its plan."""
         return occupancy_of(self.coming)
 
     def merged(self, desired: float, *, waits: bool) -> MergedMotion:
-        """The block with its zero at a time [s]; later where it may wait and then nothing is left out."""
-        soonest = max(ceil((desired - self.coming.trajectory.zero) / STEP - EARLY), self.cut)
-        first = found = self.attempt(soonest)
+        """Merge the block, with its time 0 at a global time [s].
+
+        If it may wait, it is delayed where that avoids dropped behaviours.
+        """
+        soonest = max(ceil((desired - self.coming.trajectory.zero) / KNOT_INTERVAL - KNOT_TOLERANCE), self.cut)
+        first = attempt = self.attempt(soonest)
         if first.left_out and waits:
             later = (self.attempt(soonest + more, whole=True) for more in _delays(first, self.others))
-            found = next((attempt for attempt in later if not attempt.left_out), first)
-        return self.result(found, desired)
+            attempt = next((attempt for attempt in later if not attempt.left_out), first)
+        return self.result(attempt, desired)
 
     def attempt(self, offset: int, *, whole: bool = False) -> _Attempt:
-        """Lays the block over what runs from a knot on, without behaviours that have no place there.
+        """Merge the block from a knot on and drop conflicting behaviours.
 
-        If `whole`, the first that has none is enough to give up.
+        If `whole`, stop at the first conflict.
         """
         setup = self.coming.setup
-        every = [each.later(offset * STEP) for each in self.own]
-        left_out = _conflicts(every, self.others)
+        occupancies = [entry.shifted(offset * KNOT_INTERVAL) for entry in self.block_occupancy]
+        left_out = _conflicts(occupancies, self.others)
         delayed = delay_controls(self.coming.trajectory.controls, offset)
         count = max(len(delayed), len(self.running.controls))
-        base, delayed = lengthen(self.running.controls, count), lengthen(delayed, count)
+        base, delayed = extend_controls(self.running.controls, count), extend_controls(delayed, count)
         while True:
-            performed = [each for each in every if each.behaviour not in left_out]
-            if (every and not performed) or (whole and left_out):
-                return _Attempt(offset, every, base, base, performed, left_out)
-            dropped = [each for each in every if each.behaviour in left_out]
+            performed = [entry for entry in occupancies if entry.behaviour not in left_out]
+            if (occupancies and not performed) or (whole and left_out):
+                return _Attempt(offset, occupancies, base, base, performed, left_out)
+            dropped = [entry for entry in occupancies if entry.behaviour in left_out]
             start = self.coming.trajectory.controls[0]
             work = Overlay(base, delayed, start, self.cut, self.others, performed, dropped)
-            found = overlay(work, setup, roomy(setup.limits))
-            failed = found if isinstance(found, MergeFailure) else find_conflict(work, found, setup)
-            if failed is None and not isinstance(found, MergeFailure):
-                return _Attempt(offset, every, base, found, performed, left_out)
-            if not performed:  # idle motion alone, which gives way to whatever runs
-                return _Attempt(offset, every, base, base, performed, left_out)
+            controls = overlay_motions(work, setup, widen_limits(setup.limits))
+            failed = controls if isinstance(controls, MergeFailure) else find_conflict(work, controls, setup)
+            if failed is None and not isinstance(controls, MergeFailure):
+                return _Attempt(offset, occupancies, base, controls, performed, left_out)
+            if not performed:  # only idle motion, which has the lowest priority
+                return _Attempt(offset, occupancies, base, base, performed, left_out)
             if failed is not None:
                 left_out[failed.behaviour] = failed.why
 
     def result(self, attempt: _Attempt, desired: float) -> MergedMotion:
-        """The merged motion, with notices of what is left out or later than its zero was desired [s]."""
+        """Build the merged motion with notices on dropped and delayed behaviours."""
         robot, block = self.coming.setup.robot, self.coming.timeline.block
-        zero = attempt.offset * STEP + self.coming.trajectory.zero
+        zero = attempt.offset * KNOT_INTERVAL + self.coming.trajectory.zero
         syncs = tuple(sync for sync in self.coming.syncs if sync.behaviour not in attempt.left_out)
         texts = [(name, f"left out: {why}") for name, why in attempt.left_out.items()]
         if zero - desired > SHIFT_TO_WARN:
             late = f"comes {zero - desired:.3f} s later, with the block"
             texts += [(sync.behaviour, f"{sync.sync} {late}") for sync in syncs if sync.sync == "stroke"]
         texts += end_warnings(attempt.controls, attempt.performed, self.others, robot)
-        performed = taking_over(attempt.performed, self.others, robot)
-        running, layer = self.running, attempt.controls - lengthen(attempt.base, len(attempt.controls))
+        performed = with_superseded_hinges(attempt.performed, self.others, robot)
+        running, layer = self.running, attempt.controls - extend_controls(attempt.base, len(attempt.controls))
         return MergedMotion(
-            trajectory=replace(running, controls=sealed(shorten(attempt.controls))) if np.any(layer) else running,
+            trajectory=replace(running, controls=sealed(trim_final_rest(attempt.controls)))
+            if np.any(layer)
+            else running,
             zero=running.start + zero,
             layer=replace(running, controls=sealed(layer)),
-            occupancy=tuple(each.later(running.start) for each in performed),
+            occupancy=tuple(entry.shifted(running.start) for entry in performed),
             syncs=syncs,
             dropped=tuple(attempt.left_out),
             notices=tuple(
@@ -175,19 +183,22 @@ class _Merge:
 
 
 def _delays(first: _Attempt, others: Sequence[Occupancy]) -> list[int]:
-    """Lists the delays [knots] with which a block may come: the least that finds its parts free, and longer ones."""
+    """Return candidate delays [knots]: the shortest without conflicts, and longer ones."""
     lacking = [
-        other.relax - each.ready for each in first.every for other in others if each.meets(other) and not other.stays
+        other.relax - entry.ready
+        for entry in first.occupancies
+        for other in others
+        if entry.conflicts_with(other) and not other.is_held
     ]
-    least = ceil(max(lacking, default=0.0) / STEP - EARLY)
-    return [least + more for more in WAITS if 0 < least + more <= MOST_LATER]
+    least = ceil(max(lacking, default=0.0) / KNOT_INTERVAL - KNOT_TOLERANCE)
+    return [least + more for more in DELAY_STEPS if 0 < least + more <= MAX_BLOCK_DELAY]
 
 
-def _conflicts(own: Sequence[Occupancy], others: Sequence[Occupancy]) -> dict[str, str]:
-    found = {}
-    for each in own:
-        met = next((other for other in others if each.meets(other)), None)
+def _conflicts(block_occupancy: Sequence[Occupancy], others: Sequence[Occupancy]) -> dict[str, str]:
+    reasons = {}
+    for entry in block_occupancy:
+        met = next((other for other in others if entry.conflicts_with(other)), None)
         if met is not None:
-            parts = " and ".join(sorted(each.roles & met.roles))
-            found[each.behaviour] = f"{parts} busy with {met.behaviour} for {met.relax - each.ready:.2f} s more"
-    return found
+            parts = " and ".join(sorted(entry.roles & met.roles))
+            reasons[entry.behaviour] = f"{parts} busy with {met.behaviour} for {met.relax - entry.ready:.2f} s more"
+    return reasons

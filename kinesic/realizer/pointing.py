@@ -1,6 +1,6 @@
-"""Keeps hands pointing at their targets when other blocks move the trunk below them.
+"""Correction of pointing hands while other blocks move the trunk.
 
-Where an arm cannot make up for the trunk, the sender is warned.
+The sender is warned if an arm cannot compensate for the trunk.
 """
 
 from collections.abc import Sequence
@@ -13,28 +13,36 @@ from kinesic.bml.block import Notice, NoticeType
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import Robot, Side
 from kinesic.expressivity.keyframes import Hand
-from kinesic.motion.trajectory import STEP, Trajectory
-from kinesic.motion.transition import FEWEST_PIECES, SAME_ANGLE, keep_limits, knot_at, lengthen, roomy, shorten
+from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
+from kinesic.motion.transition import (
+    FEWEST_PIECES,
+    SAME_ANGLE,
+    extend_controls,
+    keep_limits,
+    knot_at,
+    trim_final_rest,
+    widen_limits,
+)
 from kinesic.planning.arm_postures import with_arms
-from kinesic.planning.certify import duties
+from kinesic.planning.certify import compute_peak_duties
 from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
 from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
 from kinesic.planning.torso import aim_from_shoulder
-from kinesic.realizer.held import rise
-from kinesic.realizer.occupancy import STILL, Occupancy
-from kinesic.realizer.release import from_knot
+from kinesic.realizer.held import smooth_step
+from kinesic.realizer.occupancy import MOTION_TOLERANCE, Occupancy
+from kinesic.realizer.release import motion_from_knot
 from kinesic.realizer.running_block import RunningBlock
 from kinesic.realizer.scene import Scene
 
-FULL_DUTY = 1.0  # of a drive's duty
-PARTS = (1.0, 0.8, 0.5)  # of what an arm should turn, until it is clear of the body
-ASTRAY = np.radians(2.0)  # by which a hand may point farther past its aim than without other blocks
+MAX_DUTY = 1.0  # largest accepted duty of a drive, as a fraction of its rated duty
+CORRECTION_FACTORS = (1.0, 0.8, 0.5)  # fractions of the full correction, tried until one is free of collisions
+POINTING_TOLERANCE = np.radians(2.0)  # [rad] largest accepted increase of the pointing error in a scene
 
 
 @dataclass(frozen=True, eq=False)
 class PointingHand:
-    """A hand that points in the stroke of a behaviour."""
+    """Hand that points at a target in the stroke of a behaviour."""
 
     behaviour: str
     side: Side
@@ -42,18 +50,21 @@ class PointingHand:
     aim: Floats  # (3,) [m] in the world
 
     def miss(self, angles: Floats, robot: Robot) -> float:
-        """Measures the angle [rad] by which the hand, seen from the wrist, points past the aim.
+        """Return the pointing error [rad], as seen from the wrist.
 
         Args:
             angles: (n,) [rad] of the whole robot.
-            robot: whose hand it is.
+            robot: robot of the hand.
         """
         frames, arm = robot.skeleton.frames(angles), robot.arm(self.side)
         line, to_aim = frames.rotations[arm.wrist] @ arm.palm.position, self.aim - frames.origins[arm.wrist]
         return float(np.arctan2(np.linalg.norm(np.cross(line, to_aim)), line @ to_aim))
 
     def arm(self, angles: Floats, robot: Robot) -> Floats:
-        """Turns the arm so that it points, on the trunk as it is: (n,) [rad]."""
+        """Return the posture (n,) [rad] with the arm aimed again.
+
+        The trunk stays as in the given posture.
+        """
         if self.hand.reach is None:
             return angles
         shoulder = robot.body_frames(angles).origins[robot.arm(self.side).shoulder]
@@ -63,19 +74,19 @@ class PointingHand:
 
 @dataclass(frozen=True, eq=False)
 class PointingStroke:
-    """The moment at which a hand of a motion points."""
+    """Stroke time of a pointing hand in a motion."""
 
     pointer: PointingHand
     time: float  # [s]
     occupancy: Occupancy  # of its behaviour
 
     def miss(self, motion: Trajectory, robot: Robot) -> float:
-        """By how much the hand points past its aim [rad]."""
+        """Return the pointing error [rad] in a motion."""
         return self.pointer.miss(motion.sample(np.array([self.time]))[0][0], robot)
 
 
 def pointing_hands(plan: Plan) -> tuple[PointingHand, ...]:
-    """Finds the hands that point in a plan."""
+    """Return the pointing hands of a plan."""
     return tuple(
         PointingHand(id, side, hand, hand.aim)
         for frame in plan.keyframes.frames
@@ -89,94 +100,101 @@ def pointing_hands(plan: Plan) -> tuple[PointingHand, ...]:
 def correct_pointing(
     motion: Trajectory, time: float, stroke: PointingStroke, others: Sequence[Occupancy], setup: Setup
 ) -> Trajectory | None:
-    """Turns an arm so that its hand points again in its stroke and until it relaxes, or as far as it can.
+    """Turn an arm so that its hand points at its target again.
+
+    The correction covers the stroke up to its relax point and is reduced if necessary.
 
     Args:
-        motion: within the limits and clear of the body.
-        time: [s] from which it may change, at the next knot.
-        stroke: of the hand.
-        others: what else the motion does; other works of the hand stay as they are.
-        setup: the robot.
+        motion: motion within limits and without collisions.
+        time: time [s] from which it may change, rounded up to a knot.
+        stroke: stroke of the hand.
+        others: other occupancies of the motion; other behaviours of the hand stay unchanged.
+        setup: setup with the robot.
 
     Returns:
-        The motion with the arm turned; None where servos cannot, or the body would come too near to itself.
+        The corrected motion, or None if it would exceed limits or collide.
     """
-    robot, limits = setup.robot, roomy(setup.limits)
+    robot, limits = setup.robot, widen_limits(setup.limits)
     posture = motion.sample(np.array([stroke.time]))[0][0]
     change = stroke.pointer.arm(posture, robot) - posture
-    at, own = stroke.time - motion.start, stroke.occupancy.later(-motion.start)
-    same = [other.later(-motion.start) for other in others if f"{stroke.pointer.side}_hand" in other.roles]
-    begin = max([own.begin, time - motion.start, *(other.relax for other in same if other.ready < at)])
-    end = min([own.end, *(other.ready for other in same if other.ready > at)])
-    count = max(len(motion.controls), ceil(end / STEP) + 3 * FEWEST_PIECES)
-    times = np.asarray((np.arange(count) - FEWEST_PIECES) * STEP, dtype=np.float64)
-    share = rise(times, begin, at - FEWEST_PIECES * STEP) * (1.0 - rise(times, own.relax, end))
-    first, last = knot_at(begin), min(ceil(end / STEP) + FEWEST_PIECES, count - FEWEST_PIECES)
-    for part in PARTS if last - first >= FEWEST_PIECES else ():
-        found = np.array(lengthen(motion.controls, count))
+    at, occupancy = stroke.time - motion.start, stroke.occupancy.shifted(-motion.start)
+    same = [other.shifted(-motion.start) for other in others if f"{stroke.pointer.side}_hand" in other.roles]
+    begin = max([occupancy.begin, time - motion.start, *(other.relax for other in same if other.ready < at)])
+    end = min([occupancy.end, *(other.ready for other in same if other.ready > at)])
+    count = max(len(motion.controls), ceil(end / KNOT_INTERVAL) + 3 * FEWEST_PIECES)
+    times = np.asarray((np.arange(count) - FEWEST_PIECES) * KNOT_INTERVAL, dtype=np.float64)
+    weight = smooth_step(times, begin, at - FEWEST_PIECES * KNOT_INTERVAL) * (
+        1.0 - smooth_step(times, occupancy.relax, end)
+    )
+    first, last = knot_at(begin), min(ceil(end / KNOT_INTERVAL) + FEWEST_PIECES, count - FEWEST_PIECES)
+    for factor in CORRECTION_FACTORS if last - first >= FEWEST_PIECES else ():
+        controls = np.array(extend_controls(motion.controls, count))
         for hinge in np.flatnonzero(np.abs(change) > SAME_ANGLE).tolist():
-            column = keep_limits(found[:, hinge] + part * share * change[hinge], first, last, limits, hinge)
-            found[:, hinge] = found[:, hinge] if column is None else column
-        if _clear(found, motion, first, last, setup):
-            return replace(motion, controls=sealed(shorten(found)))
+            column = keep_limits(controls[:, hinge] + factor * weight * change[hinge], first, last, limits, hinge)
+            controls[:, hinge] = controls[:, hinge] if column is None else column
+        if _is_feasible(controls, motion, first, last, setup):
+            return replace(motion, controls=sealed(trim_final_rest(controls)))
     return None
 
 
-def _clear(found: Floats, motion: Trajectory, first: int, last: int, setup: Setup) -> bool:
-    """Whether nothing comes too near or is overloaded between two knots."""
+def _is_feasible(corrected: Floats, motion: Trajectory, first: int, last: int, setup: Setup) -> bool:
+    """Return whether a motion is collision-free and without overload between knots."""
     after, before = (
-        from_knot(lengthen(controls, len(found))[: last + FEWEST_PIECES], first)
-        for controls in (found, motion.controls)
+        motion_from_knot(extend_controls(controls, len(corrected))[: last + FEWEST_PIECES], first)
+        for controls in (corrected, motion.controls)
     )
-    peaks = duties(after, setup)
-    if (peaks > np.maximum(FULL_DUTY, duties(before, setup))).any():
+    peaks = compute_peak_duties(after, setup)
+    if (peaks > np.maximum(MAX_DUTY, compute_peak_duties(before, setup))).any():
         return False
-    least = setup.robot.least_clearance + LAG_RESERVE
-    return float(scan_clearance(after, setup.distances)[1].distances.min()) >= least
+    min_clearance = setup.robot.min_clearance + LAG_RESERVE
+    return float(scan_clearance(after, setup.distances)[1].distances.min()) >= min_clearance
 
 
-def aim_again(before: Scene, scene: Scene, now: float) -> Scene:
-    """Turns hands back to their targets where the motion was so changed that they miss by more than `ASTRAY`.
+def restore_pointing(before: Scene, scene: Scene, now: float) -> Scene:
+    """Correct all hands whose pointing error grew by more than `POINTING_TOLERANCE`.
 
     Args:
-        before: with the motion as it was; of a block that has just begun, or is improved, its own plan counts.
-        scene: with the motion as it is.
-        now: [s] global time.
+        before: scene before the change; for a started or refined block, the block's own plan is the reference.
+        scene: scene after the change.
+        now: global time [s].
 
     Returns:
-        The scene in which arms are turned back to what they point at in strokes to come; it says a warning for each
-        that servos cannot turn so far, or not without coming too near to the body.
+        The scene with corrected arms in future strokes, and a warning for each hand that cannot be corrected
+        completely.
     """
     for running in scene.playing if scene.motion is not before.motion else ():
         for pointer in pointing_hands(running.prepared.plan):
-            scene = _aim_one_again(before, scene, running.id, pointer, now)
+            scene = _restore_hand(before, scene, running.id, pointer, now)
     return scene
 
 
-def _aim_one_again(before: Scene, scene: Scene, block: str, pointer: PointingHand, now: float) -> Scene:
+def _restore_hand(before: Scene, scene: Scene, block: str, pointer: PointingHand, now: float) -> Scene:
     running, robot = scene.find(block), scene.setup.robot
     occupancy = running.occupancy if running is not None else ()
-    own = next((each for each in occupancy if each.behaviour == pointer.behaviour), None)
-    if running is None or running.merged is None or own is None:
+    stroke_entry = next((entry for entry in occupancy if entry.behaviour == pointer.behaviour), None)
+    if running is None or running.merged is None or stroke_entry is None:
         return scene
-    stroke = PointingStroke(pointer, running.zero + running.times[pointer.behaviour]["stroke"], own)
-    change, usual = scene.first_change(now), _usual_miss(before, running, stroke)
-    if stroke.time <= change or stroke.miss(scene.motion, robot) <= usual + ASTRAY:
+    stroke = PointingStroke(pointer, running.zero + running.times[pointer.behaviour]["stroke"], stroke_entry)
+    change, usual = scene.first_change(now), _reference_miss(before, running, stroke)
+    if stroke.time <= change or stroke.miss(scene.motion, robot) <= usual + POINTING_TOLERANCE:
         return scene
-    others = [*scene.occupancy_without(block), *(each for each in occupancy if each is not own)]
+    others = [*scene.occupancy_without(block), *(entry for entry in occupancy if entry is not stroke_entry)]
     corrected = correct_pointing(scene.motion, change, stroke, others, scene.setup)
     if corrected is not None and stroke.miss(corrected, robot) < stroke.miss(scene.motion, robot):
         scene = _with_motion(scene, running, pointer.behaviour, corrected)
     miss = stroke.miss(scene.motion, robot)
-    if miss <= usual + ASTRAY:
+    if miss <= usual + POINTING_TOLERANCE:
         return scene
-    text = f"its hand points {np.degrees(miss):.0f} deg past its target: other blocks move the trunk meanwhile"
+    text = f"its hand points {np.degrees(miss):.0f} deg off its target, because other blocks move the trunk"
     notice = Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, f"{block}:{pointer.behaviour}", text)
-    return scene.say(running.warning(notice, now))
+    return scene.with_feedback(running.warning(notice, now))
 
 
-def _usual_miss(before: Scene, running: RunningBlock, stroke: PointingStroke) -> float:
-    """Measures by how much a hand pointed past its aim before this change, or does in its own plan [rad]."""
+def _reference_miss(before: Scene, running: RunningBlock, stroke: PointingStroke) -> float:
+    """Return a stroke's pointing error [rad] before the scene changed.
+
+    For a started or refined block it is that of its plan.
+    """
     earlier, plan, robot = before.find(running.id), running.prepared.plan, before.setup.robot
     if earlier is not None and earlier.merged is not None and earlier.prepared.plan is plan:
         return stroke.miss(before.motion, robot)
@@ -186,18 +204,23 @@ def _usual_miss(before: Scene, running: RunningBlock, stroke: PointingStroke) ->
 
 
 def _with_motion(scene: Scene, running: RunningBlock, behaviour: str, motion: Trajectory) -> Scene:
-    """The scene with another motion, whose difference is due to a behaviour of a block."""
+    """Return the scene with another motion.
+
+    Assign the change to a behaviour.
+    """
     if running.merged is None:
         return replace(scene, motion=motion)
     layer = running.merged.layer
     count = max(len(motion.controls), len(scene.motion.controls), len(layer.controls))
-    own, was, after = (lengthen(each.controls, count) for each in (layer, scene.motion, motion))
-    change = after - was
-    moved = np.abs(change).max(axis=0) > STILL
-    occupancy = tuple(
-        replace(each, hinges=each.hinges | moved) if each.behaviour == behaviour else each
-        for each in running.merged.occupancy
+    layer_controls, old_controls, new_controls = (
+        extend_controls(entry.controls, count) for entry in (layer, scene.motion, motion)
     )
-    layer = replace(layer, controls=sealed(own + change))
+    change = new_controls - old_controls
+    moved = np.abs(change).max(axis=0) > MOTION_TOLERANCE
+    occupancy = tuple(
+        replace(entry, hinges=entry.hinges | moved) if entry.behaviour == behaviour else entry
+        for entry in running.merged.occupancy
+    )
+    layer = replace(layer, controls=sealed(layer_controls + change))
     merged = replace(running.merged, trajectory=motion, layer=layer, occupancy=occupancy)
     return replace(scene, motion=motion).with_block(replace(running, merged=merged))

@@ -1,26 +1,26 @@
-"""Performs blocks of BML one after the other and at once: how a scene changes with requests and with time.
+"""Realizer for sequential and simultaneous BML blocks.
 
-Everything here is a pure function of a scene and a time; no clock, no threads. Whoever performs plans a block by
-`prepare_block` wherever there is time, hands it to `begin`, and calls `advance` again and again.
+All functions are pure functions of a scene and a time, without clocks and threads. A caller plans a block with
+`prepare_block` in any process, adds it with `begin`, and calls `advance` repeatedly.
 """
 
 from dataclasses import replace
 from functools import partial
 
-from kinesic.bml.block import Activate, BlockCommand, Interrupt, Notice, NoticeType, ParameterChange, modality_of
-from kinesic.bml.composition import BlockState, required_before, waiting_blocks, waits_for_itself
-from kinesic.bml.feedback import warning
+from kinesic.bml.block import Activate, BlockCommand, Interrupt, Notice, NoticeType, ParameterChange, find_modality
+from kinesic.bml.composition import BlockState, find_prerequisites, find_waiting_blocks, is_waiting_for_itself
+from kinesic.bml.feedback import write_warning
 from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.certify import certify
 from kinesic.planning.plan import plan_block
 from kinesic.planning.quick_plan import plan_quickly
 from kinesic.planning.setup import Setup
-from kinesic.realizer.changing import change_manner, change_parameter, improve_block, take_replans
+from kinesic.realizer.changing import change_parameter, change_style, improve_block, take_replans
 from kinesic.realizer.contention import interrupted_by
-from kinesic.realizer.ending import end_block, leave_out, stop_block
+from kinesic.realizer.ending import end_behaviours, end_block, stop_block
 from kinesic.realizer.feedback import ScheduledFeedback, order_feedback
 from kinesic.realizer.idling import begin_idle, end_idle
-from kinesic.realizer.pointing import aim_again
+from kinesic.realizer.pointing import restore_pointing
 from kinesic.realizer.request import TimedRequest
 from kinesic.realizer.running_block import PreparedBlock, RunningBlock
 from kinesic.realizer.scene import Scene, forget_past
@@ -33,116 +33,125 @@ __all__ = [
     "advance",
     "begin",
     "begin_idle",
-    "change_manner",
-    "halt",
+    "change_style",
     "improve_block",
     "interrupt",
     "prepare_block",
+    "stop_all_blocks",
     "take_replans",
 ]
 
-MOST_BLOCKS = 256  # in a scene at once
-AT_ONCE = partial(certify, lead_in=0.0)
-SMALL = 4  # moving behaviours of a block that is planned well as quickly as not
-BRIEF = 20.0  # [s] such a block may move
+MAX_BLOCKS = 256  # largest number of active blocks in a scene
+CERTIFY_WITHOUT_LEAD_IN = partial(certify, lead_in=0.0)  # certification of blocks that start at once
+MAX_WELL_PLANNED_BEHAVIOURS = 4  # moving behaviours up to which full planning is as fast as quick planning
+MAX_WELL_PLANNED_DURATION = 20.0  # [s] longest motion whose full planning is as fast as quick planning
 
 
 def prepare_block(request: TimedRequest, setup: Setup) -> PreparedBlock:
-    """Plans a block so that it can begin at once: a small one well, a large one quickly, to be improved while it plays.
+    """Plan the motion of a scheduled block before it joins a scene.
+
+    Plan a large one quickly and mark it for refinement.
 
     Raises:
-        BmlError: something `required` cannot be performed.
+        BmlError: a `required` behaviour cannot be performed.
     """
-    moving = [each for each in request.timeline.timed if modality_of(each.behaviour.action) not in (None, "face")]
-    times = [time for each in moving for time in each.times.values()]
-    block, engaged = request.block, request.engaged
+    moving = [item for item in request.timeline.timed if find_modality(item.behaviour.action) not in (None, "face")]
+    times = [time for item in moving for time in item.times.values()]
+    block, busy_hands = request.block, request.busy_hands
     if request.is_decided:
-        plan = plan_block(block, setup, conditioned=AT_ONCE, utterances=request.utterances, engaged=engaged)
+        plan = plan_block(
+            block, setup, conditioned=CERTIFY_WITHOUT_LEAD_IN, utterances=request.utterances, busy_hands=busy_hands
+        )
         return PreparedBlock(request, plan)
-    if len(moving) <= SMALL and max(times, default=0.0) - min(times, default=0.0) <= BRIEF:
-        return PreparedBlock(request, plan_block(block, setup, conditioned=AT_ONCE, engaged=engaged))
-    return PreparedBlock(request, plan_quickly(block, setup, engaged=engaged), is_provisional=True)
+    duration = max(times, default=0.0) - min(times, default=0.0)
+    if len(moving) <= MAX_WELL_PLANNED_BEHAVIOURS and duration <= MAX_WELL_PLANNED_DURATION:
+        plan = plan_block(block, setup, conditioned=CERTIFY_WITHOUT_LEAD_IN, busy_hands=busy_hands)
+        return PreparedBlock(request, plan)
+    return PreparedBlock(request, plan_quickly(block, setup, busy_hands=busy_hands), is_provisional=True)
 
 
 def begin(scene: Scene, prepared: PreparedBlock, now: float) -> Scene:
-    """Takes a block into the scene: it begins now, or waits until it may start.
+    """Add a planned block to the scene, to start now or wait.
+
+    It starts now or waits.
 
     Args:
-        scene: at some time before.
-        prepared: the block.
-        now: [s] global time.
+        scene: scene at an earlier time.
+        prepared: planned block.
+        now: global time [s].
 
     Returns:
-        The scene with the block, in which is said what is to be sent now. A block that is refused changes nothing
-        that plays.
+        The scene with the block and feedback to send now. A refused block does not change running blocks.
     """
     scene = advance(scene, now)
     block = prepared.plan.timeline.block
     refusal = _refusal(scene, prepared)
     if refusal is not None:
-        text = warning(Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, block.id, refusal), character=block.character)
-        return scene.say(ScheduledFeedback(now, text, prepared.request.sender))
-    waits = required_before(block, scene.states)
-    state = BlockState.PENDING if block.succession.preplanned else BlockState.LURKING
+        text = write_warning(Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, block.id, refusal), character=block.character)
+        return scene.with_feedback(ScheduledFeedback(now, text, prepared.request.sender))
+    waits = find_prerequisites(block, scene.states)
+    state = BlockState.PENDING if block.order.preplanned else BlockState.LURKING
     scene = replace(scene, runs=scene.runs + 1)
     running = RunningBlock.of(prepared, state, waits, run=scene.runs)
-    running = replace(running, zero=max(now + scene.ahead, scene.earliest_start(running)) + running.lead)
+    running = replace(running, zero=max(now + scene.ahead, scene.earliest_start(running)) + running.lead_in)
     scene = _hold_back(scene.with_block(running), running)
     if prepared.is_provisional:
-        agenda = order_feedback(scene.agenda, running.doubtful_warnings(now))
+        agenda = order_feedback(scene.agenda, running.provisional_warnings(now))
         scene = replace(scene, replans=(*scene.replans, prepared.replan_request), agenda=agenda)
-    warnings = tuple(running.warning(notice, now) for notice in running.certain_notices)
+    warnings = tuple(running.warning(notice, now) for notice in running.final_notices)
     if scene.may_start(running, now):
         scene = start_block(scene, running, now)
     else:
-        scene = scene.with_block(replace(running, predicted=(running.zero, running.times))).say(running.prediction(now))
-    return scene.say(*warnings)
+        scene = scene.with_block(replace(running, predicted=(running.zero, running.times))).with_feedback(
+            running.prediction(now)
+        )
+    return scene.with_feedback(*warnings)
 
 
 def advance(scene: Scene, now: float) -> Scene:
-    """Lets time pass: blocks that may start begin, feedback that is due is said, and what is over is forgotten.
+    """Advance the scene: start waiting blocks, send due feedback, remove ended blocks.
 
-    What was said before is taken away.
+    Earlier `outgoing_feedback` is cleared.
 
     Args:
-        scene: at some time before.
-        now: [s] global time.
+        scene: scene at an earlier time.
+        now: global time [s].
     """
-    scene = replace(scene, said=())
+    scene = replace(scene, outgoing_feedback=())
     while True:
-        coming = next((each for each in scene.blocks if scene.may_start(each, now)), None)
+        coming = next((item for item in scene.blocks if scene.may_start(item, now)), None)
         if coming is not None:
             scene = start_block(scene, coming, now)
         elif scene.agenda and scene.agenda[0].time <= now:
             message = scene.agenda[0]
-            scene = _follow_up(replace(scene, agenda=scene.agenda[1:]).say(message), message, now)
+            scene = _follow_up(replace(scene, agenda=scene.agenda[1:]).with_feedback(message), message, now)
         else:
             return forget_past(scene, now)
 
 
 def interrupt(scene: Scene, now: float, block: str | None = None) -> Scene:
-    """Ends one block, or all of them and idle motion; what others do goes on.
+    """End one block, or all blocks and idle motion.
 
     Args:
-        scene: at some time before.
-        now: [s] global time.
-        block: its id; None: all, those that wait too.
+        scene: scene at an earlier time.
+        now: global time [s].
+        block: id of the block; None ends all running and waiting blocks.
     """
     before = scene = advance(scene, now)
     for running in before.blocks:
         if block in (None, running.id):
             scene = stop_block(scene, running, now, "it was interrupted")
     scene = scene if block is not None else end_idle(scene, now)
-    return aim_again(before, scene, now)
+    return restore_pointing(before, scene, now)
 
 
-def halt(scene: Scene, time: float, motion: Trajectory) -> Scene:
+def stop_all_blocks(scene: Scene, time: float, motion: Trajectory) -> Scene:
     """End all blocks and idle motion at an emergency stop.
 
     Args:
-        scene: as it was before the stop.
-        time: [s] global time at which the motion began to stop.
-        motion: that plays instead.
+        scene: scene before the stop.
+        time: global time [s] at which the deceleration began.
+        motion: motion of the emergency stop.
     """
     scene = advance(replace(scene, ahead=0.0), time)
     for running in scene.blocks:
@@ -152,7 +161,7 @@ def halt(scene: Scene, time: float, motion: Trajectory) -> Scene:
 
 
 def _follow_up(scene: Scene, message: ScheduledFeedback, now: float) -> Scene:
-    """Does what follows from a point that a block has passed: its state changes, or it commands another block."""
+    """Update a block's state, or execute its command, after a passed point."""
     point = message.content
     running = None if isinstance(point, str) else scene.find(point.block)
     if isinstance(point, str) or running is None or running.run != point.run:
@@ -170,13 +179,13 @@ def _follow_up(scene: Scene, message: ScheduledFeedback, now: float) -> Scene:
 
 
 def _command(scene: Scene, running: RunningBlock, behaviour: str, action: BlockCommand, now: float) -> Scene:
-    """Does to another block what a behaviour of a running one asks for."""
+    """Execute the command of a behaviour on another block."""
     name = action.target.partition(":")[0]
     other = scene.find(name)
     if other is None:
         text = f"no block {name} plays or waits"
         notice = Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, f"{running.id}:{behaviour}", text)
-        return scene.say(running.warning(notice, now))
+        return scene.with_feedback(running.warning(notice, now))
     if isinstance(action, Activate):
         return activate_block(scene, name, now)
     if isinstance(action, ParameterChange):
@@ -185,17 +194,17 @@ def _command(scene: Scene, running: RunningBlock, behaviour: str, action: BlockC
     if chosen == other.times.keys():
         after = stop_block(scene, other, now, f"{running.id} interrupts it")
     else:
-        after = leave_out(scene, other, chosen, now)
-    return aim_again(scene, after, now)
+        after = end_behaviours(scene, other, chosen, now)
+    return restore_pointing(scene, after, now)
 
 
 def _hold_back(scene: Scene, running: RunningBlock) -> Scene:
-    """Has blocks wait for this one where it says so, unless they would wait for themselves."""
-    for id, until in waiting_blocks(running.block, scene.states).items():
+    """Make other blocks wait for this one, except for cyclic waits."""
+    for id, until in find_waiting_blocks(running.block, scene.states).items():
         other = scene.find(id)
         if other is not None:
             after = scene.with_block(replace(other, waits={**other.waits, running.id: until}))
-            if not waits_for_itself({each.id: each.waits for each in after.blocks}, id):
+            if not is_waiting_for_itself({item.id: item.waits for item in after.blocks}, id):
                 scene = after
     return scene
 
@@ -204,11 +213,15 @@ def _refusal(scene: Scene, prepared: PreparedBlock) -> str | None:
     block = prepared.plan.timeline.block
     same = scene.find(block.id)
     if same is not None:
-        how = "plays" if same.state.is_playing else "waits"
-        return f"a block of this id {how} already ({same.state.value}): give each block an id of its own"
-    own, others = scene.setup.character, [each.agent for each in block.behaviours if each.agent is not None]
-    if own is not None and len(others) == len(block.behaviours) and (others or block.character not in (None, own)):
-        return f"it is for {' and '.join(dict.fromkeys(others)) or block.character}, and {own} performs here"
-    if len(scene.blocks) >= MOST_BLOCKS:
-        return f"{MOST_BLOCKS} blocks play and wait already, send it again when some are over"
+        state = "plays" if same.state.is_playing else "waits"
+        return f"a block of this id {state} already ({same.state.value}): give each block an id of its own"
+    performer, agents = scene.setup.character, [item.agent for item in block.behaviours if item.agent is not None]
+    if (
+        performer is not None
+        and len(agents) == len(block.behaviours)
+        and (agents or block.character not in (None, performer))
+    ):
+        return f"it is for {' and '.join(dict.fromkeys(agents)) or block.character}, and {performer} performs here"
+    if len(scene.blocks) >= MAX_BLOCKS:
+        return f"{MAX_BLOCKS} blocks play and wait already, send it again when some are over"
     return None

@@ -1,4 +1,4 @@
-"""Takes back the motion of interrupted blocks."""
+"""Removal of interrupted behaviours from a running motion."""
 
 from collections.abc import Sequence
 from math import ceil
@@ -9,30 +9,30 @@ from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
 from kinesic.motion.double_s import least_stop
-from kinesic.motion.trajectory import STEP, Trajectory
+from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
 from kinesic.motion.transition import (
     FEWEST_PIECES,
     cross_over,
+    extend_controls,
     join_columns,
     keep_limits,
     knot_at,
-    largest_shares,
-    lengthen,
-    roomy,
-    shorten,
+    largest_limit_ratios,
+    trim_final_rest,
+    widen_limits,
 )
-from kinesic.planning.clearance import LEAST_RESERVE, scan_clearance
-from kinesic.planning.quick_plan import quintic_duration
+from kinesic.planning.clearance import MIN_LAG_RESERVE, scan_clearance
+from kinesic.planning.quick_plan import compute_quintic_duration
 from kinesic.planning.setup import Setup
-from kinesic.realizer.held import lacking_change
-from kinesic.realizer.occupancy import ARMS, Occupancy, arm_hinges
+from kinesic.realizer.held import offset_to_held_posture
+from kinesic.realizer.occupancy import ARM_ROLES, Occupancy, arm_hinges
 
-WAIT = 10  # knots that an interruption waits at least, when the way back is not clear
-MOST_WAITS = 6  # each twice as long as the one before
-RETURN_EASE = 1.5  # times the least time from rest to rest
-LONGER = 1.25  # times as long, when a way back is too short
-MOST_PIECES = 400  # pieces
-FEWEST_RETURN_PIECES = 4  # pieces of a motion
+MIN_RELEASE_DELAY = 10  # [knots] first delay tried for a return to rest that would collide
+MAX_DELAY_DOUBLINGS = 6  # number of delays tried for a return to rest, each twice as long as the previous one
+RETURN_DURATION_FACTOR = 1.5  # return duration relative to the minimum-time rest-to-rest profile
+RETURN_GROWTH_FACTOR = 1.25  # growth of the return duration per attempt
+MAX_RETURN_PIECES = 400  # spline pieces of the longest return
+MIN_MOTION_PIECES = 4  # spline pieces of the shortest motion
 
 
 def release_motion(
@@ -44,108 +44,131 @@ def release_motion(
     layer: Trajectory | None = None,
     others: Sequence[Occupancy] = (),
 ) -> Trajectory:
-    """Takes back the motion of an interrupted block or behaviour; all else goes on as it runs.
+    """Remove an interrupted block or behaviour from a running motion.
 
     Args:
-        running: the motion, within the limits and clear of the body.
-        time: [s] from which it may change, at the next knot.
-        hinges: (n,) that are given free: see `occupancy.freed_hinges`.
+        running: running motion, within limits and without collisions.
+        time: time [s] from which it may change, rounded up to a knot.
+        hinges: (n,) hinges to release; see `occupancy.freed_hinges`.
         setup: limits, rest pose and distances.
-        layer: what the block adds to the running motion; without it the hinges come to the rest pose.
-        others: what else the running motion does.
+        layer: offsets that the block added to the running motion; without it, the hinges return to the rest pose.
+        others: other occupancies of the running motion.
 
     Returns:
-        The same until the cut, or a little longer where the way back is not clear of the body at once; the running
-        motion itself where it never is.
+        The running motion up to the cut, or longer if the return path would collide; the whole running motion if there
+        is no collision-free return.
     """
     knot = knot_at(time - running.start)
-    local = [each.later(-running.start) for each in others]
+    local = [entry.shifted(-running.start) for entry in others]
     remaining = len(running.controls) - 3 - knot
-    waits = [0, *(WAIT * 2**k for k in range(MOST_WAITS) if WAIT * 2**k < remaining)]
-    tries = (_from(running, knot + wait, hinges, setup, layer, local) for wait in waits)
-    return next((found for found in tries if found is not None), running)
+    waits = [0, *(MIN_RELEASE_DELAY * 2**k for k in range(MAX_DELAY_DOUBLINGS) if MIN_RELEASE_DELAY * 2**k < remaining)]
+    motions = (_release_from(running, knot + wait, hinges, setup, layer, local) for wait in waits)
+    return next((motion for motion in motions if motion is not None), running)
 
 
-def _from(
+def _release_from(
     running: Trajectory, knot: int, hinges: Flags, setup: Setup, layer: Trajectory | None, others: Sequence[Occupancy]
 ) -> Trajectory | None:
-    """Takes the block back from a knot on; None where the way is not clear of the body."""
-    limits, free = roomy(setup.limits), np.flatnonzero(hinges).tolist()
+    """Release the hinges from a knot on.
+
+    Return None if the path collides.
+    """
+    limits, free = widen_limits(setup.limits), np.flatnonzero(hinges).tolist()
     if not free:
         return running
-    own = lengthen(running.controls, knot + FEWEST_PIECES)
-    after = _without(own, layer, others, setup.robot)
-    pieces = max(FEWEST_PIECES, ceil(RETURN_EASE * _least(own, after, knot, setup.limits)[free].max() / STEP))
-    while pieces <= MOST_PIECES:
+    current = extend_controls(running.controls, knot + FEWEST_PIECES)
+    after = _motion_without_block(current, layer, others, setup.robot)
+    slowest = _minimum_times(current, after, knot, setup.limits)[free].max()
+    pieces = max(FEWEST_PIECES, ceil(RETURN_DURATION_FACTOR * slowest / KNOT_INTERVAL))
+    while pieces <= MAX_RETURN_PIECES:
         count = max(len(after), knot + pieces + FEWEST_PIECES)
-        whole, goal = np.array(lengthen(own, count)), lengthen(after, count)
+        whole, goal = np.array(extend_controls(current, count)), extend_controls(after, count)
         land = knot + pieces
-        found = join_columns(cross_over(whole[:, hinge], goal[:, hinge], (knot, land), limits, hinge) for hinge in free)
-        if found is not None:
+        columns = join_columns(
+            cross_over(whole[:, hinge], goal[:, hinge], (knot, land), limits, hinge) for hinge in free
+        )
+        if columns is not None:
             back = np.array(whole)
-            back[:, free] = found
-            _take_up(back, whole, land, [each for each in others if each.ready > knot * STEP], setup)
-            return _checked(back, running, knot, setup)
-        pieces = ceil(LONGER * pieces)
+            back[:, free] = columns
+            _rejoin_arms(back, whole, land, [entry for entry in others if entry.ready > knot * KNOT_INTERVAL], setup)
+            return _certified_motion(back, running, knot, setup)
+        pieces = ceil(RETURN_GROWTH_FACTOR * pieces)
     return None
 
 
-def _least(own: Floats, after: Floats, knot: int, limits: Limits) -> Floats:
-    """(n,) [s] least time of each hinge from one motion to another, as if that were at rest."""
-    begin = own[knot : knot + FEWEST_PIECES]
-    ways = np.abs(begin - after[knot : knot + FEWEST_PIECES]).max(axis=0)
-    speed, acceleration = (begin[2] - begin[0]) / (2 * STEP), (begin[0] - 2 * begin[1] + begin[2]) / STEP**2
+def _minimum_times(current: Floats, after: Floats, knot: int, limits: Limits) -> Floats:
+    """Return the minimum transition time (n,) [s] of each hinge.
+
+    The goal motion is assumed to rest.
+    """
+    begin = current[knot : knot + FEWEST_PIECES]
+    distances = np.abs(begin - after[knot : knot + FEWEST_PIECES]).max(axis=0)
+    speed, acceleration = (
+        (begin[2] - begin[0]) / (2 * KNOT_INTERVAL),
+        (begin[0] - 2 * begin[1] + begin[2]) / KNOT_INTERVAL**2,
+    )
     stops = least_stop(speed, acceleration, limits.acceleration, limits.jerk)
-    return np.maximum(stops, [quintic_duration(float(way), limits, hinge) for hinge, way in enumerate(ways)])
+    return np.maximum(
+        stops, [compute_quintic_duration(float(distance), limits, hinge) for hinge, distance in enumerate(distances)]
+    )
 
 
-def _without(own: Floats, layer: Trajectory | None, others: Sequence[Occupancy], robot: Robot) -> Floats:
-    """Return the motion without the block as controls (k + 3, n) [rad].
+def _motion_without_block(
+    current: Floats, layer: Trajectory | None, others: Sequence[Occupancy], robot: Robot
+) -> Floats:
+    """Return the control points (k + 3, n) [rad] without the block.
 
     Hands rest, and the trunk ends at the values that other behaviours hold.
     """
     if layer is None:
-        return np.repeat(robot.skeleton.rest[None], len(own), axis=0)
-    found = own - lengthen(layer.controls, len(own))[: len(own)]
-    found = found + lacking_change(found, others, robot)
-    found = np.clip(found, np.minimum(own, robot.skeleton.lower), np.maximum(own, robot.skeleton.upper))
-    for role in ARMS:
-        found[:, arm_hinges(role, robot)] = found[-1, arm_hinges(role, robot)]
-    return found
+        return np.repeat(robot.skeleton.rest[None], len(current), axis=0)
+    controls = current - extend_controls(layer.controls, len(current))[: len(current)]
+    controls = controls + offset_to_held_posture(controls, others, robot)
+    controls = np.clip(controls, np.minimum(current, robot.skeleton.lower), np.maximum(current, robot.skeleton.upper))
+    for role in ARM_ROLES:
+        controls[:, arm_hinges(role, robot)] = controls[-1, arm_hinges(role, robot)]
+    return controls
 
 
-def _take_up(back: Floats, own: Floats, knot: int, others: Sequence[Occupancy], setup: Setup) -> None:
-    """Lets arms that came to rest take up what else runs, when that begins; where it is too soon, all goes on."""
-    limits = roomy(setup.limits)
-    for role in ARMS:
-        stop = min((each for each in others if role in each.roles), key=lambda each: each.ready, default=None)
+def _rejoin_arms(back: Floats, current: Floats, knot: int, others: Sequence[Occupancy], setup: Setup) -> None:
+    """Let resting arms rejoin later behaviours of the running motion.
+
+    Without enough time for that, the arm keeps the running motion.
+    """
+    limits = widen_limits(setup.limits)
+    for role in ARM_ROLES:
+        stop = min((entry for entry in others if role in entry.roles), key=lambda entry: entry.ready, default=None)
         if stop is None:
             continue
-        leave, land = max(knot, int(stop.begin / STEP)), int(stop.ready / STEP)
+        leave, land = max(knot, int(stop.begin / KNOT_INTERVAL)), int(stop.ready / KNOT_INTERVAL)
         hinges = arm_hinges(role, setup.robot)
-        ways = join_columns(cross_over(back[:, hinge], own[:, hinge], (leave, land), limits, hinge) for hinge in hinges)
-        back[:, hinges] = own[:, hinges] if ways is None else ways
+        columns = join_columns(
+            cross_over(back[:, hinge], current[:, hinge], (leave, land), limits, hinge) for hinge in hinges
+        )
+        back[:, hinges] = current[:, hinges] if columns is None else columns
 
 
-def _checked(found: Floats, running: Trajectory, knot: int, setup: Setup) -> Trajectory | None:
-    """Makes control points a motion that keeps the limits; None where it cannot, or comes too near to the body."""
-    limits = roomy(setup.limits)
-    for hinge in np.flatnonzero(largest_shares(found[knot:], limits) > 1.0).tolist():
-        column = keep_limits(found[:, hinge], knot, len(found) - 3, limits, hinge)
+def _certified_motion(controls: Floats, running: Trajectory, knot: int, setup: Setup) -> Trajectory | None:
+    """Return a motion within limits and without collisions, or None."""
+    limits = widen_limits(setup.limits)
+    for hinge in np.flatnonzero(largest_limit_ratios(controls[knot:], limits) > 1.0).tolist():
+        column = keep_limits(controls[:, hinge], knot, len(controls) - 3, limits, hinge)
         if column is None:
             return None
-        found[:, hinge] = column
-    motion = Trajectory(sealed(shorten(found)), running.zero, running.start)
-    _, clearance = scan_clearance(from_knot(motion.controls, knot), setup.distances)
-    near = clearance.distances[clearance.worst] < setup.robot.least_clearance + LEAST_RESERVE
+        controls[:, hinge] = column
+    motion = Trajectory(sealed(trim_final_rest(controls)), running.zero, running.start)
+    _, clearance = scan_clearance(motion_from_knot(motion.controls, knot), setup.distances)
+    near = clearance.distances[clearance.worst] < setup.robot.min_clearance + MIN_LAG_RESERVE
     return None if near else motion
 
 
-def from_knot(controls: Floats, knot: int) -> Trajectory:
-    """Returns the motion from a knot on, on a time that starts there, with at least `FEWEST_RETURN_PIECES` pieces.
+def motion_from_knot(controls: Floats, knot: int) -> Trajectory:
+    """Return the motion from a knot on, with time starting at zero.
+
+    It has at least `MIN_MOTION_PIECES` pieces.
 
     Args:
-        controls: (k + 3, n) [rad].
-        knot: of k.
+        controls: (k + 3, n) [rad] control points.
+        knot: index of the knot, 0..k.
     """
-    return Trajectory(sealed(controls[max(0, min(knot, len(controls) - 3 - FEWEST_RETURN_PIECES)) :]), 0.0)
+    return Trajectory(sealed(controls[max(0, min(knot, len(controls) - 3 - MIN_MOTION_PIECES)) :]), 0.0)

@@ -1,4 +1,4 @@
-"""Continues a running block by another plan of it: a better one, or one in another style."""
+"""Transition of a running block to a new plan."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
@@ -10,232 +10,256 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.keys import Keys
-from kinesic.motion.segments import NOWHERE
-from kinesic.motion.trajectory import STEP, Trajectory
+from kinesic.motion.segments import NO_KNOT_POSITIONS
+from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
 from kinesic.motion.transition import (
     FEWEST_PIECES,
     SAME_ANGLE,
     cross_over,
     delay_controls,
+    extend_controls,
     keep_limits,
     knot_at,
-    largest_shares,
-    lengthen,
-    roomy,
-    shorten,
+    largest_limit_ratios,
+    trim_final_rest,
+    widen_limits,
 )
 from kinesic.planning.plan import Plan
 from kinesic.realizer.conflicts import find_conflict
-from kinesic.realizer.held import HELD_ROLES, lead_to_held, taking_over
+from kinesic.realizer.held import HELD_ROLES, add_step_to_held_posture, with_superseded_hinges
 from kinesic.realizer.merge import MergedMotion
-from kinesic.realizer.occupancy import ARMS, MergeFailure, Occupancy, Overlay, arm_hinges, occupancy_of, still_occupied
-from kinesic.realizer.overlay import overlay
+from kinesic.realizer.occupancy import (
+    ARM_ROLES,
+    MergeFailure,
+    Occupancy,
+    Overlay,
+    arm_hinges,
+    occupancy_of,
+    remaining_occupancy,
+)
+from kinesic.realizer.overlay import overlay_motions
 
-KEYS_AHEAD = 3  # keys of the other plan that a hand may pass before it has joined its motion
-MEETING_SWING = 0.1  # [rad] from the other motion, once a hand has met it
-SOON = (10, 20, 40, 80)  # knots in which the trunk joins it
+MAX_JOIN_KEYS = 3  # number of keys of the new plan at which a hand may join its motion
+MAX_JOIN_DEVIATION = 0.1  # [rad] largest deviation from the new motion after a hand has joined it
+TRUNK_JOIN_KNOTS = (10, 20, 40, 80)  # [knots] durations tried for the trunk to join the new motion
 
 
 def replan(
-    running: Trajectory, time: float, playing: MergedMotion, better: Plan, *, others: Sequence[Occupancy] = ()
+    running: Trajectory, time: float, playing: MergedMotion, new_plan: Plan, *, others: Sequence[Occupancy] = ()
 ) -> MergedMotion | None:
-    """Performs what is still to come of a block by another plan of it.
+    """Continue a running block with a new plan.
 
-    Hands go over in the midst of a gesture where no stroke is then performed twice or left out; else they first end
-    what they have begun.
+    Hands change over within a gesture if no stroke is then repeated or skipped; otherwise they finish current
+    behaviours.
 
     Args:
-        running: the motion, whatever else was merged into it.
-        time: [s] from which it may change, at the next knot.
-        playing: the block as it was merged into the motion, from the same start on.
-        better: the other plan, which keeps the block's zero.
-        others: what else the running motion does.
+        running: running motion with all merged blocks.
+        time: time [s] from which it may change, rounded up to a knot.
+        playing: block as merged into the motion, from the same start on.
+        new_plan: new plan, which keeps the block's zero.
+        others: other occupancies of the running motion.
 
     Returns:
-        None when a hinge cannot catch up, or the way is not clear of the body.
+        None if a hinge cannot catch up or the transition would collide.
     """
-    change = _PlanChange.of(running, time, playing, better, others)
+    change = _PlanSwitch.of(running, time, playing, new_plan, others)
     in_progress = change.hands_in_progress
     ending = set() if change.keeps_strokes else in_progress
     while True:
-        found = change.attempt(ending)
-        if not isinstance(found, MergeFailure):
-            return found
-        more = ending | in_progress | {found.behaviour}
+        result = change.attempt(ending)
+        if not isinstance(result, MergeFailure):
+            return result
+        more = ending | in_progress | {result.behaviour}
         if more == ending:
             return None
         ending = more
 
 
 @dataclass(frozen=True, eq=False)
-class _PlanChange:
-    """The change from one plan of a block to another; times [s] are since the running motion's start."""
+class _PlanSwitch:
+    """Transition between two plans.
+
+    Times [s] count from the running motion's start.
+    """
 
     running: Trajectory
-    knot: int  # where it may begin
-    playing: MergedMotion  # by the plan so far; its own times are on the clock
+    knot: int  # first knot that may change
+    playing: MergedMotion  # by the old plan; its times are clock times
     playing_zero: float
     playing_occupancy: Sequence[Occupancy]
-    better: Plan
+    new_plan: Plan
     others: Sequence[Occupancy]
 
     @classmethod
     def of(
-        cls, running: Trajectory, time: float, playing: MergedMotion, better: Plan, others: Sequence[Occupancy]
-    ) -> "_PlanChange":
+        cls, running: Trajectory, time: float, playing: MergedMotion, new_plan: Plan, others: Sequence[Occupancy]
+    ) -> "_PlanSwitch":
         start, knot = running.start, knot_at(time - running.start)
-        own, others = ([each.later(-start) for each in needs] for needs in (playing.occupancy, others))
-        return cls(running, knot, playing, playing.zero - start, own, better, others)
+        playing_occupancy, others = (
+            [entry.shifted(-start) for entry in needs] for needs in (playing.occupancy, others)
+        )
+        return cls(running, knot, playing, playing.zero - start, playing_occupancy, new_plan, others)
 
     @cached_property
     def offset(self) -> int:
-        """Knot at which the other plan's own motion begins."""
-        return round((self.playing_zero - self.better.trajectory.zero) / STEP)
+        """Knot at which the new plan's motion begins."""
+        return round((self.playing_zero - self.new_plan.trajectory.zero) / KNOT_INTERVAL)
 
     @cached_property
     def zero(self) -> float:
-        """[s] of the other plan's zero: the block's, but for the grid."""
-        return self.offset * STEP + self.better.trajectory.zero
+        """Time [s] of the new plan's time zero, on the knot grid."""
+        return self.offset * KNOT_INTERVAL + self.new_plan.trajectory.zero
 
     @cached_property
-    def own(self) -> tuple[Occupancy, ...]:
-        """What the behaviours of the other plan occupy."""
-        return tuple(each.later(self.offset * STEP) for each in occupancy_of(self.better))
+    def new_occupancy(self) -> tuple[Occupancy, ...]:
+        """Occupancies of the new plan's behaviours."""
+        return tuple(entry.shifted(self.offset * KNOT_INTERVAL) for entry in occupancy_of(self.new_plan))
 
     @property
     def hands_in_progress(self) -> set[str]:
-        """Behaviours of hands that have begun."""
-        now = self.knot * STEP
-        begun = (each for each in (*self.own, *self.playing_occupancy) if each.begin < now)
-        return {each.behaviour for each in begun if each.roles & set(ARMS)}
+        """Hand behaviours that have begun."""
+        now = self.knot * KNOT_INTERVAL
+        begun = (entry for entry in (*self.new_occupancy, *self.playing_occupancy) if entry.begin < now)
+        return {entry.behaviour for entry in begun if entry.roles & set(ARM_ROLES)}
 
     @property
     def keeps_strokes(self) -> bool:
-        """Whether the other plan repeats no stroke that is past, and leaves out none that is to come."""
-        now, soon = self.knot * STEP, (self.knot + FEWEST_PIECES) * STEP
+        """Whether the new plan neither repeats past strokes nor skips future ones."""
+        now, soon = self.knot * KNOT_INTERVAL, (self.knot + FEWEST_PIECES) * KNOT_INTERVAL
         before = {(sync.behaviour, sync.sync): sync.planned + self.playing_zero for sync in self.playing.syncs}
-        after = {(sync.behaviour, sync.sync): sync.planned + self.zero for sync in self.better.syncs}
+        after = {(sync.behaviour, sync.sync): sync.planned + self.zero for sync in self.new_plan.syncs}
         strokes = [sync for sync in before.keys() & after.keys() if sync[1].startswith("stroke")]
         return all(after[sync] >= soon if before[sync] > now else after[sync] <= now for sync in strokes)
 
     def attempt(self, ending: Collection[str]) -> MergedMotion | MergeFailure:
-        """Performs the block by the other plan, but for behaviours that end as they run."""
-        kept, setup, count = {*self.playing.dropped, *ending}, self.better.setup, self._count
+        """Switch to the new plan, letting some old behaviours finish."""
+        kept, setup, count = {*self.playing.dropped, *ending}, self.new_plan.setup, self._count
         going_on = [
-            each for each in self.playing_occupancy if each.behaviour in ending and each.relax > self.knot * STEP
+            entry
+            for entry in self.playing_occupancy
+            if entry.behaviour in ending and entry.relax > self.knot * KNOT_INTERVAL
         ]
-        performed, left_out = _split(self.own, kept, ending)
+        performed, dropped = _split(self.new_occupancy, kept, ending)
         base = self._without_block(count)
         if base is None:
-            return MergeFailure("", "the trunk cannot do what other blocks ask of it")
+            return MergeFailure("", "the trunk cannot follow other blocks within its limits")
         work = Overlay(
             base,
-            lengthen(delay_controls(self.better.trajectory.controls, self.offset), count),
-            self.better.trajectory.controls[0],
+            extend_controls(delay_controls(self.new_plan.trajectory.controls, self.offset), count),
+            self.new_plan.trajectory.controls[0],
             self.knot,
-            still_occupied((*self.others, *going_on), self.knot * STEP),
+            remaining_occupancy((*self.others, *going_on), self.knot * KNOT_INTERVAL),
             performed,
-            left_out,
+            dropped,
         )
-        goal = overlay(work, setup, roomy(setup.limits))
+        goal = overlay_motions(work, setup, widen_limits(setup.limits))
         if isinstance(goal, MergeFailure):
             return goal
-        count = max(len(goal), self.knot + SOON[-1] + FEWEST_PIECES)
-        found = self._catch_up(lengthen(goal, count))
-        if found is None:
+        count = max(len(goal), self.knot + TRUNK_JOIN_KNOTS[-1] + FEWEST_PIECES)
+        controls = self._catch_up(extend_controls(goal, count))
+        if controls is None:
             return MergeFailure("", "a hinge cannot catch up")
-        occupancy = (*going_on, *taking_over(performed, self.others, setup.robot))
-        return find_conflict(work, found, setup) or self._result(found, kept, occupancy)
+        occupancy = (*going_on, *with_superseded_hinges(performed, self.others, setup.robot))
+        return find_conflict(work, controls, setup) or self._result(controls, kept, occupancy)
 
     @property
     def _count(self) -> int:
-        coming = self.offset + len(self.better.trajectory.controls)
+        coming = self.offset + len(self.new_plan.trajectory.controls)
         return max(len(self.running.controls), len(self.playing.layer.controls), coming, self.knot + FEWEST_PIECES)
 
     def _without_block(self, count: int) -> Floats | None:
         """Return the running motion without the block's trunk motion.
 
-        Hands leave the running motion in any case.
-
-        The sum with the block may have been brought within the limits, so that what is left is not; None where it
-        cannot be.
+        Hands leave the running motion in any case. The sum with the block may have been projected onto the limits, so
+        that the remainder can exceed them; None if it cannot be corrected.
         """
-        robot, layer = self.better.setup.robot, lengthen(self.playing.layer.controls, count)
-        found = np.array(lengthen(self.running.controls, count))
+        robot, layer = self.new_plan.setup.robot, extend_controls(self.playing.layer.controls, count)
+        controls = np.array(extend_controls(self.running.controls, count))
         trunk = [hinge for chain in ("torso", "neck") for hinge in robot.joints(chain)]
-        found[:, trunk] -= layer[:, trunk]
-        found, limits = np.array(lead_to_held(found, self.others, robot)), roomy(self.better.setup.limits)
-        over = largest_shares(found[self.knot :, trunk], limits.part(np.array(trunk))) > 1.0
+        controls[:, trunk] -= layer[:, trunk]
+        controls = np.array(add_step_to_held_posture(controls, self.others, robot))
+        limits = widen_limits(self.new_plan.setup.limits)
+        over = largest_limit_ratios(controls[self.knot :, trunk], limits.part(np.array(trunk))) > 1.0
         for hinge in np.array(trunk)[over].tolist():
-            column = keep_limits(found[:, hinge], self.knot, len(found) - FEWEST_PIECES, limits, hinge)
+            column = keep_limits(controls[:, hinge], self.knot, len(controls) - FEWEST_PIECES, limits, hinge)
             if column is None:
                 return None
-            found[:, hinge] = column
-        return found
+            controls[:, hinge] = column
+        return controls
 
     def _catch_up(self, goal: Floats) -> Floats | None:
-        """Control points (k + 3, n) that leave the running motion and soon join another."""
-        setup, own = self.better.setup, lengthen(self.running.controls, len(goal))
-        places = (self.better.motion.planned + self.zero) / STEP
-        postures = self.better.postures.postures  # none where the other plan does not move
-        keys = Keys.of(postures, setup.limits).own if postures else [[]] * len(setup.limits.lower)
-        arms = {hinge for role in ARMS for hinge in arm_hinges(role, setup.robot)}
-        found, limits = np.array(goal), roomy(setup.limits)
-        for hinge in np.flatnonzero((np.abs(own - goal)[self.knot :] > SAME_ANGLE).any(axis=0)).tolist():
-            coming = places[keys[hinge]] if hinge in arms else NOWHERE
+        """Return control points (k + 3, n) that join the new motion."""
+        setup, current = self.new_plan.setup, extend_controls(self.running.controls, len(goal))
+        key_knots = (self.new_plan.motion.planned + self.zero) / KNOT_INTERVAL
+        postures = self.new_plan.postures.postures  # empty if the new plan has no motion
+        keys = Keys.of(postures, setup.limits).exact_rows if postures else [[]] * len(setup.limits.lower)
+        arms = {hinge for role in ARM_ROLES for hinge in arm_hinges(role, setup.robot)}
+        controls, limits = np.array(goal), widen_limits(setup.limits)
+        for hinge in np.flatnonzero((np.abs(current - goal)[self.knot :] > SAME_ANGLE).any(axis=0)).tolist():
+            coming = key_knots[keys[hinge]] if hinge in arms else NO_KNOT_POSITIONS
             coming = coming[coming >= self.knot + FEWEST_PIECES]
-            way = _join(own[:, hinge], goal[:, hinge], self.knot, coming, limits, hinge)
-            if way is None:
+            joined = _join(current[:, hinge], goal[:, hinge], self.knot, coming, limits, hinge)
+            if joined is None:
                 return None
-            found[:, hinge] = way
-        found[: self.knot + FEWEST_PIECES] = own[: self.knot + FEWEST_PIECES]
-        return found
+            controls[:, hinge] = joined
+        controls[: self.knot + FEWEST_PIECES] = current[: self.knot + FEWEST_PIECES]
+        return controls
 
-    def _result(self, found: Floats, kept: Collection[str], occupancy: Sequence[Occupancy]) -> MergedMotion:
-        """The merged block, with sync points of the plan so far for behaviours that are kept."""
-        slip, playing, running = self.zero - self.playing_zero, self.playing, self.running
-        layer = found - lengthen(running.controls, len(found)) + lengthen(playing.layer.controls, len(found))
+    def _result(self, controls: Floats, kept: Collection[str], occupancy: Sequence[Occupancy]) -> MergedMotion:
+        """Build the merged block, with old sync points for kept behaviours."""
+        zero_shift, playing, running = self.zero - self.playing_zero, self.playing, self.running
+        layer = (
+            controls
+            - extend_controls(running.controls, len(controls))
+            + extend_controls(playing.layer.controls, len(controls))
+        )
         syncs = [sync for sync in playing.syncs if sync.behaviour in kept]
         syncs += [
-            replace(sync, planned=sync.planned + slip) for sync in self.better.syncs if sync.behaviour not in kept
+            replace(sync, planned=sync.planned + zero_shift)
+            for sync in self.new_plan.syncs
+            if sync.behaviour not in kept
         ]
         return replace(
             playing,
-            trajectory=replace(running, controls=sealed(shorten(found))),
+            trajectory=replace(running, controls=sealed(trim_final_rest(controls))),
             layer=replace(running, controls=sealed(layer)),
-            occupancy=tuple(each.later(running.start) for each in occupancy),
+            occupancy=tuple(entry.shifted(running.start) for entry in occupancy),
             syncs=tuple(sorted(syncs, key=lambda sync: (sync.planned, sync.behaviour))),
             notices=(),
         )
 
 
 def _split(
-    own: Sequence[Occupancy], kept: Collection[str], ending: Collection[str]
+    new_occupancy: Sequence[Occupancy], kept: Collection[str], ending: Collection[str]
 ) -> tuple[list[Occupancy], list[Occupancy]]:
     """Split the behaviours of the new plan into performed and dropped ones.
 
-    What the trunk holds of a posture goes over to the other plan, while the arms of that posture end as they run.
+    The held trunk posture of a behaviour moves to the new plan, while its arms finish in the old one.
     """
-    performed, left_out = [], []
-    for each in own:
-        held = frozenset(role for role in HELD_ROLES if each.holds(role))
-        if each.behaviour not in kept:
-            performed.append(each)
-        elif each.behaviour in ending and held:
-            performed.append(replace(each, roles=held))
-            left_out.append(replace(each, roles=each.roles - held))
+    performed, dropped = [], []
+    for entry in new_occupancy:
+        held = frozenset(role for role in HELD_ROLES if entry.holds(role))
+        if entry.behaviour not in kept:
+            performed.append(entry)
+        elif entry.behaviour in ending and held:
+            performed.append(replace(entry, roles=held))
+            dropped.append(replace(entry, roles=entry.roles - held))
         else:
-            left_out.append(each)
-    return performed, left_out
+            dropped.append(entry)
+    return performed, dropped
 
 
-def _join(own: Floats, goal: Floats, knot: int, coming: Floats, limits: Limits, hinge: int) -> Floats | None:
-    """Has a hinge join the other motion by one of the keys to come, or soon where there are none."""
-    lands = [(int(place), coming[:k]) for k, place in enumerate(coming[:KEYS_AHEAD])]
-    lands += [(knot + pieces, NOWHERE) for pieces in SOON if not len(coming)]
+def _join(current: Floats, goal: Floats, knot: int, coming: Floats, limits: Limits, hinge: int) -> Floats | None:
+    """Join a hinge's new motion at one of its next keys.
+
+    Without keys, the transition has a fixed duration.
+    """
+    lands = [(int(place), coming[:k]) for k, place in enumerate(coming[:MAX_JOIN_KEYS])]
+    lands += [(knot + pieces, NO_KNOT_POSITIONS) for pieces in TRUNK_JOIN_KNOTS if not len(coming)]
     for land, passing in lands:
-        way = cross_over(own, goal, (knot, land), limits, hinge, passing=passing)
-        if way is not None:
+        joined = cross_over(current, goal, (knot, land), limits, hinge, passing=passing)
+        if joined is not None:
             first = ceil(passing[0]) if len(passing) else land
-            return way if np.abs(way - goal)[first + FEWEST_PIECES :].max(initial=0.0) < MEETING_SWING else None
+            deviation = np.abs(joined - goal)[first + FEWEST_PIECES :].max(initial=0.0)
+            return joined if deviation < MAX_JOIN_DEVIATION else None
     return None

@@ -1,21 +1,21 @@
-"""Reads a message into a block with times, before its motion is planned.
+"""Parsing and timing of a message before its motion is planned.
 
 Other blocks, to which it may refer, are given as plain data.
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from html import unescape
 
 import msgspec
 
 from kinesic.bml.block import (
-    BOUNDS,
+    DEFAULT_BOUNDS,
     Behaviour,
     Block,
     BmlError,
-    Bounds,
+    DocumentBounds,
     Notice,
     NoticeType,
     Precedence,
@@ -23,29 +23,33 @@ from kinesic.bml.block import (
     SyncRef,
     Timeline,
 )
-from kinesic.bml.composition import BlockState, required_before
-from kinesic.bml.feedback import prediction, warning
-from kinesic.bml.parse import UNNAMED, parse
+from kinesic.bml.composition import BlockState, find_prerequisites
+from kinesic.bml.feedback import write_prediction, write_warning
+from kinesic.bml.parse import DEFAULT_BLOCK_ID, parse
+from kinesic.bml.reading.wrapping import open_document
 from kinesic.bml.schedule import schedule
-from kinesic.bml.timing.constraints import Point, point_of
+from kinesic.bml.timing.constraints import Point, get_point
 from kinesic.body.utterance import Utterance
 from kinesic.expressivity.context import BlockContext
-from kinesic.expressivity.durations import spans
-from kinesic.expressivity.hands.engaged import Engaged
+from kinesic.expressivity.durations import natural_durations
+from kinesic.expressivity.hands.busy_hands import BusyHand
+from kinesic.intent.fml.author import is_fml, parse_fml
+from kinesic.intent.greta.agent import read_agent
+from kinesic.intent.greta.lexicon import read_lexicon
 from kinesic.planning.setup import Setup
 from kinesic.planning.speech import synthesise_block
 
-LEAD = 0.15  # [s] from the request to the beginning of a block that refers to others: time to plan it
-ID_SEARCH = 65_536  # [bytes] of a document in which its id is looked for
-# Comments and CDATA, which end with the text at the latest, so that each byte is looked at once; or the id of a <bml>.
-_ID = re.compile(
+PLANNING_TIME = 0.15  # [s] time reserved for planning a block that refers to other blocks
+ID_SEARCH_SIZE = 65_536  # [bytes] beginning of a document that is searched for its block id
+# Comments and CDATA, which end with the text at the latest, so that the search is linear; or the id of a <bml>.
+_ID_PATTERN = re.compile(
     rb"""<!--(?:.*?-->|.*)|<!\[CDATA\[(?:.*?\]\]>|.*)|<(?:\w+:)?bml\b[^<>]*?\sid\s*=\s*(?:"([^"]+)"|'([^']+)')""",
     re.DOTALL,
 )
 
 
 class _Named(msgspec.Struct):
-    id: str = UNNAMED
+    id: str = DEFAULT_BLOCK_ID
 
 
 _named = msgspec.json.Decoder(_Named)
@@ -53,48 +57,50 @@ _named = msgspec.json.Decoder(_Named)
 
 @dataclass(frozen=True)
 class SceneContext:
-    """The other blocks of a scene, in global time [s]."""
+    """Other blocks of a scene, in global time [s]."""
 
     now: float = 0.0
-    states: Mapping[str, BlockState] = field(default_factory=dict)  # of blocks that are not over, in their order
-    relaxes: Mapping[str, float] = field(default_factory=dict)  # id -> when it will have subsided
-    ends: Mapping[str, float] = field(default_factory=dict)  # id -> when it will be over
-    times: Mapping[Point, float] = field(default_factory=dict)  # sync points, of blocks that are over too
+    states: Mapping[str, BlockState] = field(default_factory=dict)  # of active blocks, in order of arrival
+    relaxes: Mapping[str, float] = field(default_factory=dict)  # id -> relax time [s]
+    ends: Mapping[str, float] = field(default_factory=dict)  # id -> end time [s]
+    times: Mapping[Point, float] = field(default_factory=dict)  # sync points of active and ended blocks
 
     def expected_start(self, block: Block) -> float:
-        """When a block will begin [s], as far as is known before it is planned."""
+        """Return the expected start [s] of a block before it is planned."""
         waits = [
             (self.relaxes if until == "relax" else self.ends).get(id, self.now)
-            for id, until in required_before(block, self.states).items()
+            for id, until in find_prerequisites(block, self.states).items()
         ]
-        return max([self.now + (LEAD if refers_elsewhere(block) else 0.0), *waits])
+        return max([self.now + (PLANNING_TIME if refers_elsewhere(block) else 0.0), *waits])
 
 
 def refers_elsewhere(block: Block) -> bool:
-    """Whether a block refers to sync points of others."""
+    """Return whether a block refers to sync points of other blocks."""
     return any(ref.block != block.id for ref in _refs(block))
 
 
 def anchor_references(block: Block, context: SceneContext, zero: float) -> Block:
-    """Turns references to other blocks into times of the block's own; unknown ones stay.
+    """Replace references to other blocks by block times.
+
+    Keep unknown ones.
 
     Args:
-        block: as written.
-        context: the other blocks.
-        zero: [s] global time of the block's time 0.
+        block: block as written.
+        context: other blocks.
+        zero: global time [s] of block time 0.
     """
 
-    def own(ref: SyncRef) -> SyncRef:
-        time = context.times.get(point_of(ref)) if ref.block != block.id else None
+    def anchor(ref: SyncRef) -> SyncRef:
+        time = context.times.get(get_point(ref)) if ref.block != block.id else None
         return ref if time is None else SyncRef(block.id, "bml", "start", offset=time - zero + ref.offset)
 
     def anchor_behaviour(behaviour: Behaviour) -> Behaviour:
-        return replace(behaviour, syncs={sync: own(ref) for sync, ref in behaviour.syncs.items()})
+        return replace(behaviour, syncs={sync: anchor(ref) for sync, ref in behaviour.syncs.items()})
 
     def anchor_constraint(constraint: Synchronize | Precedence) -> Synchronize | Precedence:
         if isinstance(constraint, Synchronize):
-            return replace(constraint, refs=tuple(map(own, constraint.refs)))
-        return replace(constraint, earlier=own(constraint.earlier), later=tuple(map(own, constraint.later)))
+            return replace(constraint, refs=tuple(map(anchor, constraint.refs)))
+        return replace(constraint, earlier=anchor(constraint.earlier), later=tuple(map(anchor, constraint.later)))
 
     if not refers_elsewhere(block):
         return block
@@ -107,39 +113,39 @@ def anchor_references(block: Block, context: SceneContext, zero: float) -> Block
 
 def _refs(block: Block) -> list[SyncRef]:
     refs = [ref for behaviour in block.behaviours for ref in behaviour.syncs.values()]
-    for each in block.constraints:
-        refs += each.refs if isinstance(each, Synchronize) else (each.earlier, *each.later)
+    for constraint in block.constraints:
+        refs += constraint.refs if isinstance(constraint, Synchronize) else (constraint.earlier, *constraint.later)
     return refs
 
 
-ALONE = SceneContext()
+EMPTY_CONTEXT = SceneContext()  # context of a scene without other blocks
 
 
 @dataclass(frozen=True)
 class Message:
-    """A document as it came."""
+    """BML document as received from a client."""
 
     text: bytes | str
-    sender: int = 0  # who gets the feedback
-    source: str = "<text>"  # its name, for messages
+    sender: int = 0  # number of the client that receives the feedback
+    source: str = "<text>"  # name in messages
 
 
 @dataclass(frozen=True, eq=False)
 class TimedRequest:
-    """A block with times, as a client requests it."""
+    """Requested block with scheduled times."""
 
     sender: int
-    block: Block  # its references to other blocks are times of its own
-    utterances: Mapping[str, Utterance]  # speech id -> what it sounds like
+    block: Block  # with references to other blocks converted to block times
+    utterances: Mapping[str, Utterance]  # by speech id
     timeline: Timeline
-    zero: float = 0.0  # [s] global time at which its time 0 is expected
-    is_anchored: bool = False  # it refers to other blocks, so that `zero` is to be kept
-    is_decided: bool = False  # what it says is under way, so that it is said as it is
-    engaged: tuple[Engaged, ...] = ()  # hands that other blocks need meanwhile
+    zero: float = 0.0  # [s] expected global time of block time 0
+    is_anchored: bool = False  # whether it refers to other blocks, so that `zero` is fixed
+    is_decided: bool = False  # whether its speech has started and must not change
+    busy_hands: tuple[BusyHand, ...] = ()  # hands used by other blocks
 
     @property
     def notices(self) -> tuple[Notice, ...]:
-        """What is known already not to be performed as it was requested."""
+        """Notices on deviations that are known before planning."""
         return self.timeline.notices
 
     @property
@@ -149,63 +155,106 @@ class TimedRequest:
 
     @property
     def prediction(self) -> str:
-        """The predictionFeedback as XML."""
-        return prediction(self.block, self.timeline.start, self.timeline.end, self.times, zero=self.zero)
+        """PredictionFeedback as XML."""
+        return write_prediction(self.block, self.timeline.start, self.timeline.end, self.times, zero=self.zero)
 
 
 def read_request(
-    message: Message, setup: Setup, *, context: SceneContext = ALONE, bounds: Bounds = BOUNDS
+    message: Message, setup: Setup, *, context: SceneContext = EMPTY_CONTEXT, bounds: DocumentBounds = DEFAULT_BOUNDS
 ) -> TimedRequest:
-    """Reads a block, synthesises its speech, and times it.
+    """Parse a block, synthesise its speech and schedule it.
 
     Args:
-        message: with one <bml>.
-        setup: robot, style and all else that planning is given.
-        context: the other blocks; references lead there.
-        bounds: largest size and depth.
+        message: message with one <bml>.
+        setup: setup for planning.
+        context: other blocks, to which references may point.
+        bounds: maximum size and depth.
 
     Raises:
         BmlError: the document is refused.
     """
-    block = parse(
-        message.text,
-        source=message.source,
-        dialect=setup.dialect,
-        known_blocks=context.states,
-        bounds=bounds,
-        performer=setup.character,
-    )
+    block = parse_message(message.text, setup, source=message.source, known_blocks=context.states, bounds=bounds)
     zero, is_anchored = context.expected_start(block), refers_elsewhere(block)
-    own = anchor_references(block, context, zero)
-    found = retime_request(TimedRequest(message.sender, own, {}, Timeline(own, ()), zero, is_anchored), setup)
-    return found if is_anchored else replace(found, zero=zero - found.timeline.start)
+    anchored = anchor_references(block, context, zero)
+    request = retime_request(
+        TimedRequest(message.sender, anchored, {}, Timeline(anchored, ()), zero, is_anchored), setup
+    )
+    return request if is_anchored else replace(request, zero=zero - request.timeline.start)
+
+
+def parse_message(
+    text: str | bytes,
+    setup: Setup,
+    *,
+    source: str,
+    known_blocks: Collection[str] = (),
+    bounds: DocumentBounds = DEFAULT_BOUNDS,
+) -> Block:
+    """Parse a BML or FML document of a client.
+
+    Args:
+        text: the document.
+        setup: dialect, character and intention files.
+        source: name of the document in messages.
+        known_blocks: ids of other blocks.
+        bounds: maximum size and depth.
+
+    Raises:
+        BmlError: the document is refused.
+    """
+    if setup.dialect not in ("auto", "fml-apml") or len(text) > bounds.size or not is_fml(text):
+        return parse(
+            text,
+            source=source,
+            dialect=setup.dialect,
+            known_blocks=known_blocks,
+            bounds=bounds,
+            performer=setup.character,
+        )
+    files = setup.intentions
+    return parse_fml(
+        text,
+        source=source,
+        performer=setup.character,
+        sets=None if files.lexicon is None else read_lexicon(files.lexicon),
+        agent=read_agent(files.baseline, files.qualifiers),
+        seed=setup.idling.seed,
+        known_blocks=known_blocks,
+        bounds=bounds,
+    )
 
 
 def retime_request(earlier: TimedRequest, setup: Setup) -> TimedRequest:
-    """Synthesises the speech of a block anew and times it, with another setup or after it was changed.
+    """Synthesise and schedule a changed block again.
 
     Raises:
-        BmlError: something `required` cannot be timed.
+        BmlError: a `required` behaviour or constraint cannot be scheduled.
     """
     block = earlier.block
     utterances = earlier.utterances if earlier.is_decided else synthesise_block(block, setup)
-    timeline = schedule(block, utterances, spans(BlockContext(block, setup.context), utterances))
+    timeline = schedule(block, utterances, natural_durations(BlockContext(block, setup.context), utterances))
     return replace(earlier, block=block, utterances=utterances, timeline=timeline)
 
 
 def refusal_feedback(message: Message, error: BmlError) -> str:
-    """Writes the warningFeedback for a document that is refused, by the id of its block where that can be read."""
-    return warning(Notice(NoticeType.PARSING_FAILURE, block_id(message.text), str(error)))
+    """Return the warningFeedback for a refused document.
+
+    It contains the block id if that can be read.
+    """
+    return write_warning(Notice(NoticeType.PARSING_FAILURE, block_id(message.text), str(error)))
 
 
 def block_id(text: str | bytes) -> str:
-    """Reads the id of a document's block, from its first tag or its JSON; `UNNAMED` where it has none."""
-    data = text.encode() if isinstance(text, str) else text
+    """Return the block id of a document, or a default id."""
+    opened = open_document(text).text
+    data = opened.encode(errors="replace") if isinstance(opened, str) else opened
     if data.lstrip()[:1] == b"{":
         try:
             return _named.decode(data).id
         except (msgspec.DecodeError, UnicodeDecodeError):
-            return UNNAMED
-    ids = (found[1] or found[2] for found in _ID.finditer(data, 0, ID_SEARCH))
+            return DEFAULT_BLOCK_ID
+    ids = (match[1] or match[2] for match in _ID_PATTERN.finditer(data, 0, ID_SEARCH_SIZE))
     written = next(filter(None, ids), None)
-    return UNNAMED if written is None else unescape(written.decode(errors="replace")).strip() or UNNAMED
+    return (
+        DEFAULT_BLOCK_ID if written is None else unescape(written.decode(errors="replace")).strip() or DEFAULT_BLOCK_ID
+    )

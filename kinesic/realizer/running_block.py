@@ -1,4 +1,4 @@
-"""One block of a scene: what it will do and when, and how far it is."""
+"""Waiting or running block of a scene."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -8,73 +8,73 @@ import numpy as np
 
 from kinesic.bml.block import Block, Notice, Speech
 from kinesic.bml.composition import BlockState, Until
-from kinesic.bml.feedback import prediction, warning
+from kinesic.bml.feedback import write_prediction, write_warning
 from kinesic.bml.timing.constraints import Point
 from kinesic.body.utterance import Utterance
 from kinesic.planning.plan import Plan
-from kinesic.realizer.feedback import ScheduledFeedback, Times, agenda, span, times_of
+from kinesic.realizer.feedback import ScheduledFeedback, Times, block_span, schedule_feedback, times_by_behaviour
 from kinesic.realizer.merge import MergedMotion
 from kinesic.realizer.occupancy import Occupancy
 from kinesic.realizer.request import TimedRequest
 
-BETTER_PLAN_TIMEOUT = 1.0  # [s] for a better plan than a provisional one
+REFINEMENT_TIMEOUT = 1.0  # [s] longest wait for a refined plan before provisional warnings are sent
 
 
 @dataclass(frozen=True, eq=False)
 class PreparedBlock:
-    """A block that can begin at once."""
+    """Planned block that can start at once."""
 
     request: TimedRequest
     plan: Plan
-    is_provisional: bool = False  # planned quickly, to be planned well while it plays
+    is_provisional: bool = False  # whether it was planned quickly and is to be refined
 
     @property
     def replan_request(self) -> TimedRequest:
-        """The request to plan the block anew with the same speech."""
+        """Request to replan the block with the same speech."""
         return replace(self.request, block=self.plan.timeline.block, utterances=self.plan.utterances, is_decided=True)
 
     @property
     def moves(self) -> bool:
-        """Whether the body moves in it."""
+        """Whether the block moves the body."""
         return len(self.plan.postures.postures) > 1
 
 
 @dataclass(frozen=True)
 class PlayingSpeech:
-    """A speech of a block that plays."""
+    """Speech of a running block."""
 
     block: str
     behaviour: str
-    begin: float  # [s] global
+    begin: float  # [s] global start time
     utterance: Utterance
 
     @property
     def end(self) -> float:
-        """Time at which it ends [s] global."""
+        """Global time [s] at which the utterance ends."""
         return self.begin + self.utterance.duration
 
 
 @dataclass(frozen=True, eq=False)
 class RunningBlock:
-    """A block that waits or plays."""
+    """Waiting or running block."""
 
     prepared: PreparedBlock
     state: BlockState
-    zero: float  # [s] global time of its time 0; as expected while it waits
-    times: Times  # of its sync points, as performed; of behaviours that are left out none
-    waits: dict[str, Until] = field(default_factory=dict)  # other blocks, and what must come of them
-    merged: MergedMotion | None = None  # how its motion was laid over the scene's
-    predicted: tuple[float, Times] | None = None  # zero and times of its last predictionFeedback
-    run: int = 0  # its number, unique for all blocks of a server
+    zero: float  # [s] global time of block time 0; an estimate while it waits
+    times: Times  # of its sync points as performed, without dropped behaviours
+    waits: dict[str, Until] = field(default_factory=dict)  # dependencies: other blocks and the point to wait for
+    merged: MergedMotion | None = None  # its motion, merged into that of the scene
+    predicted: tuple[float, Times] | None = None  # zero and times of the last predictionFeedback
+    run: int = 0  # number, unique for all blocks of a server
 
     @classmethod
     def of(cls, prepared: PreparedBlock, state: BlockState, waits: dict[str, Until], *, run: int = 0) -> "RunningBlock":
-        """Makes a block that has not begun."""
-        return cls(prepared, state, prepared.request.zero, times_of(prepared.plan.syncs), waits, run=run)
+        """Create a block that has not begun."""
+        return cls(prepared, state, prepared.request.zero, times_by_behaviour(prepared.plan.syncs), waits, run=run)
 
     @property
     def block(self) -> Block:
-        """The block as it was requested."""
+        """Block as requested."""
         return self.prepared.plan.timeline.block
 
     @cached_property
@@ -84,37 +84,39 @@ class RunningBlock:
 
     @property
     def sender(self) -> int:
-        """Number of the client that requested it."""
+        """Number of the client that requested the block."""
         return self.prepared.request.sender
 
     @cached_property
     def _span(self) -> tuple[float, float, float]:
-        return span(self.times)
+        return block_span(self.times)
 
     @property
-    def lead(self) -> float:
-        """Time from its start to its time 0 [s]."""
+    def lead_in(self) -> float:
+        """Duration [s] from the block's start to its time 0."""
         return -self._span[0]
 
     @property
     def relax(self) -> float:
-        """Time at which it subsides [s] global."""
+        """Global time [s] at which the block relaxes."""
         return self.zero + self._span[1]
 
     @property
     def end(self) -> float:
-        """Time at which it ends [s] global."""
+        """Global time [s] at which the block ends."""
         return self.zero + self._span[2]
 
     @cached_property
     def points(self) -> dict[Point, float]:
-        """Its sync points and its own start and end [s] global."""
-        own = {Point(self.id, id, sync): self.zero + t for id, at in self.times.items() for sync, t in at.items()}
-        return own | {Point(self.id, "bml", "start"): self.zero, Point(self.id, "bml", "end"): self.end}
+        """Global times [s] of the block's sync points, start and end."""
+        sync_points = {
+            Point(self.id, id, sync): self.zero + t for id, at in self.times.items() for sync, t in at.items()
+        }
+        return sync_points | {Point(self.id, "bml", "start"): self.zero, Point(self.id, "bml", "end"): self.end}
 
     @property
     def speeches(self) -> tuple[PlayingSpeech, ...]:
-        """Its speech that is not left out."""
+        """Speech of the block, without dropped behaviours."""
         return tuple(
             PlayingSpeech(self.id, behaviour.id, self.zero + self.times[behaviour.id]["start"], utterance)
             for behaviour in self.block.behaviours
@@ -125,65 +127,72 @@ class RunningBlock:
 
     @property
     def occupancy(self) -> tuple[Occupancy, ...]:
-        """Which hinges its behaviours occupy, and when [s] global."""
+        """Occupancies of the block's behaviours, in global time [s]."""
         return () if self.merged is None else self.merged.occupancy
 
     def agenda(self) -> tuple[ScheduledFeedback, ...]:
-        """Feedback of all its points, in order."""
-        return agenda(self.id, self.times, self.zero, sender=self.sender, character=self.block.character, run=self.run)
+        """Schedule feedback for all points of the block, sorted by time."""
+        return schedule_feedback(
+            self.id, self.times, self.zero, sender=self.sender, character=self.block.character, run=self.run
+        )
 
     def prediction(self, now: float) -> ScheduledFeedback:
-        """Writes its predictionFeedback."""
-        start, _, end = span(self.times)
-        text = prediction(self.block, start, end, self.times, zero=self.zero)
+        """Return the block's predictionFeedback."""
+        start, _, end = block_span(self.times)
+        text = write_prediction(self.block, start, end, self.times, zero=self.zero)
         return ScheduledFeedback(now, text, self.sender)
 
     def warning(self, notice: Notice, now: float) -> ScheduledFeedback:
-        """Writes a warningFeedback about it."""
-        return ScheduledFeedback(now, warning(notice, character=self.block.character), self.sender)
+        """Return a warningFeedback for a notice."""
+        return ScheduledFeedback(now, write_warning(notice, character=self.block.character), self.sender)
 
-    def differs_from_prediction(self, by: float) -> bool:
-        """Whether a time is not as it was predicted, by more than so many seconds."""
+    def differs_from_prediction(self, tolerance: float) -> bool:
+        """Return whether planned times differ from predicted ones beyond a tolerance [s]."""
         if self.predicted is None:
             return True
         zero, times = self.predicted
-        if abs(zero - self.zero) > by or times.keys() != self.times.keys():
+        if abs(zero - self.zero) > tolerance or times.keys() != self.times.keys():
             return True
         return any(
-            abs(times[id].get(sync, np.inf) - time) > by for id, own in self.times.items() for sync, time in own.items()
+            abs(times[id].get(sync, np.inf) - time) > tolerance
+            for id, sync_times in self.times.items()
+            for sync, time in sync_times.items()
         )
 
     @property
-    def certain_notices(self) -> tuple[Notice, ...]:
-        """Notices to be sent at once: of a provisional plan none about its times."""
+    def final_notices(self) -> tuple[Notice, ...]:
+        """Notices to send at once.
+
+        None on times of a provisional plan.
+        """
         plan = self.prepared.plan
         return plan.keyframes.notices if self.prepared.is_provisional else plan.notices
 
-    def doubtful_warnings(self, now: float) -> tuple[ScheduledFeedback, ...]:
-        """Warnings to be sent when no better plan comes in time."""
-        doubtful = [notice for notice in self.prepared.plan.notices if notice not in self.certain_notices]
-        late = now + BETTER_PLAN_TIMEOUT
-        return tuple(replace(self.warning(notice, late), unless_improved=self.id) for notice in doubtful)
+    def provisional_warnings(self, now: float) -> tuple[ScheduledFeedback, ...]:
+        """Return warnings to send unless a refined plan arrives in time."""
+        provisional = [notice for notice in self.prepared.plan.notices if notice not in self.final_notices]
+        late = now + REFINEMENT_TIMEOUT
+        return tuple(replace(self.warning(notice, late), unless_improved=self.id) for notice in provisional)
 
     def without(self, behaviours: frozenset[str]) -> "RunningBlock":
-        """Leaves out some of its behaviours from now on."""
+        """Remove some behaviours from the block from now on."""
         merged = self.merged
         if merged is not None:
             merged = replace(
-                merged, occupancy=tuple(each for each in merged.occupancy if each.behaviour not in behaviours)
+                merged, occupancy=tuple(entry for entry in merged.occupancy if entry.behaviour not in behaviours)
             )
-        times = {id: own for id, own in self.times.items() if id not in behaviours}
+        times = {id: sync_times for id, sync_times in self.times.items() if id not in behaviours}
         return replace(self, merged=merged, times=times)
 
     def since(self, time: float) -> "RunningBlock":
-        """Forgets what it did before a time [s]."""
+        """Remove the block's motion before a time [s]."""
         return self if self.merged is None else replace(self, merged=self.merged.since(time))
 
 
 @dataclass(frozen=True)
 class EndedBlock:
-    """A block that is over, as later blocks may refer to it."""
+    """Ended block, to which later blocks may refer."""
 
     id: str
     state: BlockState
-    points: Mapping[Point, float]  # [s] global
+    points: Mapping[Point, float]  # global times [s]

@@ -1,4 +1,4 @@
-"""What holds of a motion that was laid over a running one."""
+"""Checks of merged motions."""
 
 import numpy as np
 
@@ -8,11 +8,9 @@ from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
 
 
 def certified(motion, known, before, time: float) -> None:
-    """The same until the cut; then within all limits, and clear of the body."""
+    """Assert equality up to the cut, all limits, and clearance afterwards."""
     knot = knot_at(time)
     np.testing.assert_allclose(motion.controls[: knot + 3], before.controls[: knot + 3], atol=1e-8)
-    for name, peak in check_limits(motion, known.limits).shares.items():
+    for name, peak in check_limits(motion, known.limits).by_quantity.items():
         assert peak.ratios.max() <= 1.001, name
-    assert (
-        scan_clearance(motion, known.distances)[1].distances.min() >= known.robot.least_clearance + LAG_RESERVE - 1e-4
-    )
+    assert scan_clearance(motion, known.distances)[1].distances.min() >= known.robot.min_clearance + LAG_RESERVE - 1e-4

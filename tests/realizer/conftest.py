@@ -1,4 +1,4 @@
-"""A scene in virtual time, and all that it tells."""
+"""Scene in simulated time with a record of its feedback."""
 
 import re
 from collections.abc import Callable
@@ -8,19 +8,19 @@ import pytest
 
 from kinesic.bml.composition import BlockState
 from kinesic.planning.setup import Setup
-from kinesic.realizer.contention import with_engaged_hands
+from kinesic.realizer.contention import with_busy_hands
 from kinesic.realizer.realizer import PreparedBlock, Scene, ScheduledFeedback, advance, begin, prepare_block
 from kinesic.realizer.request import Message, read_request
 
-TICK = 0.01  # [s]
-NAMESPACES = (
+TICK_PERIOD = 0.01  # [s]
+BML_NAMESPACES = (
     'xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:bmla="http://www.asap-project.org/bmla" '
     'xmlns:kinesic="urn:kinesic"'
 )
 
 
 class Play:
-    """A scene, the time, and all that was told."""
+    """Scene with its time and all sent feedback."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
@@ -28,27 +28,27 @@ class Play:
         self.told: list[ScheduledFeedback] = []
 
     def ready(self, id: str, inside: str = "", attributes: str = "", sender: int = 0) -> PreparedBlock:
-        text = f'<bml {NAMESPACES} id="{id}" {attributes}>{inside}</bml>'
+        text = f'<bml {BML_NAMESPACES} id="{id}" {attributes}>{inside}</bml>'
         known = read_request(Message(text, sender), self.scene.setup, context=self.scene.context(self.now))
-        return prepare_block(with_engaged_hands(self.scene, known), self.scene.setup)
+        return prepare_block(with_busy_hands(self.scene, known), self.scene.setup)
 
     def send(self, id: str, inside: str = "", attributes: str = "", sender: int = 0) -> "Play":
         return self.take(begin(self.scene, self.ready(id, inside, attributes, sender), self.now))
 
     def renamed(self, made: PreparedBlock, id: str) -> PreparedBlock:
-        """A plan that costs nothing."""
+        """Return a prepared block with another id, without planning."""
         block = replace(made.plan.timeline.block, id=id)
         plan = replace(made.plan, timeline=replace(made.plan.timeline, block=block))
         return replace(made, plan=plan, request=replace(made.request, block=block))
 
     def take(self, after: Scene) -> "Play":
         self.scene = after
-        self.told += after.said
+        self.told += after.outgoing_feedback
         return self
 
     def until(self, time: float) -> "Play":
         while self.now < time - 1e-9:
-            self.now = min(time, self.now + TICK)
+            self.now = min(time, self.now + TICK_PERIOD)
             self.take(advance(self.scene, self.now))
         return self
 
@@ -56,7 +56,7 @@ class Play:
         return self.scene.states.get(id) or next((past.state for past in self.scene.ended if past.id == id), None)
 
     def at(self, id: str) -> float:
-        """When a point was told, as `block:behaviour:point` or `block:point`; exactly once."""
+        """Return the time of the only feedback for `block:behaviour:point` or `block:point`."""
         times = [time(due) for due in self.told if is_progress(due, id)]
         assert len(times) == 1, f"{id} was told {len(times)} times"
         return times[0]
@@ -88,5 +88,5 @@ def play(known: Setup) -> Play:
 
 @pytest.fixture
 def played(known: Setup) -> Callable[..., Play]:
-    """One whose scene has options."""
+    """Factory of plays with scene options."""
     return lambda **options: Play(Scene.of(known, **options))

@@ -1,4 +1,4 @@
-"""Another style and better plans while a block plays or waits."""
+"""Style changes and refined plans of running and waiting blocks."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from kinesic.body.config import CONFIGS, ConfigError
 from kinesic.expressivity.style.style import Style
 from kinesic.motion.limit_check import check_limits
 from kinesic.planning.setup import Setup
-from kinesic.realizer.realizer import Scene, advance, begin, change_manner, improve_block, prepare_block, take_replans
+from kinesic.realizer.realizer import Scene, advance, begin, change_style, improve_block, prepare_block, take_replans
 from kinesic.realizer.request import Message, TimedRequest, read_request
 
 BML = (
@@ -27,7 +27,7 @@ def sent(scene: Scene, id: str, inside: str, now: float) -> Scene:
 
 
 def replanned(scene: Scene, now: float) -> tuple[Scene, tuple[TimedRequest, ...]]:
-    """The scene with all blocks planned anew, as far as that can be."""
+    """Return the scene with all possible replans applied."""
     scene, requests = take_replans(scene)
     for request in requests:
         scene = improve_block(scene, request.block.id, prepare_block(request, scene.setup).plan, now) or scene
@@ -35,7 +35,7 @@ def replanned(scene: Scene, now: float) -> tuple[Scene, tuple[TimedRequest, ...]
 
 
 def swing(scene: Scene, first: float, last: float) -> float:
-    """[rad] how far the head goes up and down."""
+    """Return the amplitude [rad] of the head's pitch."""
     times = np.arange(first, last, 0.01)
     neck = list(scene.setup.robot.joints("neck"))
     return float(np.ptp(scene.motion.sample(times)[0][:, neck], axis=0).max())
@@ -46,21 +46,21 @@ def nodding(known: Setup) -> Scene:
     return sent(Scene.of(known), "a", NODS, 0.0)
 
 
-def test_a_look_that_is_held_is_held_in_another_style_and_goes_home(known: Setup) -> None:
+def test_held_gaze_shift_survives_a_style_change_and_returns(known: Setup) -> None:
     look = '<gaze id="z" target="left" start="0" ready="1" relax="6" end="7"/><head id="h" lexeme="NOD" stroke="8"/>'
     scene = sent(Scene.of(known), "a", look, 0.0)
     held = scene.motion.at(5.0 - scene.motion.start).angles
-    scene, requests = replanned(change_manner(advance(scene, 4.0), 4.0, style="calm"), 4.1)
+    scene, requests = replanned(change_style(advance(scene, 4.0), 4.0, style="calm"), 4.1)
     assert requests
     assert scene.motion.start > 3.0, "the past in which the look began is forgotten"
     np.testing.assert_allclose(scene.motion.at(5.0).angles, held, atol=1e-6)
     np.testing.assert_allclose(scene.motion.controls[-1], known.robot.skeleton.rest, atol=1e-9)
 
 
-def test_amount_changes_what_is_still_to_come(nodding: Scene) -> None:
+def test_changed_movement_amount_applies_to_future_movements(nodding: Scene) -> None:
     before = swing(nodding, 1.8, 2.6)
-    scene = change_manner(advance(nodding, 1.0), 1.0, amount=0.3)
-    assert scene.said == ()
+    scene = change_style(advance(nodding, 1.0), 1.0, amount=0.3)
+    assert scene.outgoing_feedback == ()
     scene, (request,) = replanned(scene, 1.0)
     action = request.block.behaviours[0].action
     assert isinstance(action, Head)
@@ -68,48 +68,50 @@ def test_amount_changes_what_is_still_to_come(nodding: Scene) -> None:
     assert swing(scene, 1.8, 2.6) == pytest.approx(before * 0.3 / 0.8, rel=0.1)
     past = np.arange(0.0, 1.0, 0.01)
     np.testing.assert_allclose(scene.motion.sample(past)[0], nodding.motion.sample(past)[0], atol=1e-12)
-    assert max(peak.ratios.max() for peak in check_limits(scene.motion, scene.setup.limits).shares.values()) <= 1.001
+    assert (
+        max(peak.ratios.max() for peak in check_limits(scene.motion, scene.setup.limits).by_quantity.values()) <= 1.001
+    )
     assert take_replans(scene)[1] == ()
 
 
-def test_a_style_for_all_is_that_of_what_comes_too(nodding: Scene) -> None:
+def test_style_for_all_blocks_also_applies_to_future_blocks(nodding: Scene) -> None:
     tense = Style.load("neutral").changed(["spatial=-0.8"])
-    scene = change_manner(nodding, 0.2, style=tense)
+    scene = change_style(nodding, 0.2, style=tense)
     assert scene.setup.style is tense
     assert [request.block.id for request in scene.replans] == ["a"]
 
 
-def test_a_style_for_one_block_leaves_the_others(nodding: Scene) -> None:
+def test_style_for_one_block_does_not_change_others(nodding: Scene) -> None:
     scene = sent(nodding, "b", '<gesture id="g" lexeme="BEAT"/>', 0.2)
-    scene = change_manner(scene, 0.3, style="neutral", block="b")
+    scene = change_style(scene, 0.3, style="neutral", block="b")
     (request,) = scene.replans
     assert (request.block.id, request.block.behaviours[0].manner.style) == ("b", "neutral")
     assert scene.setup.style is nodding.setup.style
 
 
-def test_changes_add_up(nodding: Scene) -> None:
-    scene = change_manner(nodding, 0.2, amount=0.4)
-    scene = change_manner(scene, 0.2, style="neutral", block="a")
+def test_successive_style_changes_accumulate(nodding: Scene) -> None:
+    scene = change_style(nodding, 0.2, amount=0.4)
+    scene = change_style(scene, 0.2, style="neutral", block="a")
     (request,) = scene.replans
     behaviour = request.block.behaviours[0]
     assert isinstance(behaviour.action, Head)
     assert (behaviour.action.amount, behaviour.manner.style) == (0.4, "neutral")
 
 
-def test_what_is_said_already_stays(known: Setup) -> None:
+def test_started_speech_is_not_changed(known: Setup) -> None:
     scene = sent(Scene.of(known), "a", SPEECH + NODS, 0.0)
     before = scene.speeches
-    scene = change_manner(scene, 0.5, style=Style.load("neutral").changed(["temporal=0.9"]))
+    scene = change_style(scene, 0.5, style=Style.load("neutral").changed(["temporal=0.9"]))
     scene, (request,) = replanned(scene, 0.5)
     assert request.is_decided
     assert scene.speeches == before
 
 
-def test_bad_wishes_are_refused(nodding: Scene) -> None:
+def test_invalid_style_changes_are_refused(nodding: Scene) -> None:
     with pytest.raises(ValueError, match=r"amount is 1\.5, outside \[0, 1\]"):
-        change_manner(nodding, 0.1, amount=1.5)
+        change_style(nodding, 0.1, amount=1.5)
     with pytest.raises(ConfigError, match="nobody"):
-        change_manner(nodding, 0.1, style="nobody")
+        change_style(nodding, 0.1, style="nobody")
 
 
 CHANGE = (
@@ -121,10 +123,10 @@ CHANGE = (
 @pytest.mark.parametrize(
     ("target", "parameter", "value"), [("a", "amount", "0.2"), ("a:h", "spatial", "-0.5"), ("a", "style", "neutral")]
 )
-def test_a_block_changes_another(nodding: Scene, target: str, parameter: str, value: str) -> None:
+def test_block_changes_a_parameter_of_another_block(nodding: Scene, target: str, parameter: str, value: str) -> None:
     scene = sent(nodding, "b", CHANGE.format(target, parameter, value), 0.2)
     scene = advance(scene, 0.21)
-    assert not [due for due in scene.said if "<warning" in due.xml]
+    assert not [due for due in scene.outgoing_feedback if "<warning" in due.xml]
     (request,) = scene.replans
     changed_ = request.block.behaviours[0]
     assert changed_ != nodding.blocks[0].block.behaviours[0]
@@ -135,15 +137,15 @@ def test_a_block_changes_another(nodding: Scene, target: str, parameter: str, va
     ("parameter", "value", "said"),
     [
         ("volume", "100", "'volume' cannot be changed; style"),
-        ("amount", "much", "'much' is no number"),
+        ("amount", "much", "'much' is not a number"),
         ("amount", "7", "outside [0, 1]"),
         ("style", "nobody", "nobody"),
         ("style", str(CONFIGS / "styles" / "calm.toml"), "no style "),
     ],
 )
-def test_what_cannot_be_changed_is_warned(nodding: Scene, parameter: str, value: str, said: str) -> None:
+def test_impossible_parameter_change_causes_a_warning(nodding: Scene, parameter: str, value: str, said: str) -> None:
     scene = advance(sent(nodding, "b", CHANGE.format("a", parameter, value), 0.2), 0.21)
-    warnings = [due.xml for due in scene.said if 'id="b:p"' in due.xml]
+    warnings = [due.xml for due in scene.outgoing_feedback if 'id="b:p"' in due.xml]
     assert len(warnings) == 1
     assert said in warnings[0]
     assert scene.replans == ()
@@ -152,7 +154,7 @@ def test_what_cannot_be_changed_is_warned(nodding: Scene, parameter: str, value:
 HURRIED = "".join(f'<gesture id="g{k}" lexeme="BEAT" mode="RIGHT_HAND" stroke="{1.2 + 0.5 * k}"/>' for k in range(5))
 
 
-def test_a_large_block_is_improved_while_it_plays(play):
+def test_large_block_is_refined_while_it_runs(play):
     play.send("a", HURRIED)
     assert play.warnings() == []
     play.scene, (request,) = take_replans(play.scene)
@@ -170,7 +172,7 @@ def test_a_large_block_is_improved_while_it_plays(play):
     assert improve_block(play.scene, "a", better, play.now) is None
 
 
-def test_a_better_plan_keeps_to_the_hand_that_others_leave_free(play):
+def test_refined_plan_keeps_using_the_free_hand(play):
     play.send("a", '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND"/>').until(0.3)
     open_ = "".join(f'<gesture id="g{k}" lexeme="BEAT" stroke="{0.8 + 1.2 * k}"/>' for k in range(5))
     play.send("b", open_)
@@ -183,13 +185,13 @@ def test_a_better_plan_keeps_to_the_hand_that_others_leave_free(play):
     assert improve_block(play.scene, "b", better, play.now) is not None
 
 
-def test_what_no_better_plan_mends_is_warned(play):
+def test_provisional_warnings_are_sent_without_refinement(play):
     coming = play.ready("a", HURRIED)
     play.take(begin(play.scene, coming, play.now)).until(8.0)
     assert len(play.warnings()) == len(coming.plan.notices) > 0
 
 
-def test_a_block_that_waits_gets_a_better_plan(play):
+def test_waiting_block_is_refined(play):
     play.send("w", '<wait id="w" duration="1"/>').send("a", HURRIED, 'composition="APPEND"')
     play.scene, (request,) = take_replans(play.scene)
     after = improve_block(play.scene, "a", prepare_block(request, play.scene.setup).plan, play.now)

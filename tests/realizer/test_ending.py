@@ -1,4 +1,4 @@
-"""Blocks that end before their time."""
+"""Early ends of blocks."""
 
 import pytest
 
@@ -10,10 +10,10 @@ NOD = '<head id="h" lexeme="NOD"/>'
 BEAT = '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND"/>'
 LEFT = '<gesture id="g" lexeme="BEAT" mode="LEFT_HAND"/>'
 HELLO = '<speech id="s"><text>Hello <sync id="m"/>there</text></speech>'
-TICK = 0.01  # [s]
+TICK_PERIOD = 0.01  # [s]
 
 
-def test_replace_stops_everything(play):
+def test_replace_composition_stops_all_blocks(play):
     play.send("a", BEAT + HELLO, sender=1).send("w", NOD, 'composition="APPEND"', sender=2).until(0.8)
     play.send("b", NOD + HELLO, 'composition="REPLACE"', sender=3)
     assert play.state("a") is BlockState.INTERRUPTED
@@ -29,13 +29,13 @@ def test_replace_stops_everything(play):
     assert play.scene.motion.controls[-1] == pytest.approx(play.scene.setup.robot.skeleton.rest, abs=1e-6)
 
 
-def test_replacing_in_mid_stroke_keeps_the_limits(play):
+def test_block_replaced_during_a_stroke_keeps_motion_limits(play):
     play.send("a", BEAT).until(0.7).send("b", LEFT, 'composition="REPLACE"')
-    for name, peak in check_limits(play.scene.motion, play.scene.setup.limits).shares.items():
+    for name, peak in check_limits(play.scene.motion, play.scene.setup.limits).by_quantity.items():
         assert peak.ratios.max() <= 1.001, name
 
 
-def test_interrupting_one_block_lets_others_go_on(play):
+def test_interrupting_one_block_leaves_others_running(play):
     play.send("a", BEAT).send("b", '<head id="h" lexeme="NOD" repetition="4"/>').until(0.7)
     play.take(interrupt(play.scene, play.now, "a")).until(5.0)
     assert play.at("a:end") == pytest.approx(0.7)
@@ -44,7 +44,7 @@ def test_interrupting_one_block_lets_others_go_on(play):
     assert play.scene.motion.controls[-1] == pytest.approx(play.scene.setup.robot.skeleton.rest, abs=1e-6)
 
 
-def test_interrupting_all(play):
+def test_interrupting_all_blocks_ends_them(play):
     play.send("a", BEAT).send("b", NOD).send("c", NOD, 'composition="APPEND"').until(0.5)
     play.take(interrupt(play.scene, play.now)).until(3.0)
     assert [play.state(id) for id in "abc"] == [BlockState.INTERRUPTED, BlockState.INTERRUPTED, BlockState.REVOKED]
@@ -52,33 +52,33 @@ def test_interrupting_all(play):
     assert play.scene.motion.controls[-1] == pytest.approx(play.scene.setup.robot.skeleton.rest, abs=1e-6)
 
 
-def test_a_block_interrupts_another_when_it_begins(play):
+def test_block_with_interrupt_ends_another_at_its_start(play):
     play.send("a", BEAT).until(0.5).send("b", NOD, 'bmla:interrupt="a"')
     assert play.state("a") is BlockState.INTERRUPTED
     assert play.state("b") is BlockState.IN_EXEC
 
 
-def test_an_interrupt_behaviour_waits_for_its_time(play):
+def test_interrupt_behaviour_acts_at_its_start_time(play):
     play.send("a", '<speech id="s"><text>One two three four five six seven eight nine ten</text></speech>' + BEAT)
     play.send(
         "b", '<bmla:interrupt id="i" target="a" start="1"/><speech id="s" start="i:start"><text>No</text></speech>'
     )
     play.until(4.0)
-    assert play.at("a:end") == pytest.approx(1.0, abs=2 * TICK)
+    assert play.at("a:end") == pytest.approx(1.0, abs=2 * TICK_PERIOD)
     assert play.at("b:i:start") == pytest.approx(1.0)
 
 
-def test_what_is_interrupted_makes_room(play):
+def test_interrupted_block_frees_its_hinges(play):
     long = '<head id="h" lexeme="NOD" repetition="8"/><speech id="s"><text>One two three four five six</text></speech>'
     inside = '<head id="h" lexeme="SHAKE" start="i:start"/><speech id="s" start="i:start"><text>No</text></speech>'
     play.send("a", long).send("b", '<bmla:interrupt id="i" target="a" start="0.8"/>' + inside).until(5.0)
     assert play.warnings() == []
     assert play.at("b:s:start") == pytest.approx(0.8)
     assert play.was_told("b:h:stroke")
-    assert play.at("a:end") == pytest.approx(0.8, abs=2 * TICK)
+    assert play.at("a:end") == pytest.approx(0.8, abs=2 * TICK_PERIOD)
 
 
-def test_an_interrupt_of_one_behaviour(play):
+def test_interrupt_can_end_a_single_behaviour(play):
     play.send("a", BEAT + '<head id="h" lexeme="NOD" repetition="4"/>').until(0.5)
     play.send("b", '<bmla:interrupt id="i" target="a" include="g"/>').until(5.0)
     assert not play.was_told("a:g:stroke")
@@ -87,6 +87,6 @@ def test_an_interrupt_of_one_behaviour(play):
     assert play.at("a:end") == pytest.approx(play.at("a:h:end"), abs=1e-6)
 
 
-def test_what_is_done_to_a_block_that_is_nowhere_is_warned(play):
+def test_commands_to_missing_blocks_cause_warnings(play):
     play.send("b", '<bmla:interrupt id="i" target="nobody"/><bmla:activate id="j" target="nobody"/>').until(0.1)
     assert len(play.warnings("b:i")) == len(play.warnings("b:j")) == 1

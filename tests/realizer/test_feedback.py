@@ -1,4 +1,4 @@
-"""Feedback in time."""
+"""Scheduling of feedback."""
 
 import pytest
 
@@ -6,11 +6,11 @@ from kinesic.bml.composition import BlockState
 from kinesic.realizer.feedback import (
     Progress,
     ScheduledFeedback,
-    agenda,
+    block_span,
     order_feedback,
     retime_feedback,
-    span,
-    without,
+    schedule_feedback,
+    withdraw_feedback,
 )
 
 TIMES = {"h": {"start": 0.0, "stroke": 1.0, "relax": 1.5, "end": 2.0}, "s": {"start": 0.5, "m": 0.7, "end": 1.7}}
@@ -20,14 +20,14 @@ def keys(dues: tuple[ScheduledFeedback, ...]) -> list[str]:
     return [f"{due.content.behaviour or ''}:{due.content.point}" for due in dues if isinstance(due.content, Progress)]
 
 
-def test_span() -> None:
-    assert span({}) == (0.0, 0.0, 0.0)
-    assert span(TIMES) == (0.0, 1.7, 2.0)
-    assert span({"h": {"start": -0.5, "end": 1.0}}) == (-0.5, 1.0, 1.0)
+def test_block_span_covers_all_sync_points() -> None:
+    assert block_span({}) == (0.0, 0.0, 0.0)
+    assert block_span(TIMES) == (0.0, 1.7, 2.0)
+    assert block_span({"h": {"start": -0.5, "end": 1.0}}) == (-0.5, 1.0, 1.0)
 
 
-def test_everything_is_told_in_order() -> None:
-    dues = agenda("b", TIMES, 10.0, sender=4)
+def test_feedback_is_scheduled_in_order_of_time() -> None:
+    dues = schedule_feedback("b", TIMES, 10.0, sender=4)
     assert keys(dues) == [
         ":start",
         "h:start",
@@ -47,38 +47,42 @@ def test_everything_is_told_in_order() -> None:
     assert 'id="b:relax" globalTime="11.7"' in dues[7].xml
 
 
-def test_an_empty_block() -> None:
-    assert keys(agenda("b", {}, 1.0, sender=0)) == [":start", ":relax", ":end"]
+def test_empty_block_has_start_relax_and_end_feedback() -> None:
+    assert keys(schedule_feedback("b", {}, 1.0, sender=0)) == [":start", ":relax", ":end"]
 
 
-def test_sync_points_never_go_back() -> None:
-    dues = agenda("b", {"h": {"start": 0.0, "ready": 0.3, "stroke": 0.3 - 1e-9, "end": 1.0}}, 0.0, sender=0)
+def test_sync_point_times_are_monotonic() -> None:
+    dues = schedule_feedback("b", {"h": {"start": 0.0, "ready": 0.3, "stroke": 0.3 - 1e-9, "end": 1.0}}, 0.0, sender=0)
     assert keys(dues) == [":start", "h:start", "h:ready", "h:stroke", "h:end", ":relax", ":end"]
 
 
-def test_what_was_told_is_not_told_again_and_what_is_past_is_told_at_once() -> None:
-    left = agenda("b", TIMES, 10.0, sender=0)[4:]
+def test_retimed_feedback_skips_sent_points_and_sends_past_ones_immediately() -> None:
+    left = schedule_feedback("b", TIMES, 10.0, sender=0)[4:]
     sooner = {"h": {"start": 0.0, "stroke": 0.8, "relax": 1.2, "end": 1.6}, "s": TIMES["s"]}
-    again = retime_feedback((*left, ScheduledFeedback(11.0, "else")), 0, agenda("b", sooner, 10.0, sender=0), 10.9)
+    again = retime_feedback(
+        (*left, ScheduledFeedback(11.0, "else")), 0, schedule_feedback("b", sooner, 10.0, sender=0), 10.9
+    )
     assert keys(again) == ["h:stroke", "h:relax", "h:end", "s:end", ":relax", ":end"]
     assert [due.time for due in again] == pytest.approx([10.9, 11.0, 11.2, 11.6, 11.7, 11.7, 11.7])
 
 
-def test_a_part_can_be_left_out() -> None:
-    dues = agenda("b", TIMES, 0.0, sender=0)
-    assert keys(without(dues, 0, frozenset({"h"}))) == [":start", "s:start", "s:m", "s:end", ":relax", ":end"]
-    assert without(dues, 0) == ()
-    assert without(dues, 1) == dues
+def test_feedback_of_some_behaviours_can_be_withdrawn() -> None:
+    dues = schedule_feedback("b", TIMES, 0.0, sender=0)
+    assert keys(withdraw_feedback(dues, 0, frozenset({"h"}))) == [":start", "s:start", "s:m", "s:end", ":relax", ":end"]
+    assert withdraw_feedback(dues, 0) == ()
+    assert withdraw_feedback(dues, 1) == dues
 
 
-def test_agendas_are_joined_in_time() -> None:
+def test_feedback_lists_are_merged_by_time() -> None:
     joined = order_feedback(
-        agenda("a", {}, 1.0, sender=0), agenda("b", {}, 0.5, sender=0), agenda("c", {}, 1.0, sender=0)
+        schedule_feedback("a", {}, 1.0, sender=0),
+        schedule_feedback("b", {}, 0.5, sender=0),
+        schedule_feedback("c", {}, 1.0, sender=0),
     )
     assert [due.block for due in joined] == ["b"] * 3 + ["a"] * 3 + ["c"] * 3
 
 
-def test_measured_times_are_told_in_our_namespace() -> None:
+def test_measured_times_use_the_kinesic_namespace() -> None:
     due = ScheduledFeedback(12.0, Progress("b", "h", "stroke", 2.0, "Anna")).measured_at(12.034)
     assert 'xmlns:kinesic="urn:kinesic"' in due.xml
     assert 'kinesic:measuredGlobalTime="12.034" kinesic:lag="0.034"' in due.xml
@@ -88,5 +92,5 @@ def test_measured_times_are_told_in_our_namespace() -> None:
     assert "kinesic" not in ScheduledFeedback(3.0, Progress("b", None, "end", 2.0)).xml
 
 
-def test_a_written_message_is_told_as_it_is() -> None:
+def test_complete_feedback_message_is_sent_unchanged() -> None:
     assert (ScheduledFeedback(1.0, "<x/>").xml, ScheduledFeedback(1.0, "<x/>").block) == ("<x/>", None)

@@ -1,26 +1,26 @@
-"""Steps of the trunk from one sum of held values to another, behaviour by behaviour."""
+"""Steps of the trunk between sums of held values."""
 
 import numpy as np
 import pytest
 
-from kinesic.motion.trajectory import STEP
-from kinesic.planning.quick_plan import quintic_duration
+from kinesic.motion.trajectory import KNOT_INTERVAL
+from kinesic.planning.quick_plan import compute_quintic_duration
 from kinesic.realizer.held import (
-    END_TOLERANCE,
-    GIVING_WAY,
+    HELD_POSTURE_TOLERANCE,
+    STEP_DURATION_FACTOR,
     HeldRamp,
+    add_step_to_held_posture,
     end_warnings,
     held_posture,
     held_ramps,
-    lacking_change,
     last_held,
-    lead_to_held,
-    taking_over,
+    offset_to_held_posture,
     trunk_hinges,
+    with_superseded_hinges,
 )
-from kinesic.realizer.occupancy import STILL, Occupancy, Overlay, arm_hinges
+from kinesic.realizer.occupancy import MOTION_TOLERANCE, Occupancy, Overlay, arm_hinges
 
-KNOTS = 100  # of the motions here
+KNOT_COUNT = 100  # length of the test motions
 
 
 @pytest.fixture
@@ -30,7 +30,7 @@ def hinges(known):
 
 @pytest.fixture
 def offset(known, hinges):
-    """The neck turned by some radians, and both arms somewhere."""
+    """Return an offset with a neck rotation [rad] and arbitrary arms."""
     neck = known.robot.joints("neck")[0]
 
     def of(turn: float) -> np.ndarray:
@@ -43,7 +43,7 @@ def offset(known, hinges):
 
 @pytest.fixture
 def need(known, offset):
-    """A look, or another role, that holds a turn of the neck [rad] or goes back."""
+    """Return an occupancy that holds a neck rotation [rad] or returns."""
 
     def of(turn=None, *, id="a", role="look", begin=1.0, ready=2.0, relax=None, end=2.0, moved=()) -> Occupancy:
         moving = np.zeros(len(known.robot.skeleton.hinges), dtype=bool)
@@ -57,11 +57,11 @@ def need(known, offset):
 
 @pytest.fixture
 def steps(known):
-    """Steps of the neck: (change [rad], begin [s], end [s])."""
+    """Return the steps of the neck: (change [rad], begin [s], end [s])."""
 
     def of(running=(), performed=(), dropped=(), *, ends: float) -> list[tuple[float, float, float]]:
         neck = known.robot.joints("neck")[0]
-        base = np.tile(known.robot.skeleton.rest, (KNOTS, 1))
+        base = np.tile(known.robot.skeleton.rest, (KNOT_COUNT, 1))
         base[:, neck] += ends
         work = Overlay(base, base, known.robot.skeleton.rest, 0, running, performed, dropped)
         found = held_ramps(work, known, known.limits)
@@ -74,23 +74,25 @@ def steps(known):
 
 @pytest.fixture
 def least(known):
-    """Shortest time [s] in which a turn of the neck gives way."""
-    return lambda turn: GIVING_WAY * quintic_duration(turn, known.limits, known.robot.joints("neck")[0])
+    """Return the minimum duration [s] of a neck step."""
+    return lambda turn: (
+        STEP_DURATION_FACTOR * compute_quintic_duration(turn, known.limits, known.robot.joints("neck")[0])
+    )
 
 
 def motion(known, turn: float = 0.0) -> np.ndarray:
-    controls = np.tile(known.robot.skeleton.rest, (KNOTS, 1))
+    controls = np.tile(known.robot.skeleton.rest, (KNOT_COUNT, 1))
     controls[:, known.robot.joints("neck")[0]] += turn
     return controls
 
 
-def test_trunk_is_all_but_the_arms(known, hinges):
+def test_trunk_hinges_exclude_the_arms(known, hinges):
     arms = {hinge for role in ("l_hand", "r_hand") for hinge in arm_hinges(role, known.robot)}
     assert {*np.flatnonzero(~hinges)} == arms
     assert hinges[[*known.robot.joints("torso"), *known.robot.joints("neck")]].all()
 
 
-def test_of_each_role_the_last_to_end_is_held_and_the_trunk_alone_counts(known, hinges, need):
+def test_held_trunk_posture_is_the_sum_of_the_last_gaze_and_last_posture_shift(known, hinges, need):
     neck = known.robot.joints("neck")[0]
     looks = [need(0.3, end=4.0), need(0.1, end=2.0), need(None, end=9.0), need(0.2, role="trunk", end=6.0)]
     assert last_held("look", looks, hinges)[neck] == 0.3
@@ -104,90 +106,92 @@ def test_of_each_role_the_last_to_end_is_held_and_the_trunk_alone_counts(known, 
     assert held_posture([need(-50.0)], known.robot)[neck] == known.robot.skeleton.lower[neck]
 
 
-def test_what_lacks_at_the_end_comes_with_the_last_behaviour_that_holds(known, need):
+def test_missing_part_of_a_held_trunk_posture_is_added_during_the_last_holding_behaviour(known, need):
     neck = known.robot.joints("neck")[0]
     controls = motion(known, 0.1)
     holding = [need(0.1, begin=0.1, ready=0.2, end=0.2), need(0.3, role="trunk", begin=0.5, ready=1.0, end=1.0)]
-    assert lacking_change(controls, holding, known.robot)[neck] == pytest.approx(0.3)
-    led = lead_to_held(controls, [*holding, need(None, end=9.0)], known.robot)
-    early = round(0.5 / STEP) + 3
+    assert offset_to_held_posture(controls, holding, known.robot)[neck] == pytest.approx(0.3)
+    led = add_step_to_held_posture(controls, [*holding, need(None, end=9.0)], known.robot)
+    early = round(0.5 / KNOT_INTERVAL) + 3
     np.testing.assert_allclose(led[:early], controls[:early], atol=1e-12)
-    late = round(1.0 / STEP) + 3
+    late = round(1.0 / KNOT_INTERVAL) + 3
     np.testing.assert_allclose(led[late:, neck] - controls[late:, neck], 0.3)
-    middle = round(0.75 / STEP) + 3
+    middle = round(0.75 / KNOT_INTERVAL) + 3
     assert led[middle, neck] - controls[middle, neck] == pytest.approx(0.15, abs=0.03)
 
 
-def test_motion_that_ends_where_it_should_is_left_as_it_is(known, need):
+def test_motion_ending_in_the_held_posture_is_unchanged(known, need):
     controls = motion(known, 0.3)
-    assert lead_to_held(controls, [need(0.3)], known.robot) is controls
-    controls[-1, known.robot.joints("neck")[0]] += STILL / 2
-    assert lead_to_held(controls, [need(0.3)], known.robot) is controls
+    assert add_step_to_held_posture(controls, [need(0.3)], known.robot) is controls
+    controls[-1, known.robot.joints("neck")[0]] += MOTION_TOLERANCE / 2
+    assert add_step_to_held_posture(controls, [need(0.3)], known.robot) is controls
 
 
-def test_where_nothing_holds_the_whole_motion_is_moved_to_rest(known, need):
-    led = lead_to_held(motion(known, 0.3), [need(None)], known.robot)
+def test_motion_without_holding_behaviour_is_shifted_to_rest(known, need):
+    led = add_step_to_held_posture(motion(known, 0.3), [need(None)], known.robot)
     np.testing.assert_allclose(led, motion(known), atol=1e-12)
 
 
-def test_arms_may_end_anywhere(known):
+def test_held_posture_ignores_the_arms(known):
     controls = motion(known)
     controls[:, list(arm_hinges("l_hand", known.robot))] += 0.2
-    assert not lacking_change(controls, (), known.robot).any()
+    assert not offset_to_held_posture(controls, (), known.robot).any()
 
 
-def test_behaviour_takes_over_the_trunk_of_those_it_supersedes(known, need):
+def test_new_gaze_also_occupies_the_trunk_hinges_of_the_superseded_gaze(known, need):
     (neck, tilt, *_), torso, arm = (
         known.robot.joints("neck"),
         known.robot.joints("torso")[0],
         known.robot.joints("l_arm")[0],
     )
     earlier = [need(0.1, moved=(neck, arm)), need(None, moved=(tilt,)), need(0.1, role="trunk", moved=(torso,))]
-    look, nod = taking_over([need(0.2, moved=(tilt,)), need(role="sign", moved=(tilt,))], earlier, known.robot)
+    look, nod = with_superseded_hinges(
+        [need(0.2, moved=(tilt,)), need(role="sign", moved=(tilt,))], earlier, known.robot
+    )
     assert {*np.flatnonzero(look.hinges)} == {neck, tilt}
     assert {*np.flatnonzero(nod.hinges)} == {tilt}
-    (alone,) = taking_over([need(0.2, moved=(arm,))], (), known.robot)
+    (alone,) = with_superseded_hinges([need(0.2, moved=(arm,))], (), known.robot)
     assert {*np.flatnonzero(alone.hinges)} == {arm}
 
 
 @pytest.mark.parametrize(("share", "warned"), [(0.99, False), (1.01, True)])
-def test_sender_of_the_last_behaviour_that_holds_is_warned_beyond_a_tolerance(known, need, share, warned):
-    controls = motion(known, 0.5 - share * END_TOLERANCE)
+def test_warning_of_an_unreached_held_posture_names_the_last_holding_behaviour(known, need, share, warned):
+    controls = motion(known, 0.5 - share * HELD_POSTURE_TOLERANCE)
     performed = [need(0.1, id="first", end=1.0), need(0.3, id="last", end=3.0), need(None, id="back", end=9.0)]
     other = [need(0.2, role="trunk", id="other", end=5.0)]
     found = end_warnings(controls, performed, other, known.robot)
     assert [id for id, _ in found] == ["last"] * warned
     for _, text in found:
-        assert text.startswith("ends 1 deg from where it would end alone")
-        assert f"{known.robot.skeleton.names[known.robot.joints('neck')[0]]} is beyond its range" in text
+        assert text.startswith("ends 1 deg off its held posture")
+        assert f"{known.robot.skeleton.names[known.robot.joints('neck')[0]]} would exceed its range" in text
 
 
-def test_nobody_is_warned_where_nothing_of_the_block_holds(known, need):
+def test_block_without_holding_behaviour_gets_no_warning(known, need):
     assert end_warnings(motion(known, 0.5), [need(None)], [need(0.2)], known.robot) == []
 
 
-def test_step_counts_its_time_from_the_knot_that_leads(known):
-    ramp = HeldRamp(np.array([2.0, 0.0]), begin=2 * STEP, end=4 * STEP)
+def test_trunk_transition_begins_later_by_the_knots_before_the_motion(known):
+    ramp = HeldRamp(np.array([2.0, 0.0]), begin=2 * KNOT_INTERVAL, end=4 * KNOT_INTERVAL)
     np.testing.assert_allclose(ramp.at(8, lead=3)[:, 0], [0, 0, 0, 0, 0, 0, 1, 2], atol=1e-12)
     assert not ramp.at(8, lead=3)[:, 1].any()
-    sudden = HeldRamp(np.ones(1), begin=STEP, end=STEP)
+    sudden = HeldRamp(np.ones(1), begin=KNOT_INTERVAL, end=KNOT_INTERVAL)
     np.testing.assert_allclose(sudden.at(4, lead=0)[:, 0], [0, 0, 1, 1], atol=1e-12)
 
 
-def test_later_look_removes_the_value_of_the_earlier_one(steps, need, least):
+def test_later_gaze_removes_the_held_angle_of_the_earlier_one(steps, need, least):
     running, coming = need(0.3, begin=-3.0, ready=-2.0, end=-2.0), need(-0.2)
     assert steps([running], [coming], ends=0.3) == [(-0.3, 1.0, 2.0)]
     hasty = need(-0.2, begin=1.0, ready=1.001, end=1.001)
     assert steps([running], [hasty], ends=0.3) == [(-0.3, 1.0, pytest.approx(1.0 + least(0.3)))]
 
 
-def test_nothing_is_removed_for_behaviours_of_other_roles(steps, need):
+def test_nods_and_posture_shifts_keep_the_held_gaze_angle(steps, need):
     running = need(0.3, begin=-3.0, ready=-2.0, end=-2.0)
     assert steps([running], [need(role="sign")], ends=0.3) == []
     assert steps([running], [need(0.1, role="trunk")], ends=0.3) == [(0.0, 1.0, 2.0)]
 
 
-def test_what_limits_have_cut_goes_with_the_value_that_is_removed_once(steps, need):
+def test_held_angle_reduced_by_limits_is_removed_once(steps, need):
     running = need(0.3, begin=-3.0, ready=-2.0, end=-2.0)
     assert steps([running], [need(-0.2)], ends=0.25) == [(-0.25, 1.0, 2.0)]
     both = [need(-0.2), need(0.1, role="trunk")]
@@ -195,7 +199,7 @@ def test_what_limits_have_cut_goes_with_the_value_that_is_removed_once(steps, ne
     assert steps([], [need(-0.2)], ends=0.1) == [(-0.1, 1.0, 2.0)]
 
 
-def test_look_that_goes_back_hides_what_is_held_and_shows_it_again(steps, need, least):
+def test_temporary_gaze_replaces_a_permanent_gaze_and_restores_it(steps, need, least):
     running = need(0.3, begin=-3.0, ready=-2.0, end=-2.0)
     gaze = need(None, begin=1.0, ready=2.0, relax=4.0, end=6.0)
     assert steps([running], [gaze], ends=0.3) == [(-0.3, 1.0, 2.0), (0.3, 4.0, 6.0)]
@@ -204,7 +208,7 @@ def test_look_that_goes_back_hides_what_is_held_and_shows_it_again(steps, need, 
     assert back == (0.3, pytest.approx(4.001 - least(0.3)), 4.001)
 
 
-def test_look_that_begins_before_another_is_back_takes_over_from_it(steps, need):
+def test_gaze_that_starts_before_another_gaze_has_returned_replaces_its_return(steps, need):
     running = need(0.3, begin=-3.0, ready=-2.0, end=-2.0)
     gaze = need(None, begin=1.0, ready=2.0, relax=4.0, end=6.0)
     soon, later = need(-0.2, begin=5.0, ready=7.0, end=7.0), need(-0.2, begin=6.0, ready=8.0, end=8.0)
@@ -212,13 +216,13 @@ def test_look_that_begins_before_another_is_back_takes_over_from_it(steps, need)
     assert steps([running], [gaze, later], ends=0.3) == [(-0.3, 1.0, 2.0), (0.3, 4.0, 6.0), (-0.3, 6.0, 8.0)]
 
 
-def test_look_that_is_left_out_shows_nothing(steps, need):
+def test_dropped_gaze_does_not_change_the_permanent_gaze_angle(steps, need):
     running = need(0.3, begin=-3.0, ready=-2.0, end=-2.0)
     assert steps([running], [], [need(-0.2)], ends=0.3) == [(0.2, 1.0, 2.0)]
     assert steps([running], [], [need(None, relax=4.0, end=6.0)], ends=0.3) == []
 
 
-def test_running_look_that_is_still_to_come_has_its_step_once_the_block_needs_the_role(steps, need):
+def test_rest_of_a_running_gaze_after_a_new_gaze_is_removed_by_a_second_trunk_transition(steps, need):
     late = need(0.3, begin=0.5, ready=5.0, end=5.0)
     found = steps([late], [need(-0.2, begin=1.0, ready=2.0, end=2.0)], ends=0.3)
     assert found == [(0.0, 1.0, 2.0), (0.2, 1.0, 5.0)]
@@ -227,13 +231,13 @@ def test_running_look_that_is_still_to_come_has_its_step_once_the_block_needs_th
     assert found == [(0.0, 1.0, 2.0), (0.2, 3.0, 5.0)]
 
 
-def test_running_look_that_is_cut_by_limits_shows_what_is_left_of_it(steps, need):
+def test_full_return_offset_of_a_gaze_is_kept_although_joint_limits_reduced_it(steps, need):
     before, late = need(0.1, begin=-3.0, ready=-2.0, end=-2.0), need(0.3, begin=3.0, ready=5.0, end=5.0)
     found = steps([before, late], [need(-0.2, begin=1.0, ready=2.0, end=2.0)], ends=0.25)
     assert found == [(-0.1, 1.0, 2.0), (pytest.approx(0.3), 3.0, 5.0)]
 
 
-def test_running_gaze_during_a_later_look_looks_where_it_should(steps, need):
+def test_running_gaze_during_a_later_gaze_reaches_its_target(steps, need):
     gaze = need(None, begin=3.0, ready=4.0, relax=5.0, end=7.0)
     found = steps([gaze], [need(-0.2, begin=1.0, ready=2.0, end=2.0)], ends=0.0)
     assert found == [(0.0, 1.0, 2.0), (0.2, 3.0, 4.0), (-0.2, 5.0, 7.0)]

@@ -1,4 +1,4 @@
-"""Idle motion of blocks that are performed one over another."""
+"""Idle motion of merged blocks."""
 
 from dataclasses import replace
 
@@ -20,18 +20,18 @@ def idling(known: Setup) -> Play:
 
 
 def away(play: Play) -> float:
-    """[deg] that a hinge is away from rest at most, from now on."""
+    """Return the largest deviation [deg] of a hinge from rest from now on."""
     motion = play.scene.motion
     later = motion.sample(np.arange(play.now, max(play.now, motion.end) + 0.1, 0.02))[0]
     return float(np.degrees(np.abs(later - play.scene.setup.robot.skeleton.rest).max()))
 
 
-def test_who_only_speaks_breathes(idling: Play, play: Play):
+def test_speech_only_block_has_idle_motion(idling: Play, play: Play):
     assert away(idling.send("a", STORY)) > 0.5
     assert away(play.send("a", STORY)) == pytest.approx(0.0, abs=1e-9)
 
 
-def test_it_holds_nobody_up_and_ends_with_its_block(idling: Play, play: Play):
+def test_idle_motion_of_a_block_delays_nothing_and_ends_with_it(idling: Play, play: Play):
     times = []
     for each in (idling, play):
         each.send("a", STORY).until(2.0).send("b", WAVE)
@@ -41,7 +41,7 @@ def test_it_holds_nobody_up_and_ends_with_its_block(idling: Play, play: Play):
     assert idling.scene.motion.controls[-1] == pytest.approx(idling.scene.setup.robot.skeleton.rest, abs=1e-9)
 
 
-def test_an_interruption_takes_it_back(idling: Play):
+def test_interruption_removes_the_idle_motion_of_a_block(idling: Play):
     idling.send("a", STORY).until(2.0)
     end = idling.scene.motion.end
     idling.take(interrupt(idling.scene, idling.now, "a"))

@@ -1,4 +1,4 @@
-"""Idle motion between blocks gives way to whatever comes."""
+"""Idle motion between blocks and its end by other blocks."""
 
 from dataclasses import replace
 
@@ -35,25 +35,25 @@ def idling(lively: Setup, spell: PreparedBlock) -> Play:
 
 
 def farthest(play: Play, since: float) -> float:
-    """[rad] that a hinge is away from rest at most, from a time [s] on."""
+    """Return the largest deviation [rad] of a hinge from rest after a time [s]."""
     angles = play.scene.motion.sample(np.arange(since, max(since, play.scene.motion.end) + 0.1, 0.02))[0]
     return float(np.abs(angles - play.scene.setup.robot.skeleton.rest).max())
 
 
-def test_who_has_nothing_to_do_idles_and_tells_nobody(idling: Play):
+def test_idle_robot_moves_without_feedback(idling: Play):
     assert np.degrees(farthest(idling, 1.0)) > 1.0
     assert not idling.until(14.0).told
     assert idling.scene.states == {}
 
 
-def test_a_block_comes_as_soon_and_as_planned_on_a_robot_that_idles(idling: Play, lively: Setup):
+def test_block_starts_as_planned_on_an_idling_robot(idling: Play, lively: Setup):
     resting = Play(Scene.of(lively, ahead=0.02))
     found = []
     for play in (idling.until(5.3), resting.until(5.3)):
         before = play.scene.motion
         running = play.send("b", WELCOME).scene.find("b")
         found.append((running.times, running.merged.dropped))
-        assert running.zero - play.now < 0.02 + 0.011 + running.lead  # no later than the next knot
+        assert running.zero - play.now < 0.02 + 0.011 + running.lead_in  # no later than the next knot
         if play is idling:
             certified(play.scene.motion, lively, before, 5.3 - before.start)
     assert found[0] == found[1]
@@ -61,12 +61,12 @@ def test_a_block_comes_as_soon_and_as_planned_on_a_robot_that_idles(idling: Play
     assert farthest(idling.until(12.0), 12.0) < 1e-6
 
 
-def test_it_begins_only_where_nothing_plays(lively: Setup, spell: PreparedBlock):
+def test_idling_begins_only_without_running_blocks(lively: Setup, spell: PreparedBlock):
     play = Play(Scene.of(lively)).send("b", WELCOME).until(0.5)
     assert begin_idle(play.scene, spell, play.now) is play.scene
 
 
-def test_what_stays_stays_below_it(lively: Setup, spell: PreparedBlock):
+def test_held_postures_persist_during_idling(lively: Setup, spell: PreparedBlock):
     play = Play(Scene.of(lively)).send("b", '<gazeShift id="z" target="left" start="0" end="1"/>').until(4.0)
     before = play.scene.motion.controls[-1]
     play.take(begin_idle(play.scene, spell, play.now)).until(7.0)
@@ -74,7 +74,7 @@ def test_what_stays_stays_below_it(lively: Setup, spell: PreparedBlock):
     assert play.scene.motion.controls[-1] == pytest.approx(before, abs=1e-9)
 
 
-def test_an_interruption_and_a_stop_end_it_soon(idling: Play, lively: Setup):
+def test_interruption_and_stop_end_idling_soon(idling: Play, lively: Setup):
     idling.until(5.0)
     halted = stop(idling.scene.motion, 5.0, lively.limits)
     assert halted.end < 5.0 + 0.3

@@ -1,9 +1,9 @@
-"""Behaviours that are taken out of a block that plays: their hinges go back, and the others go on."""
+"""Removal of single behaviours from a running block."""
 
 import numpy as np
 import pytest
 
-from kinesic.realizer.ending import leave_out
+from kinesic.realizer.ending import end_behaviours
 
 from .conftest import Play
 
@@ -15,7 +15,7 @@ def posture(play: Play, time: float, chain: str) -> np.ndarray:
     return play.scene.motion.angles(np.array([time]))[0][list(play.scene.setup.robot.joints(chain))]
 
 
-def test_a_hand_that_is_left_out_goes_home_while_the_head_goes_on(play: Play):
+def test_interrupted_hand_returns_while_the_head_continues(play: Play):
     play.send("a", HELD + NODS).until(3.0)
     robot = play.scene.setup.robot
     rest = robot.skeleton.rest[list(robot.joints("l_arm"))]
@@ -23,7 +23,7 @@ def test_a_hand_that_is_left_out_goes_home_while_the_head_goes_on(play: Play):
     assert np.abs(posture(play, 6.0, "l_arm") - rest).max() > 0.2
     running = play.scene.find("a")
     assert running is not None
-    play.take(leave_out(play.scene, running, frozenset({"g"}), play.now))
+    play.take(end_behaviours(play.scene, running, frozenset({"g"}), play.now))
     assert np.abs(posture(play, 6.0, "l_arm") - rest).max() < 0.02
     assert np.allclose([posture(play, time, "neck") for time in np.arange(4.5, 7.5, 0.1)], head, atol=1e-6)
     play.until(12.0)
@@ -31,22 +31,22 @@ def test_a_hand_that_is_left_out_goes_home_while_the_head_goes_on(play: Play):
     assert play.at("a:h:end") > 7.0
 
 
-def test_a_hand_that_another_block_holds_stays(play: Play):
-    """Both move the trunk; what one leaves, the other still needs."""
+def test_ended_behaviour_leaves_a_hand_used_by_another_block(play: Play):
+    """Both blocks move the trunk, so its motion stays for the other one."""
     play.send("a", HELD + NODS).until(3.0)
     other = HELD.replace("LEFT_HAND", "RIGHT_HAND")
     play.send("b", other).until(6.0)
     before = posture(play, 7.5, "r_arm")
     running = play.scene.find("a")
     assert running is not None
-    play.take(leave_out(play.scene, running, frozenset({"g"}), play.now))
+    play.take(end_behaviours(play.scene, running, frozenset({"g"}), play.now))
     assert posture(play, 7.5, "r_arm") == pytest.approx(before, abs=0.05)
 
 
-def test_a_block_that_loses_all_its_behaviours_is_over(play: Play):
+def test_block_ends_when_all_its_behaviours_were_interrupted(play: Play):
     play.send("a", HELD).until(3.0)
     running = play.scene.find("a")
     assert running is not None
-    play.take(leave_out(play.scene, running, frozenset({"g"}), play.now))
+    play.take(end_behaviours(play.scene, running, frozenset({"g"}), play.now))
     assert play.scene.find("a") is None
     assert play.at("a:end") == pytest.approx(3.0, abs=0.02)

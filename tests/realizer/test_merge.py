@@ -1,4 +1,4 @@
-"""Blocks over a running motion, and in its place: what goes on, what comes, and what has no place."""
+"""Blocks merged with a running motion or replacing it."""
 
 from dataclasses import replace
 
@@ -10,7 +10,7 @@ from kinesic.bml.block import NoticeType
 from kinesic.bml.parse import parse
 from kinesic.motion.limit_check import check_limits
 from kinesic.motion.trajectory import stay
-from kinesic.motion.transition import knot_at, lengthen
+from kinesic.motion.transition import extend_controls, knot_at
 from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
 from kinesic.planning.quick_plan import plan_quickly
 from kinesic.realizer.merge import merge, replace_motion
@@ -40,7 +40,7 @@ def rest(known):
 
 @pytest.fixture(scope="module")
 def running(planned, rest):
-    """The passage, from rest, half a second later."""
+    """Return the test passage, starting at rest half a second later."""
     return merge(rest, 0.0, planned(passage_text(0)), begin=0.5)
 
 
@@ -49,20 +49,18 @@ def gesture(hand: str, stroke: float = 0.9, id: str = "g", lexeme: str = "beat")
 
 
 def certified(motion, known, before=None, time: float = 0.0) -> None:
-    for name, peak in check_limits(motion, known.limits).shares.items():
+    for name, peak in check_limits(motion, known.limits).by_quantity.items():
         assert peak.ratios.max() <= 1.001, name
-    assert (
-        scan_clearance(motion, known.distances)[1].distances.min() >= known.robot.least_clearance + LAG_RESERVE - 1e-4
-    )
+    assert scan_clearance(motion, known.distances)[1].distances.min() >= known.robot.min_clearance + LAG_RESERVE - 1e-4
     np.testing.assert_allclose(motion.controls[-3:], motion.controls[[-1] * 3], atol=1e-9)
     if before is not None:
         count = knot_at(time) + 3
-        same = (lengthen(each.controls, count)[:count] for each in (motion, before))
+        same = (extend_controls(each.controls, count)[:count] for each in (motion, before))
         np.testing.assert_allclose(*same, atol=1e-8)
 
 
 def strokes(plan, found, hinges) -> None:
-    """Every stroke that is performed is where and when it should be."""
+    """Assert position and time of each performed stroke."""
     for sync in found.syncs:
         if sync.sync == "stroke":
             reached = found.trajectory.at(found.zero + sync.planned).angles[hinges]
@@ -70,7 +68,7 @@ def strokes(plan, found, hinges) -> None:
             np.testing.assert_allclose(reached, wanted, atol=1e-6)
 
 
-def test_a_block_on_a_body_at_rest_is_its_own_plan(planned, running):
+def test_block_merged_at_rest_equals_its_plan(planned, running):
     plan = planned(passage_text(0))
     times = np.linspace(0.0, plan.trajectory.duration, 200)
     moved = running.trajectory.sample(times + running.zero - plan.trajectory.zero)[0]
@@ -80,7 +78,7 @@ def test_a_block_on_a_body_at_rest_is_its_own_plan(planned, running):
 
 
 @pytest.mark.parametrize("time", [2.0, 3.7, 5.2, 9.0])
-def test_a_nod_goes_over_gestures_that_go_on(planned, running, known, time):
+def test_nod_is_added_to_running_gestures(planned, running, known, time):
     found = merge(running.trajectory, time, planned(NOD), begin=time, occupied=running.occupancy)
     certified(found.trajectory, known, running.trajectory, time)
     assert found.dropped == ()
@@ -92,7 +90,7 @@ def test_a_nod_goes_over_gestures_that_go_on(planned, running, known, time):
     assert np.ptp(found.layer.controls[:, neck], axis=0).max() > 0.05
 
 
-def test_a_nod_adds_to_a_gaze(planned, rest, known):
+def test_nod_is_added_to_a_gaze(planned, rest, known):
     gaze = merge(rest, 0.0, planned('<gaze id="z" target="left" start="0" end="4"/>'), begin=0.0)
     found = merge(gaze.trajectory, 1.2, planned(NOD), begin=1.2, occupied=gaze.occupancy)
     certified(found.trajectory, known, gaze.trajectory, 1.2)
@@ -103,7 +101,7 @@ def test_a_nod_adds_to_a_gaze(planned, rest, known):
     assert (after[:, tilt] - before[:, tilt]).max() > 0.1
 
 
-def test_one_hand_goes_while_the_other_does_something_else(planned, rest, known):
+def test_gestures_of_both_hands_in_two_blocks_overlap_without_drops(planned, rest, known):
     left = merge(rest, 0.0, planned(gesture("LEFT", id="l", lexeme="offer")), begin=0.0)
     plan = planned(gesture("RIGHT"))
     found = merge(left.trajectory, 0.4, plan, begin=0.4, occupied=left.occupancy)
@@ -112,7 +110,7 @@ def test_one_hand_goes_while_the_other_does_something_else(planned, rest, known)
     strokes(plan, found, list(arm_hinges("r_hand", known.robot)))
 
 
-def test_the_lean_of_one_reach_adds_to_that_of_the_other(planned, rest, known):
+def test_far_pointing_with_both_hands_keeps_limits_and_drops_no_behaviour(planned, rest, known):
     far = {**known.targets, "far_left": np.array([0.9, 0.5, 0.3]), "far_right": np.array([0.9, -0.5, 0.3])}
     reaching = replace(known, targets=far)
     plans = [
@@ -127,7 +125,7 @@ def test_the_lean_of_one_reach_adds_to_that_of_the_other(planned, rest, known):
     assert found.dropped == ()
 
 
-def test_a_hand_that_is_busy_leaves_the_behaviour_out_by_name(planned, rest, known):
+def test_behaviour_of_a_busy_hand_is_dropped_and_named(planned, rest, known):
     first = merge(rest, 0.0, planned(gesture("RIGHT", 1.5, lexeme="offer")), begin=0.0)
     plan = planned(SPOKEN + gesture("RIGHT", 1.2, id="beat") + '<head id="n" lexeme="NOD" start="0.4"/>')
     found = merge(first.trajectory, 0.2, plan, begin=0.2, occupied=first.occupancy)
@@ -144,7 +142,7 @@ def test_a_hand_that_is_busy_leaves_the_behaviour_out_by_name(planned, rest, kno
     np.testing.assert_allclose(after, before, atol=1e-12)
 
 
-def test_a_silent_block_waits_a_little_where_that_helps(planned, rest, known):
+def test_silent_block_is_delayed_to_resolve_conflicts(planned, rest, known):
     first = merge(rest, 0.0, planned(NOD), begin=0.0)
     found = merge(first.trajectory, 0.1, planned('<head id="m" lexeme="SHAKE"/>'), begin=0.1, occupied=first.occupancy)
     certified(found.trajectory, known, first.trajectory, 0.1)
@@ -156,7 +154,7 @@ def test_a_silent_block_waits_a_little_where_that_helps(planned, rest, known):
     assert need.ready >= first.occupancy[0].relax - 1e-9
 
 
-def test_a_block_that_speaks_does_not_wait(planned, rest):
+def test_block_with_speech_is_not_delayed(planned, rest):
     first = merge(rest, 0.0, planned(NOD), begin=0.0)
     plan = planned(SPOKEN + '<head id="m" lexeme="SHAKE"/>')
     found = merge(first.trajectory, 0.1, plan, begin=0.1, occupied=first.occupancy)
@@ -165,7 +163,7 @@ def test_a_block_that_speaks_does_not_wait(planned, rest):
     assert found.trajectory is first.trajectory
 
 
-def test_arms_that_would_meet_are_not_moved_at_once(planned, rest, known):
+def test_colliding_arms_do_not_move_at_the_same_time(planned, rest, known):
     point = '<pointing id="{}" target="{}" mode="{}_HAND"/>'
     first = merge(rest, 0.0, planned(point.format("r", "left", "RIGHT")), begin=0.0)
     found = merge(
@@ -176,7 +174,7 @@ def test_arms_that_would_meet_are_not_moved_at_once(planned, rest, known):
     assert found.trajectory is first.trajectory
 
 
-def test_a_retraction_gives_way_to_the_next_gesture(planned, rest, known):
+def test_retraction_is_replaced_by_the_next_gesture(planned, rest, known):
     plan = planned(gesture("RIGHT"))
     first = merge(rest, 0.0, planned(gesture("RIGHT", 1.0, lexeme="offer")), begin=0.0)
     relax, end = first.occupancy[0].relax, first.occupancy[0].end
@@ -188,10 +186,10 @@ def test_a_retraction_gives_way_to_the_next_gesture(planned, rest, known):
     strokes(plan, found, hinges)
     times = np.linspace(time, found.occupancy[0].ready, 50)
     away = np.abs(found.trajectory.sample(times)[0][:, hinges] - known.robot.skeleton.rest[hinges]).max(axis=1)
-    assert away.min() > 0.05  # it does not go home in between
+    assert away.min() > 0.05  # it does not return in between
 
 
-def test_a_look_goes_where_it_is_asked_to_from_one_that_stays(planned, rest, known):
+def test_gaze_reaches_its_target_from_a_held_gaze(planned, rest, known):
     torsion = known.robot.joints("neck")[0]
     left = merge(rest, 0.0, planned('<gazeShift id="l" target="left" start="0" end="1"/>'), begin=0.0)
     right = planned('<gaze id="r" target="right" start="0" end="3"/>')
@@ -207,7 +205,7 @@ def test_a_look_goes_where_it_is_asked_to_from_one_that_stays(planned, rest, kno
     assert stays.trajectory.controls[-1][torsion] == pytest.approx(-left.trajectory.controls[-1][torsion], abs=0.02)
 
 
-def test_two_looks_at_once_are_a_conflict(planned, rest):
+def test_later_of_two_simultaneous_gazes_is_dropped(planned, rest):
     looks = '<gaze id="{}" target="{}" start="0" ready="0.8" relax="{}" end="9"/>'
     first = merge(rest, 0.0, planned(looks.format("z", "left", 6)), begin=0.0)
     found = merge(first.trajectory, 0.3, planned(looks.format("y", "right", 3)), begin=0.3, occupied=first.occupancy)
@@ -215,7 +213,7 @@ def test_two_looks_at_once_are_a_conflict(planned, rest):
     assert "look busy with z" in found.notices[0].text
 
 
-def test_a_past_that_is_cut_away_changes_nothing(planned, running, known):
+def test_truncating_the_past_does_not_change_a_merge(planned, running, known):
     later = running.since(2.0)
     times = np.linspace(2.0, 7.0, 100)
     one, other = later.trajectory.sample(times)[0], running.trajectory.sample(times)[0]
@@ -227,7 +225,7 @@ def test_a_past_that_is_cut_away_changes_nothing(planned, running, known):
     np.testing.assert_allclose(other.trajectory.controls, one.trajectory.controls[200:], atol=1e-9)
 
 
-def test_what_begins_at_another_time_of_the_clock_is_the_same(planned, known):
+def test_merge_is_independent_of_the_clock_time(planned, known):
     first, second = planned(gesture("RIGHT", 1.0)), planned(NOD)
     found = []
     for start in (0.0, 1e4):
@@ -243,7 +241,7 @@ def test_what_begins_at_another_time_of_the_clock_is_the_same(planned, known):
 
 
 @pytest.mark.parametrize("time", [0.9, 1.45, 3.1, 6.5, 8.0])
-def test_a_block_in_the_place_of_another_comes_at_once(planned, running, known, time):
+def test_block_that_replaces_others_starts_immediately(planned, running, known, time):
     plan = planned(gesture("RIGHT", 1.0, lexeme="offer"))
     found = replace_motion(running.trajectory, time, plan)
     certified(found.trajectory, known, running.trajectory, time)
@@ -253,7 +251,7 @@ def test_a_block_in_the_place_of_another_comes_at_once(planned, running, known, 
     np.testing.assert_allclose(found.trajectory.controls[-1][left], known.robot.skeleton.rest[left], atol=1e-9)
 
 
-def test_a_sample_of_random_cuts_keeps_every_limit(known):
+def test_replacing_a_motion_at_random_times_keeps_limits_and_clearance(known):
     for cut in merging.replace_at_random(known, 10, seed=4):
         assert cut.ratio <= 1.001, cut
         assert cut.step <= 1e-8, cut
@@ -261,13 +259,13 @@ def test_a_sample_of_random_cuts_keeps_every_limit(known):
         assert cut.delay <= 0.6, cut
 
 
-def test_figures_of_cuts(monkeypatch):
-    monkeypatch.setattr(merging, "CUTS", 10)
-    assert {figure.name for figure in merging.bench() if figure.ok is False} <= {"bml.live.merged"}
+def test_merge_benchmark_meets_its_goals(monkeypatch):
+    monkeypatch.setattr(merging, "REPLACEMENT_COUNT", 10)
+    assert {metric.name for metric in merging.bench() if metric.ok is False} <= {"bml.live.merged"}
 
 
 @pytest.mark.parametrize("time", [0.004, 1.0, 2.5])
-def test_a_block_that_is_asked_for_in_the_past_begins_where_the_motion_may_change(planned, rest, known, time):
+def test_block_requested_in_the_past_begins_at_the_earliest_change(planned, rest, known, time):
     first = merge(rest, 0.0, planned(NOD), begin=0.0)
     plan = planned(gesture("RIGHT"))
     found = merge(first.trajectory, time, plan, begin=-5.0, occupied=first.occupancy)
@@ -277,14 +275,14 @@ def test_a_block_that_is_asked_for_in_the_past_begins_where_the_motion_may_chang
     strokes(plan, found, list(arm_hinges("r_hand", known.robot)))
 
 
-def test_a_behaviour_that_has_given_way_by_the_cut_hinders_nothing(planned, rest):
+def test_behaviour_relaxed_before_the_splice_time_causes_no_conflict(planned, rest):
     first = merge(rest, 0.0, planned(gesture("RIGHT", 1.0, lexeme="offer")), begin=0.0)
     over = first.occupancy[0].relax + 0.005
     found = merge(first.trajectory, over, planned(SPOKEN + gesture("RIGHT", 0.9)), begin=over, occupied=first.occupancy)
     assert found.dropped == ()
 
 
-def test_a_block_far_beyond_the_end_of_a_motion_begins_there(planned, rest, known):
+def test_block_far_after_the_motion_end_begins_on_time(planned, rest, known):
     plan = planned(NOD)
     found = merge(rest, 30.0, plan, begin=30.0)
     certified(found.trajectory, known, rest, 30.0)

@@ -1,4 +1,4 @@
-"""Hands that point, on a trunk that others move."""
+"""Pointing hands on a trunk moved by other blocks."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ import pytest
 from kinesic.bml.parse import parse
 from kinesic.motion.limit_check import check_limits
 from kinesic.motion.trajectory import Trajectory
-from kinesic.motion.transition import knot_at, lengthen
+from kinesic.motion.transition import extend_controls, knot_at
 from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
 from kinesic.planning.quick_plan import plan_quickly
 from kinesic.realizer import pointing
@@ -16,12 +16,12 @@ from kinesic.realizer.realizer import begin, improve_block, interrupt, prepare_b
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 POINT = '<pointing id="p" target="user" mode="RIGHT_HAND" stroke="1.4"/>'
-TURN = np.radians(8.0)  # of the trunk
+TRUNK_ROTATION = np.radians(8.0)  # [rad]
 LEAN = '<torso id="t" lexeme="lean" amount="1" start="0" end="3"/>'
 GAZE = '<gaze id="t" target="left" influence="WAIST" start="0" end="3"/>'
-BESIDE = '<pointing id="p" target="audience" mode="RIGHT_HAND"/>'
+POINT_AUDIENCE = '<pointing id="p" target="audience" mode="RIGHT_HAND"/>'
 LEFT = '<gesture id="g" lexeme="BEAT" mode="LEFT_HAND"/>'
-SLIGHT = np.radians(0.2)
+POINTING_ACCURACY = np.radians(0.2)
 
 
 @pytest.fixture(scope="module")
@@ -37,9 +37,9 @@ def stroke(alone):
 
 @pytest.fixture(scope="module")
 def leaning(alone, known):
-    """The motion on a trunk that stands turned."""
+    """Return the motion on a rotated trunk."""
     controls = np.array(alone.trajectory.controls)
-    controls[:, known.robot.joints("torso")[0]] += TURN
+    controls[:, known.robot.joints("torso")[0]] += TRUNK_ROTATION
     return Trajectory(controls, alone.trajectory.zero)
 
 
@@ -47,17 +47,17 @@ def posture(motion, time):
     return motion.sample(np.array([time]))[0][0]
 
 
-def test_only_hands_that_point_are_found(alone):
+def test_pointing_hands_of_a_plan_name_behaviour_and_side(alone):
     (one,) = pointing_hands(alone)
     assert (one.behaviour, one.side) == ("p", "r")
 
 
-def test_a_hand_meets_its_target_by_its_own_plan(alone, stroke, known):
+def test_planned_hand_points_at_its_target(alone, stroke, known):
     (one,) = pointing_hands(alone)
     assert one.miss(posture(alone.trajectory, stroke), known.robot) < np.radians(0.5)
 
 
-def test_a_turned_trunk_makes_it_miss_and_the_arm_mends_it(leaning, alone, stroke, known):
+def test_arm_compensates_for_a_turned_trunk(leaning, alone, stroke, known):
     (one,) = pointing_hands(alone)
     off = posture(leaning, stroke)
     assert one.miss(off, known.robot) > np.radians(3.0)
@@ -67,27 +67,27 @@ def test_a_turned_trunk_makes_it_miss_and_the_arm_mends_it(leaning, alone, strok
     np.testing.assert_array_equal(mended[others], off[others])
 
 
-def test_a_corrected_motion_differs_only_in_the_arm_and_only_while_it_points(leaning, alone, stroke, known):
+def test_correction_changes_only_the_pointing_arm_during_its_stroke(leaning, alone, stroke, known):
     (one,), needs = pointing_hands(alone), {each.behaviour: each for each in occupancy_of(alone)}
     cut = stroke - 0.4
     found = correct_pointing(leaning, cut, PointingStroke(one, stroke, needs["p"]), [needs["g"]], known)
     assert found is not None
     assert one.miss(posture(found, stroke), known.robot) < np.radians(0.5)
     count = max(len(found.controls), len(leaning.controls))
-    change = np.abs(lengthen(found.controls, count) - lengthen(leaning.controls, count))
+    change = np.abs(extend_controls(found.controls, count) - extend_controls(leaning.controls, count))
     assert set(np.flatnonzero(change.max(axis=0) > 1e-9)) <= set(known.robot.joints("r_arm"))
     assert change[: knot_at(cut) + 3].max() < 1e-9
     assert change[-3:].max() < 1e-9
 
 
-def test_no_motion_is_corrected_that_may_not_change_in_time(leaning, alone, stroke, known):
+def test_pointing_is_not_corrected_after_the_pointing_behaviour_has_ended(leaning, alone, stroke, known):
     (one,), needs = pointing_hands(alone), {each.behaviour: each for each in occupancy_of(alone)}
     moment = PointingStroke(one, stroke, needs["p"])
     assert correct_pointing(leaning, needs["p"].end + 1.0, moment, [], known) is None
 
 
 def missed(play, block: str, *, motion=None) -> float:
-    """By how much the hand of a block points past its target in its stroke [rad]."""
+    """Return the pointing error [rad] of a block in its stroke."""
     running = play.scene.find(block)
     (one,) = pointing_hands(running.prepared.plan)
     stroke = running.zero + running.times[one.behaviour]["stroke"]
@@ -96,16 +96,16 @@ def missed(play, block: str, *, motion=None) -> float:
 
 def check(play) -> None:
     known = play.scene.setup
-    for name, peak in check_limits(play.scene.motion, known.limits).shares.items():
+    for name, peak in check_limits(play.scene.motion, known.limits).by_quantity.items():
         assert peak.ratios.max() <= 1.001, name
     nearest = scan_clearance(play.scene.motion, known.distances)[1].distances.min()
-    assert nearest >= known.robot.least_clearance + LAG_RESERVE - 1e-4
+    assert nearest >= known.robot.min_clearance + LAG_RESERVE - 1e-4
 
 
 @pytest.mark.parametrize("other", [LEAN, GAZE])
-def test_a_hand_that_comes_to_point_allows_for_the_trunk(play, other):
-    play.send("a", other).until(0.4).send("b", BESIDE)
-    assert missed(play, "b") < SLIGHT
+def test_new_pointing_hand_accounts_for_a_moving_trunk(play, other):
+    play.send("a", other).until(0.4).send("b", POINT_AUDIENCE)
+    assert missed(play, "b") < POINTING_ACCURACY
     check(play)
     play.until(6.0)
     assert play.warnings() == []
@@ -113,11 +113,11 @@ def test_a_hand_that_comes_to_point_allows_for_the_trunk(play, other):
 
 
 @pytest.mark.parametrize("other", [LEAN, GAZE])
-def test_a_hand_that_is_going_to_point_allows_for_a_trunk_that_moves_then(play, other):
-    play.send("a", BESIDE).until(0.2)
+def test_pending_pointing_hand_accounts_for_a_later_trunk_motion(play, other):
+    play.send("a", POINT_AUDIENCE).until(0.2)
     before = play.scene.motion
     play.send("b", other)
-    assert missed(play, "a") < SLIGHT
+    assert missed(play, "a") < POINTING_ACCURACY
     check(play)
     knot = knot_at(0.2 - play.scene.motion.start)
     np.testing.assert_allclose(play.scene.motion.controls[:knot], before.controls[:knot], atol=1e-8)
@@ -125,15 +125,15 @@ def test_a_hand_that_is_going_to_point_allows_for_a_trunk_that_moves_then(play, 
     assert play.warnings() == []
 
 
-def test_a_trunk_that_comes_back_sooner_leaves_the_hand_where_it_points(play):
-    play.send("a", LEAN).until(0.4).send("b", BESIDE).until(0.5)
+def test_early_return_of_the_trunk_keeps_the_hand_pointing(play):
+    play.send("a", LEAN).until(0.4).send("b", POINT_AUDIENCE).until(0.5)
     play.take(interrupt(play.scene, play.now, "a"))
-    assert missed(play, "b") < pointing.ASTRAY
+    assert missed(play, "b") < pointing.POINTING_TOLERANCE
     check(play)
 
 
-def test_a_hand_that_is_interrupted_rests_while_the_trunk_goes_on(play):
-    play.send("a", LEAN).until(0.4).send("b", BESIDE).until(0.8)
+def test_interrupted_pointing_hand_rests_while_the_trunk_moves(play):
+    play.send("a", LEAN).until(0.4).send("b", POINT_AUDIENCE).until(0.8)
     play.take(interrupt(play.scene, play.now, "b"))
     check(play)
     play.until(6.0)
@@ -141,55 +141,58 @@ def test_a_hand_that_is_interrupted_rests_while_the_trunk_goes_on(play):
     assert play.was_told("a:t:end")
 
 
-def test_other_works_of_the_hand_stay_as_they_are(play):
-    row = BESIDE.replace("/>", ' stroke="1.2"/>') + '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND" stroke="5.2"/>'
+def test_pointing_correction_does_not_change_a_later_beat_of_the_same_hand(play):
+    row = (
+        POINT_AUDIENCE.replace("/>", ' stroke="1.2"/>')
+        + '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND" stroke="5.2"/>'
+    )
     play.send("b", row)
     before = play.scene.motion
     beat = play.scene.find("b").times["g"]
     play.until(0.2).send("a", LEAN.replace('end="3"', 'end="2"'))
-    assert missed(play, "b") < SLIGHT
+    assert missed(play, "b") < POINTING_ACCURACY
     times = np.arange(beat["ready"], beat["relax"], 0.01)
     arm = list(play.scene.setup.robot.joints("r_arm"))
     np.testing.assert_allclose(play.scene.motion.sample(times)[0][:, arm], before.sample(times)[0][:, arm], atol=1e-6)
 
 
-def test_what_servos_cannot_mend_is_told_by_name(play, monkeypatch):
+def test_uncorrectable_pointing_error_is_warned(play, monkeypatch):
     monkeypatch.setattr(pointing, "correct_pointing", lambda *_: None)
-    play.send("a", LEAN).until(0.4).send("b", BESIDE)
+    play.send("a", LEAN).until(0.4).send("b", POINT_AUDIENCE)
     (text,) = play.warnings()
     assert 'id="b:p" type="IMPOSSIBLE_TO_SCHEDULE"' in text
-    assert f"points {np.degrees(missed(play, 'b')):.0f} deg past its target" in text
+    assert f"points {np.degrees(missed(play, 'b')):.0f} deg off its target" in text
     play.until(0.6).send("c", LEFT)
     assert len(play.warnings()) == 1
 
 
-def test_a_trunk_that_leans_when_it_is_too_late_is_told(play):
-    play.send("a", BESIDE)
+def test_trunk_motion_just_before_a_pointing_stroke_causes_a_warning_if_the_hand_misses(play):
+    play.send("a", POINT_AUDIENCE)
     stroke = play.scene.find("a").times["p"]["stroke"]
     play.until(stroke - 0.12).send("b", LEAN.replace("lean", "turn left"))
     off = missed(play, "a")
-    assert (len(play.warnings("a:p")) == 1) == (off > pointing.ASTRAY)
+    assert (len(play.warnings("a:p")) == 1) == (off > pointing.POINTING_TOLERANCE)
     check(play)
 
 
-def test_a_hand_beside_an_arm_stays_as_planned(play):
-    play.send("a", LEFT).until(0.3).send("b", BESIDE)
-    alone = play.ready("c", BESIDE).plan.trajectory.controls
+def test_pointing_hand_next_to_the_other_arm_stays_as_planned(play):
+    play.send("a", LEFT).until(0.3).send("b", POINT_AUDIENCE)
+    alone = play.ready("c", POINT_AUDIENCE).plan.trajectory.controls
     arm = list(play.scene.setup.robot.joints("r_arm"))
     own = play.scene.find("b").merged.layer.controls[:, arm]
     assert np.ptp(own, axis=0) == pytest.approx(np.ptp(alone[:, arm], axis=0), abs=1e-6)
 
 
-def test_a_better_plan_points_as_well(play):
+def test_refined_plan_keeps_pointing(play):
     nods = "".join(f'<head id="h{k}" lexeme="NOD" stroke="{1.0 + 1.2 * k}"/>' for k in range(4))
     play.send("a", LEAN).until(0.3)
-    coming = play.ready("b", BESIDE.replace("/>", ' stroke="1.3"/>') + nods)
+    coming = play.ready("b", POINT_AUDIENCE.replace("/>", ' stroke="1.3"/>') + nods)
     assert coming.is_provisional
     play.take(begin(play.scene, coming, play.now))
-    assert missed(play, "b") < SLIGHT
+    assert missed(play, "b") < POINTING_ACCURACY
     play.scene, (request,) = take_replans(play.scene)
     after = improve_block(play.scene, "b", prepare_block(request, play.scene.setup).plan, play.now)
     assert after is not None
     play.scene = after
-    assert missed(play, "b") < SLIGHT
+    assert missed(play, "b") < POINTING_ACCURACY
     check(play)

@@ -1,4 +1,4 @@
-"""The life of a block in a scene, and what is told of it."""
+"""Life cycle of a block in a scene, with its feedback."""
 
 import re
 
@@ -16,14 +16,14 @@ NOD = '<head id="h" lexeme="NOD"/>'
 BEAT = '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND"/>'
 
 
-def test_an_empty_block_starts_and_ends(play):
+def test_empty_block_starts_and_ends(play):
     play.send("b").until(0.02)
     assert play.at("b:start") == play.at("b:end") == 0.0
     assert play.warnings() == []
     assert play.state("b") is BlockState.DONE
 
 
-def test_a_block_without_id_gets_one_warning_and_a_free_name(play, known: Setup):
+def test_block_without_id_gets_a_warning_and_a_free_id(play, known: Setup):
     text = f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0">{NOD}</bml>'
     for _ in range(2):
         coming = prepare_block(read_request(Message(text), known, context=play.scene.context(play.now)), known)
@@ -36,7 +36,7 @@ def test_a_block_without_id_gets_one_warning_and_a_free_name(play, known: Setup)
     assert play.was_told("block.2:end")
 
 
-def test_every_sync_point_is_told_once_in_order_with_its_times(play):
+def test_each_sync_point_is_reported_once_in_order(play):
     play.until(2.0).send("b", NOD + BEAT, sender=7).until(6.0)
     for behaviour in ("h", "g"):
         points = ("start", "ready", "strokeStart", "stroke", "strokeEnd", "relax", "end")
@@ -51,7 +51,7 @@ def test_every_sync_point_is_told_once_in_order_with_its_times(play):
     assert [due.time for due in play.told] == sorted(due.time for due in play.told)
 
 
-def test_the_prediction_comes_at_once_and_holds(play):
+def test_prediction_is_sent_immediately_and_is_correct(play):
     play.send("b", BEAT)
     assert "<predictionFeedback" in play.told[0].xml
     end = re.search(r'globalEnd="([^"]*)"', play.told[0].xml)
@@ -61,7 +61,7 @@ def test_the_prediction_comes_at_once_and_holds(play):
     assert len(play.predictions("b")) == 1
 
 
-def test_an_id_that_plays_is_refused_and_nothing_changes(play):
+def test_block_with_a_running_id_is_refused(play):
     play.send("a", BEAT).until(0.3)
     before = play.scene
     play.send("a", NOD)
@@ -72,7 +72,7 @@ def test_an_id_that_plays_is_refused_and_nothing_changes(play):
     assert play.state("a") is BlockState.DONE
 
 
-def test_a_block_for_somebody_else_is_refused(played):
+def test_block_for_another_character_is_refused(played):
     play = played(character="Anna").send("a", NOD, 'characterId="Bert"').send("b", NOD, 'characterId="Anna"')
     play.send("c", "").until(3.0)
     assert "Bert" in play.warnings("a")[0]
@@ -81,7 +81,7 @@ def test_a_block_for_somebody_else_is_refused(played):
     assert play.was_told("c:end")
 
 
-def test_too_many_blocks_are_refused(play):
+def test_blocks_beyond_the_maximum_are_refused(play):
     waiting = play.ready("w", "", 'composition="APPEND"')
     play.send("a", '<wait id="w" duration="9"/>')
     for number in range(300):
@@ -90,7 +90,7 @@ def test_too_many_blocks_are_refused(play):
     assert len(play.warnings()) == 300 - 255
 
 
-def test_a_bad_block_disturbs_nothing(play):
+def test_invalid_block_does_not_disturb_running_blocks(play):
     play.send("a", BEAT)
     before = play.scene
     with pytest.raises(BmlError):
@@ -98,7 +98,7 @@ def test_a_bad_block_disturbs_nothing(play):
     assert play.scene is before
 
 
-def test_what_is_over_is_forgotten(play):
+def test_ended_blocks_and_past_motion_are_removed(play):
     nod, said, empty = play.ready("n", NOD), play.ready("s", HELLO), play.ready("e")
     sizes = []
     for number in range(500):
@@ -113,7 +113,7 @@ def test_what_is_over_is_forgotten(play):
     assert sum(':end" globalTime' in due.xml and "blockProgress" in due.xml for due in play.told) >= 498
 
 
-def test_of_a_block_for_several_each_performs_its_own_part(played):
+def test_each_character_performs_its_part_of_a_block(played):
     both = NOD + '<head id="other" lexeme="NOD" agent="Bert" start="h:end"/>'
     play = played(character="Bert").send("a", both, 'characterId="Anna"').until(4.0)
     assert play.was_told("a:other:stroke")

@@ -1,14 +1,14 @@
-"""What is taken back of a running motion, and what is forgotten of it."""
+"""Removal of motion and of the past."""
 
 import numpy as np
 import pytest
 
 from kinesic.bml.parse import parse
-from kinesic.motion.trajectory import STEP, stay
+from kinesic.motion.trajectory import KNOT_INTERVAL, stay
 from kinesic.planning.quick_plan import plan_quickly
 from kinesic.realizer.merge import merge
 from kinesic.realizer.occupancy import arm_hinges, freed_hinges
-from kinesic.realizer.release import from_knot, release_motion
+from kinesic.realizer.release import motion_from_knot, release_motion
 
 from ..passage import passage_text
 from .certified import certified
@@ -29,7 +29,7 @@ def rest(known):
 
 
 @pytest.mark.parametrize("time", [0.4, 0.85, 1.3, 3.5, 4.6])
-def test_all_comes_to_rest_from_any_moment(planned, known, rest, time):
+def test_release_returns_to_rest_from_any_time(planned, known, rest, time):
     running = planned(passage_text(0)).trajectory
     found = release_motion(running, time, np.ones(22, dtype=bool), known)
     certified(found, known, running, time)
@@ -37,12 +37,12 @@ def test_all_comes_to_rest_from_any_moment(planned, known, rest, time):
     assert found.duration < time + 2.5
 
 
-def test_what_rests_already_stays_as_it_is(known, rest):
+def test_releasing_hinges_at_rest_keeps_the_rest_posture(known, rest):
     found = release_motion(rest, 0.02, np.ones(22, dtype=bool), known)
     np.testing.assert_allclose(found.at(5.0).angles, rest.controls[0], atol=1e-12)
 
 
-def test_some_hinges_come_to_rest_and_the_others_go_on(planned, known):
+def test_released_hinges_rest_while_others_continue(planned, known):
     running, left = planned(passage_text(0)).trajectory, list(arm_hinges("l_hand", known.robot))
     free = np.isin(np.arange(22), left)
     found = release_motion(running, 1.0, free, known)
@@ -52,7 +52,7 @@ def test_some_hinges_come_to_rest_and_the_others_go_on(planned, known):
     np.testing.assert_allclose(found.sample(times)[0][:, ~free], running.sample(times)[0][:, ~free], atol=1e-12)
 
 
-def test_a_block_is_taken_back_from_over_another(planned, known, rest):
+def test_removing_a_head_shake_restores_the_motion_of_the_gaze_below(planned, known, rest):
     gaze = merge(rest, 0.0, planned(GAZE), begin=0.0)
     shake = planned('<head id="s" lexeme="SHAKE" repetition="3" start="0"/>')
     both = merge(gaze.trajectory, 1.5, shake, begin=1.5, occupied=gaze.occupancy)
@@ -64,7 +64,7 @@ def test_a_block_is_taken_back_from_over_another(planned, known, rest):
     np.testing.assert_allclose(found.sample(times)[0], gaze.trajectory.sample(times)[0], atol=1e-6)
 
 
-def test_an_arm_goes_to_rest_until_another_block_needs_it(planned, known, rest):
+def test_released_arm_rests_until_another_block_uses_it(planned, known, rest):
     first = merge(rest, 0.0, planned(OFFER.format("one", "RIGHT", 0, 1.0, 2.0)), begin=0.0)
     plan = planned(OFFER.format("two", "RIGHT", 3.5, 4.8, 5.3))
     both = merge(first.trajectory, 0.5, plan, begin=0.5, occupied=first.occupancy)
@@ -75,16 +75,16 @@ def test_an_arm_goes_to_rest_until_another_block_needs_it(planned, known, rest):
     certified(found, known, both.trajectory, 1.1)
     hinges = list(arm_hinges("r_hand", known.robot))
     np.testing.assert_allclose(found.at(3.2).angles[hinges], known.robot.skeleton.rest[hinges], atol=1e-6)
-    times = np.linspace(both.occupancy[0].ready + STEP, 9.0, 100)
+    times = np.linspace(both.occupancy[0].ready + KNOT_INTERVAL, 9.0, 100)
     np.testing.assert_allclose(
         found.sample(times)[0][:, hinges], both.trajectory.sample(times)[0][:, hinges], atol=1e-9
     )
 
 
 @pytest.mark.parametrize("knot", [-1, 0, 200, 9900])
-def test_what_is_checked_is_exactly_the_same(planned, knot):
+def test_motion_truncated_before_a_knot_keeps_the_later_control_points(planned, knot):
     running = planned(passage_text(0)).trajectory
-    left = from_knot(running.controls, knot)
+    left = motion_from_knot(running.controls, knot)
     cut = len(running.controls) - len(left.controls)
     assert cut == min(max(knot, 0), len(running.controls) - 7)
     np.testing.assert_array_equal(left.controls, running.controls[cut:])

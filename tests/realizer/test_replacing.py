@@ -1,4 +1,4 @@
-"""Blocks that replace all others, and when the next thing is due."""
+"""Replacing blocks, and the time of the next event."""
 
 import numpy as np
 import pytest
@@ -10,9 +10,7 @@ NOD = '<head id="h" lexeme="NOD" start="0" end="1"/>'
 
 
 @pytest.mark.parametrize(("composition", "goes_home"), [("REPLACE", True), ("MERGE", False)])
-def test_a_hand_goes_home_when_its_block_is_replaced_by_one_that_moves_another_part(
-    play: Play, composition: str, goes_home: bool
-):
+def test_hand_returns_to_rest_only_if_another_block_replaces_its_block(play: Play, composition: str, goes_home: bool):
     play.send("a", HELD).until(3.0).send("b", NOD, f'composition="{composition}"')
     robot = play.scene.setup.robot
     arm = list(robot.joints("l_arm"))
@@ -23,7 +21,7 @@ def test_a_hand_goes_home_when_its_block_is_replaced_by_one_that_moves_another_p
     assert play.was_told("a:g:relax") != goes_home
 
 
-def test_nothing_is_due_at_rest_and_else_the_next_feedback_is(play: Play):
+def test_next_event_of_a_scene_is_the_next_feedback_time(play: Play):
     assert play.scene.next_time == np.inf
     play.send("a", '<head id="h" lexeme="NOD" start="2" end="3"/>')
     assert play.scene.next_time == pytest.approx(play.scene.agenda[0].time)
@@ -33,7 +31,7 @@ def test_nothing_is_due_at_rest_and_else_the_next_feedback_is(play: Play):
     assert play.scene.next_time == np.inf
 
 
-def test_a_block_that_waits_is_looked_at_just_before_it_may_start(play: Play):
+def test_next_event_while_a_block_waits_is_before_the_end_of_the_running_block(play: Play):
     play.send("a", '<head id="h" lexeme="NOD" start="0" end="3"/>').send("b", NOD, 'composition="APPEND"')
     play.until(0.5)
     end = play.scene.blocks[0].end

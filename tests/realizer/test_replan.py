@@ -1,4 +1,4 @@
-"""A block that runs, gone on with by another plan of it."""
+"""Continuation of a running block with a new plan."""
 
 from dataclasses import replace
 
@@ -38,20 +38,20 @@ def others(known, block):
 
 
 def reached(motion, zero, plan, sync, hinges) -> float:
-    """[rad] from where another plan is at a sync point."""
+    """Return the distance [rad] to another plan's posture at a sync point."""
     wanted = plan.trajectory.at(plan.trajectory.zero + sync.planned).angles[hinges]
     return float(np.abs(motion.at(zero + sync.planned).angles[hinges] - wanted).max())
 
 
-def test_a_better_plan_is_gone_on_with_at_once(known, playing, others):
+def test_refined_plan_is_used_immediately(known, playing, others):
     found = replan(playing.trajectory, 0.35, playing, others["neutral"])
     certified(found.trajectory, known, playing.trajectory, 0.35)
     hinges = list(arm_hinges("r_hand", known.robot))
     for sync in found.syncs:
         if sync.sync == "stroke" and sync.behaviour.startswith("g"):
             assert reached(found.trajectory, found.zero, others["neutral"], sync, hinges) < 1e-6
-    moved = max(abs(sync.planned - sync.asked) for sync in found.syncs)
-    assert moved <= max(abs(sync.planned - sync.asked) for sync in playing.syncs)
+    moved = max(abs(sync.planned - sync.requested) for sync in found.syncs)
+    assert moved <= max(abs(sync.planned - sync.requested) for sync in playing.syncs)
     end = np.linspace(6.0, 8.0, 20)
     np.testing.assert_allclose(
         found.trajectory.sample(end)[0], others["neutral"].trajectory.sample(end - 0.2)[0], atol=1e-6
@@ -60,7 +60,7 @@ def test_a_better_plan_is_gone_on_with_at_once(known, playing, others):
 
 @pytest.mark.parametrize("time", [0.3, 1.3, 1.9, 2.6, 3.6, 4.7])
 @pytest.mark.parametrize("style", ["joyful", "sad"])
-def test_another_manner_comes_at_any_moment(known, playing, others, time, style):
+def test_style_change_works_at_any_time(known, playing, others, time, style):
     found = replan(playing.trajectory, time, playing, others[style])
     certified(found.trajectory, known, playing.trajectory, time)
     strokes = {(sync.behaviour, sync.sync): sync.planned for sync in playing.syncs}
@@ -70,7 +70,7 @@ def test_another_manner_comes_at_any_moment(known, playing, others, time, style)
     assert {sync.behaviour for sync in found.syncs} == {sync.behaviour for sync in playing.syncs}
 
 
-def test_a_gesture_that_has_begun_is_ended_as_it_was(known, playing, others):
+def test_started_gesture_finishes_in_the_old_plan(known, playing, others):
     begun = next(need for need in playing.occupancy if need.behaviour == "g3")
     time = begun.ready + 0.1
     found = replan(playing.trajectory, time, playing, others["joyful"])
@@ -78,7 +78,7 @@ def test_a_gesture_that_has_begun_is_ended_as_it_was(known, playing, others):
     assert [sync for sync in found.syncs if sync.behaviour == "g3"] == kept
 
 
-def test_what_was_merged_later_goes_on(known, playing, others):
+def test_later_merged_blocks_continue_after_a_replan(known, playing, others):
     nod = plan_quickly(parse(ROOT.format('<gesture id="late" lexeme="beat" mode="RIGHT_HAND"/>')), known)
     both = merge(playing.trajectory, 0.3, nod, begin=5.6, occupied=playing.occupancy)
     assert both.dropped == ()
@@ -89,7 +89,7 @@ def test_what_was_merged_later_goes_on(known, playing, others):
     assert reached(found.trajectory, both.zero, nod, stroke, hinges) < 1e-6
 
 
-def test_a_restyled_block_can_be_taken_back(known, playing, others):
+def test_restyled_block_can_be_removed(known, playing, others):
     found = replan(playing.trajectory, 1.3, playing, others["sad"])
     free = np.ptp(found.layer.controls, axis=0) > 0.0
     gone = release_motion(found.trajectory, 2.0, free, known, layer=found.layer)
@@ -97,7 +97,7 @@ def test_a_restyled_block_can_be_taken_back(known, playing, others):
     np.testing.assert_allclose(gone.controls[-1], known.robot.skeleton.rest, atol=1e-6)
 
 
-def test_a_block_whose_other_plan_does_not_move_is_taken_back(known, block):
+def test_block_with_a_motionless_new_plan_is_removed(known, block):
     nod = parse(ROOT.format('<head id="n" lexeme="NOD" repetition="3"/>'))
     nodding = merge(stay(known.robot.skeleton.rest), 0.0, plan_block(nod, known), begin=0.0)
     still = plan_block(replace(nod, behaviours=()), known)

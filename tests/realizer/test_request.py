@@ -1,4 +1,4 @@
-"""What can be said of a message before its motion is planned."""
+"""Properties of a message that are known before planning."""
 
 import re
 from dataclasses import replace
@@ -7,11 +7,11 @@ import pytest
 
 from kinesic.bml.block import BlockOrder, BmlError, Composition
 from kinesic.bml.composition import BlockState
-from kinesic.bml.parse import UNNAMED, parse
+from kinesic.bml.parse import DEFAULT_BLOCK_ID, parse
 from kinesic.bml.timing.constraints import Point
 from kinesic.planning.setup import Setup
 from kinesic.realizer.request import (
-    LEAD,
+    PLANNING_TIME,
     Message,
     SceneContext,
     anchor_references,
@@ -37,7 +37,7 @@ def message(inside: str = "", attributes: str = "", sender: int = 0) -> Message:
     return Message(BML.format(attributes, inside), sender, "m.xml")
 
 
-def test_a_block_is_timed_and_told_at_once(known: Setup) -> None:
+def test_block_is_timed_and_predicted_immediately(known: Setup) -> None:
     found = read_request(message(NOD.format("1"), 'characterId="Anna"', sender=3), known, context=CONTEXT)
     assert found.sender == 3
     assert found.timeline.timed[0].times["start"] == 1.0
@@ -48,7 +48,7 @@ def test_a_block_is_timed_and_told_at_once(known: Setup) -> None:
     assert found.notices == ()
 
 
-def test_a_block_that_begins_before_its_zero_is_expected_so_much_earlier(known: Setup) -> None:
+def test_block_starting_before_time_zero_is_expected_earlier(known: Setup) -> None:
     found = read_request(message(NOD.format("-0.5")), known, context=CONTEXT)
     assert (found.zero, found.timeline.start) == (10.5, -0.5)
     assert 'globalStart="10.0"' in found.prediction
@@ -58,23 +58,23 @@ def test_a_block_that_begins_before_its_zero_is_expected_so_much_earlier(known: 
     ("attributes", "zero"),
     [("", 10.0), ('composition="APPEND"', 13.0), ('bmla:chunkAfter="a"', 12.0), ('composition="REPLACE"', 10.0)],
 )
-def test_when_it_is_expected(known: Setup, attributes: str, zero: float) -> None:
+def test_expected_start_depends_on_composition(known: Setup, attributes: str, zero: float) -> None:
     assert read_request(message("", attributes), known, context=CONTEXT).zero == zero
 
 
-def test_what_is_said_takes_its_time(known: Setup) -> None:
+def test_speech_of_a_request_ends_after_its_synthesised_duration(known: Setup) -> None:
     found = read_request(message('<speech id="s"><text>Hello <sync id="m"/>there</text></speech>'), known)
     assert found.timeline.timed[0].times["end"] == found.utterances["s"].duration > 0.0
 
 
-def test_references_to_other_blocks_become_times(known: Setup) -> None:
+def test_references_to_other_blocks_become_block_times(known: Setup) -> None:
     found = read_request(message(NOD.format("a:g:stroke+0.25")), known, context=CONTEXT)
     assert found.is_anchored
-    assert found.zero == 10.0 + LEAD
+    assert found.zero == 10.0 + PLANNING_TIME
     assert found.zero + found.timeline.timed[0].times["start"] == pytest.approx(11.25)
 
 
-def test_references_in_constraints_become_times() -> None:
+def test_constraint_references_to_other_blocks_become_block_times() -> None:
     inside = NOD.format("0") + (
         '<constraint><synchronize><sync ref="h:end"/><sync ref="a:bml:end"/></synchronize>'
         '<after ref="a:g:stroke"><sync ref="h:stroke"/></after></constraint>'
@@ -87,7 +87,7 @@ def test_references_in_constraints_become_times() -> None:
     assert offsets == pytest.approx([3.0, 1.0])
 
 
-def test_unknown_references_stay_and_are_warned(known: Setup) -> None:
+def test_unknown_references_are_kept_and_warned(known: Setup) -> None:
     found = read_request(
         message(NOD.format("gone:g:stroke") + NOD.replace('"h"', '"i"').format("1")), known, context=CONTEXT
     )
@@ -95,7 +95,7 @@ def test_unknown_references_stay_and_are_warned(known: Setup) -> None:
     assert "gone:g:stroke" in found.notices[0].text
 
 
-def test_blocks_without_id_get_free_ones(known: Setup) -> None:
+def test_bml_blocks_without_id_get_unused_ids(known: Setup) -> None:
     text = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0"/>'
     taken = replace(CONTEXT, states={"block": BlockState.IN_EXEC, "block.2": BlockState.LURKING})
     assert read_request(Message(text), known).block.id == "block"
@@ -103,13 +103,13 @@ def test_blocks_without_id_get_free_ones(known: Setup) -> None:
     assert (found.block.id, len(found.notices)) == ("block.3", 1)
 
 
-def test_what_is_decided_is_not_said_again(known: Setup) -> None:
+def test_started_speech_is_not_synthesised_again(known: Setup) -> None:
     found = read_request(message('<speech id="s"><text>Hello</text></speech>'), known)
     assert retime_request(replace(found, is_decided=True), known).utterances is found.utterances
     assert retime_request(found, known).utterances is not found.utterances
 
 
-def test_a_bad_document_is_refused_by_the_id_of_its_block(known: Setup) -> None:
+def test_refusal_of_a_document_uses_its_block_id(known: Setup) -> None:
     bad = message(NOD.format("nobody:end"))
     with pytest.raises(BmlError) as caught:
         read_request(bad, known)
@@ -120,19 +120,27 @@ def test_a_bad_document_is_refused_by_the_id_of_its_block(known: Setup) -> None:
     assert 'id="block"' in refusal_feedback(Message(b"\xff<nothing", 1), BmlError("no XML"))
 
 
-def test_expectations_count_only_what_is_known() -> None:
-    block = replace(parse(BML.format("", "")), composition=Composition.APPEND, succession=BlockOrder(after=("gone",)))
+def test_fenced_document_and_fml_of_a_client_are_read(known: Setup) -> None:
+    fenced = Message(f"Sure:\n```xml\n{BML.format('', NOD.format(1))}\n```", 0, "m.xml")
+    assert [each.type for each in read_request(fenced, known).block.behaviours] == ["head"]
+    assert block_id(fenced.text) == "b"
+    fml = Message('<fml-apml><fml><emotion type="joy" start="0" end="3" importance="1"/></fml></fml-apml>', 0, "m.xml")
+    assert [each.type for each in read_request(fml, known).block.behaviours] == ["faceLexeme", "gesture"]
+
+
+def test_expected_start_ignores_references_to_missing_blocks() -> None:
+    block = replace(parse(BML.format("", "")), composition=Composition.APPEND, order=BlockOrder(after=("gone",)))
     assert CONTEXT.expected_start(block) == 10.0
 
 
-def test_the_id_of_a_hostile_document_is_found_or_given_up_at_once():
-    """Text that begins a tag again and again took hours, and nobody else had a turn."""
-    assert block_id(b"<bml " * 200_000) == UNNAMED
+def test_block_id_search_is_fast_for_hostile_documents():
+    """Text with many opening tags used to take hours and blocked other clients."""
+    assert block_id(b"<bml " * 200_000) == DEFAULT_BLOCK_ID
     assert block_id('\n{"behaviours": [{"id": "g"}], "id": "b1"}') == "b1"
-    assert block_id(b'{"id": 7}') == block_id('{"behaviours": []}') == block_id(b'{"id": "\xff"}') == UNNAMED
+    assert block_id(b'{"id": 7}') == block_id('{"behaviours": []}') == block_id(b'{"id": "\xff"}') == DEFAULT_BLOCK_ID
     assert block_id("<bml " * 10 + ' id="late">') == "late"
     assert block_id('<!-- <bml id="old"> --><bml id="new"/>') == "new"
     assert block_id('<a><![CDATA[<bml id="old">]]></a><bml id=\' it&apos;s &#65;&amp;"B" \'/>') == 'it\'s A&"B"'
     assert block_id('<bml id="it\'s"/>') == "it's"
-    assert block_id('<!-- <bml id="old">') == block_id('<bml id=" "/>') == UNNAMED
-    assert block_id(b"<a/>" * 100_000 + b'<bml id="far">') == UNNAMED
+    assert block_id('<!-- <bml id="old">') == block_id('<bml id=" "/>') == DEFAULT_BLOCK_ID
+    assert block_id(b"<a/>" * 100_000 + b'<bml id="far">') == DEFAULT_BLOCK_ID
